@@ -1,0 +1,27 @@
+//! What every other crate of secateur speaks about.
+//!
+//! - [`Foliage`]: the leaves of a plant, in world space, each a few triangles.
+//! - [`LeafId`]: the name of a leaf; 0 is the background and never a leaf.
+//! - [`Cutout`]: the alpha mask of a leaf texture, as bits.
+//! - [`RemovalOrder`]: what a simplification method decided, step by step.
+//! - [`Lod`]: which leaves are left, and how large, after some of those steps.
+//! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
+//!   plant made of two of them.
+//!
+//! Nothing here knows a view, an image or a method.
+
+mod cutout;
+mod foliage;
+mod leaf_id;
+mod lod;
+mod plant;
+mod removal_order;
+mod surface;
+
+pub use cutout::{Cutout, Wrap};
+pub use foliage::{BoundingSphere, Foliage, FoliageError, Leaf, LeafTriangle};
+pub use leaf_id::LeafId;
+pub use lod::Lod;
+pub use plant::Plant;
+pub use removal_order::{Growth, RemovalOrder, Step};
+pub use surface::{AlphaMode, Material, Surface, Texture};
