@@ -1,1 +1,83 @@
-//! Placeholder.
+//! From leaves and views to fragments and areas, in integers.
+//!
+//! Data flows one way: a [`Foliage`](secateur_model::Foliage) at some
+//! [`Lod`](secateur_model::Lod) is projected in f64 and snapped to a sub-pixel
+//! grid once ([`snap`]); from there every stage only adds, multiplies and
+//! compares 32-bit integers, so that its CPU and GPU twins agree bit for bit:
+//!
+//! | stage | CPU twin | shader |
+//! |---|---|---|
+//! | [`SnappedTriangle`] to [`Fragments`], the A-buffer | [`cpu::fragments`] | `fragments_*.wgsl` |
+//! | front fragments to a [`LeafIdImage`] | [`Fragments::leaf_ids`] | `leaf_ids.wgsl` |
+//! | [`LeafIdImage`] to an [`AreaTable`] | [`cpu::histogram`] | `histogram.wgsl` |
+//!
+//! Images are square. Pixel (x, y) is `y * resolution + x`, row 0 on top.
+//!
+//! # Which leaf owns a pixel
+//! The one whose triangle covers the pixel's centre (top-left rule) nearest to
+//! the eye; at equal depth the lowest leaf number. Leaves are two-sided. Where
+//! a leaf's cut-out has a hole there is no fragment.
+
+mod area_table;
+pub mod cpu;
+mod fragments;
+mod leaf_id_image;
+pub mod snap;
+mod view;
+mod view_set;
+
+pub use area_table::AreaTable;
+pub use fragments::{Fragment, Fragments};
+pub use leaf_id_image::LeafIdImage;
+pub use snap::SnappedTriangle;
+pub use view::{View, ViewError};
+pub use view_set::ViewSet;
+
+/// The largest image side in pixels: beyond it the edge functions would leave
+/// 32 bits (see [`snap`]).
+pub const MAX_RESOLUTION: u32 = 2048;
+
+/// The most pixels over all views: the integer VMI is bounded for this many,
+/// and pixel numbers over all views fit 32 bits.
+pub const MAX_TOTAL_PIXELS: u64 = 1 << 29;
+
+/// What is looked at, from where, how finely.
+#[derive(Clone, Copy)]
+pub struct Scene<'a> {
+    /// The leaves at their original sizes.
+    pub foliage: &'a secateur_model::Foliage,
+    /// Which of them are there, and how large.
+    pub lod: &'a secateur_model::Lod,
+    /// The cameras.
+    pub views: &'a ViewSet,
+    /// Image width and height in pixels, 1 to [`MAX_RESOLUTION`].
+    pub resolution: u32,
+}
+
+impl Scene<'_> {
+    /// Pixels of one view.
+    pub fn pixels_per_view(&self) -> usize {
+        self.resolution as usize * self.resolution as usize
+    }
+
+    /// # Panics
+    /// If the resolution or the number of pixels is out of range, or the level
+    /// is one of another foliage.
+    pub(crate) fn assert_in_range(&self) {
+        assert!(
+            (1..=MAX_RESOLUTION).contains(&self.resolution),
+            "resolution {} is not in 1..={MAX_RESOLUTION}",
+            self.resolution
+        );
+        let total = self.pixels_per_view() as u64 * self.views.len() as u64;
+        assert!(
+            total <= MAX_TOTAL_PIXELS,
+            "{total} pixels over all views, at most {MAX_TOTAL_PIXELS}"
+        );
+        assert_eq!(
+            self.lod.area_scales().len(),
+            self.foliage.leaves().len(),
+            "the level belongs to another foliage"
+        );
+    }
+}

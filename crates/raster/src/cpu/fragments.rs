@@ -1,0 +1,139 @@
+//! Leaves to fragments: the A-buffer.
+
+use rayon::prelude::*;
+use secateur_model::{Foliage, LeafId};
+
+use super::rasterise;
+use crate::snap::Snapper;
+use crate::{Fragment, Fragments, Scene, View};
+
+/// The fragments of all views of a scene.
+///
+/// Takes time in proportion to triangles times views plus fragments, and 8
+/// bytes a fragment, plus 16 for those of the views at work.
+///
+/// # Panics
+/// If the scene's resolution, pixels or fragments (over 2^32) are out of range.
+pub fn fragments(scene: &Scene<'_>) -> Fragments {
+    scene.assert_in_range();
+    let views: Vec<(Vec<u32>, Vec<Fragment>)> = scene
+        .views
+        .views()
+        .par_iter()
+        .map(|view| fragments_of_view(scene, view))
+        .collect();
+    let pixels = scene.pixels_per_view();
+    let total: usize = views.iter().map(|(_, fragments)| fragments.len()).sum();
+    assert!(
+        u32::try_from(total).is_ok(),
+        "{total} fragments, at most {}",
+        u32::MAX
+    );
+    let mut starts = Vec::with_capacity(views.len() * pixels + 1);
+    let mut all = Vec::with_capacity(total);
+    for (view_starts, fragments) in views {
+        let before = all.len() as u32;
+        starts.extend(view_starts[..pixels].iter().map(|s| s + before));
+        all.extend_from_slice(&fragments);
+    }
+    starts.push(all.len() as u32);
+    Fragments::from_lists(scene.resolution, starts, all)
+}
+
+fn fragments_of_view(scene: &Scene<'_>, view: &View) -> (Vec<u32>, Vec<Fragment>) {
+    let mut leaf_fragments = LeafFragments::new(scene.resolution);
+    let mut found: Vec<(u32, Fragment)> = Vec::new();
+    for (leaf, area_scale) in scene.lod.leaves() {
+        for &(pixel, depth) in leaf_fragments.of(scene.foliage, leaf, area_scale, view) {
+            found.push((pixel, Fragment::new(depth, leaf.get())));
+        }
+    }
+    // A counting sort by pixel, then each short list by depth and leaf.
+    let pixels = scene.pixels_per_view();
+    let mut starts = vec![0u32; pixels + 1];
+    for (pixel, _) in &found {
+        starts[*pixel as usize + 1] += 1;
+    }
+    for k in 0..pixels {
+        starts[k + 1] += starts[k];
+    }
+    let mut next = starts.clone();
+    let mut sorted = vec![Fragment::new(0, 0); found.len()];
+    for (pixel, fragment) in found {
+        let slot = &mut next[pixel as usize];
+        sorted[*slot as usize] = fragment;
+        *slot += 1;
+    }
+    for k in 0..pixels {
+        sorted[starts[k] as usize..starts[k + 1] as usize].sort_unstable();
+    }
+    (starts, sorted)
+}
+
+/// Rasterises leaves one at a time, reusing its memory.
+#[derive(Clone, Debug)]
+pub struct LeafFragments {
+    resolution: u32,
+    found: Vec<(u32, u32)>,
+    /// For each pixel, where in `found` it would be.
+    place: Vec<u32>,
+}
+
+impl LeafFragments {
+    /// For images of `resolution` x `resolution` pixels.
+    pub fn new(resolution: u32) -> Self {
+        Self {
+            resolution,
+            found: Vec::new(),
+            place: vec![0; resolution as usize * resolution as usize],
+        }
+    }
+
+    /// The pixels of a leaf in one view, each once, with its nearest depth
+    /// there: pairs of pixel (`row * resolution + column`) and depth.
+    pub fn of(
+        &mut self,
+        foliage: &Foliage,
+        leaf: LeafId,
+        area_scale: f64,
+        view: &View,
+    ) -> &[(u32, u32)] {
+        let Self {
+            resolution,
+            found,
+            place,
+        } = self;
+        found.clear();
+        let triangles = foliage.triangles_of(leaf);
+        let geometry = foliage.leaf(leaf);
+        let cutout = geometry
+            .cutout()
+            .map(|index| &*foliage.cutouts()[index as usize]);
+        let mut first = true;
+        Snapper::new(view, *resolution).snap_leaf(
+            leaf.get(),
+            geometry,
+            triangles,
+            area_scale,
+            cutout,
+            |triangle| {
+                rasterise(triangle, foliage.cutouts(), |x, y, depth| {
+                    let pixel = y * *resolution + x;
+                    if !first {
+                        // `place` may be left over from another leaf: it
+                        // counts only where `found` agrees.
+                        let slot = place[pixel as usize] as usize;
+                        if let Some(known) = found.get_mut(slot).filter(|f| f.0 == pixel) {
+                            known.1 = known.1.min(depth);
+                            return;
+                        }
+                    }
+                    place[pixel as usize] = found.len() as u32;
+                    found.push((pixel, depth));
+                });
+                first = false;
+            },
+        );
+        found
+    }
+}

@@ -1,0 +1,11 @@
+//! The twins that run on the CPU; the GPU's must give the same bits.
+
+mod draw;
+mod fragments;
+mod histogram;
+mod triangle;
+
+pub use draw::draw_leaf_ids;
+pub use fragments::{LeafFragments, fragments};
+pub use histogram::{areas, histogram};
+pub use triangle::rasterise;

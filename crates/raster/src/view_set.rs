@@ -1,0 +1,164 @@
+//! Where the cameras stand.
+
+use glam::DVec3;
+use secateur_model::BoundingSphere;
+
+use crate::{View, ViewError};
+
+/// The cameras that measure a foliage, in a fixed order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewSet {
+    views: Vec<View>,
+}
+
+/// (1 + sqrt 5) / 2.
+const GOLDEN: f64 = 1.618_033_988_749_895;
+
+impl ViewSet {
+    /// One's own cameras.
+    pub fn new(views: Vec<View>) -> Self {
+        Self { views }
+    }
+
+    /// The 20 vertices of a dodecahedron, the paper's driving set (Entropy
+    /// 2018, 20, 213, section 4.2, Fig. 4a).
+    pub fn dodecahedron(sphere: BoundingSphere) -> Self {
+        let inverse = 1.0 / GOLDEN;
+        let mut directions = cube();
+        for (a, b) in signs2(inverse, GOLDEN) {
+            directions.push(DVec3::new(0.0, a, b));
+            directions.push(DVec3::new(a, b, 0.0));
+            directions.push(DVec3::new(b, 0.0, a));
+        }
+        Self::around(sphere, &directions)
+    }
+
+    /// The 12 vertices of an icosahedron, the paper's judging set (section 4.2,
+    /// Fig. 4b).
+    pub fn icosahedron(sphere: BoundingSphere) -> Self {
+        let mut directions = Vec::with_capacity(12);
+        for (a, b) in signs2(1.0, GOLDEN) {
+            directions.push(DVec3::new(0.0, a, b));
+            directions.push(DVec3::new(a, b, 0.0));
+            directions.push(DVec3::new(b, 0.0, a));
+        }
+        Self::around(sphere, &directions)
+    }
+
+    /// The 8 corners of a cube.
+    pub fn cube(sphere: BoundingSphere) -> Self {
+        Self::around(sphere, &cube())
+    }
+
+    /// The 6 corners of an octahedron.
+    pub fn octahedron(sphere: BoundingSphere) -> Self {
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
+        Self::around(sphere, &[x, -x, y, -y, z, -z])
+    }
+
+    /// Cameras in these directions from the sphere's centre, at three times its
+    /// radius, looking at the centre with a field of view of 60 degrees
+    /// (section 4.2). A sphere without extent counts as one of radius 1.
+    ///
+    /// # Panics
+    /// If a direction has no length.
+    pub fn around(sphere: BoundingSphere, directions: &[DVec3]) -> Self {
+        let radius = if sphere.radius > 0.0 {
+            sphere.radius
+        } else {
+            1.0
+        };
+        let view = |direction: &DVec3| {
+            let unit = *direction / direction.length();
+            let up_hint = if unit.y.abs() > 0.999 {
+                DVec3::Z
+            } else {
+                DVec3::Y
+            };
+            let eye = sphere.centre + unit * (3.0 * radius);
+            // Leaves grow, but never past a twentieth of the way to the camera
+            // without losing their meaning; a far near plane keeps depth fine.
+            let near = 0.05 * 3.0 * radius;
+            View::look_at(eye, sphere.centre, up_hint, View::TAN_30_DEGREES, near)
+        };
+        let views: Result<Vec<View>, ViewError> = directions.iter().map(view).collect();
+        Self {
+            views: views.expect("directions around a finite sphere make cameras"),
+        }
+    }
+
+    /// The cameras in order.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// How many cameras there are.
+    pub fn len(&self) -> usize {
+        self.views.len()
+    }
+
+    /// Whether there is no camera.
+    pub fn is_empty(&self) -> bool {
+        self.views.is_empty()
+    }
+}
+
+fn cube() -> Vec<DVec3> {
+    let mut corners = Vec::with_capacity(20);
+    for x in [-1.0, 1.0] {
+        for y in [-1.0, 1.0] {
+            for z in [-1.0, 1.0] {
+                corners.push(DVec3::new(x, y, z));
+            }
+        }
+    }
+    corners
+}
+
+fn signs2(a: f64, b: f64) -> [(f64, f64); 4] {
+    [(-a, -b), (-a, b), (a, -b), (a, b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPHERE: BoundingSphere = BoundingSphere {
+        centre: DVec3::new(1.0, 2.0, 3.0),
+        radius: 2.0,
+    };
+
+    fn nearest_angles(set: &ViewSet) -> Vec<i32> {
+        // Cosine of the angle to the nearest other view, in thousandths.
+        let directions: Vec<DVec3> = set.views().iter().map(|v| v.forward()).collect();
+        let nearest = |d: &DVec3| {
+            let cosines = directions.iter().filter(|e| *e != d).map(|e| d.dot(*e));
+            (cosines.fold(-1.0, f64::max) * 1000.0).round() as i32
+        };
+        directions.iter().map(nearest).collect()
+    }
+
+    #[test]
+    fn platonic_sets_are_regular() {
+        // Neighbouring vertices of the solids, seen from the centre: cosines
+        // sqrt(5)/3, 1/sqrt(5), 1/3 and 0.
+        let sets = [
+            (ViewSet::dodecahedron(SPHERE), 20, 745),
+            (ViewSet::icosahedron(SPHERE), 12, 447),
+            (ViewSet::cube(SPHERE), 8, 333),
+            (ViewSet::octahedron(SPHERE), 6, 0),
+        ];
+        for (set, count, cosine) in sets {
+            assert_eq!(set.len(), count);
+            assert_eq!(nearest_angles(&set), vec![cosine; count]);
+        }
+    }
+
+    #[test]
+    fn cameras_look_at_the_centre_from_three_radii() {
+        for view in ViewSet::dodecahedron(SPHERE).views() {
+            let to_centre = view.camera_from_world(SPHERE.centre);
+            assert!((to_centre - DVec3::new(0.0, 0.0, 6.0)).length() < 1e-12);
+        }
+    }
+}
