@@ -1,1 +1,11 @@
-//! Placeholder.
+//! Which leaves can go.
+//!
+//! - [`vmi`]: viewpoint mutual information, the measure.
+//! - [`vds`]: viewpoint-driven simplification, the greedy method driven by it,
+//!   once as the literal algorithm and once as an exact, fast engine.
+//!
+//! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
+
+pub mod lg;
+pub mod vds;
+pub mod vmi;

@@ -1,0 +1,125 @@
+//! Logarithms of counts, in integers.
+//!
+//! Areas are whole numbers, so every logarithm the measure needs is that of a
+//! whole number. Computed by integer arithmetic alone, it has the same bits on
+//! every platform, and sums of it do not depend on their order.
+
+/// Fractional bits of a logarithm.
+///
+/// Bound: [`lg`] of anything up to 2^30 is below 30 * 2^27 < 2^32, and with at
+/// most 2^29 pixels over all views ([`secateur_raster::MAX_TOTAL_PIXELS`]) a sum
+/// over all views of `2 * area * lg` stays below 2 * 2^29 * 29 * 2^27 < 2^62.
+pub const LG_FRACTION_BITS: u32 = 27;
+
+/// Largest count in the tables: the pixels of a 256 x 256 view.
+const TABLE_MAX: u32 = 1 << 16;
+
+/// log2 of `n >= 1` in units of 2^-27, rounded down to within 1.2 units.
+///
+/// The fraction comes bit by bit from squaring a 32-bit mantissa; the shader
+/// `first_costs.wgsl` does the same steps.
+pub fn lg(n: u32) -> u32 {
+    debug_assert!(n > 0 && n < 1 << 31);
+    let exponent = n.ilog2();
+    let mut mantissa = n << (31 - exponent);
+    let mut bits = exponent;
+    for _ in 0..LG_FRACTION_BITS {
+        let square = u64::from(mantissa) * u64::from(mantissa);
+        let carry = (square >> 63) as u32;
+        mantissa = (square >> (31 + carry)) as u32;
+        bits = bits << 1 | carry;
+    }
+    bits
+}
+
+/// Tables of `lg n` and `n lg n` for the counts of leaves, which are small.
+#[derive(Clone, Debug)]
+pub struct LgTable {
+    lg: Vec<u32>,
+    n_lg_n: Vec<i64>,
+}
+
+impl LgTable {
+    /// Computes the tables, some milliseconds.
+    pub fn new() -> Self {
+        let lg: Vec<u32> = (0..=TABLE_MAX)
+            .map(|n| if n == 0 { 0 } else { lg(n) })
+            .collect();
+        let n_lg_n = lg.iter().zip(0i64..).map(|(l, n)| n * i64::from(*l));
+        Self {
+            n_lg_n: n_lg_n.collect(),
+            lg,
+        }
+    }
+
+    /// [`lg`] of n; 0 for 0, which only ever stands beside a factor 0.
+    #[inline]
+    pub fn lg(&self, n: u32) -> i64 {
+        match self.lg.get(n as usize) {
+            Some(l) => i64::from(*l),
+            None => i64::from(lg(n)),
+        }
+    }
+
+    /// `n lg n`, 0 for 0.
+    #[inline]
+    pub fn n_lg_n(&self, n: u32) -> i64 {
+        match self.n_lg_n.get(n as usize) {
+            Some(l) => *l,
+            None => i64::from(n) * i64::from(lg(n)),
+        }
+    }
+
+    /// `a (lg a - lg s)`: what a leaf of area `a` in a view and `s` over all
+    /// views adds to the view's VMI, times the pixels of a view.
+    #[inline]
+    pub fn term(&self, a: u32, lg_s: i64) -> i64 {
+        self.n_lg_n(a) - i64::from(a) * lg_s
+    }
+}
+
+impl Default for LgTable {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        for exponent in 0..31 {
+            assert_eq!(lg(1 << exponent), exponent << LG_FRACTION_BITS);
+        }
+    }
+
+    #[test]
+    fn close_to_the_real_logarithm_and_never_above() {
+        let one = f64::from(1u32 << LG_FRACTION_BITS);
+        let mut n = 1u32;
+        while n < 1 << 30 {
+            let exact = f64::from(n).log2() * one;
+            let error = exact - f64::from(lg(n));
+            assert!((-1e-6..1.2).contains(&error), "lg({n}) is off by {error}");
+            n += 1 + n / 977;
+        }
+    }
+
+    #[test]
+    fn monotonic_over_the_table_and_its_end() {
+        let table = LgTable::new();
+        for n in 1..TABLE_MAX + 1000 {
+            assert!(table.lg(n) < table.lg(n + 1), "{n}");
+            assert_eq!(table.n_lg_n(n), i64::from(n) * table.lg(n));
+        }
+    }
+
+    #[test]
+    fn bits_are_pinned() {
+        // log2 3 = 1.58496250072..., in units of 2^-27: 212730065.8
+        assert_eq!(lg(3), 212_730_065);
+        assert_eq!(lg(10), 445_861_641);
+    }
+}

@@ -1,0 +1,281 @@
+//! The A-buffer as it is edited: leaves go, leaves grow.
+//!
+//! The greedy loop needs, at every pixel, only the front leaf and the one
+//! behind it; but after enough steps any fragment may come to the front, so the
+//! lists stay complete. A removed leaf's fragments are left where they are and
+//! dropped when they reach the front or room runs out.
+
+use secateur_raster::{Fragment, Fragments};
+
+/// The front leaf of a pixel and the one behind it; 0 where there is none.
+pub(super) type Ends = [u32; 2];
+
+/// A pixel's list: `arena[start..start + len]`, nearest first, with room for
+/// `room` fragments. Its first two are leaves that are still there.
+#[derive(Clone, Copy)]
+struct Span {
+    start: u32,
+    len: u32,
+    room: u32,
+}
+
+pub(super) struct PixelLists {
+    spans: Vec<Span>,
+    arena: Vec<Fragment>,
+    ends: Vec<Ends>,
+    is_there: Vec<bool>,
+    leaf_pixels: LeafPixels,
+    /// When a pixel was last among those of a growing leaf.
+    stamps: Vec<u32>,
+    tick: u32,
+}
+
+impl PixelLists {
+    /// `leaf_count` leaves, all of which may have fragments.
+    pub(super) fn new(fragments: Fragments, leaf_count: usize) -> Self {
+        let (starts, arena) = fragments.into_lists();
+        let leaf_pixels = LeafPixels::new(&starts, &arena, leaf_count);
+        let span = |w: &[u32]| Span {
+            start: w[0],
+            len: w[1] - w[0],
+            room: w[1] - w[0],
+        };
+        let spans: Vec<Span> = starts.windows(2).map(span).collect();
+        let leaf = |span: &Span, k: u32| match k < span.len {
+            true => arena[(span.start + k) as usize].leaf(),
+            false => 0,
+        };
+        Self {
+            ends: spans.iter().map(|s| [leaf(s, 0), leaf(s, 1)]).collect(),
+            stamps: vec![0; spans.len()],
+            spans,
+            arena,
+            is_there: vec![true; leaf_count + 1],
+            leaf_pixels,
+            tick: 0,
+        }
+    }
+
+    /// Front and second leaf of every pixel, view by view.
+    pub(super) fn ends(&self) -> &[Ends] {
+        &self.ends
+    }
+
+    /// Takes a leaf away; `changed(pixel, before, after)` is called where that
+    /// changes the first two.
+    pub(super) fn remove(&mut self, leaf: u32, mut changed: impl FnMut(u32, Ends, Ends)) {
+        self.is_there[leaf as usize] = false;
+        for at in self.leaf_pixels.range(leaf) {
+            let pixel = self.leaf_pixels.pixels[at];
+            if self.ends[pixel as usize].contains(&leaf) {
+                self.settle(pixel, &mut changed);
+            }
+        }
+        self.leaf_pixels.clear(leaf);
+    }
+
+    /// Gives a leaf new fragments: pairs of pixel (over all views) and depth,
+    /// each pixel once.
+    pub(super) fn replace(
+        &mut self,
+        leaf: u32,
+        fragments: &[(u32, u32)],
+        mut changed: impl FnMut(u32, Ends, Ends),
+    ) {
+        let (is_new, is_both) = (self.tick + 1, self.tick + 2);
+        self.tick += 2;
+        for (pixel, _) in fragments {
+            self.stamps[*pixel as usize] = is_new;
+        }
+        for at in self.leaf_pixels.range(leaf) {
+            let pixel = self.leaf_pixels.pixels[at];
+            let stamp = &mut self.stamps[pixel as usize];
+            if *stamp == is_new {
+                *stamp = is_both;
+            } else {
+                self.take_out(pixel, leaf);
+                if self.ends[pixel as usize].contains(&leaf) {
+                    self.settle(pixel, &mut changed);
+                }
+            }
+        }
+        for &(pixel, depth) in fragments {
+            let fragment = Fragment::new(depth, leaf);
+            let place = if self.stamps[pixel as usize] == is_both {
+                self.move_to(pixel, fragment)
+            } else {
+                self.insert(pixel, fragment)
+            };
+            if place < 2 || self.ends[pixel as usize].contains(&leaf) {
+                self.settle(pixel, &mut changed);
+            }
+        }
+        self.leaf_pixels.replace(leaf, fragments);
+    }
+
+    fn list(&mut self, pixel: u32) -> &mut [Fragment] {
+        let span = self.spans[pixel as usize];
+        &mut self.arena[span.start as usize..(span.start + span.len) as usize]
+    }
+
+    /// Makes the first two entries leaves that are there, and reports a change.
+    fn settle(&mut self, pixel: u32, changed: &mut impl FnMut(u32, Ends, Ends)) {
+        let span = &mut self.spans[pixel as usize];
+        let list = &mut self.arena[span.start as usize..(span.start + span.len) as usize];
+        let there = |f: &Fragment| self.is_there[f.leaf() as usize];
+        let front = list.iter().position(there).unwrap_or(list.len());
+        let gap = list
+            .iter()
+            .skip(front + 1)
+            .position(there)
+            .unwrap_or(list.len().saturating_sub(front + 1));
+        let mut after = [0, 0];
+        let mut drop = front;
+        if front < list.len() {
+            list[front + gap] = list[front];
+            drop += gap;
+            after[0] = list[drop].leaf();
+            after[1] = list.get(drop + 1).map_or(0, |f| f.leaf());
+        }
+        span.start += drop as u32;
+        span.len -= drop as u32;
+        span.room -= drop as u32;
+        let ends = &mut self.ends[pixel as usize];
+        let before = std::mem::replace(ends, after);
+        if before != after {
+            changed(pixel, before, after);
+        }
+    }
+
+    fn take_out(&mut self, pixel: u32, leaf: u32) {
+        let list = self.list(pixel);
+        let place = place_of(list, leaf);
+        list.copy_within(place + 1.., place);
+        self.spans[pixel as usize].len -= 1;
+    }
+
+    /// Moves the leaf's fragment to where its new depth belongs.
+    fn move_to(&mut self, pixel: u32, fragment: Fragment) -> usize {
+        let list = self.list(pixel);
+        let from = place_of(list, fragment.leaf());
+        let mut to = from;
+        while to > 0 && list[to - 1] > fragment {
+            list[to] = list[to - 1];
+            to -= 1;
+        }
+        while to + 1 < list.len() && list[to + 1] < fragment {
+            list[to] = list[to + 1];
+            to += 1;
+        }
+        list[to] = fragment;
+        to.min(from)
+    }
+
+    fn insert(&mut self, pixel: u32, fragment: Fragment) -> usize {
+        if self.spans[pixel as usize].len == self.spans[pixel as usize].room {
+            self.make_room(pixel);
+        }
+        self.spans[pixel as usize].len += 1;
+        let list = self.list(pixel);
+        let last = list.len() - 1;
+        let place = list[..last].partition_point(|f| *f < fragment);
+        list.copy_within(place..last, place + 1);
+        list[place] = fragment;
+        place
+    }
+
+    #[cold]
+    fn make_room(&mut self, pixel: u32) {
+        let span = &mut self.spans[pixel as usize];
+        let range = span.start as usize..(span.start + span.len) as usize;
+        let mut kept = range.start;
+        for at in range.clone() {
+            let fragment = self.arena[at];
+            if self.is_there[fragment.leaf() as usize] {
+                self.arena[kept] = fragment;
+                kept += 1;
+            }
+        }
+        span.len = (kept - range.start) as u32;
+        if span.len == span.room {
+            let room = span.len + span.len / 2 + 2;
+            let start = u32::try_from(self.arena.len()).expect("fragments fit 32 bits");
+            self.arena.extend_from_within(range);
+            self.arena
+                .resize(start as usize + room as usize, Fragment::new(0, 0));
+            (span.start, span.room) = (start, room);
+        }
+    }
+}
+
+fn place_of(list: &[Fragment], leaf: u32) -> usize {
+    list.iter()
+        .position(|f| f.leaf() == leaf)
+        .expect("a leaf is in the lists of its pixels")
+}
+
+/// The pixels (over all views) in which each leaf has a fragment.
+struct LeafPixels {
+    /// Start and length, by leaf number.
+    ranges: Vec<(u32, u32)>,
+    pixels: Vec<u32>,
+    live: usize,
+}
+
+impl LeafPixels {
+    fn new(starts: &[u32], arena: &[Fragment], leaf_count: usize) -> Self {
+        let mut ranges = vec![(0u32, 0u32); leaf_count + 1];
+        for fragment in arena {
+            ranges[fragment.leaf() as usize].1 += 1;
+        }
+        let mut before = 0;
+        for range in &mut ranges {
+            range.0 = before;
+            before += std::mem::take(&mut range.1);
+        }
+        let mut pixels = vec![0; arena.len()];
+        for (pixel, list) in starts.windows(2).enumerate() {
+            for fragment in &arena[list[0] as usize..list[1] as usize] {
+                let (start, filled) = &mut ranges[fragment.leaf() as usize];
+                pixels[(*start + *filled) as usize] = pixel as u32;
+                *filled += 1;
+            }
+        }
+        Self {
+            ranges,
+            live: pixels.len(),
+            pixels,
+        }
+    }
+
+    fn range(&self, leaf: u32) -> std::ops::Range<usize> {
+        let (start, len) = self.ranges[leaf as usize];
+        start as usize..(start + len) as usize
+    }
+
+    fn clear(&mut self, leaf: u32) {
+        self.live -= self.ranges[leaf as usize].1 as usize;
+        self.ranges[leaf as usize].1 = 0;
+    }
+
+    fn replace(&mut self, leaf: u32, fragments: &[(u32, u32)]) {
+        self.clear(leaf);
+        if self.pixels.len() > 2 * self.live + 65_536 {
+            self.compact();
+        }
+        let start = u32::try_from(self.pixels.len()).expect("fragments fit 32 bits");
+        self.ranges[leaf as usize] = (start, fragments.len() as u32);
+        self.pixels.extend(fragments.iter().map(|(pixel, _)| pixel));
+        self.live += fragments.len();
+    }
+
+    fn compact(&mut self) {
+        let mut kept = Vec::with_capacity(self.live);
+        for (start, len) in &mut self.ranges {
+            let range = *start as usize..(*start + *len) as usize;
+            *start = kept.len() as u32;
+            kept.extend_from_slice(&self.pixels[range]);
+        }
+        self.pixels = kept;
+    }
+}

@@ -1,0 +1,17 @@
+//! Viewpoint-driven simplification (Gasch et al., Entropy 2018, 20, 213).
+//!
+//! Each step prunes the leaf whose absence changes the VMI of the views least
+//! (Eq. 4) and lets its nearest neighbours grow (Eq. 5). [`reference`] does so
+//! as Algorithm 1 is written, drawing every view anew for every candidate of
+//! every step; [`fast`] makes the very same choices without drawing.
+
+pub mod fast;
+mod options;
+mod outcome;
+mod phases;
+pub mod reference;
+mod resize;
+mod ties;
+
+pub use options::{Reference, Resize, Stop, Ties, VdsOptions, ViewPlan};
+pub use outcome::{Progress, Stopped, VdsError, VdsOutcome};

@@ -1,0 +1,79 @@
+//! What a run of VDS gives back.
+
+use secateur_model::RemovalOrder;
+use secateur_raster::{AreaTable, RasterError, ViewSet};
+
+use crate::vmi::Vmi;
+
+/// Where a run stands; passed to the caller after every step.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Steps done.
+    pub steps: usize,
+    /// Steps to do at most.
+    pub steps_at_most: usize,
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stopped {
+    /// The asked number of leaves is left.
+    AtLeafCount,
+    /// One more step would exceed the asked error.
+    AtMaxError,
+}
+
+/// Why a run could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VdsError {
+    /// The caller asked to stop.
+    #[error("stopped before the end")]
+    Cancelled,
+    /// A view set without views.
+    #[error("there is no view to measure the foliage from")]
+    NoViews,
+    /// The resolution or the number of pixels is out of range.
+    #[error(
+        "{views} views of {resolution} x {resolution} pixels are out of range: at least 1 and at most {max} x {max}, and at most 2^29 pixels over all views"
+    )]
+    Resolution {
+        /// Views of the set.
+        views: usize,
+        /// Asked image side.
+        resolution: u32,
+        /// Largest image side.
+        max: u32,
+    },
+    /// The A-buffer could not be made.
+    #[error("{0}")]
+    Raster(String),
+    /// `neighbours` is 0.
+    #[error("growth must be shared by at least one neighbour")]
+    NoNeighbours,
+}
+
+impl VdsError {
+    pub(crate) fn from_raster(error: RasterError) -> Self {
+        Self::Raster(error.to_string())
+    }
+}
+
+/// A removal order, and what the views show at its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VdsOutcome {
+    /// The steps.
+    pub order: RemovalOrder,
+    /// The cost of each step: the sum over the views of `P * |change of VMI|`,
+    /// in units of 2^-27 bits (see [`vmi`](crate::vmi)).
+    pub costs_scaled: Vec<i64>,
+    /// Why it ended.
+    pub stopped: Stopped,
+    /// The views of the last step.
+    pub views: ViewSet,
+    /// Areas of the foliage at the end in those views.
+    pub areas: AreaTable,
+    /// VMI of the original foliage in those views.
+    pub vmi_original: Vmi,
+    /// VMI of the foliage at the end in those views.
+    pub vmi_final: Vmi,
+}

@@ -1,0 +1,100 @@
+//! The view sets that a run goes through.
+
+use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, ViewSet};
+
+use super::{VdsError, VdsOptions, ViewPlan};
+
+/// A stretch of a run with one view set.
+pub(crate) struct Phase {
+    pub views: ViewSet,
+    /// It ends when this many leaves are left.
+    pub leaves_at_end: usize,
+}
+
+/// The phases of a run over a foliage of `leaf_count` leaves, in order; the
+/// last ends at the leaf count asked for. There is always one.
+pub(crate) fn phases(options: &VdsOptions, leaf_count: usize) -> Result<Vec<Phase>, VdsError> {
+    if options.neighbours == 0 {
+        return Err(VdsError::NoNeighbours);
+    }
+    let target = options.stop.leaves.min(leaf_count);
+    let phases = match &options.views {
+        ViewPlan::Fixed(views) => vec![Phase {
+            views: views.clone(),
+            leaves_at_end: target,
+        }],
+        ViewPlan::Variable(sphere) => {
+            let stretches = [
+                (ViewSet::dodecahedron(*sphere), 10),
+                (ViewSet::icosahedron(*sphere), 30),
+                (ViewSet::cube(*sphere), 50),
+                (ViewSet::octahedron(*sphere), 100),
+            ];
+            let mut phases: Vec<Phase> = Vec::new();
+            for (views, percent) in stretches {
+                let leaves_at_end = (leaf_count - leaf_count * percent / 100).max(target);
+                phases.push(Phase {
+                    views,
+                    leaves_at_end,
+                });
+                if leaves_at_end == target {
+                    break;
+                }
+            }
+            phases
+        }
+    };
+    for phase in &phases {
+        check(&phase.views, options.resolution)?;
+    }
+    Ok(phases)
+}
+
+/// The phase whose views show a run that ended with so many leaves.
+pub(crate) fn final_phase(phases: &[Phase], leaves_left: usize) -> &Phase {
+    let ended = |phase: &&Phase| phase.leaves_at_end <= leaves_left;
+    let found = phases.iter().find(ended);
+    found.expect("the last phase ends at the target")
+}
+
+fn check(views: &ViewSet, resolution: u32) -> Result<(), VdsError> {
+    if views.is_empty() {
+        return Err(VdsError::NoViews);
+    }
+    let pixels = u64::from(resolution) * u64::from(resolution) * views.len() as u64;
+    if resolution == 0 || resolution > MAX_RESOLUTION || pixels > MAX_TOTAL_PIXELS {
+        return Err(VdsError::Resolution {
+            views: views.len(),
+            resolution,
+            max: MAX_RESOLUTION,
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur_model::BoundingSphere;
+
+    #[test]
+    fn the_variable_plan_has_the_papers_ranges() {
+        let sphere = BoundingSphere {
+            centre: glam::DVec3::ZERO,
+            radius: 1.0,
+        };
+        let plan = |leaves| {
+            let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 64, leaves);
+            options.views = ViewPlan::Variable(sphere);
+            let phases = phases(&options, 1000).unwrap();
+            phases
+                .iter()
+                .map(|p| (p.views.len(), p.leaves_at_end))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(plan(100), [(20, 900), (12, 700), (8, 500), (6, 100)]);
+        assert_eq!(plan(600), [(20, 900), (12, 700), (8, 600)]);
+        assert_eq!(plan(950), [(20, 950)]);
+        assert_eq!(plan(5000), [(20, 1000),], "nothing to do");
+    }
+}

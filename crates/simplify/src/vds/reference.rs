@@ -1,0 +1,156 @@
+//! Algorithm 1, taken literally: the oracle.
+//!
+//! For every candidate leaf of every step all views are drawn without it and
+//! the VMI is computed anew. Slow on purpose: V renders a candidate, of the
+//! order of L^2 / 2 candidates a run.
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+use secateur_model::{Foliage, LeafId, Lod, RemovalOrder};
+use secateur_raster::{Scene, ViewSet, cpu};
+
+use super::outcome::{Progress, Stopped, VdsError, VdsOutcome};
+use super::phases::{final_phase, phases};
+use super::resize::{Pruned, distance_squared, growths};
+use super::{Reference, VdsOptions};
+use crate::lg::LgTable;
+use crate::vmi::{Vmi, error_percent};
+
+/// Simplifies a foliage by Algorithm 1.
+///
+/// `progress` is called after every step and may break off the run.
+///
+/// # Errors
+/// [`VdsError`] if the options are out of range or the run was broken off.
+pub fn simplify(
+    foliage: &Foliage,
+    options: &VdsOptions,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<VdsOutcome, VdsError> {
+    let leaf_count = foliage.leaves().len();
+    let table = LgTable::new();
+    let mut lod = Lod::original(leaf_count);
+    let mut order = RemovalOrder::new(leaf_count as u32);
+    let mut costs_scaled = Vec::new();
+    let mut stopped = Stopped::AtLeafCount;
+    let phases = phases(options, leaf_count)?;
+    let steps_at_most = leaf_count - options.stop.leaves.min(leaf_count);
+    'run: for phase in &phases {
+        let vmi_of = |lod: &Lod| vmi(foliage, lod, &phase.views, options.resolution, &table);
+        let original = vmi_of(&Lod::original(leaf_count));
+        while lod.leaf_count() > phase.leaves_at_end {
+            let choice = choose(options, &lod, &original, &vmi_of);
+            let share = options.resize.share(
+                choice.pruned,
+                options.resolution * options.resolution,
+                || choice.largest_cost,
+            );
+            let nearest = nearest(foliage, &lod, choice.pruned.leaf, options.neighbours);
+            let grown = growths(foliage, &lod, choice.pruned.leaf, share, &nearest);
+            let before = lod.clone();
+            lod.remove(choice.pruned.leaf);
+            for growth in &grown {
+                lod.resize(growth.leaf, growth.area_scale);
+            }
+            if let Some(max) = options.stop.max_error_percent {
+                let now = vmi_of(&lod);
+                let deviation = deviations(&original, &now).map(i64::abs).sum();
+                if error_percent(deviation, original.scaled().iter().sum()) > max {
+                    lod = before;
+                    stopped = Stopped::AtMaxError;
+                    break 'run;
+                }
+            }
+            order.push(choice.pruned.leaf, &grown);
+            costs_scaled.push(choice.pruned.cost);
+            let steps = order.len();
+            if progress(Progress {
+                steps,
+                steps_at_most,
+            })
+            .is_break()
+            {
+                return Err(VdsError::Cancelled);
+            }
+        }
+    }
+    let last = final_phase(&phases, lod.leaf_count());
+    let scene = |lod| Scene {
+        foliage,
+        lod,
+        views: &last.views,
+        resolution: options.resolution,
+    };
+    let areas = cpu::areas(&scene(&lod));
+    Ok(VdsOutcome {
+        vmi_original: Vmi::of(&cpu::areas(&scene(&Lod::original(leaf_count))), &table),
+        vmi_final: Vmi::of(&areas, &table),
+        areas,
+        order,
+        costs_scaled,
+        stopped,
+        views: last.views.clone(),
+    })
+}
+
+struct Choice {
+    pruned: Pruned,
+    largest_cost: i64,
+}
+
+fn choose(
+    options: &VdsOptions,
+    lod: &Lod,
+    original: &Vmi,
+    vmi_of: &(impl Fn(&Lod) -> Vmi + Sync),
+) -> Choice {
+    let reference = match options.reference {
+        Reference::Original => original.clone(),
+        Reference::Previous => vmi_of(lod),
+    };
+    let candidates: Vec<LeafId> = lod.leaves().map(|(leaf, _)| leaf).collect();
+    let evaluate = |&leaf: &LeafId| {
+        let mut without = lod.clone();
+        without.remove(leaf);
+        let vmi = vmi_of(&without);
+        Pruned {
+            leaf,
+            cost: deviations(&reference, &vmi).map(i64::abs).sum(),
+            deviation: deviations(original, &vmi).sum(),
+        }
+    };
+    let evaluated: Vec<Pruned> = candidates.par_iter().map(evaluate).collect();
+    let by_cost = |p: &&Pruned| (p.cost, options.ties.rank(p.leaf));
+    Choice {
+        pruned: *evaluated
+            .iter()
+            .min_by_key(by_cost)
+            .expect("a leaf is left"),
+        largest_cost: evaluated.iter().map(|p| p.cost).max().unwrap_or(0),
+    }
+}
+
+fn deviations<'a>(from: &'a Vmi, to: &'a Vmi) -> impl Iterator<Item = i64> + 'a {
+    to.scaled().iter().zip(from.scaled()).map(|(b, a)| b - a)
+}
+
+fn vmi(foliage: &Foliage, lod: &Lod, views: &ViewSet, resolution: u32, table: &LgTable) -> Vmi {
+    let areas = cpu::areas(&Scene {
+        foliage,
+        lod,
+        views,
+        resolution,
+    });
+    Vmi::of(&areas, table)
+}
+
+fn nearest(foliage: &Foliage, lod: &Lod, pruned: LeafId, count: usize) -> Vec<LeafId> {
+    let others = lod.leaves().map(|(leaf, _)| leaf).filter(|l| *l != pruned);
+    let mut by_distance: Vec<(f64, LeafId)> = others
+        .map(|leaf| (distance_squared(foliage, pruned, leaf), leaf))
+        .collect();
+    by_distance.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    by_distance.truncate(count);
+    by_distance.into_iter().map(|(_, leaf)| leaf).collect()
+}
