@@ -2,19 +2,21 @@
 //!
 //! The cost of leaf l is `sum_v |D_v + d_v|`: D the deviations of the current
 //! foliage, which change with every step, d the leaf's deltas, which mostly do
-//! not. Against a snapshot E of D with signs g = sgn E (an *epoch*):
+//! not. Leaves near each other share a *block*, whose deltas are kept as f32,
+//! so that the costs of a whole block are a few vector instructions. A block
+//! that was evaluated when the deviations were E, with signs g = sgn E (an
+//! *epoch*), remembers the least and largest of
 //!
-//! - `|x| >= g x` gives `cost >= sum g D + h`, `h = sum g d`: exact while no
-//!   `D_v + d_v` changes sign, however far D moves;
-//! - the triangle inequality gives `|cost - c| <= sum |D - E|`, `c = sum |E + d|`:
-//!   good while D stays near;
-//! - and `cost <= sum |D| + n`, `n = sum |d|`.
+//! - `h = sum g d`: since `|x| >= g x`, `cost >= sum g D + h`, which is exact
+//!   while no `D_v + d_v` changes sign, however far D moves;
+//! - `c = sum |E + d|`: `|cost - c| <= sum |D - E|`, good while D stays near;
+//! - `n = sum |d|`: `cost <= sum |D| + n`.
 //!
-//! Leaves near each other share a *block*, which keeps the least and largest h,
-//! c and n of its leaves. A block, and then a leaf, is looked at only where
-//! these bounds, widened by what the background's term may have moved, do not
-//! rule it out. What decides in the end are exact costs, so bounds may be loose
-//! but never wrong.
+//! A block is evaluated again only where these do not rule it out, and an exact
+//! integer cost is computed only for leaves that their f32 cost does not rule
+//! out. Both are widened by [`Candidates::margin`] for what rounding and the
+//! moving background may have changed. What decides in the end are exact costs:
+//! bounds may be loose but never wrong.
 //!
 //! A leaf whose deltas are all zero costs `sum |D|`. Those wait, ordered by
 //! rank, outside the blocks: mostly leaves that no view sees.
@@ -23,62 +25,71 @@ use std::collections::BTreeSet;
 
 use super::counts::Counts;
 
-const BLOCK: usize = 16;
-const EPOCHS: usize = 32;
-/// A new epoch begins after this many steps.
-const STEPS_PER_EPOCH: u32 = 8;
+/// Leaves of a block.
+const LANES: usize = 16;
+/// Steps whose deviations are remembered; a block that was not evaluated for so
+/// long is evaluated then.
+const EPOCHS: usize = 64;
 const NOWHERE: u32 = u32::MAX;
+/// Bound of the relative error of sums of up to 128 f32 terms, and of turning
+/// their terms into f32.
+const F32_ERROR: f64 = 2e-5;
+/// What a lane without a leaf holds: it never looks cheap.
+const ABSENT: f32 = 1e30;
 
-/// A snapshot of the deviations, and where the current ones stand against it.
+type Lanes = [f32; LANES];
+
+/// The deviations of a step, and where the current ones stand against them.
 #[derive(Clone)]
 struct Epoch {
-    snapshot: Vec<i64>,
+    deviations: Vec<i64>,
     /// Sum of g D.
-    signed: i64,
+    signed: f64,
     /// Sum of |D - E|.
-    drift: i64,
-}
-
-#[derive(Clone, Copy)]
-struct Entry {
-    leaf: u32,
-    is_in: bool,
-    background_px: u32,
-    h: i64,
-    c: i64,
-    n: i64,
+    drift: f64,
 }
 
 #[derive(Clone, Copy)]
 struct Block {
     epoch: u32,
-    /// Background drift when its entries were evaluated, or earlier.
+    least_h: f64,
+    least_c: f64,
+    largest_c: f64,
+    largest_n: f64,
+    /// Most pixels that one of its leaves would hand to the background.
+    background_px: f64,
+    /// Background drift when the leaf evaluated longest ago was.
     background_drift: f64,
-    background_px: u32,
-    least_h: i64,
-    least_c: i64,
-    largest_c: i64,
-    largest_n: i64,
 }
 
 impl Block {
-    const EMPTY: Self = Self {
-        epoch: 0,
-        background_drift: 0.0,
-        background_px: 0,
-        least_h: i64::MAX / 4,
-        least_c: i64::MAX / 4,
-        largest_c: i64::MIN / 4,
-        largest_n: i64::MIN / 4,
-    };
-
-    fn include(&mut self, entry: &Entry) {
-        self.background_px = self.background_px.max(entry.background_px);
-        self.least_h = self.least_h.min(entry.h);
-        self.least_c = self.least_c.min(entry.c);
-        self.largest_c = self.largest_c.max(entry.c);
-        self.largest_n = self.largest_n.max(entry.n);
+    fn empty(epoch: usize, background_drift: f64) -> Self {
+        Self {
+            epoch: epoch as u32,
+            least_h: f64::INFINITY,
+            least_c: f64::INFINITY,
+            largest_c: f64::NEG_INFINITY,
+            largest_n: f64::NEG_INFINITY,
+            background_px: 0.0,
+            background_drift,
+        }
     }
+
+    fn include(&mut self, h: f64, c: f64, n: f64) {
+        self.least_h = self.least_h.min(h);
+        self.least_c = self.least_c.min(c);
+        self.largest_c = self.largest_c.max(c);
+        self.largest_n = self.largest_n.max(n);
+    }
+}
+
+/// A place in a block.
+#[derive(Clone, Copy)]
+struct Lane {
+    leaf: u32,
+    is_in: bool,
+    background_px: u32,
+    background_drift: f64,
 }
 
 /// The leaf that a step prunes.
@@ -89,31 +100,34 @@ pub(super) struct Cheapest {
 }
 
 pub(super) struct Candidates {
+    view_count: usize,
     rank_of: Vec<u32>,
     /// By rank, then leaf number: leaves whose deltas are all zero.
     without_effect: BTreeSet<(u32, u32)>,
-    /// Blocks of [`BLOCK`] entries; leaves keep their place until the next
-    /// rebuild.
-    entries: Vec<Entry>,
     blocks: Vec<Block>,
+    /// `LANES` to a block; leaves keep their place until the next rebuild.
+    lanes: Vec<Lane>,
+    /// Deltas by block, then view.
+    deltas: Vec<Lanes>,
     place_of: Vec<u32>,
+    /// The leaves that were left at the last rebuild, neighbours together.
+    order: Vec<u32>,
+    left: usize,
+
     epochs: Vec<Epoch>,
     current_epoch: usize,
-    steps_in_epoch: u32,
-    /// Bound of what rounded logarithms do to the background's term.
-    rounding: i64,
     /// The current deviations; zeros where costs do not depend on them.
     deviations: Vec<i64>,
+    /// Deviation and its sign by view.
+    deviations_f32: Vec<(f32, f32)>,
     deviation_sum: i64,
     background_drift: f64,
+    /// Bound of what rounded logarithms do to the background's term.
+    rounding: f64,
     /// The leaf of the largest cost of the last step that asked.
     last_largest: u32,
-    bounds: Vec<i64>,
+    bounds: Vec<f64>,
     row: Vec<i64>,
-    left: usize,
-    left_at_build: usize,
-    /// Leaves in the order that blocks are filled in.
-    order: Vec<u32>,
 }
 
 impl Candidates {
@@ -124,65 +138,64 @@ impl Candidates {
         counts: &Counts<'_>,
         leaves: Vec<u32>,
         rank_of: Vec<u32>,
-        total_pixels: i64,
+        total_pixels: f64,
         deviations: &[i64],
     ) -> Self {
         let epoch = Epoch {
-            snapshot: deviations.to_vec(),
-            signed: 0,
-            drift: 0,
+            deviations: deviations.to_vec(),
+            signed: 0.0,
+            drift: 0.0,
         };
         let mut candidates = Self {
+            view_count: counts.view_count(),
             place_of: vec![NOWHERE; rank_of.len()],
             rank_of,
             without_effect: BTreeSet::new(),
-            entries: Vec::new(),
             blocks: Vec::new(),
+            lanes: Vec::new(),
+            deltas: Vec::new(),
+            left: leaves.len(),
+            order: leaves,
             epochs: vec![epoch; EPOCHS],
             current_epoch: 0,
-            steps_in_epoch: 0,
+            deviations: deviations.to_vec(),
+            deviations_f32: Vec::new(),
+            deviation_sum: 0,
+            background_drift: counts.background_drift(),
             // Four logarithms off by at most 1.2 units, before and now, times
             // areas that sum to at most the pixels of all views.
-            rounding: 10 * total_pixels,
-            deviations: deviations.to_vec(),
-            deviation_sum: 0,
-            background_drift: 0.0,
+            rounding: 10.0 * total_pixels,
             last_largest: 0,
             bounds: Vec::new(),
             row: vec![0; counts.view_count()],
-            left: leaves.len(),
-            left_at_build: leaves.len(),
-            order: leaves,
         };
-        candidates.stand_against_epochs();
+        candidates.take_deviations(deviations);
         candidates.build(counts);
         candidates
     }
 
+    /// How many leaves the foliage had.
+    pub(super) fn leaf_count(&self) -> usize {
+        self.rank_of.len() - 1
+    }
+
     fn build(&mut self, counts: &Counts<'_>) {
         self.without_effect.clear();
-        self.left_at_build = self.left;
         let order = std::mem::take(&mut self.order);
-        let absent = Entry {
+        let block_count = order.len().div_ceil(LANES);
+        let absent = Lane {
             leaf: 0,
             is_in: false,
             background_px: 0,
-            h: 0,
-            c: 0,
-            n: 0,
+            background_drift: 0.0,
         };
-        self.entries.clear();
-        self.entries
-            .resize(order.len().next_multiple_of(BLOCK), absent);
-        self.blocks.clear();
-        self.blocks.resize(self.entries.len() / BLOCK, Block::EMPTY);
+        let empty = Block::empty(self.current_epoch, counts.background_drift());
+        self.lanes = vec![absent; block_count * LANES];
+        self.blocks = vec![empty; block_count];
+        self.deltas = vec![[ABSENT; LANES]; block_count * self.view_count];
         for (place, &leaf) in order.iter().enumerate() {
             self.place_of[leaf as usize] = place as u32;
-            self.entries[place].leaf = leaf;
-        }
-        for block in 0..self.blocks.len() {
-            self.blocks[block].epoch = self.current_epoch as u32;
-            self.blocks[block].background_drift = counts.background_drift();
+            self.lanes[place].leaf = leaf;
         }
         for &leaf in &order {
             self.update(counts, leaf);
@@ -192,51 +205,55 @@ impl Candidates {
 
     /// Begins a step: `deviations` are those that costs are measured with.
     pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
-        self.deviations.copy_from_slice(deviations);
         self.background_drift = counts.background_drift();
-        if 2 * self.left < self.left_at_build && self.left_at_build > 4 * BLOCK {
+        self.current_epoch = (self.current_epoch + 1) % EPOCHS;
+        self.take_deviations(deviations);
+        if 2 * self.left < self.order.len() && self.order.len() > 4 * LANES {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
             self.build(counts);
         }
-        self.steps_in_epoch += 1;
-        if self.steps_in_epoch >= STEPS_PER_EPOCH {
-            self.begin_epoch(counts);
-        }
-        self.stand_against_epochs();
     }
 
-    fn begin_epoch(&mut self, counts: &Counts<'_>) {
-        self.steps_in_epoch = 0;
-        let next = (self.current_epoch + 1) % EPOCHS;
-        let still_in_use: Vec<usize> = (0..self.blocks.len())
-            .filter(|b| self.blocks[*b].epoch as usize == next)
-            .collect();
-        self.epochs[next].snapshot.copy_from_slice(&self.deviations);
-        self.current_epoch = next;
-        self.stand_against_epochs();
-        for block in still_in_use {
-            self.refresh(counts, block);
-        }
-    }
-
-    fn stand_against_epochs(&mut self) {
+    fn take_deviations(&mut self, deviations: &[i64]) {
+        self.deviations.copy_from_slice(deviations);
+        self.deviation_sum = deviations.iter().map(|d| d.abs()).sum();
+        self.deviations_f32.clear();
+        let with_sign = |d: &i64| (*d as f32, if *d < 0 { -1.0 } else { 1.0 });
+        self.deviations_f32.extend(deviations.iter().map(with_sign));
+        // The epoch that is forgotten now: its blocks are evaluated while the
+        // new one takes its place.
+        let renewed = self.current_epoch;
+        self.epochs[renewed].deviations.copy_from_slice(deviations);
         for epoch in &mut self.epochs {
-            (epoch.signed, epoch.drift) = (0, 0);
-            for (d, e) in self.deviations.iter().zip(&epoch.snapshot) {
-                epoch.signed += if *e < 0 { -d } else { *d };
-                epoch.drift += (d - e).abs();
+            let (mut signed, mut drift) = (0i64, 0i64);
+            for (d, e) in deviations.iter().zip(&epoch.deviations) {
+                signed += if *e < 0 { -d } else { *d };
+                drift += (d - e).abs();
+            }
+            (epoch.signed, epoch.drift) = (signed as f64, drift as f64);
+        }
+        for block in 0..self.blocks.len() {
+            if self.blocks[block].epoch as usize == renewed {
+                self.evaluate(block);
             }
         }
-        self.deviation_sum = self.deviations.iter().map(|d| d.abs()).sum();
     }
 
     /// Takes a leaf out for good.
     pub(super) fn remove(&mut self, leaf: u32) {
         self.left -= 1;
         let place = std::mem::replace(&mut self.place_of[leaf as usize], NOWHERE);
-        self.entries[place as usize].is_in = false;
+        self.leave(place as usize);
         self.without_effect
             .remove(&(self.rank_of[leaf as usize], leaf));
+    }
+
+    fn leave(&mut self, place: usize) {
+        self.lanes[place].is_in = false;
+        let (block, lane) = (place / LANES, place % LANES);
+        for row in &mut self.deltas[block * self.view_count..(block + 1) * self.view_count] {
+            row[lane] = ABSENT;
+        }
     }
 
     /// Takes note of a leaf's new deltas; leaves that are gone are ignored.
@@ -246,41 +263,63 @@ impl Candidates {
             return;
         }
         let place = place as usize;
-        let had_effect = self.entries[place].is_in;
         counts.deltas(leaf, &mut self.row);
-        let has_effect = self.row.iter().any(|d| *d != 0);
-        let key = (self.rank_of[leaf as usize], leaf);
-        if has_effect {
-            if !had_effect {
-                self.without_effect.remove(&key);
+        let was_in = self.lanes[place].is_in;
+        if self.row.iter().all(|d| *d == 0) {
+            if was_in {
+                self.leave(place);
             }
-            let block = &mut self.blocks[place / BLOCK];
-            let entry = &mut self.entries[place];
-            entry.is_in = true;
-            entry.background_px = counts.background_total(leaf);
-            evaluate(entry, &self.row, &self.epochs[block.epoch as usize]);
-            block.include(entry);
-        } else {
-            self.entries[place].is_in = false;
-            self.without_effect.insert(key);
+            self.without_effect
+                .insert((self.rank_of[leaf as usize], leaf));
+            return;
         }
+        if !was_in {
+            self.without_effect
+                .remove(&(self.rank_of[leaf as usize], leaf));
+        }
+        let background_px = counts.background_total(leaf);
+        self.lanes[place] = Lane {
+            leaf,
+            is_in: true,
+            background_px,
+            background_drift: counts.background_drift(),
+        };
+        let block = &mut self.blocks[place / LANES];
+        let epoch = &self.epochs[block.epoch as usize];
+        let (mut h, mut c, mut n) = (0, 0, 0);
+        let rows = &mut self.deltas[place / LANES * self.view_count..][..self.view_count];
+        for ((row, d), e) in rows.iter_mut().zip(&self.row).zip(&epoch.deviations) {
+            row[place % LANES] = *d as f32;
+            h += if *e < 0 { -d } else { *d };
+            c += (d + e).abs();
+            n += d.abs();
+        }
+        block.include(h as f64, c as f64, n as f64);
+        block.background_px = block.background_px.max(f64::from(background_px));
     }
 
-    /// Evaluates a block's leaves against the current epoch.
-    fn refresh(&mut self, counts: &Counts<'_>, block: usize) {
-        let mut fresh = Block {
-            epoch: self.current_epoch as u32,
-            background_drift: counts.background_drift(),
-            ..Block::EMPTY
-        };
-        for entry in &mut self.entries[block * BLOCK..(block + 1) * BLOCK] {
-            if entry.is_in {
-                counts.deltas(entry.leaf, &mut self.row);
-                evaluate(entry, &self.row, &self.epochs[self.current_epoch]);
-                fresh.include(entry);
+    /// Evaluates a block's leaves against the current epoch; their costs.
+    fn evaluate(&mut self, index: usize) -> Lanes {
+        let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
+        let (mut c, mut h, mut n) = ([0f32; LANES], [0f32; LANES], [0f32; LANES]);
+        for (row, (deviation, sign)) in rows.iter().zip(&self.deviations_f32) {
+            for k in 0..LANES {
+                c[k] += (row[k] + deviation).abs();
+                h[k] += row[k] * sign;
+                n[k] += row[k].abs();
             }
         }
-        self.blocks[block] = fresh;
+        let mut block = Block::empty(self.current_epoch, self.background_drift);
+        let lanes = &self.lanes[index * LANES..(index + 1) * LANES];
+        for (k, lane) in lanes.iter().enumerate().filter(|(_, lane)| lane.is_in) {
+            block.include(f64::from(h[k]), f64::from(c[k]), f64::from(n[k]));
+            if lane.background_px > 0 {
+                block.background_px = block.background_px.max(f64::from(lane.background_px));
+                block.background_drift = block.background_drift.min(lane.background_drift);
+            }
+        }
+        self.blocks[index] = block;
+        c
     }
 
     fn cost(&mut self, counts: &Counts<'_>, leaf: u32) -> i64 {
@@ -289,21 +328,20 @@ impl Candidates {
         terms.map(|(d, deviation)| (d + deviation).abs()).sum()
     }
 
-    /// How far the background's term of a leaf may have moved.
+    /// How far a bound may be off: by how far the background's term of a leaf
+    /// may have moved, and by f32.
     #[inline]
-    fn slack(&self, block: &Block, background_px: u32) -> i64 {
-        if background_px == 0 {
-            return 0;
+    fn margin(&self, n: f64, background_px: f64, background_drift: f64) -> f64 {
+        let rounded = F32_ERROR * (n + self.deviation_sum as f64);
+        if background_px == 0.0 {
+            return rounded;
         }
-        let drift = self.background_drift - block.background_drift;
-        // Infinite drift saturates, which makes the bound say nothing.
-        let moved = (f64::from(background_px) * drift).ceil() as i64;
-        moved.saturating_add(self.rounding).min(i64::MAX / 4)
+        rounded + self.rounding + background_px * (self.background_drift - background_drift)
     }
 
-    /// How many leaves the foliage had.
-    pub(super) fn leaf_count(&self) -> usize {
-        self.rank_of.len() - 1
+    #[inline]
+    fn block_margin(&self, block: &Block) -> f64 {
+        self.margin(block.largest_n, block.background_px, block.background_drift)
     }
 
     /// The leaf of least cost; of equals that of the lowest rank.
@@ -318,19 +356,21 @@ impl Candidates {
         }
         let mut bounds = std::mem::take(&mut self.bounds);
         bounds.clear();
-        let mut lowest = (i64::MAX, 0);
+        let mut lowest = (f64::INFINITY, 0);
         for (index, block) in self.blocks.iter().enumerate() {
             let epoch = &self.epochs[block.epoch as usize];
             let bound = (epoch.signed + block.least_h).max(block.least_c - epoch.drift)
-                - self.slack(block, block.background_px);
-            lowest = lowest.min((bound, index));
+                - self.block_margin(block);
+            if bound < lowest.0 {
+                lowest = (bound, index);
+            }
             bounds.push(bound);
         }
-        if lowest.0 <= best.0 {
+        if lowest.0 <= best.0 as f64 {
             self.scan_for_cheapest(counts, lowest.1, &mut best);
         }
         for (index, bound) in bounds.iter().enumerate() {
-            if *bound <= best.0 && index != lowest.1 {
+            if *bound <= best.0 as f64 && index != lowest.1 {
                 self.scan_for_cheapest(counts, index, &mut best);
             }
         }
@@ -343,29 +383,22 @@ impl Candidates {
     }
 
     fn scan_for_cheapest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32, u32)) {
-        if self.blocks[index].epoch as usize != self.current_epoch {
-            self.refresh(counts, index);
-        }
+        let costs = self.evaluate(index);
         let block = self.blocks[index];
-        let (signed, drift) = self.stand(&block);
-        for at in index * BLOCK..(index + 1) * BLOCK {
-            let entry = self.entries[at];
-            if !entry.is_in {
-                continue;
-            }
-            let bound =
-                (signed + entry.h).max(entry.c - drift) - self.slack(&block, entry.background_px);
-            if bound <= best.0 {
-                let cost = self.cost(counts, entry.leaf);
-                let rank = self.rank_of[entry.leaf as usize];
-                *best = (*best).min((cost, rank, entry.leaf));
+        let margin = self.block_margin(&block);
+        if block.least_c - margin > best.0 as f64 {
+            return;
+        }
+        for (k, cost) in costs.iter().enumerate() {
+            let lane = self.lanes[index * LANES + k];
+            let px = f64::from(lane.background_px);
+            let margin = self.margin(block.largest_n, px, lane.background_drift);
+            if lane.is_in && f64::from(*cost) - margin <= best.0 as f64 {
+                let cost = self.cost(counts, lane.leaf);
+                let rank = self.rank_of[lane.leaf as usize];
+                *best = (*best).min((cost, rank, lane.leaf));
             }
         }
-    }
-
-    fn stand(&self, block: &Block) -> (i64, i64) {
-        let epoch = &self.epochs[block.epoch as usize];
-        (epoch.signed, epoch.drift)
     }
 
     /// The largest cost of a leaf that is left.
@@ -382,9 +415,10 @@ impl Candidates {
         for index in 0..self.blocks.len() {
             let block = &self.blocks[index];
             let epoch = &self.epochs[block.epoch as usize];
-            let bound = (self.deviation_sum + block.largest_n).min(block.largest_c + epoch.drift)
-                + self.slack(block, block.background_px);
-            if bound > best.0 {
+            let sum = self.deviation_sum as f64;
+            let bound = (sum + block.largest_n).min(block.largest_c + epoch.drift)
+                + self.block_margin(block);
+            if bound > best.0 as f64 {
                 self.scan_for_largest(counts, index, &mut best);
             }
         }
@@ -393,28 +427,14 @@ impl Candidates {
     }
 
     fn scan_for_largest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32)) {
-        if self.blocks[index].epoch as usize != self.current_epoch {
-            self.refresh(counts, index);
-        }
+        let costs = self.evaluate(index);
         let block = self.blocks[index];
-        let (_, drift) = self.stand(&block);
-        for at in index * BLOCK..(index + 1) * BLOCK {
-            let entry = self.entries[at];
-            let bound = (self.deviation_sum + entry.n).min(entry.c + drift)
-                + self.slack(&block, entry.background_px);
-            if entry.is_in && bound > best.0 {
-                *best = (*best).max((self.cost(counts, entry.leaf), entry.leaf));
+        let margin = self.block_margin(&block);
+        for (k, cost) in costs.iter().enumerate() {
+            let lane = self.lanes[index * LANES + k];
+            if lane.is_in && f64::from(*cost) + margin > best.0 as f64 {
+                *best = (*best).max((self.cost(counts, lane.leaf), lane.leaf));
             }
         }
-    }
-}
-
-/// h, c and n of a leaf with these deltas against an epoch.
-fn evaluate(entry: &mut Entry, deltas: &[i64], epoch: &Epoch) {
-    (entry.h, entry.c, entry.n) = (0, 0, 0);
-    for (d, e) in deltas.iter().zip(&epoch.snapshot) {
-        entry.h += if *e < 0 { -d } else { *d };
-        entry.c += (d + e).abs();
-        entry.n += d.abs();
     }
 }

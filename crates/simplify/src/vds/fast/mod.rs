@@ -168,7 +168,7 @@ impl<'a> Stage<'a> {
             &counts,
             leaves_by_place(foliage, &run.lod),
             ranks.collect(),
-            (pixels_per_view * views.len()) as i64,
+            (pixels_per_view * views.len()) as f64,
             &cost_deviations(run.options, &counts),
         );
         Ok(Self {
