@@ -1,0 +1,33 @@
+//! glTF in and out.
+//!
+//! A [`Document`] is a file as it was found: its JSON, kept whole, and the
+//! bytes of its buffers. [`Document::inspect`] says what is in it and what
+//! would be taken for foliage; [`Document::into_tree`] finds the leaves.
+//!
+//! Rules of the reader:
+//! - Every number of the file is checked before it is used, and nothing is
+//!   allocated that the file's own size (or a stated limit) doesn't cover.
+//! - World positions are f64: the file's f32 (or dequantised) position times
+//!   the product of the node matrices. Where that product is the identity they
+//!   are the file's own numbers.
+//! - A leaf is a set of triangles of one primitive of one node (or one instance
+//!   of it) that hang together by shared edges, edges being equal where the
+//!   positions of both ends are: vertices split for normals or texture
+//!   coordinates don't part a leaf, and leaves that touch in one point stay two.
+//! - Skins are read in bind pose, morph targets at rest.
+
+mod accessor;
+mod buffer;
+mod container;
+mod document;
+mod error;
+mod primitive;
+mod property;
+mod sparse;
+mod tree;
+mod uri;
+mod view;
+
+pub use document::Document;
+pub use error::{GltfError, Problem};
+pub use tree::Tree;
