@@ -209,13 +209,15 @@ pub enum Problem {
         role: String,
     },
     /// Two accessors of one primitive that disagree.
-    #[error("{attribute} has {found} elements where POSITION has {expected}")]
+    #[error("{attribute} has {found} elements where {other} has {expected}")]
     CountMismatch {
         /// The attribute.
         attribute: String,
         /// Its count.
         found: usize,
-        /// Positions.
+        /// The one it is compared with.
+        other: String,
+        /// The count of that.
         expected: usize,
     },
     /// An index of a primitive names a vertex that doesn't exist.

@@ -18,16 +18,35 @@
 
 mod accessor;
 mod buffer;
+mod choice;
 mod container;
+mod cutouts;
 mod document;
 mod error;
+mod evidence;
+mod find;
+mod inspection;
+mod instances;
+mod leaves;
+mod material;
+mod name_evidence;
+mod node;
+mod parts;
+mod picture;
 mod primitive;
 mod property;
+mod report;
+mod selector;
+mod shape_evidence;
 mod sparse;
+mod survey;
 mod tree;
 mod uri;
 mod view;
 
 pub use document::Document;
 pub use error::{GltfError, Problem};
+pub use evidence::Reason;
+pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
+pub use selector::{Selector, SelectorError};
 pub use tree::Tree;

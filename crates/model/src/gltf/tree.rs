@@ -1,11 +1,11 @@
 //! A glTF tree whose leaves are known.
 
 use std::ops::Range;
+use std::path::Path;
 
-use glam::DMat4;
-
-use super::Document;
-use crate::Foliage;
+use super::parts::Part;
+use super::{Document, GltfError, Inspection, Selector};
+use crate::{Foliage, LeafId};
 
 /// A glTF file with its leaves found.
 #[derive(Debug)]
@@ -18,22 +18,7 @@ pub struct Tree {
     pub(crate) leaf_sources: Vec<LeafSource>,
     /// Triangle numbers that `leaf_sources` point into.
     pub(crate) leaf_triangles: Vec<u32>,
-}
-
-/// One primitive as one node (or one instance of it) draws it.
-#[derive(Clone, Debug)]
-pub(crate) struct Part {
-    /// Index in `nodes`.
-    pub(crate) node: usize,
-    /// Which instance, where the node has EXT_mesh_gpu_instancing.
-    pub(crate) instance: Option<usize>,
-    /// Index in `meshes`.
-    pub(crate) mesh: usize,
-    /// Index in the mesh's `primitives`.
-    pub(crate) primitive: usize,
-    /// From the primitive's own space to world space.
-    pub(crate) world_from_local: DMat4,
-    pub(crate) is_foliage: bool,
+    pub(crate) inspection: Inspection,
 }
 
 /// The triangles of a leaf: numbers within the triangle list of its part's
@@ -47,9 +32,53 @@ pub(crate) struct LeafSource {
 }
 
 impl Tree {
-    /// The leaves in world space.
+    /// Reads a .glb or .gltf file and finds its leaves.
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`Document::open`] and [`Document::into_tree`].
+    pub fn open(path: &Path, selectors: &[Selector]) -> Result<Self, GltfError> {
+        Document::open(path)?.into_tree(selectors)
+    }
+
+    /// The file as it was found.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The leaves in world space, in file order: parts in the scene's
+    /// depth-first order, within a part by lowest triangle.
     pub fn foliage(&self) -> &Foliage {
         &self.foliage
+    }
+
+    /// What is in the file, and what was taken for foliage and why.
+    pub fn inspection(&self) -> &Inspection {
+        &self.inspection
+    }
+
+    /// Triangles of leaves, every instance counted.
+    pub fn leaf_triangle_count(&self) -> u64 {
+        self.foliage.triangles().len() as u64
+    }
+
+    /// Triangles of everything else, every instance counted.
+    pub fn wood_triangle_count(&self) -> u64 {
+        self.inspection.wood_triangles
+    }
+
+    /// All triangles, every instance counted.
+    pub fn triangle_count(&self) -> u64 {
+        self.leaf_triangle_count() + self.wood_triangle_count()
+    }
+
+    /// The part that a leaf belongs to, and the numbers of its triangles in the
+    /// triangle list of the part's primitive.
+    ///
+    /// # Panics
+    /// If there is no such leaf.
+    pub(crate) fn leaf_source(&self, leaf: LeafId) -> (&Part, &[u32]) {
+        let source = &self.leaf_sources[leaf.index()];
+        (&self.parts[source.part as usize], self.triangles_of(source))
     }
 
     /// The triangles of a leaf, as numbers in the triangle list of its part's
