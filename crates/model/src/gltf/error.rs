@@ -288,6 +288,9 @@ pub enum Problem {
     /// The foliage has no triangle.
     #[error("its foliage has no triangle")]
     EmptyFoliage,
+    /// The output cannot be written.
+    #[error("{0}")]
+    Write(#[from] super::write::WriteProblem),
     /// The triangles are no foliage.
     #[error("{0}")]
     Foliage(#[from] crate::FoliageError),

@@ -43,6 +43,7 @@ mod survey;
 mod tree;
 mod uri;
 mod view;
+mod write;
 
 pub use document::Document;
 pub use error::{GltfError, Problem};
@@ -50,3 +51,4 @@ pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use selector::{Selector, SelectorError};
 pub use tree::Tree;
+pub use write::{WriteProblem, Written, plant_to_glb};
