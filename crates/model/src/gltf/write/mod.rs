@@ -19,6 +19,8 @@ mod primitive;
 mod problem;
 mod references;
 mod solitary;
+#[cfg(test)]
+mod tests;
 mod tidy;
 mod vertices;
 

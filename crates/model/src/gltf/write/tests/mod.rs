@@ -1,0 +1,10 @@
+//! LODs of small trees in every encoding, and of real ones.
+
+mod check;
+mod encodings;
+mod every_encoding;
+mod fixture;
+mod real_trees;
+#[allow(unreachable_pub, reason = "integration tests include this file too")]
+#[path = "../../../../../../tests/validator/validator.rs"]
+mod validator;
