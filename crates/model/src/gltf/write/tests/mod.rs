@@ -4,6 +4,9 @@ mod check;
 mod encodings;
 mod every_encoding;
 mod fixture;
+mod grown;
+mod on_disk;
+mod particulars;
 mod real_trees;
 #[allow(unreachable_pub, reason = "integration tests include this file too")]
 #[path = "../../../../../../tests/validator/validator.rs"]
