@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicU64;
 
 use serde_json::Value;
 
@@ -25,6 +26,8 @@ pub struct Document {
     pub(crate) base_dir: Option<PathBuf>,
     /// The decompressed bytes of `bufferViews`, once asked for.
     pub(crate) decompressed_views: Vec<OnceLock<Vec<u8>>>,
+    /// How many bytes those are.
+    pub(crate) decompressed_bytes: AtomicU64,
 }
 
 impl Document {
@@ -76,6 +79,7 @@ impl Document {
             name: name.to_owned(),
             base_dir: base_dir.map(Path::to_owned),
             decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
+            decompressed_bytes: AtomicU64::new(0),
         })
     }
 

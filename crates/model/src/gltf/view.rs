@@ -10,6 +10,9 @@ impl Document {
     pub(crate) fn view_bytes(&self, index: usize) -> Result<&[u8], Fault> {
         let json = property::entry(&self.root, "bufferViews", index)?;
         let place = || self.place("bufferViews", index);
+        if let Some(bytes) = self.decompressed(index, json)? {
+            return Ok(bytes);
+        }
         let buffer = property::required_index(json, "buffer").at(place)?;
         let offset = property::whole(json, "byteOffset").at(place)?.unwrap_or(0);
         let length = self.view_length(index)?;
