@@ -8,10 +8,13 @@
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them.
 //!
+//! [`gltf`] reads trees from files.
+//!
 //! Nothing here knows a view, an image or a method.
 
 mod cutout;
 mod foliage;
+pub mod gltf;
 mod leaf_id;
 mod lod;
 mod plant;

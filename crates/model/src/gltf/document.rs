@@ -1,0 +1,128 @@
+//! A glTF file as it was found.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicU64;
+
+use serde_json::Value;
+
+use super::buffer::{self, Buffer};
+use super::container::{self, Container};
+use super::error::{Fault, GltfError, Problem};
+use super::property;
+
+/// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
+#[derive(Debug)]
+pub struct Document {
+    /// The JSON, with everything that secateur doesn't know.
+    pub(crate) root: Value,
+    /// The bytes of `buffers`, in their order.
+    pub(crate) buffers: Vec<Buffer>,
+    /// GLB or JSON.
+    pub(crate) container: Container,
+    /// What errors call the file.
+    pub(crate) name: String,
+    /// The folder in which its URIs are looked up.
+    pub(crate) base_dir: Option<PathBuf>,
+    /// The decompressed bytes of `bufferViews`, once asked for.
+    pub(crate) decompressed_views: Vec<OnceLock<Vec<u8>>>,
+    /// How many bytes those are.
+    pub(crate) decompressed_bytes: AtomicU64,
+}
+
+impl Document {
+    /// Reads a .glb or .gltf file and the buffers it names.
+    ///
+    /// # Errors
+    /// [`GltfError`] if it can't be read, is no glTF 2.0, is truncated, needs
+    /// an unknown extension, or a buffer is missing, too short or outside the
+    /// file's own folder.
+    pub fn open(path: &Path) -> Result<Self, GltfError> {
+        let name = path.display().to_string();
+        let unreadable = |error| GltfError::new(&name, Problem::Unreadable(error));
+        if std::fs::metadata(path).map_err(unreadable)?.is_dir() {
+            let error = std::io::Error::from(std::io::ErrorKind::IsADirectory);
+            return Err(unreadable(error));
+        }
+        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        Self::from_bytes(&name, bytes, Some(folder))
+    }
+
+    /// Reads a file from memory. `name` is what errors call it; `base_dir` is
+    /// the folder of its URIs, without which only data URIs can be followed.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_bytes(
+        name: &str,
+        bytes: Vec<u8>,
+        base_dir: Option<&Path>,
+    ) -> Result<Self, GltfError> {
+        Self::parse(name, &bytes, base_dir).map_err(|fault| GltfError::new(name, fault))
+    }
+
+    fn parse(name: &str, bytes: &[u8], base_dir: Option<&Path>) -> Result<Self, Fault> {
+        let unpacked = container::unpack(bytes)?;
+        let root = unpacked.root;
+        check_extensions(&root)?;
+        let chunk = unpacked.chunk.map(|chunk| chunk.into_owned());
+        let buffers = buffer::load_all(&root, chunk, base_dir)?;
+        let views = property::list(&root, "bufferViews")?.len();
+        Ok(Self {
+            root,
+            buffers,
+            container: unpacked.container,
+            name: name.to_owned(),
+            base_dir: base_dir.map(Path::to_owned),
+            decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
+            decompressed_bytes: AtomicU64::new(0),
+        })
+    }
+
+    /// A fault of this file, with its name.
+    pub(crate) fn error(&self, fault: impl Into<Fault>) -> GltfError {
+        GltfError::new(&self.name, fault)
+    }
+
+    /// `accessors[3]`, with the entry's name where it has one.
+    pub(crate) fn place(&self, list: &str, index: usize) -> String {
+        property::place(&self.root, list, index)
+    }
+}
+
+/// Extensions that a file may require: those that are read, and those that
+/// change nothing that matters here.
+const KNOWN_EXTENSIONS: [&str; 14] = [
+    "EXT_lights_image_based",
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "MSFT_texture_dds",
+];
+
+fn check_extensions(root: &Value) -> Result<(), Problem> {
+    for entry in property::list(root, "extensionsRequired")? {
+        let name = entry.as_str().unwrap_or("without a name");
+        if name == "KHR_draco_mesh_compression" {
+            return Err(Problem::Draco);
+        }
+        let is_known = KNOWN_EXTENSIONS.contains(&name) || name.starts_with("KHR_materials_");
+        if !is_known {
+            return Err(Problem::UnknownExtension(super::error::shortened(name)));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! Reasons for and against taking a primitive for foliage.
+
+use serde::Serialize;
+
+use super::Document;
+use super::cutouts::{cutoff, is_kept};
+use super::error::Fault;
+use super::material::Look;
+use super::name_evidence::{self, NameSays};
+use super::picture::{Decoded, Pictures};
+use super::shape_evidence::{self, Pieces};
+use super::survey::Group;
+
+/// A primitive with this many points or more is foliage.
+pub(crate) const FOLIAGE_POINTS: f64 = 2.0;
+
+/// A primitive with this many points or fewer is wood; between the two it can't
+/// be told.
+pub(crate) const WOOD_POINTS: f64 = 0.0;
+
+/// A reason for (positive points) or against (negative) foliage.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reason {
+    /// How much it counts: names 2 to 4, pieces up to 4, cut-outs 3, colour 1.
+    /// From 2 in sum a primitive is foliage, up to 0 it is wood.
+    pub points: f64,
+    /// In words.
+    pub text: String,
+}
+
+impl Reason {
+    fn new(points: f64, text: String) -> Self {
+        Self { points, text }
+    }
+}
+
+/// The reasons of every group.
+pub(crate) fn gather(
+    document: &Document,
+    groups: &[Group],
+    pictures: &mut Pictures<'_>,
+) -> Result<Vec<Vec<Reason>>, Fault> {
+    let names = [
+        ("material", 4.0, each(groups, |g| vec![g.look.name.clone()])),
+        (
+            "mesh",
+            3.0,
+            each(groups, |g| {
+                vec![document.label("meshes", g.mesh).name.to_owned()]
+            }),
+        ),
+        ("node", 2.0, each(groups, |g| node_names(document, g))),
+        ("image", 2.0, each(groups, |g| image_names(document, g))),
+    ];
+    let mut all = vec![Vec::new(); groups.len()];
+    for (what, points, names) in &names {
+        add_names(&mut all, groups, what, *points, names);
+    }
+    for (reasons, group) in all.iter_mut().zip(groups) {
+        add_texture(reasons, &group.look, pictures)?;
+        add_pieces(reasons, group);
+    }
+    Ok(all)
+}
+
+fn each(groups: &[Group], names: impl Fn(&Group) -> Vec<String>) -> Vec<Vec<String>> {
+    groups.iter().map(names).collect()
+}
+
+fn node_names(document: &Document, group: &Group) -> Vec<String> {
+    const ENOUGH: usize = 8;
+    let label = |&node: &usize| document.label("nodes", node).name.to_owned();
+    group.nodes.iter().take(ENOUGH).map(label).collect()
+}
+
+fn image_names(document: &Document, group: &Group) -> Vec<String> {
+    let Some(image) = group.look.texture.and_then(|t| t.image) else {
+        return Vec::new();
+    };
+    let json = &document.root["images"][image];
+    let uri = json.get("uri").and_then(|u| u.as_str());
+    let file = uri.filter(|uri| !uri.starts_with("data:"));
+    let name = document.label("images", image).name;
+    [Some(name), file]
+        .into_iter()
+        .flatten()
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Adds what names say. A word that all groups share, such as that of a mesh
+/// which holds the whole tree, tells nothing apart.
+fn add_names(
+    all: &mut [Vec<Reason>],
+    groups: &[Group],
+    what: &str,
+    points: f64,
+    names: &[Vec<String>],
+) {
+    let telling = |list: &Vec<String>| {
+        let read = |name: &String| (name_evidence::read(name), name.clone());
+        let mut read = list.iter().map(read);
+        read.find(|(says, _)| *says != NameSays::Nothing)
+    };
+    let found: Vec<_> = names.iter().map(telling).collect();
+    let says = |k: usize| found[k].as_ref().map(|(says, _)| *says);
+    let all_alike = groups.len() > 1 && (1..groups.len()).all(|k| says(k) == says(0));
+    if all_alike {
+        return;
+    }
+    for (reasons, found) in all.iter_mut().zip(&found) {
+        match found {
+            Some((NameSays::Leaf, name)) => {
+                reasons.push(Reason::new(
+                    points,
+                    format!("{what} name `{name}` speaks of leaves"),
+                ));
+            }
+            Some((NameSays::Wood, name)) => {
+                reasons.push(Reason::new(
+                    -points,
+                    format!("{what} name `{name}` speaks of wood"),
+                ));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Cut-out texels and green or brown colour. Only textures whose alpha matters
+/// are looked at.
+fn add_texture(
+    reasons: &mut Vec<Reason>,
+    look: &Look,
+    pictures: &mut Pictures<'_>,
+) -> Result<(), Fault> {
+    const LEAST_SHARE: f64 = 0.02;
+    let mut color = [0, 1, 2].map(|k| f64::from(look.base_color[k]));
+    let image = look.texture.and_then(|t| t.image);
+    if let (Some(cutoff), Some(image)) = (cutoff(look), image)
+        && let Decoded::Picture(picture) = pictures.get(image)?
+    {
+        let mut kept = 0u64;
+        let mut sums = [0u64; 3];
+        for pixel in picture.pixels() {
+            if is_kept(pixel.0[3], look.base_color[3], cutoff) {
+                kept += 1;
+                for (sum, channel) in sums.iter_mut().zip(pixel.0) {
+                    *sum += u64::from(channel);
+                }
+            }
+        }
+        let texels = u64::from(picture.width()) * u64::from(picture.height());
+        let cut = 1.0 - kept as f64 / texels as f64;
+        if cut > LEAST_SHARE && kept > 0 {
+            let percent = (100.0 * cut).round();
+            reasons.push(Reason::new(
+                3.0,
+                format!("its texture cuts out {percent} % of its texels"),
+            ));
+        }
+        for (channel, sum) in color.iter_mut().zip(sums) {
+            // The mean of sRGB values as if they were linear: enough for a hue.
+            *channel *= sum as f64 / kept.max(1) as f64 / 255.0;
+        }
+    }
+    add_color(reasons, color);
+    Ok(())
+}
+
+fn add_color(reasons: &mut Vec<Reason>, [red, green, blue]: [f64; 3]) {
+    const CLEARLY: f64 = 1.1;
+    if green > CLEARLY * red && green > CLEARLY * blue {
+        reasons.push(Reason::new(1.0, "its colour is green".to_owned()));
+    } else if red > CLEARLY * green && green > CLEARLY * blue {
+        reasons.push(Reason::new(-1.0, "its colour is brown".to_owned()));
+    }
+}
+
+fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) {
+    const ENOUGH: usize = 16;
+    const MOST: f64 = 0.8;
+    const FEW: f64 = 0.3;
+    const ALIKE: f64 = 0.5;
+    let geometry = &group.geometry;
+    if geometry.triangles.is_empty() {
+        return;
+    }
+    let Pieces {
+        count,
+        leaf_like,
+        leaf_like_share,
+        alike_share,
+    } = shape_evidence::sum_up(&geometry.positions, &geometry.triangles, &geometry.pieces);
+    let pieces = if count == 1 {
+        "its only piece is"
+    } else {
+        "of its pieces"
+    };
+    let many = leaf_like * group.placements >= ENOUGH;
+    if many && leaf_like_share >= MOST {
+        let points = if alike_share >= ALIKE { 4.0 } else { 2.0 };
+        let text = if count == 1 {
+            format!(
+                "{pieces} small and flat, and drawn {} times",
+                group.placements
+            )
+        } else {
+            format!("{leaf_like} of its {count} pieces are small and flat")
+        };
+        reasons.push(Reason::new(points, text));
+    } else if leaf_like_share < FEW {
+        let percent = (100.0 * leaf_like_share).round();
+        let text = format!("only {percent} % of its triangles are in small flat pieces");
+        reasons.push(Reason::new(-3.0, text));
+    }
+}

@@ -1,0 +1,91 @@
+//! Parts: every primitive as every node or instance draws it.
+
+use glam::DMat4;
+
+use super::Document;
+use super::error::{At, Fault, Problem};
+use super::property;
+
+/// The most parts a file may have.
+pub(crate) const MAX_PARTS: u64 = 1 << 20;
+
+/// The most triangles a file may draw, every instance counted.
+pub(crate) const MAX_TRIANGLES: u64 = 64 << 20;
+
+/// One primitive as one node (or one instance of it) draws it.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// Index in `nodes`.
+    pub(crate) node: usize,
+    /// Which instance, where the node has EXT_mesh_gpu_instancing.
+    pub(crate) instance: Option<usize>,
+    /// Index in `meshes`.
+    pub(crate) mesh: usize,
+    /// Index in the mesh's `primitives`.
+    pub(crate) primitive: usize,
+    /// From the primitive's own space to world space.
+    pub(crate) world_from_local: DMat4,
+    /// Whether its triangles are leaves.
+    pub(crate) is_foliage: bool,
+}
+
+impl Document {
+    /// The parts of the scene in depth-first order of the nodes, instance by
+    /// instance, primitive by primitive; none is foliage yet. Their number and
+    /// that of their triangles are within the limits.
+    pub(crate) fn parts(&self) -> Result<Vec<Part>, Fault> {
+        let mut parts = Vec::new();
+        let mut triangles = 0u64;
+        for node in self.placed_nodes()? {
+            let json = property::entry(&self.root, "nodes", node.index)?;
+            let place = || self.place("nodes", node.index);
+            let Some(mesh) = property::index(json, "mesh").at(place)? else {
+                continue;
+            };
+            let mesh_json = property::entry(&self.root, "meshes", mesh).at(place)?;
+            let primitives = property::list(mesh_json, "primitives")
+                .at(|| self.place("meshes", mesh))?
+                .len();
+            let instancing = self.instancing(node.index)?;
+            let placements = instancing.as_ref().map_or(1, |i| i.count as u64);
+            check_limit(
+                "parts (nodes x instances x primitives)",
+                parts.len() as u64 + placements.saturating_mul(primitives as u64),
+                MAX_PARTS,
+            )
+            .at(place)?;
+            for primitive in 0..primitives {
+                let bound = self.triangle_bound(mesh, primitive)? as u64;
+                triangles += bound.saturating_mul(placements);
+                check_limit("triangles", triangles, MAX_TRIANGLES).at(place)?;
+            }
+            let matrices = match &instancing {
+                None => vec![(None, node.world_from_node)],
+                Some(instancing) => self
+                    .node_from_instances(instancing)?
+                    .into_iter()
+                    .enumerate()
+                    .map(|(i, matrix)| (Some(i), node.world_from_node * matrix))
+                    .collect(),
+            };
+            for (instance, world_from_local) in matrices {
+                parts.extend((0..primitives).map(|primitive| Part {
+                    node: node.index,
+                    instance,
+                    mesh,
+                    primitive,
+                    world_from_local,
+                    is_foliage: false,
+                }));
+            }
+        }
+        Ok(parts)
+    }
+}
+
+fn check_limit(what: &'static str, found: u64, limit: u64) -> Result<(), Problem> {
+    if found > limit {
+        return Err(Problem::TooMuch { what, limit });
+    }
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! The primitives of a scene, each looked at once however often it is drawn.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::Document;
+use super::error::Fault;
+use super::leaves::{Leaves, find_leaves};
+use super::material::Look;
+use super::parts::Part;
+use super::selector::{Label, Labels};
+
+/// A primitive and where it is drawn.
+pub(crate) struct Group {
+    pub(crate) mesh: usize,
+    pub(crate) primitive: usize,
+    /// The nodes that draw it, in traversal order.
+    pub(crate) nodes: Vec<usize>,
+    /// How often it is drawn, instances counted.
+    pub(crate) placements: usize,
+    pub(crate) look: Look,
+    pub(crate) geometry: Geometry,
+}
+
+/// A primitive's triangles in its own space.
+pub(crate) struct Geometry {
+    pub(crate) positions: Vec<DVec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Its connected pieces, which are its leaves if it is foliage.
+    pub(crate) pieces: Leaves,
+}
+
+/// The groups of a scene.
+pub(crate) struct Survey {
+    pub(crate) groups: Vec<Group>,
+    /// The group of each part.
+    pub(crate) group_of_part: Vec<usize>,
+}
+
+impl Document {
+    /// Reads every primitive that is drawn.
+    pub(crate) fn survey(&self, parts: &[Part]) -> Result<Survey, Fault> {
+        let mut known: HashMap<(usize, usize), usize> = HashMap::new();
+        let mut groups: Vec<Group> = Vec::new();
+        let mut group_of_part = Vec::with_capacity(parts.len());
+        for part in parts {
+            let key = (part.mesh, part.primitive);
+            let index = match known.get(&key) {
+                Some(&index) => index,
+                None => {
+                    groups.push(self.group(part)?);
+                    known.insert(key, groups.len() - 1);
+                    groups.len() - 1
+                }
+            };
+            let group = &mut groups[index];
+            group.placements += 1;
+            // Parts of one node follow each other, but for its other primitives.
+            if group.nodes.last() != Some(&part.node) {
+                group.nodes.push(part.node);
+            }
+            group_of_part.push(index);
+        }
+        Ok(Survey {
+            groups,
+            group_of_part,
+        })
+    }
+
+    fn group(&self, part: &Part) -> Result<Group, Fault> {
+        let positions = self.positions(part.mesh, part.primitive)?;
+        let triangles = self.triangles(part.mesh, part.primitive)?;
+        let pieces = find_leaves(&positions, &triangles);
+        Ok(Group {
+            mesh: part.mesh,
+            primitive: part.primitive,
+            nodes: Vec::new(),
+            placements: 0,
+            look: self.look(part.mesh, part.primitive)?,
+            geometry: Geometry {
+                positions,
+                triangles,
+                pieces,
+            },
+        })
+    }
+
+    /// What an entry of a list is called.
+    pub(crate) fn label(&self, list: &str, index: usize) -> Label<'_> {
+        let entry = self.root.get(list).and_then(|l| l.get(index));
+        let name = entry.and_then(|e| e.get("name")).and_then(|n| n.as_str());
+        Label {
+            name: name.unwrap_or(""),
+            index: Some(index),
+        }
+    }
+
+    /// What a group is called where this node draws it.
+    pub(crate) fn labels<'a>(&'a self, group: &'a Group, node: usize) -> Labels<'a> {
+        Labels {
+            material: Label {
+                name: &group.look.name,
+                index: group.look.material,
+            },
+            mesh: self.label("meshes", group.mesh),
+            node: self.label("nodes", node),
+        }
+    }
+}

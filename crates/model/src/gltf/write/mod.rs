@@ -1,0 +1,29 @@
+//! Writing glTF: grown plants, and trees with fewer leaves.
+//!
+//! A LOD is the input with other leaves: nothing else is made anew. The JSON is
+//! copied and changed where a leaf goes or grows; accessors and buffer views
+//! keep their numbers, so that an extension nobody here knows stays right; the
+//! bytes that are still named are packed into one buffer.
+
+mod bounds;
+mod container;
+mod content;
+mod draft;
+mod fates;
+mod files;
+mod instances;
+mod meshes;
+mod packing;
+mod plant;
+mod primitive;
+mod problem;
+mod references;
+mod solitary;
+#[cfg(test)]
+mod tests;
+mod tidy;
+mod vertices;
+
+pub use files::Written;
+pub use plant::plant_to_glb;
+pub use problem::WriteProblem;

@@ -1,0 +1,260 @@
+//! A grown plant as a GLB.
+
+use std::io::Cursor;
+use std::sync::Arc;
+
+use glam::{Vec3, Vec4};
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use serde_json::{Map, Value, json};
+
+use super::container::glb_bytes;
+use crate::{AlphaMode, Material, Plant, Surface, Texture, Wrap};
+
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const LINEAR: u32 = 9729;
+const LINEAR_MIPMAP_LINEAR: u32 = 9987;
+
+/// A grown plant as the bytes of a GLB file: a scene named after the plant, its
+/// node "Tree" with the children "Branches" and "Leaves", a mesh and a material
+/// each, textures embedded as PNG.
+///
+/// Positions are rounded to f32; normals are made unit length, colours and
+/// factors are held to 0..1, as glTF asks. A surface without triangles gets a
+/// node without mesh. The same plant gives the same bytes.
+///
+/// # Panics
+/// If a surface is broken: a corner that names no position, a list of normals,
+/// texture coordinates or colours that is neither empty nor as long as the
+/// positions, a texture whose bytes do not fit its size, a position beyond the
+/// range of f32, or a file beyond 4 GiB.
+pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
+    let mut file = PlantFile::default();
+    let branches = file.push_node("Branches", &plant.wood);
+    let leaves = file.push_node("Leaves", &plant.leaves);
+    file.push(
+        "nodes",
+        json!({"name": "Tree", "children": [branches, leaves]}),
+    );
+    let root = file.finish(&plant.name, leaves + 1);
+    glb_bytes(&root, &file.buffer).expect("a plant fits into 4 GiB")
+}
+
+#[derive(Default)]
+struct PlantFile {
+    lists: Map<String, Value>,
+    buffer: Vec<u8>,
+    textures: Vec<Arc<Texture>>,
+}
+
+impl PlantFile {
+    /// Appends to one of glTF's top-level lists and returns the item's number.
+    fn push(&mut self, list: &str, item: Value) -> usize {
+        let list = self
+            .lists
+            .entry(list)
+            .or_insert_with(|| Value::Array(Vec::new()));
+        let items = list.as_array_mut().expect("top-level lists are arrays");
+        items.push(item);
+        items.len() - 1
+    }
+
+    fn finish(&mut self, scene_name: &str, tree: usize) -> Value {
+        let mut root = json!({
+            "asset": {"version": "2.0", "generator": "secateur"},
+            "scene": 0,
+            "scenes": [named(scene_name, json!({"nodes": [tree]}))],
+        });
+        if !self.buffer.is_empty() {
+            self.push("buffers", json!({"byteLength": self.buffer.len()}));
+        }
+        let fields = root.as_object_mut().expect("the root is an object");
+        fields.extend(std::mem::take(&mut self.lists));
+        root
+    }
+
+    fn push_node(&mut self, name: &str, surface: &Surface) -> usize {
+        if surface.triangles.is_empty() {
+            return self.push("nodes", json!({"name": name}));
+        }
+        let material = self.push_material(&surface.material);
+        let primitive = self.push_primitive(surface, material);
+        let mesh = self.push("meshes", json!({"name": name, "primitives": [primitive]}));
+        self.push("nodes", json!({"name": name, "mesh": mesh}))
+    }
+
+    fn push_primitive(&mut self, surface: &Surface, material: usize) -> Value {
+        let count = surface.positions.len();
+        let of_every_position = |len: usize, what: &str| {
+            assert!(
+                len == 0 || len == count,
+                "{len} {what} for {count} positions"
+            );
+            len > 0
+        };
+        let mut attributes = Map::new();
+        attributes.insert("POSITION".into(), self.push_positions(surface).into());
+        if of_every_position(surface.normals.len(), "normals") {
+            let unit = |n: &Vec3| n.normalize_or(Vec3::Z).to_array();
+            let normals = self.push_floats("VEC3", surface.normals.iter().map(unit));
+            attributes.insert("NORMAL".into(), normals.into());
+        }
+        if of_every_position(surface.uvs.len(), "texture coordinates") {
+            let uvs = self.push_floats("VEC2", surface.uvs.iter().map(|uv| uv.to_array()));
+            attributes.insert("TEXCOORD_0".into(), uvs.into());
+        }
+        if of_every_position(surface.colors.len(), "colours") {
+            let held = |c: &Vec4| c.clamp(Vec4::ZERO, Vec4::ONE).to_array();
+            let colors = self.push_floats("VEC4", surface.colors.iter().map(held));
+            attributes.insert("COLOR_0".into(), colors.into());
+        }
+        let indices = self.push_indices(surface);
+        json!({"attributes": attributes, "indices": indices, "material": material})
+    }
+
+    fn push_positions(&mut self, surface: &Surface) -> usize {
+        let positions: Vec<Vec3> = surface.positions.iter().map(|p| p.as_vec3()).collect();
+        assert!(
+            positions.iter().all(|p| p.is_finite()),
+            "a position does not fit f32"
+        );
+        let min = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let max = positions
+            .iter()
+            .copied()
+            .fold(Vec3::NEG_INFINITY, Vec3::max);
+        let accessor = self.push_floats("VEC3", positions.iter().map(|p| p.to_array()));
+        let fields = &mut self.lists["accessors"][accessor];
+        fields["min"] = json!(min.to_array());
+        fields["max"] = json!(max.to_array());
+        accessor
+    }
+
+    fn push_floats<const N: usize>(
+        &mut self,
+        kind: &str,
+        vectors: impl ExactSizeIterator<Item = [f32; N]>,
+    ) -> usize {
+        let count = vectors.len();
+        let bytes = vectors.flatten().flat_map(f32::to_le_bytes).collect();
+        let view = self.push_view(bytes, Some(ARRAY_BUFFER));
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": FLOAT, "count": count, "type": kind}),
+        )
+    }
+
+    fn push_indices(&mut self, surface: &Surface) -> usize {
+        let corners = || surface.triangles.iter().flatten();
+        assert!(
+            corners().all(|&corner| (corner as usize) < surface.positions.len()),
+            "a triangle names a position that is not there"
+        );
+        let bytes = corners().flat_map(|corner| corner.to_le_bytes()).collect();
+        let view = self.push_view(bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let count = 3 * surface.triangles.len();
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR"}),
+        )
+    }
+
+    fn push_view(&mut self, bytes: Vec<u8>, target: Option<u32>) -> usize {
+        let offset = self.buffer.len().next_multiple_of(4);
+        self.buffer.resize(offset, 0);
+        let mut view = json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()});
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        self.buffer.extend_from_slice(&bytes);
+        self.push("bufferViews", view)
+    }
+
+    fn push_material(&mut self, material: &Material) -> usize {
+        let color = material.base_color.map(|c| c.clamp(0.0, 1.0));
+        let mut pbr = json!({
+            "baseColorFactor": color,
+            "metallicFactor": 0,
+            "roughnessFactor": 1,
+        });
+        if let Some(texture) = &material.texture {
+            pbr["baseColorTexture"] = json!({"index": self.texture(texture)});
+        }
+        let mut fields = named(&material.name, json!({"pbrMetallicRoughness": pbr}));
+        match material.alpha_mode {
+            AlphaMode::Opaque => {}
+            AlphaMode::Mask(cutoff) => {
+                fields["alphaMode"] = "MASK".into();
+                fields["alphaCutoff"] = json!(cutoff.max(0.0));
+            }
+            AlphaMode::Blend => fields["alphaMode"] = "BLEND".into(),
+        }
+        if material.double_sided {
+            fields["doubleSided"] = true.into();
+        }
+        self.push("materials", fields)
+    }
+
+    /// The number of a texture, which is written once however many use it.
+    fn texture(&mut self, texture: &Arc<Texture>) -> usize {
+        let known = self.textures.iter().position(|t| t == texture);
+        known.unwrap_or_else(|| {
+            self.textures.push(Arc::clone(texture));
+            self.push_texture(texture)
+        })
+    }
+
+    fn push_texture(&mut self, texture: &Texture) -> usize {
+        let view = self.push_view(png_bytes(texture), None);
+        let source = self.push(
+            "images",
+            json!({"bufferView": view, "mimeType": "image/png"}),
+        );
+        let [wrap_s, wrap_t] = texture.wrap.map(wrap_code);
+        let sampler = self.push(
+            "samplers",
+            json!({
+                "magFilter": LINEAR,
+                "minFilter": LINEAR_MIPMAP_LINEAR,
+                "wrapS": wrap_s,
+                "wrapT": wrap_t,
+            }),
+        );
+        self.push("textures", json!({"sampler": sampler, "source": source}))
+    }
+}
+
+/// `fields` with this name in front, or none where it is empty.
+fn named(name: &str, fields: Value) -> Value {
+    if name.is_empty() {
+        return fields;
+    }
+    let mut all = json!({ "name": name });
+    if let (Value::Object(all), Value::Object(fields)) = (&mut all, fields) {
+        all.extend(fields);
+    }
+    all
+}
+
+fn wrap_code(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::ClampToEdge => 33071,
+        Wrap::MirroredRepeat => 33648,
+    }
+}
+
+fn png_bytes(texture: &Texture) -> Vec<u8> {
+    let mut png = Cursor::new(Vec::new());
+    PngEncoder::new(&mut png)
+        .write_image(
+            &texture.rgba,
+            texture.width,
+            texture.height,
+            ExtendedColorType::Rgba8,
+        )
+        .expect("a texture has four bytes for each of its texels");
+    png.into_inner()
+}

@@ -1,0 +1,250 @@
+//! One primitive with fewer leaves, or leaves of another size.
+
+use std::rc::Rc;
+
+use glam::{DVec3, Vec3};
+use serde_json::Value;
+
+use super::draft::{Draft, NewElements, Role, is_all_zero};
+use super::fates::Fates;
+use super::references::as_index;
+use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
+use crate::gltf::accessor::{Component, Elements, Shape};
+use crate::gltf::error::Fault;
+use crate::gltf::parts::Part;
+use crate::gltf::tree::Tree;
+
+/// A primitive's JSON after the fates of a part's leaves, or `None` if no
+/// triangle is left.
+pub(super) fn rewrite_primitive(
+    draft: &mut Draft,
+    tree: &Tree,
+    fates: &Fates,
+    part_number: usize,
+) -> Result<Option<Value>, Fault> {
+    let part = &tree.parts[part_number];
+    let (kept, resizes) = kept_triangles(draft, fates, part_number, part)?;
+    if kept.is_empty() {
+        return Ok(None);
+    }
+    let document = draft.document;
+    let mut primitive = document.primitive(part.mesh, part.primitive)?.clone();
+    let old_indices = primitive.get("indices").and_then(as_index);
+    let vertices = match old_indices {
+        Some(_) => {
+            let position = accessor_of(&primitive["attributes"]["POSITION"]);
+            shared_vertices(document.accessor(position)?.count, &kept)
+        }
+        None => corner_vertices(&kept),
+    };
+    let sources: Rc<[u32]> = vertices.sources.as_slice().into();
+    let moves = Moves {
+        vertices: &vertices,
+        resizes: &resizes,
+        place: document.primitive_place(part.mesh, part.primitive),
+    };
+    moves.rewrite_attributes(draft, &mut primitive["attributes"], &sources, Mover::Point)?;
+    for target in super::references::items(&mut primitive, "targets") {
+        moves.rewrite_attributes(draft, target, &sources, Mover::Delta)?;
+    }
+    if let (Some(old), Some(triangles)) = (old_indices, &vertices.triangles) {
+        let new = new_indices(draft, old, triangles, vertices.sources.len())?;
+        primitive["indices"] = draft.push_accessor(Some(old), new).into();
+    }
+    if primitive
+        .get("mode")
+        .and_then(as_index)
+        .is_some_and(|mode| mode != TRIANGLES)
+    {
+        primitive["mode"] = TRIANGLES.into();
+    }
+    note_extensions(draft, &primitive, &moves.place);
+    Ok(Some(primitive))
+}
+
+const TRIANGLES: usize = 4;
+
+fn accessor_of(number: &Value) -> usize {
+    as_index(number).expect("a primitive with triangles was read")
+}
+
+fn kept_triangles(
+    draft: &Draft,
+    fates: &Fates,
+    part_number: usize,
+    part: &Part,
+) -> Result<(Vec<KeptTriangle>, Vec<Resize>), Fault> {
+    let triangles = draft.document.triangles(part.mesh, part.primitive)?;
+    let mut is_kept = vec![true; triangles.len()];
+    let mut resize_of = vec![None; triangles.len()];
+    let mut resizes = Vec::new();
+    for fate in fates.of_part(part_number) {
+        if fate.area_scale.is_none() {
+            for &triangle in fate.triangles {
+                is_kept[triangle as usize] = false;
+            }
+        } else if let Some(resize) = fates.resize(part_number, &fate) {
+            for &triangle in fate.triangles {
+                resize_of[triangle as usize] = Some(resizes.len() as u32);
+            }
+            resizes.push(resize);
+        }
+    }
+    let kept = triangles
+        .into_iter()
+        .zip(resize_of)
+        .zip(is_kept)
+        .filter(|(_, is_kept)| *is_kept)
+        .map(|((corners, resize), _)| KeptTriangle { corners, resize })
+        .collect();
+    Ok((kept, resizes))
+}
+
+/// How a resize acts on a vector of a vertex.
+#[derive(Clone, Copy)]
+enum Mover {
+    /// A position: away from the leaf's centre.
+    Point,
+    /// The displacement of a morph target: in proportion.
+    Delta,
+}
+
+/// The vertices of a rewritten primitive and how some of them move.
+struct Moves<'a> {
+    vertices: &'a Vertices,
+    resizes: &'a [Resize],
+    place: String,
+}
+
+impl Moves<'_> {
+    fn rewrite_attributes(
+        &self,
+        draft: &mut Draft,
+        attributes: &mut Value,
+        sources: &Rc<[u32]>,
+        mover: Mover,
+    ) -> Result<(), Fault> {
+        let Some(attributes) = attributes.as_object_mut() else {
+            return Ok(());
+        };
+        for (semantic, number) in attributes {
+            let Some(old) = as_index(number) else {
+                continue;
+            };
+            let moves = semantic == "POSITION" && !self.vertices.moved.is_empty();
+            let new = if moves {
+                self.move_vectors(draft, old, sources, mover)?
+            } else {
+                draft.gather(old, Role::Vertex, sources)?
+            };
+            *number = new.into();
+        }
+        Ok(())
+    }
+
+    /// The accessor of positions, or of their displacements, of which some move.
+    /// As f32: a leaf that grows may leave the range or the grid of integers.
+    fn move_vectors(
+        &self,
+        draft: &mut Draft,
+        old: usize,
+        sources: &Rc<[u32]>,
+        mover: Mover,
+    ) -> Result<usize, Fault> {
+        let elements = draft.document.elements(old)?;
+        let is_displacement = matches!(mover, Mover::Delta);
+        if is_displacement
+            && (is_all_zero(&elements) || elements.accessor.shape != Shape::Vector(3))
+        {
+            return draft.gather(old, Role::Vertex, sources);
+        }
+        let mut vectors = gather_vectors(&elements, sources);
+        for &(vertex, resize) in &self.vertices.moved {
+            let vector = &mut vectors[vertex as usize];
+            *vector = moved(*vector, &self.resizes[resize as usize], mover);
+        }
+        if elements.accessor.component != Component::F32 {
+            draft.notes.push(format!(
+                "{}: its quantised positions became f32, because leaves that grow leave their grid",
+                self.place
+            ));
+        }
+        let bytes = vectors
+            .iter()
+            .flat_map(|v| v.as_vec3().clamp(Vec3::MIN, Vec3::MAX).to_array())
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        let new = NewElements {
+            component: Component::F32,
+            shape: Shape::Vector(3),
+            normalized: false,
+            count: sources.len(),
+            bytes: Some(bytes),
+            bounded: true,
+            role: Role::Vertex,
+        };
+        Ok(draft.push_accessor(Some(old), new))
+    }
+}
+
+/// Vectors that are f32 in the file come back to the same bits.
+fn gather_vectors(elements: &Elements, sources: &[u32]) -> Vec<DVec3> {
+    let all: Vec<DVec3> = elements.vectors().map(DVec3::from_array).collect();
+    let of_source = |&source: &u32| all.get(source as usize).copied().unwrap_or_default();
+    sources.iter().map(of_source).collect()
+}
+
+fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {
+    match mover {
+        Mover::Point => resize.centre_local + resize.linear_scale * (vector - resize.centre_local),
+        Mover::Delta => resize.linear_scale * vector,
+    }
+}
+
+/// Indices in the smallest type that holds them, though never smaller than
+/// 16 bits where they were larger: many GPUs dislike 8.
+fn new_indices(
+    draft: &Draft,
+    old: usize,
+    triangles: &[[u32; 3]],
+    vertex_count: usize,
+) -> Result<NewElements, Fault> {
+    // The largest value of a type means a new strip and names no vertex.
+    let old_component = draft.document.accessor(old)?.component;
+    let component = match vertex_count {
+        0..=0xff if old_component == Component::U8 => Component::U8,
+        0..=0xffff => Component::U16,
+        _ => Component::U32,
+    };
+    let corners = triangles.iter().flatten();
+    let bytes = match component {
+        Component::U8 => corners.map(|&corner| corner as u8).collect(),
+        Component::U16 => corners
+            .flat_map(|&corner| (corner as u16).to_le_bytes())
+            .collect(),
+        _ => corners.flat_map(|&corner| corner.to_le_bytes()).collect(),
+    };
+    let fields = &draft.document.root["accessors"][old];
+    Ok(NewElements {
+        component,
+        shape: Shape::Scalar,
+        normalized: false,
+        count: 3 * triangles.len(),
+        bytes: Some(bytes),
+        bounded: fields.get("min").is_some() || fields.get("max").is_some(),
+        role: Role::Index,
+    })
+}
+
+/// An extension of a primitive that is not known may speak of vertices by
+/// number.
+fn note_extensions(draft: &mut Draft, primitive: &Value, place: &str) {
+    let extensions = primitive.get("extensions").and_then(Value::as_object);
+    for name in extensions.into_iter().flatten().map(|(name, _)| name) {
+        if name != "KHR_materials_variants" {
+            draft.notes.push(format!(
+                "{place}: {name} was kept as it was; if it names vertices, it names those of the original"
+            ));
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! LODs of small trees in every encoding, and of real ones.
+
+mod check;
+mod encodings;
+mod every_encoding;
+mod fixture;
+mod grown;
+mod on_disk;
+mod particulars;
+mod real_trees;
+#[allow(unreachable_pub, reason = "integration tests include this file too")]
+#[path = "../../../../../../tests/validator/validator.rs"]
+mod validator;

@@ -1,0 +1,3 @@
+//! Reading glTF: encodings, broken files, the choice of foliage, real trees.
+
+mod real_trees;
