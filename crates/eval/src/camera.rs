@@ -109,13 +109,88 @@ fn eye_that_sees_all<S: Borrow<Surface>>(
     if !right.is_finite() {
         return None;
     }
-    let nearest = f64::min(
-        -0.5 * (right + left) / tan_x,
-        -0.5 * (top + bottom) / tan_y,
-    );
-    // A single point would put the eye into it.
-    let z = nearest.min(depths[0] - 1e-3 * (depths[1] - depths[0]) - f64::MIN_POSITIVE.sqrt());
+    let nearest = f64::min(-0.5 * (right + left) / tan_x, -0.5 * (top + bottom) / tan_y);
+    // Points in one line with the view would put the eye into the first.
+    let z = if nearest < depths[0] {
+        nearest
+    } else {
+        depths[0] - (depths[1] - depths[0]).max(1e-3 * depths[0].abs()).max(1.0)
+    };
     let (x, y) = (0.5 * (right - left), 0.5 * (top - bottom));
     let eye = axes.right * x + axes.up * y + axes.forward * z;
     Some((eye, 0.5 * (depths[0] + depths[1]) - z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lens::Lens;
+    use secateur_model::{AlphaMode, Material};
+    use std::sync::Arc;
+
+    fn points(positions: Vec<DVec3>) -> Surface {
+        let material = Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+        };
+        Surface {
+            positions,
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles: Vec::new(),
+            material: Arc::new(material),
+        }
+    }
+
+    #[test]
+    fn everything_is_inside_and_the_tightest_pair_of_edges_is_near() {
+        // A tall box and a wide one, small and huge, far from the origin.
+        for size in [
+            DVec3::new(1.0, 5.0, 1.0),
+            DVec3::new(9.0, 1.0, 2.0),
+            DVec3::splat(1e-4),
+            DVec3::splat(1e6),
+        ] {
+            let corner = |i: i32| DVec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into());
+            let at = DVec3::new(7.0, -3.0, 2.0) * size.max_element();
+            let surface = points((0..8).map(|i| at + corner(i) * size).collect());
+            let camera = framing(&[&surface], 0.8);
+            let lens = Lens::perspective(&camera, 80, 100);
+            let on_raster = surface.positions.iter().map(|&p| {
+                let view = lens.to_view(p);
+                assert!(lens.in_front(view) > 0.0);
+                lens.project(view).at
+            });
+            let (low, high) = on_raster.fold(
+                (glam::Vec2::INFINITY, glam::Vec2::NEG_INFINITY),
+                |(a, b), p| (a.min(p), b.max(p)),
+            );
+            // Five per cent of the picture stay free, on each side.
+            let free = [
+                low.x / 80.0,
+                1.0 - high.x / 80.0,
+                low.y / 100.0,
+                1.0 - high.y / 100.0,
+            ];
+            assert!(free.iter().all(|&f| f > 0.045), "{size}: {free:?}");
+            assert!(free.iter().any(|&f| f < 0.055), "{size}: {free:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_and_a_point_have_a_camera_too() {
+        for surface in [
+            points(vec![]),
+            points(vec![DVec3::ONE]),
+            points(vec![DVec3::NAN]),
+        ] {
+            let camera = framing(&[surface], 1.0);
+            assert!(camera.eye.is_finite() && camera.target.is_finite());
+            assert!((camera.target - camera.eye).length() > 0.0);
+        }
+    }
 }

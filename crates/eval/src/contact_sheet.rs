@@ -45,7 +45,12 @@ pub fn contact_sheet(panels: &[Panel]) -> RgbaImage {
         let x = left + (panel_width - panel.image.width()) / 2;
         let y = GAP_PX + image_height - panel.image.height();
         imageops::replace(&mut sheet, &panel.image, x.into(), y.into());
-        write_captions(&mut sheet, panel, [left, 2 * GAP_PX + image_height], panel_width);
+        write_captions(
+            &mut sheet,
+            panel,
+            [left, 2 * GAP_PX + image_height],
+            panel_width,
+        );
     }
     sheet
 }
@@ -68,5 +73,52 @@ fn write_captions(sheet: &mut RgbaImage, panel: &Panel, at: [u32; 2], panel_widt
         write_line(&mut strip, [x, 0], &line);
         imageops::replace(sheet, &strip, at[0].into(), y.into());
         y += line_height(line.scale);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(width: u32, height: u32, title: &str, shade: u8) -> Panel {
+        Panel {
+            title: title.into(),
+            subtitle: "12 leaves\n24 triangles".into(),
+            image: RgbaImage::from_pixel(width, height, Rgba([shade, 0, 0, 255])),
+        }
+    }
+
+    #[test]
+    fn panels_stand_side_by_side_on_one_ground_line() {
+        let sheet = contact_sheet(&[panel(100, 60, "a", 1), panel(80, 40, "b", 2)]);
+        // Two panels of 100 and three gaps of 16; 60 of picture, 40 + 2 * 20 of
+        // caption and three gaps.
+        assert_eq!(sheet.dimensions(), (248, 188));
+        assert_eq!(sheet.get_pixel(16, 16)[0], 1);
+        assert_eq!(sheet.get_pixel(115, 75)[0], 1);
+        // The second: 132 + (100 - 80) / 2 = 142, down to the same row 75.
+        assert_eq!(sheet.get_pixel(142, 36)[0], 2);
+        assert_eq!(sheet.get_pixel(221, 75)[0], 2);
+        assert_eq!(*sheet.get_pixel(142, 35), PAPER);
+        assert_eq!(*sheet.get_pixel(142, 76), PAPER);
+    }
+
+    #[test]
+    fn captions_are_written_and_stay_under_their_panel() {
+        let ink_in = |sheet: &RgbaImage, columns: std::ops::Range<u32>| {
+            let inked =
+                |(x, y, p): (u32, u32, &Rgba<u8>)| y > 80 && columns.contains(&x) && *p == INK;
+            sheet.enumerate_pixels().filter(|&all| inked(all)).count()
+        };
+        let long = "a title far too long for its panel";
+        let sheet = contact_sheet(&[panel(100, 60, "", 1), panel(100, 60, long, 2)]);
+        assert_eq!(ink_in(&sheet, 0..132), 0);
+        assert!(ink_in(&sheet, 132..232) > 100);
+        assert_eq!(ink_in(&sheet, 232..248), 0);
+    }
+
+    #[test]
+    fn no_panel_is_an_empty_sheet() {
+        assert_eq!(contact_sheet(&[]).dimensions(), (1, 1));
     }
 }

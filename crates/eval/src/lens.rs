@@ -67,7 +67,11 @@ impl Lens {
 
     /// A point in view space, in front of the near plane, on the raster.
     pub(crate) fn project(&self, view: DVec3) -> Projected {
-        let inverse_w = if self.near.is_some() { 1.0 / view.z } else { 1.0 };
+        let inverse_w = if self.near.is_some() {
+            1.0 / view.z
+        } else {
+            1.0
+        };
         let scale = self.samples_per_unit * inverse_w;
         let at = Vec2::new(
             (0.5 * f64::from(self.width) + scale * view.x) as f32,

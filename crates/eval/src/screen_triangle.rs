@@ -33,7 +33,11 @@ pub(crate) fn screen_triangles<S: Borrow<Surface> + Sync>(
     let mut all = Vec::new();
     for (index, surface) in surfaces.iter().enumerate() {
         let surface = surface.borrow();
-        let views: Vec<DVec3> = surface.positions.par_iter().map(|&p| lens.to_view(p)).collect();
+        let views: Vec<DVec3> = surface
+            .positions
+            .par_iter()
+            .map(|&p| lens.to_view(p))
+            .collect();
         let faces = surface.triangles.par_iter().enumerate();
         all.par_extend(faces.flat_map_iter(|(triangle, corners)| {
             let face = Face {
@@ -47,11 +51,7 @@ pub(crate) fn screen_triangles<S: Borrow<Surface> + Sync>(
     all
 }
 
-fn on_screen(
-    face: Face,
-    corners: [DVec3; 3],
-    lens: &Lens,
-) -> impl Iterator<Item = ScreenTriangle> {
+fn on_screen(face: Face, corners: [DVec3; 3], lens: &Lens) -> impl Iterator<Item = ScreenTriangle> {
     let mut polygon = [(DVec3::ZERO, Vec2::ZERO); 4];
     let count = if corners.iter().all(|c| c.is_finite()) {
         clip(corners, lens, &mut polygon)

@@ -22,6 +22,9 @@ const LEAST_SKY: f32 = 0.30;
 const WRAP: f32 = 0.35;
 const BACKGROUND_TOP: Vec3 = Vec3::new(0.86, 0.90, 0.95);
 const BACKGROUND_BOTTOM: Vec3 = Vec3::new(0.72, 0.74, 0.73);
+/// How far off its surface a point is lit, as a share of the scene's radius: so
+/// that round wood does not shade itself.
+const SELF_SHADE: f64 = 0.02;
 const MAP_SIZE: u32 = 512;
 
 /// The lights of a scene and the plane that the plant stands on.
@@ -50,22 +53,23 @@ impl Lighting {
         let to_sun = (level * 0.55 - axes.right * 0.6 + DVec3::Y * 0.95).normalize();
         let shade = shadows.then(|| bounds_of(surfaces)).flatten();
         let shade = shade.map(|(bounds, ground_y)| Shade {
-            sun: LightDepth::new(surfaces, bounds, -to_sun, MAP_SIZE, 0.10, 0.025),
-            sky: LightDepth::new(surfaces, bounds, DVec3::NEG_Y, MAP_SIZE, 0.36, 0.10),
+            sun: LightDepth::new(surfaces, bounds, -to_sun, MAP_SIZE, 0.16, 0.025),
+            sky: LightDepth::new(surfaces, bounds, DVec3::NEG_Y, MAP_SIZE, 0.55, 0.10),
             bounds,
             ground_y,
         });
         Self { to_sun, shade }
     }
 
-    fn sun_and_sky_at(&self, world: DVec3) -> (f32, f32) {
+    fn sun_and_sky_at(&self, world: DVec3, normal: Vec3) -> (f32, f32) {
         let Some(shade) = &self.shade else {
             return (1.0, 1.0);
         };
         let fade = |least: f32, light: f32| least + (1.0 - least) * light;
+        let world = world + normal.as_dvec3() * (SELF_SHADE * shade.bounds.radius);
         (
-            fade(LEAST_SUN, shade.sun.light_at(world)),
-            fade(LEAST_SKY, shade.sky.light_at(world)),
+            fade(LEAST_SUN, shade.sun.light_at(world, 1)),
+            fade(LEAST_SKY, shade.sky.light_at(world, 1)),
         )
     }
 
@@ -87,11 +91,12 @@ impl Lighting {
         }
         let world = eye + ray * distance;
         let aside = (world - shade.bounds.centre).with_y(0.0).length() / shade.bounds.radius;
-        if aside > 1.2 {
+        let fade = ((1.0 - aside) / 0.6).clamp(0.0, 1.0) as f32;
+        if fade == 0.0 {
             return 1.0;
         }
-        let light = 0.5 * (shade.sun.light_at(world) + shade.sky.light_at(world));
-        1.0 - 0.38 * (1.0 - light)
+        let light = 0.5 * (shade.sun.light_at(world, 3) + shade.sky.light_at(world, 3));
+        1.0 - 0.45 * fade * (1.0 - light)
     }
 }
 
@@ -99,33 +104,79 @@ impl Lighting {
 fn bounds_of<S: Borrow<Surface>>(surfaces: &[S]) -> Option<(BoundingSphere, f64)> {
     let all = || surfaces.iter().flat_map(|s| &s.borrow().positions);
     let finite = || all().copied().filter(|p| p.is_finite());
-    let (low, high) = finite().fold(
-        (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        |(low, high), p| (low.min(p), high.max(p)),
-    );
+    let (low, high) = finite().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    });
     let centre = 0.5 * (low + high);
-    let radius = finite().map(|p| p.distance_squared(centre)).fold(0.0, f64::max).sqrt();
+    let radius = finite()
+        .map(|p| p.distance_squared(centre))
+        .fold(0.0, f64::max)
+        .sqrt();
     let bounds = BoundingSphere { centre, radius };
     (centre.is_finite() && radius > 0.0).then_some((bounds, low.y))
 }
 
-/// The linear colour of a triangle at a point of the raster.
-pub(crate) fn shade(
-    surface: &Surface,
-    triangle: &ScreenTriangle,
-    at: Vec2,
-    lens: &Lens,
-    lighting: &Lighting,
-) -> Vec3 {
-    let Some(place) = Place::within(triangle) else {
-        return Vec3::ZERO;
-    };
-    let weights = face_weights(triangle, place.weights(at));
-    let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
-    let world = weights_of(weights.map(f64::from), corners.map(|c| surface.positions[c]));
-    let normal = normal_at(surface, corners, weights, world - lens.origin);
-    let light = light_on(normal, surface.material.double_sided, world, lighting);
-    base_color(surface, corners, weights) * light
+/// What a sample sees: a place on a surface.
+pub(crate) struct Spot<'a> {
+    surface: &'a Surface,
+    corners: [usize; 3],
+    weights: [f32; 3],
+}
+
+impl<'a> Spot<'a> {
+    /// Where the ray through a point of the raster meets a triangle; `None`
+    /// where the triangle is seen edge-on.
+    pub(crate) fn new(surface: &'a Surface, triangle: &ScreenTriangle, at: Vec2) -> Option<Self> {
+        let place = Place::within(triangle)?;
+        let corners = surface.triangles[triangle.face.triangle as usize];
+        Some(Self {
+            surface,
+            corners: corners.map(|c| c as usize),
+            weights: face_weights(triangle, place.weights(at)),
+        })
+    }
+
+    /// Its linear base colour.
+    pub(crate) fn base_color(&self) -> Vec3 {
+        let (surface, weights) = (self.surface, self.weights);
+        let uvs = self
+            .corners
+            .map(|c| surface.uvs.get(c).copied().unwrap_or_default());
+        let vertex = self
+            .corners
+            .map(|c| surface.colors.get(c).copied().unwrap_or(Vec4::ONE));
+        let color = sample(
+            surface.material.texture.as_deref(),
+            weights_of(weights, uvs),
+        ) * Vec4::from_array(surface.material.base_color)
+            * weights_of(weights, vertex);
+        color.truncate()
+    }
+
+    /// The light that it sends on, as a factor of its base colour.
+    pub(crate) fn light(&self, lens: &Lens, lighting: &Lighting) -> Vec3 {
+        let positions = self.corners.map(|c| self.surface.positions[c]);
+        let world = weights_of(self.weights.map(f64::from), positions);
+        let normal = self.normal(world - lens.origin);
+        light_on(normal, self.surface.material.double_sided, world, lighting)
+    }
+
+    /// The shading normal, or the face's own, turned to the viewer, where there
+    /// is none.
+    fn normal(&self, sight: DVec3) -> Vec3 {
+        let normals = &self.surface.normals;
+        let normals = self
+            .corners
+            .map(|c| normals.get(c).copied().unwrap_or_default());
+        let shading = weights_of(self.weights, normals);
+        if shading.length_squared() > 1e-12 {
+            return shading.normalize();
+        }
+        let [a, b, c] = self.corners.map(|c| self.surface.positions[c]);
+        let face = (b - a).cross(c - a).normalize_or(-sight);
+        let face = if face.dot(sight) > 0.0 { -face } else { face };
+        face.normalize_or(DVec3::Y).as_vec3()
+    }
 }
 
 fn weights_of<T, W>(weights: [W; 3], values: [T; 3]) -> T
@@ -134,31 +185,6 @@ where
     W: Copy,
 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
-}
-
-fn base_color(surface: &Surface, corners: [usize; 3], weights: [f32; 3]) -> Vec3 {
-    let material = &surface.material;
-    let per_corner = |values: &[Vec2]| corners.map(|c| values.get(c).copied().unwrap_or_default());
-    let uv = weights_of(weights, per_corner(&surface.uvs));
-    let vertex = corners.map(|c| surface.colors.get(c).copied().unwrap_or(Vec4::ONE));
-    let color = sample(material.texture.as_deref(), uv)
-        * Vec4::from_array(material.base_color)
-        * weights_of(weights, vertex);
-    color.truncate()
-}
-
-/// The shading normal, or the face's own, turned to the viewer, where there is
-/// none.
-fn normal_at(surface: &Surface, corners: [usize; 3], weights: [f32; 3], sight: DVec3) -> Vec3 {
-    let normals = corners.map(|c| surface.normals.get(c).copied().unwrap_or_default());
-    let shading = weights_of(weights, normals);
-    if shading.length_squared() > 1e-12 {
-        return shading.normalize();
-    }
-    let [a, b, c] = corners.map(|c| surface.positions[c]);
-    let face = (b - a).cross(c - a).normalize_or(-sight);
-    let face = if face.dot(sight) > 0.0 { -face } else { face };
-    face.normalize_or(DVec3::Y).as_vec3()
 }
 
 fn light_on(normal: Vec3, two_sided: bool, world: DVec3, lighting: &Lighting) -> Vec3 {
@@ -171,7 +197,7 @@ fn light_on(normal: Vec3, two_sided: bool, world: DVec3, lighting: &Lighting) ->
     } else {
         wrapped
     };
-    let (sun, sky) = lighting.sun_and_sky_at(world);
+    let (sun, sky) = lighting.sun_and_sky_at(world, normal);
     let ambient = GROUND.lerp(SKY, 0.5 + 0.5 * normal.y);
     SUN * (direct * sun) + ambient * sky
 }

@@ -74,16 +74,23 @@ where
     };
     let size = [texture.width, texture.height];
     let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
-    let low = at.floor();
-    let share = at - low;
+    let low = [floor(at.x), floor(at.y)];
+    let share = at - Vec2::new(low[0] as f32, low[1] as f32);
     let get = |dx: i64, dy: i64| {
-        let x = wrapped(texture.wrap[0], low.x as i64 + dx, size[0]);
-        let y = wrapped(texture.wrap[1], low.y as i64 + dy, size[1]);
+        let x = wrapped(texture.wrap[0], low[0] + dx, size[0]);
+        let y = wrapped(texture.wrap[1], low[1] + dy, size[1]);
         texel(texture, 4 * (y * size[0] as usize + x))
     };
     let top = get(0, 0) * (1.0 - share.x) + get(1, 0) * share.x;
     let bottom = get(0, 1) * (1.0 - share.x) + get(1, 1) * share.x;
     top * (1.0 - share.y) + bottom * share.y
+}
+
+/// The largest whole number not above a value: `f32::floor` is a call on targets
+/// without the instruction.
+pub(crate) fn floor(value: f32) -> i64 {
+    let whole = value as i64;
+    whole - i64::from(whole as f32 > value)
 }
 
 /// Whether a texture has a texel, and as many bytes as its size says.
@@ -114,11 +121,16 @@ mod tests {
     fn wrapping_agrees_with_the_model() {
         for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
             for texel in -20..20 {
-                assert_eq!(wrapped(wrap, texel.into(), 8), wrap.texel(texel, 8) as usize);
+                assert_eq!(
+                    wrapped(wrap, texel.into(), 8),
+                    wrap.texel(texel, 8) as usize
+                );
             }
         }
         // Three texels, mirrored: 0 1 2 2 1 0 0 1 2.
-        let row: Vec<usize> = (0..9).map(|t| wrapped(Wrap::MirroredRepeat, t, 3)).collect();
+        let row: Vec<usize> = (0..9)
+            .map(|t| wrapped(Wrap::MirroredRepeat, t, 3))
+            .collect();
         assert_eq!(row, [0, 1, 2, 2, 1, 0, 0, 1, 2]);
     }
 
@@ -136,6 +148,13 @@ mod tests {
         assert_eq!(at(9.0), Vec4::new(0.0, 0.0, 0.0, 1.0));
         assert_eq!(sample_alpha(Some(&texture), Vec2::new(0.5, 0.5)), 0.5);
         assert_eq!(sample(None, Vec2::ZERO), Vec4::ONE);
+    }
+
+    #[test]
+    fn floor_is_floor() {
+        for value in [-2.0f32, -1.5, -1.0, -0.25, -0.0, 0.0, 0.75, 1.0, 7.9] {
+            assert_eq!(floor(value), value.floor() as i64, "{value}");
+        }
     }
 
     #[test]

@@ -181,13 +181,15 @@ impl<'a> Cut<'a> {
     fn of(triangle: &ScreenTriangle, surface: &'a Surface) -> Self {
         let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
         let material = &*surface.material;
-        Self(alpha_cutoff(material).map(|cutoff| CutFace {
-            material,
-            cutoff,
-            uvs: corners.map(|c| surface.uvs.get(c).copied().unwrap_or_default()),
-            alphas: corners
-                .map(|c| material.base_color[3] * surface.colors.get(c).map_or(1.0, |c| c.w)),
-        }))
+        Self(
+            alpha_cutoff(material).map(|cutoff| CutFace {
+                material,
+                cutoff,
+                uvs: corners.map(|c| surface.uvs.get(c).copied().unwrap_or_default()),
+                alphas: corners
+                    .map(|c| material.base_color[3] * surface.colors.get(c).map_or(1.0, |c| c.w)),
+            }),
+        )
     }
 
     fn is_there(&self, triangle: &ScreenTriangle, weights: [f32; 3]) -> bool {

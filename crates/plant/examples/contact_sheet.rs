@@ -13,7 +13,9 @@ use secateur_plant::{GrowOptions, Species, grow};
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let defaults = GrowOptions::default();
-    let leaves = arguments.next().map_or(Ok(defaults.leaves), |a| a.parse())?;
+    let leaves = arguments
+        .next()
+        .map_or(Ok(defaults.leaves), |a| a.parse())?;
     let seed = arguments.next().map_or(Ok(defaults.seed), |a| a.parse())?;
     let path = arguments.next();
     let path = path.unwrap_or_else(|| "target/contact_sheet.png".into());

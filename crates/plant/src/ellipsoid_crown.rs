@@ -127,7 +127,10 @@ mod tests {
         assert!(radii.iter().all(|&r| r <= 1.0 + 1e-12));
         // The median of u^(1/6) is 0.5^(1/6) = 0.891; four deviations of 2000
         // draws are 89.
-        let outer = radii.iter().filter(|&&r| r > 0.5f64.powf(1.0 / 6.0)).count();
+        let outer = radii
+            .iter()
+            .filter(|&&r| r > 0.5f64.powf(1.0 / 6.0))
+            .count();
         assert!(outer.abs_diff(1000) < 90, "{outer} outside");
     }
 

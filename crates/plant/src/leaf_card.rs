@@ -54,7 +54,12 @@ fn tint(random: &mut Random) -> Vec4 {
     let brightness = random.between(0.68, 0.95);
     let yellow = random.between(-0.12, 0.12);
     let channel = |share: f64| (brightness * share).min(1.0) as f32;
-    Vec4::new(channel(1.0 + yellow), channel(1.0), channel(1.0 - yellow), 1.0)
+    Vec4::new(
+        channel(1.0 + yellow),
+        channel(1.0),
+        channel(1.0 - yellow),
+        1.0,
+    )
 }
 
 fn push_card(surface: &mut Surface, pose: &LeafPose, style: CardStyle, centre: DVec3, color: Vec4) {

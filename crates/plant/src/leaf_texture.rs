@@ -43,9 +43,8 @@ fn leaf_coordinates(x: f64, y: f64) -> (f64, f64) {
 }
 
 fn coverage(x: u32, y: u32) -> f64 {
-    let at = |texel: u32, sample: u32| {
-        f64::from(texel) + (f64::from(sample) + 0.5) / f64::from(SAMPLES)
-    };
+    let at =
+        |texel: u32, sample: u32| f64::from(texel) + (f64::from(sample) + 0.5) / f64::from(SAMPLES);
     let samples = (0..SAMPLES).flat_map(|i| (0..SAMPLES).map(move |j| (i, j)));
     let inside = samples.filter(|&(i, j)| {
         let (across, up) = leaf_coordinates(at(x, i), at(y, j));
@@ -107,14 +106,20 @@ mod tests {
         }
         let set = leaf.rgba.chunks(4).filter(|t| t[3] >= 128).count();
         let share = set as f64 / (128.0 * 128.0);
-        assert!((0.4..0.8).contains(&share), "a leaf fills {share} of its card");
+        assert!(
+            (0.4..0.8).contains(&share),
+            "a leaf fills {share} of its card"
+        );
     }
 
     #[test]
     fn colour_goes_on_outside_the_outline() {
         let leaf = oak_leaf_texture();
         for t in leaf.rgba.chunks(4) {
-            assert!(t[1] > 60 && t[1] > t[0] && t[0] > t[2], "green everywhere: {t:?}");
+            assert!(
+                t[1] > 60 && t[1] > t[0] && t[0] > t[2],
+                "green everywhere: {t:?}"
+            );
         }
     }
 }

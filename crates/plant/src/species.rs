@@ -46,7 +46,9 @@ impl FromStr for Species {
 
     fn from_str(name: &str) -> Result<Self, UnknownSpecies> {
         let found = Self::ALL.iter().find(|s| s.name() == name);
-        found.copied().ok_or_else(|| UnknownSpecies { name: name.into() })
+        found
+            .copied()
+            .ok_or_else(|| UnknownSpecies { name: name.into() })
     }
 }
 

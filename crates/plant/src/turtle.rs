@@ -245,7 +245,10 @@ mod tests {
     }
 
     fn assert_near(found: DVec3, expected: DVec3) {
-        assert!((found - expected).length() < 1e-14, "{found} is not {expected}");
+        assert!(
+            (found - expected).length() < 1e-14,
+            "{found} is not {expected}"
+        );
     }
 
     #[test]
@@ -304,7 +307,12 @@ mod tests {
 
     #[test]
     fn levelling_faces_the_sky() {
-        let level = pose(&[m('/', &[37.0]), m('&', &[60.0]), m('/', &[100.0]), m('$', &[])]);
+        let level = pose(&[
+            m('/', &[37.0]),
+            m('&', &[60.0]),
+            m('/', &[100.0]),
+            m('$', &[]),
+        ]);
         // 60 degrees from the vertical: the face leans back by 60 from the sky.
         assert!((level.along.y - 0.5).abs() < 1e-14);
         assert!((level.facing.y - 3f64.sqrt() / 2.0).abs() < 1e-14);

@@ -150,7 +150,12 @@ mod tests {
 
     #[test]
     fn a_stem_of_two_segments_shares_the_ring_between_them() {
-        let stem = wood(&[('#', &[4.0]), ('!', &[0.1]), ('F', &[1.0, 0.1]), ('F', &[1.0, 0.0])]);
+        let stem = wood(&[
+            ('#', &[4.0]),
+            ('!', &[0.1]),
+            ('F', &[1.0, 0.1]),
+            ('F', &[1.0, 0.0]),
+        ]);
         // Three rings of 4 + 1 vertices; 8 triangles around, 4 to the point.
         assert_eq!(stem.positions.len(), 15);
         assert_eq!(stem.triangles.len(), 12);
@@ -159,7 +164,12 @@ mod tests {
 
     #[test]
     fn faces_and_normals_look_outward() {
-        let stem = wood(&[('#', &[5.0]), ('!', &[0.2]), ('F', &[1.0, 0.1]), ('F', &[1.0, 0.0])]);
+        let stem = wood(&[
+            ('#', &[5.0]),
+            ('!', &[0.2]),
+            ('F', &[1.0, 0.1]),
+            ('F', &[1.0, 0.0]),
+        ]);
         for &triangle in &stem.triangles {
             let face = face_normal(&stem, triangle);
             assert!(face.length() > 1e-6);
