@@ -94,17 +94,19 @@ struct Scene<'a, S> {
 
 impl<S: Borrow<Surface>> Scene<'_, S> {
     /// The mean linear colour of a pixel's samples. Light changes little within
-    /// a pixel and costs most: it is found once for samples of one triangle.
+    /// a pixel and costs most: it is found once for samples of one triangle, and
+    /// once for the background.
     fn pixel_color(&self, x: u32, y: u32, per_side: u32) -> Vec3 {
         let mut sum = Vec3::ZERO;
         let mut lit = (NOTHING, Vec3::ZERO);
+        let mut background = None;
         for sample in 0..per_side * per_side {
             let column = x * per_side + sample % per_side;
             let row = y * per_side + sample / per_side;
             let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
             let index = self.seen.frontmost[row as usize * self.seen.width + column as usize];
             sum += match self.spot(index, at) {
-                None => self.lighting.background(&self.lens, at),
+                None => *background.get_or_insert_with(|| self.lighting.background(&self.lens, at)),
                 Some(spot) => {
                     if lit.0 != index {
                         lit = (index, spot.light(&self.lens, &self.lighting));

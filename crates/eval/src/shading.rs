@@ -95,7 +95,7 @@ impl Lighting {
         if fade == 0.0 {
             return 1.0;
         }
-        let light = 0.5 * (shade.sun.light_at(world, 3) + shade.sky.light_at(world, 3));
+        let light = 0.5 * (shade.sun.light_at(world, 2) + shade.sky.light_at(world, 2));
         1.0 - 0.45 * fade * (1.0 - light)
     }
 }

@@ -74,6 +74,8 @@ where
     };
     let size = [texture.width, texture.height];
     let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
+    // Keeps texel numbers in range; beyond it a coordinate has no texel left.
+    let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
     let low = [floor(at.x), floor(at.y)];
     let share = at - Vec2::new(low[0] as f32, low[1] as f32);
     let get = |dx: i64, dy: i64| {
@@ -148,6 +150,8 @@ mod tests {
         assert_eq!(at(9.0), Vec4::new(0.0, 0.0, 0.0, 1.0));
         assert_eq!(sample_alpha(Some(&texture), Vec2::new(0.5, 0.5)), 0.5);
         assert_eq!(sample(None, Vec2::ZERO), Vec4::ONE);
+        assert!(at(f32::INFINITY).is_finite() && at(f32::MIN).is_finite());
+        sample_alpha(Some(&texture), Vec2::NAN);
     }
 
     #[test]

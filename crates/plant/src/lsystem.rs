@@ -201,7 +201,7 @@ impl LSystem {
             }
         }
         // Rounding left a remainder: it belongs to the last rule with a weight.
-        Ok(matching().filter(|p| p.weight > 0.0).last())
+        Ok(matching().rfind(|p| p.weight > 0.0))
     }
 }
 
