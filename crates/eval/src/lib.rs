@@ -1,1 +1,23 @@
-//! Placeholder.
+//! What a simplified tree looks like beside its original.
+//!
+//! - [`render`]: textured triangles to a picture, on the CPU.
+//! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
+//!   panels of a sheet.
+//! - [`contact_sheet`]: pictures side by side, with captions.
+//!
+//! Nothing here knows how a tree was simplified: only geometry and images.
+
+mod camera;
+mod caption;
+mod contact_sheet;
+mod lens;
+mod light_depth;
+mod render;
+mod screen_triangle;
+mod shading;
+mod texel;
+mod visibility;
+
+pub use camera::{Camera, framing};
+pub use contact_sheet::{Panel, contact_sheet};
+pub use render::{RenderOptions, render};

@@ -1,0 +1,170 @@
+//! Texture look-ups.
+
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec3, Vec4};
+use secateur_model::{AlphaMode, Material, Texture, Wrap};
+
+static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let s = byte as f64 / 255.0;
+        let linear = if s <= 0.04045 {
+            s / 12.92
+        } else {
+            ((s + 0.055) / 1.055).powf(2.4)
+        };
+        linear as f32
+    })
+});
+
+/// A linear value of 0 to 1 as an sRGB byte (IEC 61966-2-1).
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let s = if linear <= 0.003_130_8 {
+        linear * 12.92
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    };
+    (s * 255.0 + 0.5) as u8
+}
+
+/// The alpha below which a material is not there, or `None` where alpha does not
+/// matter. A picture without blending takes half-transparent for cut out.
+pub(crate) fn alpha_cutoff(material: &Material) -> Option<f32> {
+    match material.alpha_mode {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask(cutoff) => Some(cutoff),
+        AlphaMode::Blend => Some(0.5),
+    }
+}
+
+/// Linear colour and alpha of a texture at these coordinates, white without
+/// a texture: a mean of the four nearest texels.
+pub(crate) fn sample(texture: Option<&Texture>, uv: Vec2) -> Vec4 {
+    blend_texels(texture, uv, Vec4::ONE, |texture, index| {
+        let rgba: [u8; 4] = std::array::from_fn(|i| texture.rgba[index + i]);
+        let linear = &*LINEAR_FROM_SRGB;
+        let rgb = Vec3::new(
+            linear[usize::from(rgba[0])],
+            linear[usize::from(rgba[1])],
+            linear[usize::from(rgba[2])],
+        );
+        rgb.extend(f32::from(rgba[3]) / 255.0)
+    })
+}
+
+/// The alpha of [`sample`].
+pub(crate) fn sample_alpha(texture: Option<&Texture>, uv: Vec2) -> f32 {
+    blend_texels(texture, uv, 1.0, |texture, index| {
+        f32::from(texture.rgba[index + 3]) / 255.0
+    })
+}
+
+fn blend_texels<T>(
+    texture: Option<&Texture>,
+    uv: Vec2,
+    plain: T,
+    texel: impl Fn(&Texture, usize) -> T,
+) -> T
+where
+    T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    let Some(texture) = texture.filter(|t| is_whole(t)) else {
+        return plain;
+    };
+    let size = [texture.width, texture.height];
+    let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
+    // Keeps texel numbers in range; beyond it a coordinate has no texel left.
+    let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
+    let low = [floor(at.x), floor(at.y)];
+    let share = at - Vec2::new(low[0] as f32, low[1] as f32);
+    let get = |dx: i64, dy: i64| {
+        let x = wrapped(texture.wrap[0], low[0] + dx, size[0]);
+        let y = wrapped(texture.wrap[1], low[1] + dy, size[1]);
+        texel(texture, 4 * (y * size[0] as usize + x))
+    };
+    let top = get(0, 0) * (1.0 - share.x) + get(1, 0) * share.x;
+    let bottom = get(0, 1) * (1.0 - share.x) + get(1, 1) * share.x;
+    top * (1.0 - share.y) + bottom * share.y
+}
+
+/// The largest whole number not above a value: `f32::floor` is a call on targets
+/// without the instruction.
+pub(crate) fn floor(value: f32) -> i64 {
+    let whole = value as i64;
+    whole - i64::from(whole as f32 > value)
+}
+
+/// Whether a texture has a texel, and as many bytes as its size says.
+fn is_whole(texture: &Texture) -> bool {
+    let texels = texture.width as usize * texture.height as usize;
+    texels > 0 && texture.rgba.len() >= 4 * texels
+}
+
+/// [`Wrap::texel`] for sizes that are no power of two.
+fn wrapped(wrap: Wrap, texel: i64, size: u32) -> usize {
+    let size = i64::from(size);
+    let wrapped = match wrap {
+        Wrap::Repeat => texel.rem_euclid(size),
+        Wrap::ClampToEdge => texel.clamp(0, size - 1),
+        Wrap::MirroredRepeat => {
+            let t = texel.rem_euclid(2 * size);
+            t.min(2 * size - 1 - t)
+        }
+    };
+    wrapped as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapping_agrees_with_the_model() {
+        for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
+            for texel in -20..20 {
+                assert_eq!(
+                    wrapped(wrap, texel.into(), 8),
+                    wrap.texel(texel, 8) as usize
+                );
+            }
+        }
+        // Three texels, mirrored: 0 1 2 2 1 0 0 1 2.
+        let row: Vec<usize> = (0..9)
+            .map(|t| wrapped(Wrap::MirroredRepeat, t, 3))
+            .collect();
+        assert_eq!(row, [0, 1, 2, 2, 1, 0, 0, 1, 2]);
+    }
+
+    #[test]
+    fn texels_blend_between_their_centres() {
+        let texture = Texture {
+            width: 2,
+            height: 1,
+            rgba: vec![255, 0, 0, 0, 0, 0, 0, 255],
+            wrap: [Wrap::ClampToEdge; 2],
+        };
+        let at = |u: f32| sample(Some(&texture), Vec2::new(u, 0.5));
+        assert_eq!(at(0.25), Vec4::new(1.0, 0.0, 0.0, 0.0));
+        assert_eq!(at(0.5), Vec4::new(0.5, 0.0, 0.0, 0.5));
+        assert_eq!(at(9.0), Vec4::new(0.0, 0.0, 0.0, 1.0));
+        assert_eq!(sample_alpha(Some(&texture), Vec2::new(0.5, 0.5)), 0.5);
+        assert_eq!(sample(None, Vec2::ZERO), Vec4::ONE);
+        assert!(at(f32::INFINITY).is_finite() && at(f32::MIN).is_finite());
+        sample_alpha(Some(&texture), Vec2::NAN);
+    }
+
+    #[test]
+    fn floor_is_floor() {
+        for value in [-2.0f32, -1.5, -1.0, -0.25, -0.0, 0.0, 0.75, 1.0, 7.9] {
+            assert_eq!(floor(value), value.floor() as i64, "{value}");
+        }
+    }
+
+    #[test]
+    fn bytes_survive_the_way_to_linear_and_back() {
+        for byte in 0..=255u8 {
+            assert_eq!(srgb_byte(LINEAR_FROM_SRGB[usize::from(byte)]), byte);
+        }
+    }
+}
