@@ -1,16 +1,17 @@
 //! A LOD as JSON and one buffer.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use serde_json::{Value, json};
 
 use super::draft::Draft;
 use super::fates::Fates;
+use super::leftover::drop_unused_vertices;
 use super::meshes::rewrite_meshes;
 use super::packing::{ViewBytes, pack};
 use super::references::{items, len};
-use super::tidy::{References, drop_extension, remove_field, tidy};
+use super::tidy::{References, drop_extension, drop_meshes, remove_field, tidy};
 use crate::Lod;
 use crate::gltf::Document;
 use crate::gltf::buffer::BufferSource;
@@ -45,7 +46,9 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     let mut draft = Draft::new(document);
     let before = References::of(&mut draft.root);
     let empty = rewrite_meshes(&mut draft, tree, &fates)?;
-    let thinned = tidy(&mut draft, &before, &empty);
+    drop_meshes(&mut draft, &empty);
+    drop_unused_vertices(&mut draft, &before)?;
+    let thinned = tidy(&mut draft, &before);
 
     let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
     for (view, bytes) in std::mem::take(&mut draft.new_bytes) {
@@ -65,7 +68,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     set_buffer(&mut draft.root, document, buffer.len());
     Ok(Content {
         triangles: count_triangles(tree, &fates)?,
-        notes: draft.notes,
+        notes: without_repeats(draft.notes),
         root: draft.root,
         buffer,
     })
@@ -124,6 +127,13 @@ fn set_buffer(root: &mut Value, document: &Document, byte_length: usize) {
     remove_field(&mut buffer, "uri");
     buffer["byteLength"] = byte_length.into();
     root["buffers"] = json!([buffer]);
+}
+
+/// A mesh that is written several times has the same to say each time.
+fn without_repeats(mut notes: Vec<String>) -> Vec<String> {
+    let mut said = HashSet::new();
+    notes.retain(|note| said.insert(note.clone()));
+    notes
 }
 
 fn count_triangles(tree: &Tree, fates: &Fates) -> Result<u64, Fault> {

@@ -1,16 +1,17 @@
 //! One primitive with fewer leaves, or leaves of another size.
 
+use std::borrow::Cow;
 use std::rc::Rc;
 
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 
-use super::draft::{Draft, NewElements, Role, is_all_zero};
+use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
 use super::fates::Fates;
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::gltf::accessor::{Component, Elements, Shape};
-use crate::gltf::error::Fault;
+use crate::gltf::error::{At, Fault, Problem};
 use crate::gltf::parts::Part;
 use crate::gltf::tree::Tree;
 
@@ -48,7 +49,7 @@ pub(super) fn rewrite_primitive(
         moves.rewrite_attributes(draft, target, &sources, Mover::Delta)?;
     }
     if let (Some(old), Some(triangles)) = (old_indices, &vertices.triangles) {
-        let new = new_indices(draft, old, triangles, vertices.sources.len())?;
+        let new = new_indices(draft, old, triangles.as_flattened(), vertices.sources.len())?;
         primitive["indices"] = draft.push_accessor(Some(old), new).into();
     }
     if primitive
@@ -158,7 +159,8 @@ impl Moves<'_> {
         {
             return draft.gather(old, Role::Vertex, sources);
         }
-        let mut vectors = gather_vectors(&elements, sources);
+        let mut vectors =
+            gather_vectors(&elements, sources).at(|| draft.document.place("accessors", old))?;
         for &(vertex, resize) in &self.vertices.moved {
             let vector = &mut vectors[vertex as usize];
             *vector = moved(*vector, &self.resizes[resize as usize], mover);
@@ -188,10 +190,12 @@ impl Moves<'_> {
 }
 
 /// Vectors that are f32 in the file come back to the same bits.
-fn gather_vectors(elements: &Elements, sources: &[u32]) -> Vec<DVec3> {
-    let all: Vec<DVec3> = elements.vectors().map(DVec3::from_array).collect();
-    let of_source = |&source: &u32| all.get(source as usize).copied().unwrap_or_default();
-    sources.iter().map(of_source).collect()
+fn gather_vectors(elements: &Elements, sources: &[u32]) -> Result<Vec<DVec3>, Problem> {
+    let gathered = Elements {
+        accessor: elements.accessor,
+        bytes: Cow::Owned(gather_bytes(elements, sources)?),
+    };
+    Ok(gathered.vectors().map(DVec3::from_array).collect())
 }
 
 fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {
@@ -203,10 +207,10 @@ fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {
 
 /// Indices in the smallest type that holds them, though never smaller than
 /// 16 bits where they were larger: many GPUs dislike 8.
-fn new_indices(
+pub(super) fn new_indices(
     draft: &Draft,
     old: usize,
-    triangles: &[[u32; 3]],
+    corners: &[u32],
     vertex_count: usize,
 ) -> Result<NewElements, Fault> {
     // The largest value of a type means a new strip and names no vertex.
@@ -216,20 +220,23 @@ fn new_indices(
         0..=0xffff => Component::U16,
         _ => Component::U32,
     };
-    let corners = triangles.iter().flatten();
     let bytes = match component {
-        Component::U8 => corners.map(|&corner| corner as u8).collect(),
+        Component::U8 => corners.iter().map(|&corner| corner as u8).collect(),
         Component::U16 => corners
+            .iter()
             .flat_map(|&corner| (corner as u16).to_le_bytes())
             .collect(),
-        _ => corners.flat_map(|&corner| corner.to_le_bytes()).collect(),
+        _ => corners
+            .iter()
+            .flat_map(|&corner| corner.to_le_bytes())
+            .collect(),
     };
     let fields = &draft.document.root["accessors"][old];
     Ok(NewElements {
         component,
         shape: Shape::Scalar,
         normalized: false,
-        count: 3 * triangles.len(),
+        count: corners.len(),
         bytes: Some(bytes),
         bounded: fields.get("min").is_some() || fields.get("max").is_some(),
         role: Role::Index,
