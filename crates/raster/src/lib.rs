@@ -21,6 +21,8 @@
 mod area_table;
 pub mod cpu;
 mod fragments;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod leaf_id_image;
 mod rasteriser;
 pub mod snap;

@@ -1,0 +1,164 @@
+//! The shaders as pipelines, with the constants they take from here.
+
+use super::Device;
+
+/// Lanes of a workgroup where an invocation takes a triangle, or the histogram
+/// a run of pixels.
+pub(super) const TRIANGLE_WORKGROUP: u32 = 64;
+
+/// Lanes of a workgroup where an invocation takes a pixel or a fragment: the
+/// largest image in fewer than 65,536 workgroups.
+pub(super) const PIXEL_WORKGROUP: u32 = 256;
+
+/// Pixels that one invocation of the prefix sum adds up.
+pub(super) const SCAN_BLOCK: u32 = 256;
+
+/// Pixels of a view that one workgroup of the histogram takes.
+pub(super) const PIXELS_PER_WORKGROUP: u32 = 4096;
+
+/// The longest list that is sorted by insertion.
+pub(super) const INSERTION_MAX: u32 = 32;
+
+/// The longest list that one invocation sorts.
+pub(super) const HEAP_MAX: u32 = 1024;
+
+/// One entry point of a shader.
+#[derive(Debug)]
+pub(super) struct Stage {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// All of them.
+#[derive(Debug)]
+pub(super) struct Stages {
+    pub(super) probe: Stage,
+    pub(super) count: Stage,
+    pub(super) emit: Stage,
+    pub(super) nearest_depth: Stage,
+    pub(super) nearest_leaf: Stage,
+    pub(super) uncover: Stage,
+    pub(super) sum_blocks: Stage,
+    pub(super) scan_blocks: Stage,
+    pub(super) write_starts: Stage,
+    pub(super) sort_lists: Stage,
+    pub(super) exchange: Stage,
+    pub(super) mark: Stage,
+    pub(super) leaf_ids: Stage,
+    pub(super) histogram: Stage,
+}
+
+/// A dispatch's bindings in group 0, by number.
+pub(super) type Bindings<'a> = [(u32, &'a wgpu::Buffer)];
+
+impl Stage {
+    /// Records a dispatch of `workgroups` in each direction; none of nothing.
+    pub(super) fn run(
+        &self,
+        device: &Device,
+        pass: &mut wgpu::ComputePass<'_>,
+        bindings: &Bindings<'_>,
+        workgroups: [u32; 3],
+    ) {
+        if workgroups.contains(&0) {
+            return;
+        }
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = bindings
+            .iter()
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let group = device.wgpu.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.layout,
+            entries: &entries,
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let [x, y, z] = workgroups;
+        pass.dispatch_workgroups(x, y, z);
+    }
+}
+
+macro_rules! shader {
+    ($device:expr, $file:literal) => {
+        $device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some($file),
+            source: wgpu::ShaderSource::Wgsl(
+                include_str!(concat!("../../../../shaders/", $file)).into(),
+            ),
+        })
+    };
+}
+
+impl Stages {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        let rasterise = shader!(device, "rasterise.wgsl");
+        let scan = shader!(device, "fragments_scan.wgsl");
+        let sort = shader!(device, "fragments_sort.wgsl");
+        let sort_long = shader!(device, "fragments_sort_long.wgsl");
+        let leaf_ids = shader!(device, "leaf_ids.wgsl");
+        let histogram = shader!(device, "histogram.wgsl");
+        let probe = shader!(device, "probe.wgsl");
+        let lanes = ("WORKGROUP", TRIANGLE_WORKGROUP);
+        let pixel_lanes = ("WORKGROUP", PIXEL_WORKGROUP);
+        let block = ("BLOCK", SCAN_BLOCK);
+        let stage =
+            |module, entry, constants: &[(&str, u32)]| stage(device, module, entry, constants);
+        Self {
+            probe: stage(&probe, "count_up", &[]),
+            count: stage(&rasterise, "count", &[lanes]),
+            emit: stage(&rasterise, "emit", &[lanes]),
+            nearest_depth: stage(&rasterise, "nearest_depth", &[lanes]),
+            nearest_leaf: stage(&rasterise, "nearest_leaf", &[lanes]),
+            uncover: stage(&rasterise, "uncover", &[pixel_lanes]),
+            sum_blocks: stage(&scan, "sum_blocks", &[pixel_lanes, block]),
+            scan_blocks: stage(&scan, "scan_blocks", &[block]),
+            write_starts: stage(&scan, "write_starts", &[pixel_lanes, block]),
+            sort_lists: stage(
+                &sort,
+                "sort_lists",
+                &[
+                    pixel_lanes,
+                    ("INSERTION_MAX", INSERTION_MAX),
+                    ("HEAP_MAX", HEAP_MAX),
+                ],
+            ),
+            exchange: stage(&sort_long, "exchange", &[pixel_lanes]),
+            mark: stage(&sort_long, "mark", &[pixel_lanes]),
+            leaf_ids: stage(&leaf_ids, "leaf_ids", &[pixel_lanes]),
+            histogram: stage(
+                &histogram,
+                "histogram",
+                &[lanes, ("PIXELS_PER_WORKGROUP", PIXELS_PER_WORKGROUP)],
+            ),
+        }
+    }
+}
+
+fn stage(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    constants: &[(&str, u32)],
+) -> Stage {
+    let constants: Vec<(&str, f64)> = constants
+        .iter()
+        .map(|&(name, value)| (name, f64::from(value)))
+        .collect();
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: None,
+        module,
+        entry_point: Some(entry),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            ..Default::default()
+        },
+        cache: None,
+    });
+    let layout = pipeline.get_bind_group_layout(0);
+    Stage { pipeline, layout }
+}
