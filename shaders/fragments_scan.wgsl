@@ -7,8 +7,8 @@
 //
 // Sums saturate, so that too many fragments are seen as `u32::MAX`.
 
-override WORKGROUP: u32 = 64u;
-override BLOCK: u32 = 256u;
+override WORKGROUP: u32;
+override BLOCK: u32;
 
 struct Window {
     resolution: u32,

@@ -3,9 +3,9 @@
 // heap in place where it is not. Lists longer than HEAP_MAX are left to
 // `fragments_sort_long.wgsl`. The twin is `cpu::fragments`.
 
-override WORKGROUP: u32 = 64u;
-override INSERTION_MAX: u32 = 32u;
-override HEAP_MAX: u32 = 1024u;
+override WORKGROUP: u32;
+override INSERTION_MAX: u32;
+override HEAP_MAX: u32;
 
 struct Window {
     resolution: u32,

@@ -6,7 +6,7 @@
 //   exchange     one step of the network
 //   mark         sorted by leaf: all but each leaf's first are to go
 
-override WORKGROUP: u32 = 64u;
+override WORKGROUP: u32;
 
 struct Step {
     // Pairs lie in blocks of this many fragments, a power of two.

@@ -3,8 +3,8 @@
 // most pixels may hit, is counted in a register, then in workgroup memory, and
 // added once; leaves are added one by one. The twin is `cpu::histogram`.
 
-override WORKGROUP: u32 = 64u;
-override PIXELS_PER_WORKGROUP: u32 = 4096u;
+override WORKGROUP: u32;
+override PIXELS_PER_WORKGROUP: u32;
 
 struct Shape {
     pixels_per_view: u32,

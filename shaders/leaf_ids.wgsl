@@ -1,7 +1,7 @@
 // The front leaf of each pixel, 0 for the background: one invocation per
 // pixel reads the head of its list. The twin is `Fragments::leaf_ids`.
 
-override WORKGROUP: u32 = 64u;
+override WORKGROUP: u32;
 
 struct Window {
     resolution: u32,

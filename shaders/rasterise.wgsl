@@ -11,7 +11,7 @@
 //
 // Additions and multiplications wrap, as the twin's do.
 
-override WORKGROUP: u32 = 64u;
+override WORKGROUP: u32;
 
 struct Triangle {
     leaf: u32,

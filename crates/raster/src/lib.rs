@@ -7,9 +7,14 @@
 //!
 //! | stage | CPU twin | shader |
 //! |---|---|---|
-//! | [`SnappedTriangle`] to [`Fragments`], the A-buffer | [`cpu::fragments`] | `fragments_*.wgsl` |
+//! | [`SnappedTriangle`] to pixels | [`cpu::rasterise`] | `rasterise.wgsl` |
+//! | pixels to [`Fragments`], the A-buffer | [`cpu::fragments`] | `fragments_*.wgsl` |
+//! | pixels to a [`LeafIdImage`], by depth | [`cpu::draw_leaf_ids`] | `rasterise.wgsl` |
 //! | front fragments to a [`LeafIdImage`] | [`Fragments::leaf_ids`] | `leaf_ids.wgsl` |
 //! | [`LeafIdImage`] to an [`AreaTable`] | [`cpu::histogram`] | `histogram.wgsl` |
+//! | [`Fragments`] to [`RevealEdge`]s | [`cpu::reveal_edges`] | `reveal_edges.wgsl` |
+//!
+//! The shaders run through wgpu, behind the feature `gpu` (on by default).
 //!
 //! Images are square. Pixel (x, y) is `y * resolution + x`, row 0 on top.
 //!
@@ -25,6 +30,7 @@ mod fragments;
 pub mod gpu;
 mod leaf_id_image;
 mod rasteriser;
+mod reveal_edge;
 pub mod snap;
 mod view;
 mod view_set;
@@ -33,6 +39,7 @@ pub use area_table::AreaTable;
 pub use fragments::{Fragment, Fragments};
 pub use leaf_id_image::LeafIdImage;
 pub use rasteriser::{CpuRasteriser, RasterError, Rasteriser};
+pub use reveal_edge::RevealEdge;
 pub use snap::SnappedTriangle;
 pub use view::{View, ViewError};
 pub use view_set::ViewSet;

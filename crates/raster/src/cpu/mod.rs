@@ -3,9 +3,11 @@
 mod draw;
 mod fragments;
 mod histogram;
+mod reveal_edges;
 mod triangle;
 
 pub use draw::draw_leaf_ids;
 pub use fragments::{LeafFragments, fragments};
 pub use histogram::{areas, histogram};
+pub use reveal_edges::reveal_edges;
 pub use triangle::rasterise;

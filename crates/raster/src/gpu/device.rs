@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::GpuError;
 use super::stages::Stages;
+use super::{Dispatch, GpuError};
 
 /// Which adapters will do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,8 +161,8 @@ impl Device {
         self.info.device_type != wgpu::DeviceType::Cpu
     }
 
-    /// The most bytes one binding may have.
-    pub(super) fn binding_limit(&self) -> u64 {
+    /// The most bytes a storage buffer is bound with.
+    pub fn binding_limit(&self) -> u64 {
         self.binding_limit
     }
 
@@ -199,13 +199,12 @@ impl Device {
     fn probe(&self) -> Result<u32, GpuError> {
         let params = self.uniform(&[PROBE_ITERATIONS, 0, 0, 0]);
         let counted = self.storage("probe", 4);
-        let mut encoder = self.encoder();
-        {
-            let mut pass = self.pass(&mut encoder);
-            let bindings = [(0, &params), (1, &counted)];
-            self.stages.probe.run(self, &mut pass, &bindings, [1, 1, 1]);
-        }
-        let words = self.read_back_now(encoder, &counted, 4)?;
+        let probe = Dispatch {
+            stage: &self.stages.probe,
+            bindings: &[(0, &params), (1, &counted)],
+            workgroups: [1, 1, 1],
+        };
+        let words = self.run(&[probe], &counted, 4)?;
         Ok(words[0])
     }
 }

@@ -85,7 +85,7 @@ fn draw_all(device: &Device, scene: &Scene<'_>, wanted: Wanted) -> Result<Vec<u3
         let pieces = pool.snap(views.clone())?;
         if let Some(before) = pending.take() {
             run.collect(before, &mut words)?;
-            pool.recycle();
+            pool.recycle()?;
         }
         pending = Some(run.draw(views.len(), &pieces));
         pool.give_back(pieces);

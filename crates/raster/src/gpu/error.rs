@@ -38,9 +38,7 @@ pub enum GpuError {
     #[error("the GPU ran out of memory; choose a lower resolution, or run on the CPU")]
     OutOfMemory,
     /// Something of the scene is larger than the adapter can bind.
-    #[error(
-        "{what} takes {bytes} bytes, and the GPU reads at most {limit} at once; run on the CPU"
-    )]
+    #[error("{what} need {bytes} bytes, and the GPU reads at most {limit} at once; run on the CPU")]
     TooLarge {
         /// What is too large, in words.
         what: &'static str,

@@ -122,7 +122,7 @@ impl<'a> Run<'a> {
             let pieces = pool.snap(views.clone())?;
             let chunk = self.count(views, pieces)?;
             // The chunk before is through by now.
-            pool.recycle();
+            pool.recycle()?;
             self.emit_all(&chunk)?;
             pool.give_back(chunk.pieces);
         }
@@ -217,8 +217,7 @@ impl<'a> Run<'a> {
             None
         } else {
             let bytes = 4 * (u64::from(chunk.pixels) + 1);
-            let encoder = self.device.encoder();
-            Some(self.device.read_back_now(encoder, &chunk.starts, bytes)?)
+            Some(self.device.run(&[], &chunk.starts, bytes)?)
         };
         let windows = match &starts {
             Some(starts) if !fits => windows_of_at_most(self.most_in_window, starts)?,

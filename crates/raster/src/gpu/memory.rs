@@ -1,8 +1,9 @@
 //! Buffers, and the way back from them.
 
 use std::sync::mpsc;
+use std::time::Duration;
 
-use super::{Device, GpuError};
+use super::{Device, Dispatch, GpuError};
 
 /// A storage buffer that is made anew when it must be larger.
 #[derive(Debug)]
@@ -31,12 +32,45 @@ impl GrowingBuffer {
     }
 }
 
+/// How long a callback may take after its work is done: another thread may be
+/// the one that runs it.
+const CALLBACK_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// A buffer about to be mapped.
+#[derive(Debug)]
+pub(super) struct Mapping(mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>);
+
+impl Mapping {
+    /// Asks for the whole buffer, once the work with it is submitted.
+    pub(super) fn request(buffer: &wgpu::Buffer, mode: wgpu::MapMode) -> Self {
+        let (sender, receiver) = mpsc::channel();
+        buffer.map_async(mode, .., move |result| {
+            // Nobody listens where an earlier error ended the run.
+            let _ = sender.send(result);
+        });
+        Self(receiver)
+    }
+
+    /// Waits until the work is done and the buffer mapped.
+    pub(super) fn wait(&self, device: &Device) -> Result<(), GpuError> {
+        if let Ok(Ok(())) = self.0.try_recv() {
+            return device.check();
+        }
+        device.wait()?;
+        match self.0.recv_timeout(CALLBACK_TIMEOUT) {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(error)) => Err(GpuError::Failed(error.to_string())),
+            Err(error) => Err(GpuError::Failed(error.to_string())),
+        }
+    }
+}
+
 /// Parts of buffers on their way to the CPU, one behind the other.
 #[derive(Debug)]
 pub(super) struct Download {
     buffer: wgpu::Buffer,
     ends: Vec<u64>,
-    mapped: Option<mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>>,
+    mapping: Option<Mapping>,
 }
 
 /// What is copied: a buffer, from a byte, so many bytes; all multiples of 4.
@@ -76,25 +110,13 @@ impl Download {
         Self {
             buffer,
             ends,
-            mapped: None,
+            mapping: None,
         }
     }
 
     /// Asks for the bytes, once the copies are submitted.
     pub(super) fn request(&mut self) {
-        let (sender, receiver) = mpsc::channel();
-        self.buffer
-            .slice(..)
-            .map_async(wgpu::MapMode::Read, move |result| {
-                // Nobody listens where an earlier error ended the run.
-                let _ = sender.send(result);
-            });
-        self.mapped = Some(receiver);
-    }
-
-    fn has_arrived(&self) -> bool {
-        let answer = self.mapped.as_ref().map(mpsc::Receiver::try_recv);
-        matches!(answer, Some(Ok(Ok(()))))
+        self.mapping = Some(Mapping::request(&self.buffer, wgpu::MapMode::Read));
     }
 
     /// Hands each part's bytes to `read`, then gives the buffer back as a spare.
@@ -103,12 +125,10 @@ impl Download {
         device: &Device,
         read: impl FnOnce(&[&[u8]]) -> R,
     ) -> Result<(R, wgpu::Buffer), GpuError> {
-        if !self.has_arrived() {
-            device.wait()?;
-            if !self.has_arrived() {
-                return Err(GpuError::Failed("results cannot be read".to_owned()));
-            }
-        }
+        let mapping = self.mapping.as_ref();
+        mapping
+            .expect("a download is requested before it is read")
+            .wait(device)?;
         let view = self
             .buffer
             .slice(..)
@@ -130,8 +150,8 @@ impl Download {
 }
 
 impl Device {
-    /// A storage buffer; its contents are zero.
-    pub(super) fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
+    /// A storage buffer of at least so many bytes; its contents are zero.
+    pub fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
         self.wgpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: bytes.next_multiple_of(16).max(16),
@@ -143,7 +163,7 @@ impl Device {
     }
 
     /// A storage buffer with these words.
-    pub(super) fn storage_of(&self, label: &str, words: &[u32]) -> wgpu::Buffer {
+    pub fn storage_of(&self, label: &str, words: &[u32]) -> wgpu::Buffer {
         let buffer = self.storage(label, 4 * words.len() as u64);
         self.queue
             .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
@@ -151,7 +171,7 @@ impl Device {
     }
 
     /// A uniform buffer of four words.
-    pub(super) fn uniform(&self, words: &[u32; 4]) -> wgpu::Buffer {
+    pub fn uniform(&self, words: &[u32; 4]) -> wgpu::Buffer {
         let buffer = self.wgpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("uniform"),
             size: 16,
@@ -172,14 +192,29 @@ impl Device {
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default())
     }
 
-    /// Submits, waits, and returns the first `bytes` bytes of a buffer as words.
-    pub(super) fn read_back_now(
+    /// Runs dispatches one after the other, waits, and returns the first
+    /// `bytes` bytes of a buffer as words.
+    ///
+    /// # Errors
+    /// [`GpuError`] if the device fails or the dispatches break a rule of wgpu.
+    pub fn run(
         &self,
-        mut encoder: wgpu::CommandEncoder,
-        buffer: &wgpu::Buffer,
+        dispatches: &[Dispatch<'_>],
+        result: &wgpu::Buffer,
         bytes: u64,
     ) -> Result<Vec<u32>, GpuError> {
-        let mut download = Download::record(self, &mut encoder, &[(buffer, 0, bytes)], None);
+        let mut encoder = self.encoder();
+        let mut pass = self.pass(&mut encoder);
+        for dispatch in dispatches {
+            let Dispatch {
+                stage,
+                bindings,
+                workgroups,
+            } = *dispatch;
+            stage.run(self, &mut pass, bindings, workgroups);
+        }
+        drop(pass);
+        let mut download = Download::record(self, &mut encoder, &[(result, 0, bytes)], None);
         self.queue.submit([encoder.finish()]);
         download.request();
         let (words, _) = download.read(self, |parts| {

@@ -8,6 +8,9 @@
 //! fragments than fit in windows of pixels, so only a single view, cut-out
 //! collection or pixel can be too large.
 //!
+//! [`Stage`], [`Dispatch`] and [`Device::run`] run shaders of one's own on such a
+//! device.
+//!
 //! Each shader of `shaders/` opens with how invocations map to its data.
 
 mod chunk;
@@ -19,12 +22,27 @@ mod fragments;
 mod long_lists;
 mod memory;
 mod pieces;
+mod reveal_edges;
 mod stages;
 mod tiles;
+
+use crate::{AreaTable, Fragments, RasterError, Rasteriser, Scene};
 
 pub use device::{Device, Preference};
 pub use draw::{areas, leaf_ids};
 pub use error::GpuError;
 pub use fragments::{fragments, fragments_and_areas};
+pub use reveal_edges::reveal_edges;
+pub use stages::{Dispatch, Stage};
 pub use tiles::{TILE_PX, split_into_tiles};
 pub use wgpu;
+
+impl Rasteriser for Device {
+    fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
+        Ok(fragments(self, scene)?)
+    }
+
+    fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
+        Ok(areas(self, scene)?)
+    }
+}

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use super::memory::Mapping;
 use super::tiles::{TILE_PX, split_into_tiles};
 use super::{Device, GpuError};
 use crate::snap::Snapper;
@@ -56,7 +57,8 @@ pub(super) struct PiecePool<'a> {
     leaves_per_piece: usize,
     capacity: u32,
     free: Mutex<Vec<Piece>>,
-    used: Vec<Piece>,
+    /// In a lock only because receivers must be.
+    used: Mutex<Vec<(Piece, Mapping)>>,
 }
 
 impl<'a> PiecePool<'a> {
@@ -75,7 +77,7 @@ impl<'a> PiecePool<'a> {
             leaves_per_piece: (capacity * leaves / triangles).max(1) as usize,
             capacity: capacity as u32,
             free: Mutex::new(Vec::new()),
-            used: Vec::new(),
+            used: Mutex::new(Vec::new()),
         }
     }
 
@@ -163,17 +165,23 @@ impl<'a> PiecePool<'a> {
 
     /// Takes pieces back once all work with them is submitted.
     pub(super) fn give_back(&mut self, pieces: Vec<Piece>) {
-        for piece in &pieces {
-            // A failure shows when the piece is written to again.
-            piece.host.map_async(wgpu::MapMode::Write, .., |_| ());
-        }
-        self.used.extend(pieces);
+        let request = |piece: Piece| {
+            let mapping = Mapping::request(&piece.host, wgpu::MapMode::Write);
+            (piece, mapping)
+        };
+        let used = self.used.get_mut().unwrap_or_else(PoisonError::into_inner);
+        used.extend(pieces.into_iter().map(request));
     }
 
-    /// Makes those pieces free again whose work has been waited for.
-    pub(super) fn recycle(&mut self) {
+    /// Waits for the work with those pieces and makes them free again.
+    pub(super) fn recycle(&mut self) -> Result<(), GpuError> {
         let free = self.free.get_mut().unwrap_or_else(PoisonError::into_inner);
-        free.append(&mut self.used);
+        let used = self.used.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for (piece, mapping) in used.drain(..) {
+            mapping.wait(self.device)?;
+            free.push(piece);
+        }
+        Ok(())
     }
 }
 

@@ -56,7 +56,7 @@ fn what_cannot_be_bound_is_refused_in_words() {
     assert_eq!(gpu::areas(&small, &scene), Err(too_large.clone()));
     assert_eq!(
         too_large.to_string(),
-        "the pixels of a view takes 16388 bytes, and the GPU reads at most 8000 at once; \
+        "the pixels of a view need 16388 bytes, and the GPU reads at most 8000 at once; \
          run on the CPU"
     );
 }
