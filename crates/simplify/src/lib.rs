@@ -6,9 +6,12 @@
 //! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
 //!   on the GPU.
 //!
+//! - [`resolution`]: how fine the images must be.
+//!
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
 pub mod first_costs;
 pub mod lg;
+pub mod resolution;
 pub mod vds;
 pub mod vmi;
