@@ -6,6 +6,6 @@
 //!
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
-pub mod lg;
 pub mod vds;
-pub mod vmi;
+
+pub use secateur_raster::measure::{lg, vmi};
