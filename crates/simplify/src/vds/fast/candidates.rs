@@ -27,6 +27,7 @@
 use std::collections::BTreeSet;
 
 use super::counts::Counts;
+use super::prefetch::prefetch;
 
 /// Leaves of a block.
 const LANES: usize = 16;
@@ -40,7 +41,10 @@ const F32_ERROR: f64 = 1e-4;
 /// What a lane without a leaf holds; what it adds up to is not looked at.
 const ABSENT: f32 = 1e30;
 
-type Lanes = [f32; LANES];
+/// One cache line.
+#[repr(align(64))]
+#[derive(Clone, Copy)]
+struct Lanes([f32; LANES]);
 
 /// The deviations of a step, and where the current ones stand against them.
 #[derive(Clone)]
@@ -201,7 +205,7 @@ impl Candidates {
         let empty = Block::empty(self.current_epoch, counts.background_drift());
         self.lanes = vec![absent; block_count * LANES];
         self.blocks = vec![empty; block_count];
-        self.deltas = vec![[ABSENT; LANES]; block_count * self.view_count];
+        self.deltas = vec![Lanes([ABSENT; LANES]); block_count * self.view_count];
         for (place, &leaf) in order.iter().enumerate() {
             self.place_of[leaf as usize] = place as u32;
             self.lanes[place].leaf = leaf;
@@ -262,7 +266,20 @@ impl Candidates {
         self.lanes[place].is_in = false;
         let (block, lane) = (place / LANES, place % LANES);
         for row in &mut self.deltas[block * self.view_count..(block + 1) * self.view_count] {
-            row[lane] = ABSENT;
+            row.0[lane] = ABSENT;
+        }
+    }
+
+    /// Asks for the memory that [`update`](Self::update) of a leaf will need.
+    pub(super) fn prefetch(&self, leaf: Option<u32>) {
+        let Some(leaf) = leaf else { return };
+        let place = self.place_of[leaf as usize];
+        if place != NOWHERE {
+            let block = place as usize / LANES;
+            prefetch(&self.lanes, place as usize);
+            for view in 0..self.view_count {
+                prefetch(&self.deltas, block * self.view_count + view);
+            }
         }
     }
 
@@ -299,7 +316,7 @@ impl Candidates {
         let (mut h, mut c, mut n) = (0, 0, 0);
         let rows = &mut self.deltas[place / LANES * self.view_count..][..self.view_count];
         for ((row, d), e) in rows.iter_mut().zip(&self.row).zip(&epoch.deviations) {
-            row[place % LANES] = *d as f32;
+            row.0[place % LANES] = *d as f32;
             h += if *e < 0 { -d } else { *d };
             c += (d + e).abs() - e.abs();
             n += d.abs();
@@ -322,7 +339,7 @@ impl Candidates {
         };
         let lanes = &self.lanes[index * LANES..(index + 1) * LANES];
         for (k, lane) in lanes.iter().enumerate().filter(|(_, lane)| lane.is_in) {
-            block.include(f64::from(h[k]), f64::from(c[k]));
+            block.include(f64::from(h.0[k]), f64::from(c.0[k]));
             if lane.background_px > 0 {
                 block.background_px = block.background_px.max(f64::from(lane.background_px));
                 block.background_drift = block.background_drift.min(lane.background_drift);
@@ -412,7 +429,7 @@ impl Candidates {
         if block.least_c - self.block_margin(&block) > self.excess(best.0) {
             return;
         }
-        for (k, excess) in excesses.iter().enumerate() {
+        for (k, excess) in excesses.0.iter().enumerate() {
             let lane = self.lanes[index * LANES + k];
             let px = f64::from(lane.background_px);
             let margin = self.margin(block.largest_n, px, lane.background_drift);
@@ -452,7 +469,7 @@ impl Candidates {
         let excesses = self.evaluate(index);
         let block = self.blocks[index];
         let margin = self.block_margin(&block);
-        for (k, excess) in excesses.iter().enumerate() {
+        for (k, excess) in excesses.0.iter().enumerate() {
             let lane = self.lanes[index * LANES + k];
             if lane.is_in && f64::from(*excess) + margin > self.excess(best.0) {
                 *best = (*best).max((self.cost(counts, lane.leaf), lane.leaf));
@@ -471,13 +488,13 @@ fn excesses_plainly(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes)
     let (mut c, mut h) = ([0f32; LANES], [0f32; LANES]);
     for (row, (twice_deviation, sign)) in rows.iter().zip(deviations) {
         for k in 0..LANES {
-            let along = row[k] * sign;
+            let along = row.0[k] * sign;
             let across = -along - twice_deviation;
             c[k] += if along > across { along } else { across };
             h[k] += along;
         }
     }
-    (c, h)
+    (Lanes(c), Lanes(h))
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -22,6 +22,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::pixels::Ends;
+use super::prefetch::{prefetch, prefetch_range};
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 const NONE: u32 = u32::MAX;
@@ -69,6 +70,8 @@ pub(super) struct Counts<'t> {
     edges: Vec<Edge>,
     free_edges: Vec<u32>,
     edge_of: FxHashMap<(u32, u32), u32>,
+    /// The edge that each pixel belongs to, if it has a front leaf.
+    edge_at: Vec<u32>,
     incoming: Vec<Vec<u32>>,
     /// Edge to the background by leaf number.
     background_edge: Vec<u32>,
@@ -103,6 +106,7 @@ impl<'t> Counts<'t> {
             edges: Vec::new(),
             free_edges: Vec::new(),
             edge_of: FxHashMap::default(),
+            edge_at: vec![NONE; ends.len()],
             incoming: vec![Vec::new(); leaf_count + 1],
             background_edge: vec![NONE; leaf_count + 1],
             background_drift: 0.0,
@@ -121,7 +125,7 @@ impl<'t> Counts<'t> {
         // Pixels side by side mostly show the same two leaves.
         let mut run = ([NONE; 2], NONE);
         for (view, pixels) in ends.chunks_exact(pixels_per_view).enumerate() {
-            for &[front, second] in pixels {
+            for (pixel, &[front, second]) in pixels.iter().enumerate() {
                 self.areas[front as usize * self.view_count + view] += 1;
                 self.totals[front as usize] += 1;
                 if front == 0 {
@@ -130,6 +134,7 @@ impl<'t> Counts<'t> {
                 if run.0 != [front, second] {
                     run = ([front, second], self.edge(front, second));
                 }
+                self.edge_at[view * pixels_per_view + pixel] = run.1;
                 add_reveal(&mut self.edges[run.1 as usize], view as u32, 1);
             }
         }
@@ -206,19 +211,24 @@ impl<'t> Counts<'t> {
         }
     }
 
-    /// Notes that in a view a pixel's first two leaves changed.
+    /// Notes that the first two leaves of a pixel (over all views) in a view
+    /// changed.
     #[inline]
-    pub(super) fn record(&mut self, view: usize, before: Ends, after: Ends) {
+    pub(super) fn record(&mut self, view: usize, pixel: u32, before: Ends, after: Ends) {
         if before[0] != after[0] {
             self.add_area(before[0], view, -1);
             self.add_area(after[0], view, 1);
         }
-        for (ends, by) in [(before, -1), (after, 1)] {
-            if ends[0] != 0 {
-                let edge = self.edge(ends[0], ends[1]);
-                self.touch_edge(edge);
-                add_reveal(&mut self.edges[edge as usize], view as u32, by);
-            }
+        if before[0] != 0 {
+            let edge = self.edge_at[pixel as usize];
+            self.touch_edge(edge);
+            add_reveal(&mut self.edges[edge as usize], view as u32, -1);
+        }
+        if after[0] != 0 {
+            let edge = self.edge(after[0], after[1]);
+            self.edge_at[pixel as usize] = edge;
+            self.touch_edge(edge);
+            add_reveal(&mut self.edges[edge as usize], view as u32, 1);
         }
     }
 
@@ -292,8 +302,8 @@ impl<'t> Counts<'t> {
 
     /// Ends a step: brings deviations and deltas up to date with what was
     /// recorded, and calls `changed` with each leaf whose deltas changed or may
-    /// have, once.
-    pub(super) fn commit(&mut self, mut changed: impl FnMut(&Self, u32)) {
+    /// have, once, and with a leaf that will soon follow.
+    pub(super) fn commit(&mut self, mut changed: impl FnMut(&Self, u32, Option<u32>)) {
         self.note_background();
         for k in 0..self.touched_leaves.len() {
             let leaf = self.touched_leaves[k].leaf as usize;
@@ -313,9 +323,13 @@ impl<'t> Counts<'t> {
         self.touched_leaves.clear();
         self.areas_before.clear();
         let leaves = std::mem::take(&mut self.changed);
-        for &leaf in &leaves {
+        for (k, &leaf) in leaves.iter().enumerate() {
+            if let Some(&ahead) = leaves.get(k + 4) {
+                let row = ahead as usize * self.view_count;
+                prefetch_range(&self.deltas, row, self.view_count);
+            }
             self.is_changed[leaf as usize] = false;
-            changed(self, leaf);
+            changed(self, leaf, leaves.get(k + 2).copied());
         }
         self.changed = leaves;
         self.changed.clear();
@@ -391,7 +405,18 @@ impl<'t> Counts<'t> {
             total: self.totals[leaf as usize],
             lg_total: self.lg_totals[leaf as usize],
         };
-        for &index in &self.incoming[leaf as usize] {
+        let incoming = &self.incoming[leaf as usize];
+        for &index in incoming.iter().take(8) {
+            prefetch(&self.edges, index as usize);
+        }
+        for (k, &index) in incoming.iter().enumerate() {
+            if let Some(&ahead) = incoming.get(k + 8) {
+                prefetch(&self.edges, ahead as usize);
+            }
+            if let Some(&ahead) = incoming.get(k + 3) {
+                let from = self.edges[ahead as usize].from as usize;
+                prefetch_range(&self.deltas, from * self.view_count, self.view_count);
+            }
             let edge = &self.edges[index as usize];
             if edge.touched != NONE {
                 continue;

@@ -12,6 +12,7 @@ mod candidates;
 mod counts;
 mod neighbours;
 mod pixels;
+mod prefetch;
 
 use std::ops::ControlFlow;
 
@@ -258,7 +259,7 @@ impl<'a> Stage<'a> {
         let view_of = |pixel: u32| (pixel / per_view) as usize;
         candidates.remove(leaf);
         pixels.remove(leaf, |pixel, before, after| {
-            counts.record(view_of(pixel), before, after);
+            counts.record(view_of(pixel), pixel, before, after);
         });
         for growth in grown {
             self.fragments_of_leaf.clear();
@@ -275,10 +276,13 @@ impl<'a> Stage<'a> {
             }
             let fragments = &self.fragments_of_leaf;
             pixels.replace(growth.leaf.get(), fragments, |pixel, before, after| {
-                counts.record(view_of(pixel), before, after);
+                counts.record(view_of(pixel), pixel, before, after);
             });
         }
-        counts.commit(|counts, leaf| candidates.update(counts, leaf));
+        counts.commit(|counts, leaf, soon| {
+            candidates.prefetch(soon);
+            candidates.update(counts, leaf);
+        });
     }
 
     fn error_is_over(&self, run: &Run<'_>) -> bool {

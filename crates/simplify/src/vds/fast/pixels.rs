@@ -7,6 +7,8 @@
 
 use secateur_raster::{Fragment, Fragments};
 
+use super::prefetch::prefetch;
+
 /// The front leaf of a pixel and the one behind it; 0 where there is none.
 pub(super) type Ends = [u32; 2];
 
@@ -99,7 +101,8 @@ impl PixelLists {
                 }
             }
         }
-        for &(pixel, depth) in fragments {
+        for (k, &(pixel, depth)) in fragments.iter().enumerate() {
+            self.prefetch_lists(fragments.get(k + 8), fragments.get(k + 4));
             let fragment = Fragment::new(depth, leaf);
             let place = if self.stamps[pixel as usize] == is_both {
                 self.move_to(pixel, fragment)
@@ -111,6 +114,21 @@ impl PixelLists {
             }
         }
         self.leaf_pixels.replace(leaf, fragments);
+    }
+
+    /// Asks for a span that is needed soon, and for the list of a span that is
+    /// needed sooner.
+    #[inline(always)]
+    fn prefetch_lists(&self, soon: Option<&(u32, u32)>, sooner: Option<&(u32, u32)>) {
+        if let Some((pixel, _)) = soon {
+            prefetch(&self.spans, *pixel as usize);
+            prefetch(&self.ends, *pixel as usize);
+        }
+        if let Some((pixel, _)) = sooner {
+            let span = self.spans[*pixel as usize];
+            prefetch(&self.arena, span.start as usize);
+            prefetch(&self.arena, span.start as usize + 8);
+        }
     }
 
     fn list(&mut self, pixel: u32) -> &mut [Fragment] {

@@ -1,0 +1,171 @@
+//! The whole command, from file to file, as a user runs it: seconds, peak
+//! memory, and how time grows with the number of leaves.
+//!
+//! `cargo bench --bench main_job [-- PART]`; PART picks cases by name.
+
+mod rows;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::time::Instant;
+
+use rows::{Row, Rows, repeats, shared_tree};
+use secateur_model::gltf::plant_to_glb;
+use secateur_model::{AlphaMode, Material, Plant, Surface};
+use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+
+fn main() {
+    let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
+    let wanted = |case: &str| part.as_ref().is_none_or(|part| case.contains(part.as_str()));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut bench = Bench {
+        rows: Rows::create("main_job"),
+        folder: folder.path().to_owned(),
+    };
+    if wanted("ez_oak_20k") {
+        if let Some(tree) = shared_tree("ez_oak_20k.glb") {
+            bench.case("ez_oak_20k to 2016 at 256", &tree, &["--leaves", "2016", "--resolution", "256"]);
+        }
+    }
+    if wanted("sap_pine") {
+        if let Some(tree) = shared_tree("sap_pine_needles_48k.glb") {
+            bench.case("sap_pine to 4861, auto", &tree, &["--leaves", "4861"]);
+            bench.case("sap_pine to 4861 at 256", &tree, &["--leaves", "4861", "--resolution", "256"]);
+        }
+    }
+    if wanted("crown_105688") {
+        let tree = bench.crown(105_688);
+        bench.case("crown_105688 to 1057 at 256", &tree, &["--leaves", "1057", "--resolution", "256"]);
+        bench.case("crown_105688 to 1057, auto", &tree, &["--leaves", "1057"]);
+    }
+    if wanted("growth") {
+        bench.growth();
+    }
+}
+
+struct Bench {
+    rows: Rows,
+    folder: PathBuf,
+}
+
+impl Bench {
+    /// Runs the command on a tree and notes its figures; least seconds.
+    fn case(&mut self, case: &str, tree: &Path, target: &[&str]) -> f64 {
+        let mut least = f64::INFINITY;
+        for repeat in 0..repeats() {
+            let output = self.folder.join("out.glb");
+            let report = self.folder.join("report.json");
+            let mut command = Command::new(env!("CARGO_BIN_EXE_secateur"));
+            command
+                .arg("simplify")
+                .arg(tree)
+                .arg("-o")
+                .arg(&output)
+                .args(target)
+                .args(["--engine", "cpu", "--quiet", "--report"])
+                .arg(&report);
+            let start = Instant::now();
+            let status = command.status().expect("the command starts");
+            let wall = start.elapsed().as_secs_f64();
+            assert!(status.success(), "{case} failed");
+            let text = std::fs::read_to_string(&report).expect("a report");
+            let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+            let line = format!(
+                "secateur simplify {} {} --engine cpu",
+                tree.file_name().unwrap_or_default().to_string_lossy(),
+                target.join(" ")
+            );
+            let mut add = |quantity: &str, unit: &str, value: Option<f64>| {
+                self.rows.add(&Row {
+                    case,
+                    quantity,
+                    unit,
+                    value: value.unwrap_or(f64::NAN),
+                    repeat,
+                    adapter: "cpu",
+                    command: &line,
+                });
+            };
+            add("wall", "s", Some(wall));
+            for (stage, seconds) in report["seconds"].as_object().into_iter().flatten() {
+                if let Some(seconds) = seconds.as_f64() {
+                    add(&format!("seconds.{stage}"), "s", Some(seconds));
+                }
+            }
+            let mib = report["peak_rss_bytes"].as_f64().map(|b| b / 1_048_576.0);
+            add("peak_rss", "MiB", mib);
+            least = least.min(wall);
+        }
+        least
+    }
+
+    /// A crown of small quads in a file.
+    fn crown(&self, leaves: u32) -> PathBuf {
+        let foliage = ellipsoid_crown(leaves, 1, &EllipsoidCrown::default()).expect("a crown");
+        let surface = |name: &str, positions, triangles| Surface {
+            positions,
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles,
+            material: Arc::new(Material {
+                name: name.to_owned(),
+                base_color: [0.3, 0.5, 0.2, 1.0],
+                texture: None,
+                alpha_mode: AlphaMode::Opaque,
+                double_sided: true,
+            }),
+        };
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for pair in foliage.triangles().chunks_exact(2) {
+            let first = positions.len() as u32;
+            positions.extend(pair[0].corners);
+            positions.push(pair[1].corners[2]);
+            triangles.extend([
+                [first, first + 1, first + 2],
+                [first, first + 2, first + 3],
+            ]);
+        }
+        let wood = [[0.0, -4.0, 0.0], [0.1, -4.0, 0.0], [0.0, 0.0, 0.0]];
+        let plant = Plant {
+            name: format!("crown of {leaves}"),
+            wood: surface("bark", wood.map(glam::DVec3::from_array).to_vec(), vec![[0, 1, 2]]),
+            leaves: surface("leaves", positions, triangles),
+            triangles_per_leaf: vec![2; leaves as usize],
+        };
+        let path = self.folder.join(format!("crown_{leaves}.glb"));
+        std::fs::write(&path, plant_to_glb(&plant)).expect("the crown can be written");
+        path
+    }
+
+    /// The exponent of time over leaves at equal crown density, by least
+    /// squares of the logarithms.
+    fn growth(&mut self) {
+        let counts = [5_000u32, 10_000, 20_000, 50_000, 100_000];
+        let points: Vec<(f64, f64)> = counts
+            .iter()
+            .map(|&leaves| {
+                let tree = self.crown(leaves);
+                let case = format!("growth: crown_{leaves} to 10 % at 256");
+                let seconds = self.case(&case, &tree, &["--ratio", "0.1", "--resolution", "256"]);
+                (f64::from(leaves).ln(), seconds.ln())
+            })
+            .collect();
+        let n = points.len() as f64;
+        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+        let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+        let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+        self.rows.add(&Row {
+            case: "growth of time with leaves",
+            quantity: "exponent",
+            unit: "",
+            value: covariance / variance,
+            repeat: 0,
+            adapter: "cpu",
+            command: "log-log fit of the least wall times above",
+        });
+    }
+}

@@ -1,0 +1,76 @@
+//! Fragments and areas of 20 views: the GPU against its CPU twin, in turn on
+//! the same machine: `cargo bench --bench raster`.
+
+mod rows;
+
+use std::time::Instant;
+
+use rows::{Row, Rows, repeats, shared_tree};
+use secateur_model::gltf::Tree;
+use secateur_model::{Foliage, Lod};
+use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+use secateur_raster::gpu::{Device, Preference};
+use secateur_raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
+
+fn main() {
+    let mut rows = Rows::create("raster");
+    let crown = |leaves| ellipsoid_crown(leaves, 1, &EllipsoidCrown::default()).expect("a crown");
+    let mut cases: Vec<(String, Foliage)> = Vec::new();
+    if let Some(path) = shared_tree("ez_oak_20k.glb") {
+        let tree = Tree::open(&path, &[]).expect("the oak loads");
+        cases.push(("ez_oak_20k".to_owned(), tree.foliage().clone()));
+    }
+    for leaves in [20_000, 100_000] {
+        cases.push((format!("crown_{leaves}"), crown(leaves)));
+    }
+    let devices: Vec<Device> = [Preference::Hardware, Preference::Any]
+        .into_iter()
+        .filter_map(|preference| Device::find(preference).ok())
+        .collect();
+    for (name, foliage) in &cases {
+        for device in &devices {
+            compare(&mut rows, name, foliage, device);
+        }
+    }
+}
+
+fn compare(rows: &mut Rows, name: &str, foliage: &Foliage, device: &Device) {
+    let views = ViewSet::dodecahedron(foliage.bounding_sphere().expect("leaves"));
+    let lod = Lod::original(foliage.leaves().len());
+    let scene = Scene {
+        foliage,
+        lod: &lod,
+        views: &views,
+        resolution: 256,
+    };
+    let case = format!("{name}, 20 views at 256");
+    let time = |rasteriser: &dyn Rasteriser| {
+        let start = Instant::now();
+        let fragments = rasteriser.fragments(&scene).expect("fragments");
+        let areas = rasteriser.areas(&scene).expect("areas");
+        (start.elapsed().as_secs_f64() * 1e3, fragments, areas)
+    };
+    // Once unmeasured: pipelines are made, memory is touched.
+    assert_eq!(time(device).1, time(&CpuRasteriser).1, "the same fragments");
+    let (mut least_cpu, mut least_gpu) = (f64::INFINITY, f64::INFINITY);
+    let mut add = |quantity, unit, value, repeat, adapter: &str| {
+        rows.add(&Row {
+            case: &case,
+            quantity,
+            unit,
+            value,
+            repeat,
+            adapter,
+            command: "cargo bench --bench raster",
+        });
+    };
+    for repeat in 0..repeats().max(5) {
+        let cpu = time(&CpuRasteriser).0;
+        let gpu = time(device).0;
+        add("fragments and areas", "ms", cpu, repeat, "cpu");
+        add("fragments and areas", "ms", gpu, repeat, device.adapter());
+        least_cpu = least_cpu.min(cpu);
+        least_gpu = least_gpu.min(gpu);
+    }
+    add("gpu over cpu, least", "times", least_gpu / least_cpu, 0, device.adapter());
+}

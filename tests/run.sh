@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# Passes the tests, all of them. Where the machine has no Vulkan driver that
+# computes correctly, installs lavapipe, a software one, through the system's
+# package manager; where node is there, fetches the Khronos glTF validator.
+# Further arguments go to `cargo test --workspace`.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+say() { printf 'tests/run.sh: %s\n' "$*"; }
+root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
+# Vulkan loaders ask for it, and complain where there is none.
+export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}"
+
+find_adapter() { cargo run --quiet --package secateur-raster --example find_adapter; }
+
+# Debian 12's own Mesa 22 ends long loops early and so computes wrong results;
+# its backports have a sound one.
+needs_backports() {
+  . /etc/os-release
+  [ "${VERSION_CODENAME:-}" = bookworm ] &&
+    apt-cache policy mesa-vulkan-drivers | grep -q 'Candidate: 22\.'
+}
+
+install_with_apt() {
+  local suite=()
+  root apt-get update -qq
+  if needs_backports; then
+    # The system's own first source entry, for the suite of backports.
+    local entry=/etc/apt/sources.list.d/secateur-backports.sources
+    awk 'BEGIN { RS = ""; } { print; exit }' /etc/apt/sources.list.d/debian.sources |
+      sed 's/^Suites:.*/Suites: bookworm-backports/' | root tee "$entry" > /dev/null
+    root apt-get update -qq
+    suite=(-t bookworm-backports)
+  fi
+  root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -qq --no-install-recommends "${suite[@]}" mesa-vulkan-drivers libvulkan1
+}
+
+install_lavapipe() {
+  if command -v apt-get > /dev/null; then install_with_apt
+  elif command -v dnf > /dev/null; then root dnf install -y mesa-vulkan-drivers vulkan-loader
+  elif command -v pacman > /dev/null; then root pacman -S --noconfirm vulkan-swrast vulkan-icd-loader
+  elif command -v zypper > /dev/null; then root zypper install -y libvulkan_lvp libvulkan1
+  elif command -v apk > /dev/null; then root apk add mesa-vulkan-swrast vulkan-loader
+  else
+    say "no package manager known here: install lavapipe, Mesa's software Vulkan driver (version 23 or later), and run this again"
+    return 1
+  fi
+}
+
+if ! adapter=$(find_adapter); then
+  say "no sound Vulkan, Metal or DirectX 12 driver: installing lavapipe"
+  install_lavapipe > /tmp/secateur-lavapipe.log 2>&1 || { cat /tmp/secateur-lavapipe.log; exit 1; }
+  adapter=$(find_adapter)
+fi
+say "GPU tests run on $adapter"
+export SECATEUR_REQUIRE_GPU=1
+
+if [ ! -d tests/validator/node_modules ]; then
+  if command -v npm > /dev/null; then
+    say "fetching the Khronos glTF validator"
+    npm ci --silent --no-audit --no-fund --prefix tests/validator
+  else
+    say "no npm: the tests that ask the Khronos glTF validator will say that they skip"
+  fi
+fi
+if [ -d tests/validator/node_modules ]; then export SECATEUR_REQUIRE_VALIDATOR=1; fi
+
+exec cargo test --workspace "$@"
