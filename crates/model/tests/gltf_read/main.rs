@@ -1,3 +1,11 @@
 //! Reading glTF: encodings, broken files, the choice of foliage, real trees.
 
+mod broken;
+mod choice;
+mod corpus;
+mod encodings;
+mod placing;
 mod real_trees;
+mod seeds;
+mod small_tree;
+mod textures;

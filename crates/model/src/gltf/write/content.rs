@@ -7,10 +7,11 @@ use serde_json::{Value, json};
 
 use super::draft::Draft;
 use super::fates::Fates;
+use super::leftover::drop_unused_vertices;
 use super::meshes::rewrite_meshes;
 use super::packing::{ViewBytes, pack};
 use super::references::{items, len};
-use super::tidy::{References, drop_extension, remove_field, tidy};
+use super::tidy::{References, drop_extension, drop_meshes, remove_field, tidy};
 use crate::Lod;
 use crate::gltf::Document;
 use crate::gltf::buffer::BufferSource;
@@ -45,7 +46,9 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     let mut draft = Draft::new(document);
     let before = References::of(&mut draft.root);
     let empty = rewrite_meshes(&mut draft, tree, &fates)?;
-    let thinned = tidy(&mut draft, &before, &empty);
+    drop_meshes(&mut draft, &empty);
+    drop_unused_vertices(&mut draft, &before)?;
+    let thinned = tidy(&mut draft, &before);
 
     let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
     for (view, bytes) in std::mem::take(&mut draft.new_bytes) {

@@ -12,6 +12,7 @@ mod draft;
 mod fates;
 mod files;
 mod instances;
+mod leftover;
 mod meshes;
 mod packing;
 mod plant;

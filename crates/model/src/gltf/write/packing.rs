@@ -258,8 +258,11 @@ fn move_accessors(
     for accessor in items(root, "accessors") {
         move_part(accessor);
         if let Some(sparse) = accessor.get_mut("sparse") {
-            move_part(&mut sparse["indices"]);
-            move_part(&mut sparse["values"]);
+            for part in ["indices", "values"] {
+                if let Some(part) = sparse.get_mut(part) {
+                    move_part(part);
+                }
+            }
         }
     }
 }

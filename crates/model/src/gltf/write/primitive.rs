@@ -48,7 +48,7 @@ pub(super) fn rewrite_primitive(
         moves.rewrite_attributes(draft, target, &sources, Mover::Delta)?;
     }
     if let (Some(old), Some(triangles)) = (old_indices, &vertices.triangles) {
-        let new = new_indices(draft, old, triangles, vertices.sources.len())?;
+        let new = new_indices(draft, old, triangles.as_flattened(), vertices.sources.len())?;
         primitive["indices"] = draft.push_accessor(Some(old), new).into();
     }
     if primitive
@@ -203,10 +203,10 @@ fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {
 
 /// Indices in the smallest type that holds them, though never smaller than
 /// 16 bits where they were larger: many GPUs dislike 8.
-fn new_indices(
+pub(super) fn new_indices(
     draft: &Draft,
     old: usize,
-    triangles: &[[u32; 3]],
+    corners: &[u32],
     vertex_count: usize,
 ) -> Result<NewElements, Fault> {
     // The largest value of a type means a new strip and names no vertex.
@@ -216,20 +216,23 @@ fn new_indices(
         0..=0xffff => Component::U16,
         _ => Component::U32,
     };
-    let corners = triangles.iter().flatten();
     let bytes = match component {
-        Component::U8 => corners.map(|&corner| corner as u8).collect(),
+        Component::U8 => corners.iter().map(|&corner| corner as u8).collect(),
         Component::U16 => corners
+            .iter()
             .flat_map(|&corner| (corner as u16).to_le_bytes())
             .collect(),
-        _ => corners.flat_map(|&corner| corner.to_le_bytes()).collect(),
+        _ => corners
+            .iter()
+            .flat_map(|&corner| corner.to_le_bytes())
+            .collect(),
     };
     let fields = &draft.document.root["accessors"][old];
     Ok(NewElements {
         component,
         shape: Shape::Scalar,
         normalized: false,
-        count: 3 * triangles.len(),
+        count: corners.len(),
         bytes: Some(bytes),
         bounded: fields.get("min").is_some() || fields.get("max").is_some(),
         role: Role::Index,

@@ -26,17 +26,19 @@ impl References {
             views: count_references(root, views, visit_view_numbers),
         }
     }
+
+    /// Accessors of the input that are named less often in `root`.
+    pub(super) fn accessors_that_lost_a_user(&self, root: &mut Value) -> HashSet<usize> {
+        let after = count_references(root, self.accessors.len(), visit_accessor_numbers);
+        let lost = |&number: &usize| after[number] < self.accessors[number];
+        (0..self.accessors.len()).filter(lost).collect()
+    }
 }
 
-/// Drops the meshes in `empty` and the accessors and buffer views that nothing
-/// names any more. Returns the views that lost some of their accessors, where it
-/// is certain that nobody else needs those bytes.
-pub(super) fn tidy(
-    draft: &mut Draft,
-    before: &References,
-    empty: &BTreeSet<usize>,
-) -> HashSet<usize> {
-    drop_meshes(draft, empty);
+/// Drops the accessors and buffer views that nothing names any more. Returns the
+/// views that lost some of their accessors, where it is certain that nobody else
+/// needs those bytes.
+pub(super) fn tidy(draft: &mut Draft, before: &References) -> HashSet<usize> {
     stop_animating_lost_weights(draft);
 
     let settled = settle(
@@ -184,7 +186,7 @@ fn inherit(item: &mut Value, from: &Value, names: &[&str]) {
 /// Drops meshes that have no primitive left. Meshes behind them move up, unless
 /// an unknown extension might name one: then a mesh of one point, which no node
 /// draws, keeps the place.
-fn drop_meshes(draft: &mut Draft, empty: &BTreeSet<usize>) {
+pub(super) fn drop_meshes(draft: &mut Draft, empty: &BTreeSet<usize>) {
     let count = len(&draft.root, "meshes");
     let is_trailing = |&mesh: &usize| (mesh..count).all(|later| empty.contains(&later));
     let may_move = knows_all_extensions(&draft.root);

@@ -147,12 +147,7 @@ impl<'t> Reader<'t> {
             }
             let elements = self.elements(accessor);
             let kind = elements.accessor;
-            let size = kind.element_bytes();
-            let bytes = corners
-                .iter()
-                .flat_map(|&corner| &elements.bytes[corner as usize * size..][..size])
-                .copied()
-                .collect();
+            let bytes = bytes_of_corners(elements, &corners);
             all.push((set, semantic, kind.component.code(), kind.normalized, bytes));
         }
         all
@@ -173,7 +168,7 @@ fn attributes(primitive: &Value) -> Vec<(usize, String, usize)> {
         .collect()
 }
 
-/// Wood keeps its transform and every byte of its data.
+/// Wood keeps its transform and every attribute of every corner.
 fn check_wood(before: &Tree, after: &Tree) {
     let wood = |tree: &'_ Tree| -> Vec<Part> {
         let parts = tree.parts.iter().filter(|part| !part.is_foliage);
@@ -183,24 +178,30 @@ fn check_wood(before: &Tree, after: &Tree) {
     assert_eq!(old.len(), new.len(), "wood");
     for (old, new) in old.iter().zip(&new) {
         assert_eq!(old.world_from_local, new.world_from_local);
-        let data = |tree: &Tree, part: &Part| {
-            let primitive = tree.document.primitive(part.mesh, part.primitive).unwrap();
-            let mut all: Vec<(usize, String, Vec<u8>)> = attributes(primitive)
-                .into_iter()
-                .map(|(set, name, accessor)| (set, name, bytes_of(&tree.document, accessor)))
-                .collect();
-            if let Some(indices) = primitive.get("indices").and_then(Value::as_u64) {
-                let bytes = bytes_of(&tree.document, indices as usize);
-                all.push((usize::MAX, "indices".to_owned(), bytes));
-            }
-            all
-        };
-        assert_eq!(data(before, old), data(after, new), "wood");
+        assert_eq!(wood_corners(before, old), wood_corners(after, new), "wood");
     }
 }
 
-fn bytes_of(document: &Document, accessor: usize) -> Vec<u8> {
-    document.elements(accessor).unwrap().bytes.into_owned()
+fn wood_corners(tree: &Tree, part: &Part) -> Vec<CornerAttribute> {
+    let document = &tree.document;
+    let corners = document.triangles(part.mesh, part.primitive).unwrap();
+    let primitive = document.primitive(part.mesh, part.primitive).unwrap();
+    let of_corners = |(set, semantic, accessor): (usize, String, usize)| {
+        let elements = document.elements(accessor).unwrap();
+        let bytes = bytes_of_corners(&elements, corners.as_flattened());
+        let kind = elements.accessor;
+        (set, semantic, kind.component.code(), kind.normalized, bytes)
+    };
+    attributes(primitive).into_iter().map(of_corners).collect()
+}
+
+fn bytes_of_corners(elements: &Elements, corners: &[u32]) -> Vec<u8> {
+    let size = elements.accessor.element_bytes();
+    corners
+        .iter()
+        .flat_map(|&corner| &elements.bytes[corner as usize * size..][..size])
+        .copied()
+        .collect()
 }
 
 /// All JSON but what says where bytes are and which geometry a mesh has; that

@@ -3,6 +3,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::compressed::compress_view;
 use super::fixture::*;
 
 /// All of them, with their names.
@@ -32,6 +33,7 @@ pub(super) fn all() -> Vec<(&'static str, Fixture)> {
         ("textured", textured()),
         ("second-scene", second_scene()),
         ("touching", touching()),
+        ("meshopt", meshopt()),
     ]
 }
 
@@ -493,4 +495,20 @@ pub(super) fn touching() -> Fixture {
     let positions = fixture.vectors(&positions);
     let indices = fixture.indices(UNSIGNED_SHORT, &indices);
     fixture.with_leaves(json!({"POSITION": positions}), Some(indices))
+}
+
+/// Positions of bark and leaves are meshopt-compressed; what a reader without
+/// that would look at is a buffer without bytes.
+pub(super) fn meshopt() -> Fixture {
+    let mut fixture = plain(4);
+    fixture.use_extension("EXT_meshopt_compression", true);
+    for mesh in 0..2 {
+        let number = &fixture.root["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"];
+        let accessor = number.as_u64().unwrap() as usize;
+        let view = fixture.root["accessors"][accessor]["bufferView"]
+            .as_u64()
+            .unwrap() as usize;
+        compress_view(&mut fixture, view, 12);
+    }
+    fixture
 }

@@ -1,6 +1,7 @@
 //! LODs of small trees in every encoding, and of real ones.
 
 mod check;
+mod compressed;
 mod encodings;
 mod every_encoding;
 mod fixture;

@@ -104,28 +104,22 @@ fn a_file_of_leaves_alone_can_lose_them_all() {
 
 #[test]
 fn no_dead_bytes_stay() {
-    // A leaf is four positions of 12 bytes and six indices of 2. The trunk has
-    // 4 positions and 6 indices in all of these, but 3 and 3 in shared_view and
-    // shared_accessor (its six bytes of indices are padded to 8).
+    // A leaf is four positions of 12 bytes and six indices of 2, the bark three
+    // of each, its indices padded to 8 bytes. shared_accessor has one list of
+    // 19 positions for both, shared_view one view.
+    const LEAF: usize = 4 * 12 + 6 * 2;
     let bytes = |fixture: &Fixture, removed: &[u32]| {
         content(fixture, |tree| without(tree, removed)).buffer.len()
     };
     for fixture in [encodings::shared_view(), encodings::shared_accessor()] {
+        // Four positions and six indices of the trunk that nobody draws.
         let full = bytes(&fixture, &[]);
-        let trunk = bytes(&fixture, &[1, 2, 3, 4]);
-        // shared_accessor: leaves and trunk get vertices of their own; the old
-        // ones, which the trunk still names, stay whole.
-        let is_one_accessor = fixture.root["accessors"].as_array().unwrap().len() == 5;
-        if is_one_accessor {
-            assert_eq!(bytes(&fixture, &[1]), full + 3 * 48 - 12);
-        } else {
-            assert_eq!(bytes(&fixture, &[1]), full - 48 - 12);
-            assert!(trunk < full - 4 * 48);
-        }
+        assert_eq!(bytes(&fixture, &[1]), full - LEAF);
+        assert!(bytes(&fixture, &[1, 2, 3, 4]) <= full - 4 * LEAF);
     }
     let fixture = encodings::touching();
     // The first square shares one of its vertices with the next.
-    assert_eq!(bytes(&fixture, &[1]), bytes(&fixture, &[]) - 3 * 12 - 12);
+    assert_eq!(bytes(&fixture, &[1]), bytes(&fixture, &[]) - 3 * 12 - 6 * 2);
 }
 
 #[test]
@@ -322,4 +316,17 @@ fn images_in_the_buffer_move_along() {
     let after = Document::from_bytes("textured", glb, None).unwrap();
     let view = after.root["images"][0]["bufferView"].as_u64().unwrap() as usize;
     assert_eq!(after.view_bytes(view).unwrap(), encodings::one_texel_png());
+}
+
+#[test]
+fn compressed_views_are_written_without_compression() {
+    let copy = content(&encodings::meshopt(), |tree| without(tree, &[]));
+    assert_eq!(copy.root.get("extensionsUsed"), None);
+    assert_eq!(copy.root.get("extensionsRequired"), None);
+    assert_eq!(copy.root["buffers"].as_array().unwrap().len(), 1);
+    let views = copy.root["bufferViews"].as_array().unwrap();
+    assert!(views.iter().all(|view| view.get("extensions").is_none()));
+    // Positions of 4 + 16 vertices, 6 + 24 short indices: neither the streams
+    // nor the holes where the positions were are left.
+    assert_eq!(copy.buffer.len(), 20 * 12 + 30 * 2);
 }

@@ -1,0 +1,206 @@
+//! Cut-outs and texture coordinates.
+
+use std::io::Cursor;
+
+use image::{ImageFormat, Rgba, RgbaImage};
+use secateur_model::Wrap;
+use serde_json::{Value, json};
+
+use crate::small_tree::{SQUARES, SmallTree};
+
+/// An image of one row with these alphas.
+fn row(alphas: &[u8]) -> RgbaImage {
+    RgbaImage::from_fn(alphas.len() as u32, 1, |x, _| {
+        Rgba([50, 200, 50, alphas[x as usize]])
+    })
+}
+
+fn encoded(image: &RgbaImage, format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
+
+/// The squares with texture coordinates x, y and this image on the leaf.
+fn textured(image: &[u8], material: Value) -> SmallTree {
+    let mut tree = SmallTree::squares();
+    let uvs: Vec<f32> = SQUARES.iter().flat_map(|p| [p[0], p[1]]).collect();
+    let uvs = tree.floats("VEC2", &uvs);
+    let view = tree.view(image);
+    tree.append(
+        "images",
+        json!({"bufferView": view, "mimeType": "image/png"}),
+    );
+    tree.append("samplers", json!({"wrapS": 33071, "wrapT": 33648}));
+    tree.append("textures", json!({"source": 0, "sampler": 0}));
+    let mut full = json!({
+        "name": "leaf", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}
+    });
+    for (key, value) in material.as_object().unwrap() {
+        full[key] = value.clone();
+    }
+    tree.set("/materials/0", full)
+        .set("/meshes/0/primitives/0/attributes/TEXCOORD_0", json!(uvs))
+}
+
+/// Which texels of the first row the leaf's mask keeps; `None` without mask.
+fn kept(tree: &SmallTree) -> Option<Vec<bool>> {
+    let tree = tree.tree();
+    let index = tree.foliage().leaves()[0].cutout()?;
+    let mask = &tree.foliage().cutouts()[index as usize];
+    Some(
+        (0..mask.width() as i32)
+            .map(|u| mask.is_opaque(u, 0))
+            .collect(),
+    )
+}
+
+#[test]
+fn a_mask_keeps_texels_from_the_cutoff_on() {
+    // 51 of 255 is 0.2, exactly the cutoff: kept.
+    let png = encoded(&row(&[0, 50, 51, 255]), ImageFormat::Png);
+    let tree = textured(&png, json!({"alphaMode": "MASK", "alphaCutoff": 0.2}));
+    assert_eq!(kept(&tree), Some(vec![false, false, true, true]));
+    let tree = tree.tree();
+    assert_eq!(tree.foliage().cutouts().len(), 1, "leaves share a mask");
+    let wrap = tree.foliage().cutouts()[0].wrap();
+    assert_eq!(wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
+}
+
+#[test]
+fn the_factor_counts_blend_is_cut_in_the_middle_and_opaque_not_at_all() {
+    let png = encoded(&row(&[100, 255]), ImageFormat::Png);
+    let blend = textured(&png, json!({"alphaMode": "BLEND"}));
+    assert_eq!(kept(&blend), Some(vec![false, true]));
+    // 255 * 0.4 stays below one half: nothing is left.
+    let faint = blend.clone().set(
+        "/materials/0/pbrMetallicRoughness/baseColorFactor",
+        json!([1, 1, 1, 0.4]),
+    );
+    assert_eq!(kept(&faint), Some(vec![false, false]));
+    assert_eq!(
+        kept(&blend.set("/materials/0/alphaMode", json!("OPAQUE"))),
+        None
+    );
+}
+
+#[test]
+fn a_mask_that_keeps_everything_is_none() {
+    let png = encoded(&row(&[200, 255]), ImageFormat::Png);
+    assert_eq!(kept(&textured(&png, json!({"alphaMode": "MASK"}))), None);
+}
+
+#[test]
+fn webp_and_jpeg_are_read() {
+    let webp = encoded(&row(&[0, 255]), ImageFormat::WebP);
+    let tree = textured(&webp, json!({"alphaMode": "MASK"})).set(
+        "/textures/0",
+        json!({"extensions": {"EXT_texture_webp": {"source": 0}}}),
+    );
+    assert_eq!(kept(&tree), Some(vec![false, true]));
+    let rgb = image::DynamicImage::from(row(&[255, 255])).into_rgb8();
+    let mut jpeg = Cursor::new(Vec::new());
+    rgb.write_to(&mut jpeg, ImageFormat::Jpeg).unwrap();
+    assert_eq!(
+        kept(&textured(jpeg.get_ref(), json!({"alphaMode": "MASK"}))),
+        None
+    );
+}
+
+#[test]
+fn an_image_that_cannot_be_decoded_is_opaque_with_a_warning() {
+    let tree = textured(b"\xabKTX 20\xbb\r\n\x1a\n", json!({"alphaMode": "MASK"}));
+    assert_eq!(kept(&tree), None);
+    let warnings = &tree.tree().inspection().warnings.join("\n");
+    assert!(
+        warnings.contains("images[0]: its format is not PNG, JPEG or WebP; it is taken for opaque"),
+        "{warnings}"
+    );
+    // No readable image at all, only an extension's.
+    let basisu = tree.set(
+        "/textures/0",
+        json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
+    );
+    assert_eq!(kept(&basisu), None);
+}
+
+#[test]
+fn an_image_of_too_many_texels_is_not_decoded() {
+    // A PNG header that speaks of 65,535 x 65,535 texels and goes no further.
+    let mut png = encoded(&row(&[0]), ImageFormat::Png);
+    png[16..24].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff]);
+    let tree = textured(&png, json!({"alphaMode": "MASK"}));
+    assert_eq!(kept(&tree), None);
+    let warnings = tree.tree().inspection().warnings.clone();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+}
+
+#[test]
+fn texture_coordinates_are_transformed() {
+    let png = encoded(&row(&[0, 255]), ImageFormat::Png);
+    let mut tree = textured(&png, json!({"alphaMode": "MASK"}));
+    let other: Vec<f32> = SQUARES
+        .iter()
+        .flat_map(|p| [p[0] * 8.0, p[1] * 8.0])
+        .collect();
+    let other = tree.floats("VEC2", &other);
+    let info = "/materials/0/pbrMetallicRoughness/baseColorTexture";
+    let tree = tree
+        .set("/meshes/0/primitives/0/attributes/TEXCOORD_3", json!(other))
+        .set(
+            &format!("{info}/extensions"),
+            json!({
+                "KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [0.5, 2], "texCoord": 3}
+            }),
+        );
+    // Corner (1, 1) of set 3 is (8, 8): 0.25 + 4, 0.5 + 16.
+    let uv = tree.tree().foliage().triangles()[0].uvs[2];
+    assert_eq!(uv.to_array(), [4.25, 16.5]);
+}
+
+#[test]
+fn quantised_texture_coordinates() {
+    let png = encoded(&row(&[0, 255]), ImageFormat::Png);
+    let mut tree = textured(&png, json!({"alphaMode": "MASK"}));
+    let uvs: Vec<u16> = SQUARES
+        .iter()
+        .flat_map(|p| [p[0] as u16 * 65535, 0])
+        .collect();
+    let uvs = tree.shorts("VEC2", &uvs);
+    let tree = tree
+        .set(&format!("/accessors/{uvs}/normalized"), json!(true))
+        .set("/meshes/0/primitives/0/attributes/TEXCOORD_0", json!(uvs));
+    let uv = tree.tree().foliage().triangles()[0].uvs[1];
+    assert_eq!(uv.to_array(), [1.0, 0.0]);
+}
+
+#[test]
+fn a_texture_without_coordinates_cuts_nothing_out() {
+    let png = encoded(&row(&[0, 255]), ImageFormat::Png);
+    let tree = textured(&png, json!({"alphaMode": "MASK"}))
+        .without("/meshes/0/primitives/0/attributes/TEXCOORD_0");
+    assert_eq!(kept(&tree), None);
+    let warnings = tree.tree().inspection().warnings.clone();
+    assert!(warnings[0].contains("has no TEXCOORD_0"), "{warnings:?}");
+}
+
+#[test]
+fn surfaces_carry_texture_and_colour() {
+    let png = encoded(&row(&[0, 255]), ImageFormat::Png);
+    let mut tree = textured(&png, json!({"alphaMode": "MASK", "doubleSided": true}));
+    let colors = tree.accessor("VEC3", 5121, 8, &[255; 24]);
+    let tree = tree
+        .set(&format!("/accessors/{colors}/normalized"), json!(true))
+        .set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colors));
+    let surfaces = tree.document().surfaces(&[]).unwrap();
+    let [(surface, is_foliage)] = surfaces.as_slice() else {
+        panic!("one surface");
+    };
+    assert!(is_foliage);
+    assert_eq!(surface.colors, vec![glam::Vec4::ONE; 8]);
+    assert_eq!(surface.uvs[2], glam::Vec2::ONE);
+    assert!(surface.material.double_sided);
+    let texture = surface.material.texture.as_ref().unwrap();
+    assert_eq!((texture.width, texture.height), (2, 1));
+    assert_eq!(texture.rgba[..4], [50, 200, 50, 0]);
+}
