@@ -3,9 +3,13 @@
 //! - [`vmi`]: viewpoint mutual information, the measure.
 //! - [`vds`]: viewpoint-driven simplification, the greedy method driven by it,
 //!   once as the literal algorithm and once as an exact, fast engine.
+//! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
+//!   on the GPU.
 //!
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
+pub mod first_costs;
 pub mod lg;
+pub mod resolution;
 pub mod vds;
 pub mod vmi;

@@ -26,6 +26,8 @@ mod reveal_edges;
 mod stages;
 mod tiles;
 
+use crate::{AreaTable, Fragments, RasterError, Rasteriser, Scene};
+
 pub use device::{Device, Preference};
 pub use draw::{areas, leaf_ids};
 pub use error::GpuError;
@@ -34,3 +36,13 @@ pub use reveal_edges::reveal_edges;
 pub use stages::{Dispatch, Stage};
 pub use tiles::{TILE_PX, split_into_tiles};
 pub use wgpu;
+
+impl Rasteriser for Device {
+    fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
+        Ok(fragments(self, scene)?)
+    }
+
+    fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
+        Ok(areas(self, scene)?)
+    }
+}
