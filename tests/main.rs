@@ -1,1 +1,12 @@
+//! What crosses crates: the built program, run as its users run it.
 
+mod bad_input;
+mod demo;
+mod engines;
+mod formats;
+mod help;
+mod main_job;
+mod measure;
+mod program;
+mod shared_trees;
+mod small_files;

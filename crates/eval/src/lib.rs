@@ -1,5 +1,8 @@
-//! What a simplified tree looks like beside its original.
+//! How far a simplified tree is from its original, and what it looks like
+//! beside it.
 //!
+//! - [`measure`](measure()): original against simplified foliage, a value for
+//!   each of [`METRICS`](measure::METRICS).
 //! - [`render`]: textured triangles to a picture, on the CPU.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
@@ -12,6 +15,7 @@ mod caption;
 mod contact_sheet;
 mod lens;
 mod light_depth;
+pub mod measure;
 mod render;
 mod screen_triangle;
 mod shading;
@@ -20,4 +24,5 @@ mod visibility;
 
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
+pub use measure::{Judging, MeasureError, Measurement, measure, measure_lod};
 pub use render::{RenderOptions, render};

@@ -14,6 +14,8 @@
 //! | [`LeafIdImage`] to an [`AreaTable`] | [`cpu::histogram`] | `histogram.wgsl` |
 //! | [`Fragments`] to [`RevealEdge`]s | [`cpu::reveal_edges`] | `reveal_edges.wgsl` |
 //!
+//! What an area table says, viewpoint mutual information, is in [`measure`].
+//!
 //! The shaders run through wgpu, behind the feature `gpu` (on by default).
 //!
 //! Images are square. Pixel (x, y) is `y * resolution + x`, row 0 on top.
@@ -29,6 +31,7 @@ mod fragments;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod leaf_id_image;
+pub mod measure;
 mod rasteriser;
 mod reveal_edge;
 pub mod snap;

@@ -31,7 +31,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tree = document.into_tree(&selectors)?;
 
     let settings = Simplify::to(Target::Ratio(0.1));
-    let result = simplify(tree.foliage(), &settings, &mut |_| ControlFlow::Continue(()))?;
+    let result = simplify(
+        tree.foliage(),
+        &settings,
+        &mut |_| ControlFlow::Continue(()),
+    )?;
     for (step, cost) in result.order.steps().zip(&result.costs_scaled).take(5) {
         println!(
             "{} goes at a cost of {cost}; {} grow for it",

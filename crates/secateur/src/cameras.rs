@@ -69,8 +69,8 @@ pub fn cameras_from_json(name: &str, text: &str) -> Result<ViewSet, Error> {
         file: name.to_owned(),
         reason,
     };
-    let file: CameraFile = serde_json::from_str(text)
-        .map_err(|e| failed(format!("is no list of cameras: {e}")))?;
+    let file: CameraFile =
+        serde_json::from_str(text).map_err(|e| failed(format!("is no list of cameras: {e}")))?;
     if file.cameras.is_empty() {
         return Err(failed("`cameras` is empty".to_owned()));
     }
@@ -135,10 +135,15 @@ mod tests {
         let unknown = error(r#"{"cameras": [{"eye": [0,0,1], "target": [0,0,0], "fov": 3}]}"#);
         assert!(unknown.contains("unknown field `fov`"), "{unknown}");
         let flat = error(r#"{"cameras": [{"eye": [0,0,0], "target": [0,0,0]}]}"#);
-        assert!(flat.starts_with("c.json: cameras[0]: a camera's eye, target"), "{flat}");
-        let wide = error(
-            r#"{"cameras": [{"eye": [0,0,1], "target": [0,0,0], "fov_y_degrees": 180}]}"#,
+        assert!(
+            flat.starts_with("c.json: cameras[0]: a camera's eye, target"),
+            "{flat}"
         );
-        assert!(wide.contains("180 degrees is not between 0 and 180"), "{wide}");
+        let wide =
+            error(r#"{"cameras": [{"eye": [0,0,1], "target": [0,0,0], "fov_y_degrees": 180}]}"#);
+        assert!(
+            wide.contains("180 degrees is not between 0 and 180"),
+            "{wide}"
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! What can keep a run from its end, in one sentence each.
 
+use secateur_eval::MeasureError;
 use secateur_model::gltf::GltfError;
 use secateur_simplify::vds::VdsError;
 
@@ -38,6 +39,9 @@ pub enum Error {
     /// VDS could not be run.
     #[error(transparent)]
     Vds(VdsError),
+    /// Nothing can be measured.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
     /// The GPU that was asked for is missing or failed.
     #[error("{0}")]
     Gpu(String),

@@ -90,10 +90,11 @@ mod settings;
 pub use cameras::{cameras_from_json, read_cameras};
 pub use engine::OpenEngine;
 pub use error::Error;
-pub use measure::{Measurement, measure};
+pub use measure::measure;
 pub use run::{Progress, Simplified, simplify, simplify_on, sphere_of};
 pub use settings::{Alpha, Engine, Method, Resolution, Simplify, Target, Views};
 
+pub use secateur_eval::{MeasureError, Measurement};
 pub use secateur_model::gltf::{
     Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
     SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_to_glb,

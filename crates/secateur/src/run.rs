@@ -223,7 +223,11 @@ fn warnings_of(leaves: usize, leaf_count: usize) -> Vec<String> {
 pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
     let sphere = foliage.bounding_sphere().ok_or(Error::NoLeaf)?;
     // A foliage without extent is looked at as if it had a radius of 1.
-    let size = if sphere.radius > 0.0 { sphere.radius } else { 1.0 };
+    let size = if sphere.radius > 0.0 {
+        sphere.radius
+    } else {
+        1.0
+    };
     let distance = sphere.centre.length();
     let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e6 * size;
     is_in_range.then_some(sphere).ok_or(Error::OutOfRange {
@@ -328,6 +332,12 @@ mod tests {
             seen.len()
         };
         assert_eq!(at(Progress::Stage("resolution")), 1);
-        assert_eq!(at(Progress::Step { done: 2, at_most: 3 }), 4);
+        assert_eq!(
+            at(Progress::Step {
+                done: 2,
+                at_most: 3
+            }),
+            4
+        );
     }
 }

@@ -231,6 +231,9 @@ mod tests {
             assert!(target.resolve(10).is_err(), "{target:?}");
         }
         let error = Target::Ratio(1.5).resolve(10).unwrap_err().to_string();
-        assert_eq!(error, "the target of ratio 1.5 must be a number from 0 to 1");
+        assert_eq!(
+            error,
+            "the target of ratio 1.5 must be a number from 0 to 1"
+        );
     }
 }

@@ -9,7 +9,7 @@
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
 pub mod first_costs;
-pub mod lg;
 pub mod resolution;
 pub mod vds;
-pub mod vmi;
+
+pub use secateur_raster::measure::{lg, vmi};

@@ -165,7 +165,7 @@ fn rows(tree: &Tree, levels: &[Level], original_bytes: u64) -> Vec<Value> {
             "triangles": level.written.triangles,
             "bytes": level.written.bytes,
         });
-        record::joined(about, record::of_measurement(&level.measured))
+        record::joined(about, record::overall(&level.measured))
     });
     std::iter::once(original).chain(rows).collect()
 }
@@ -177,13 +177,18 @@ fn pretty(
     original_bytes: u64,
     seconds: f64,
 ) -> String {
-    let heads = ["", "leaves", "triangles", "VMI error", "outline IoU", "coverage", "file"];
+    let heads = [
+        "",
+        "leaves",
+        "triangles",
+        "VMI error",
+        "outline IoU",
+        "coverage",
+        "file",
+    ];
     let mut rows = vec![heads.map(str::to_owned).to_vec()];
-    let [leaves, triangles] = [
-        tree.foliage().leaves().len() as u64,
-        tree.triangle_count(),
-    ]
-    .map(grouped);
+    let [leaves, triangles] =
+        [tree.foliage().leaves().len() as u64, tree.triangle_count()].map(grouped);
     let none = || "-".to_owned();
     rows.push(vec![
         "original".to_owned(),
@@ -200,9 +205,9 @@ fn pretty(
             format!("{} %", level.percent),
             grouped(level.leaves as u64),
             grouped(level.written.triangles),
-            percent(measured.vmi_error_percent),
-            format!("{:.3}", measured.silhouette_iou),
-            format!("{:.3}", measured.coverage_ratio),
+            percent(measured.vmi_error_percent()),
+            format!("{:.3}", measured.silhouette_iou()),
+            format!("{:.3}", measured.coverage_ratio()),
             size(level.written.bytes),
         ]);
     }

@@ -24,8 +24,8 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     interrupt::check()?;
     let alpha = secateur::Alpha::from(args.alpha);
     let foliages = [&original, &simplified].map(|tree| alpha.apply(tree.foliage()));
-    let measured = secateur::measure(&foliages[0], &foliages[1])
-        .map_err(Failure::about(&args.original))?;
+    let measured =
+        secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
     let total = start.elapsed().as_secs_f64();
     let about = json!({
         "original": args.original.display().to_string(),
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         "seconds": record::seconds(&[], total),
         "run": record::provenance("measure"),
     });
-    let record = record::joined(record::of_measurement(&measured), about);
+    let record = record::joined(json!(measured), about);
     record::write(args.report.as_deref(), &record)?;
     let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
     Ok(Printed::single(pretty(&measured, args, counts), record))
@@ -59,27 +59,27 @@ fn pretty(measured: &Measurement, args: &args::Measure, leaves: [u64; 2]) -> Str
         row("leaves", after, &format!("of {before}")),
         row(
             "VMI error",
-            format!("{:.2} %", measured.vmi_error_percent),
+            format!("{:.2} %", measured.vmi_error_percent()),
             "information lost, less is better",
         ),
         row(
             "silhouette IoU",
-            format!("{:.4}", measured.silhouette_iou),
+            format!("{:.4}", measured.silhouette_iou()),
             "overlap of the outlines, 1 is best",
         ),
         row(
             "precision",
-            format!("{:.4}", measured.precision),
+            format!("{:.4}", measured.precision()),
             "pixels of the result that the original has too",
         ),
         row(
             "recall",
-            format!("{:.4}", measured.recall),
+            format!("{:.4}", measured.recall()),
             "pixels of the original that the result still has",
         ),
         row(
             "coverage",
-            format!("{:.4}", measured.coverage_ratio),
+            format!("{:.4}", measured.coverage_ratio()),
             "pixels of the result over those of the original",
         ),
     ];

@@ -76,7 +76,11 @@ pub(crate) fn write_leaf_ids(
     Ok(())
 }
 
-fn png(pixels: &[u8], [width, height]: [u32; 2], kind: ExtendedColorType) -> Result<Vec<u8>, Failure> {
+fn png(
+    pixels: &[u8],
+    [width, height]: [u32; 2],
+    kind: ExtendedColorType,
+) -> Result<Vec<u8>, Failure> {
     let mut bytes = Cursor::new(Vec::new());
     let encoder = PngEncoder::new(&mut bytes);
     let result = encoder.write_image(pixels, width, height, kind);

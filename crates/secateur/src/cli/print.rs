@@ -128,7 +128,9 @@ fn markdown(table: &[Vec<String>]) -> String {
 /// Prints to standard output; a reader that has gone away is no failure.
 pub(crate) fn to_stdout(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    let result = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    let result = stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush());
     match result {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure(format!("standard output cannot be written: {e}")))

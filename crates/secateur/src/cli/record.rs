@@ -121,17 +121,10 @@ pub(crate) fn bytes_of(path: &Path) -> Option<u64> {
     std::fs::metadata(path).map(|m| m.len()).ok()
 }
 
-/// The metrics of a `measure`.
-pub(crate) fn of_measurement(measured: &Measurement) -> Value {
-    json!({
-        "vmi_error_percent": measured.vmi_error_percent,
-        "silhouette_iou": measured.silhouette_iou,
-        "precision": measured.precision,
-        "recall": measured.recall,
-        "coverage_ratio": measured.coverage_ratio,
-        "views": measured.views,
-        "resolution": measured.resolution,
-    })
+/// The metrics over all views.
+pub(crate) fn overall(measured: &Measurement) -> Value {
+    let about = json!({ "views": measured.views, "resolution": measured.resolution });
+    joined(json!(measured.overall), about)
 }
 
 /// Writes a record where one is asked for.

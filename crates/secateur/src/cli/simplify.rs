@@ -127,8 +127,10 @@ fn simplified(
     common: &Common,
 ) -> Result<Simplified, Failure> {
     let watch = Watch::new(common);
-    secateur::simplify(tree.foliage(), settings, &mut |progress| watch.see(progress))
-        .map_err(Failure::about(&args.tree))
+    secateur::simplify(tree.foliage(), settings, &mut |progress| {
+        watch.see(progress)
+    })
+    .map_err(Failure::about(&args.tree))
 }
 
 /// Does something and notes how long it took.
@@ -209,7 +211,12 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
         row([name.to_owned(), grouped(before), grouped(after), share])
     };
     let mut rows = vec![
-        row([String::new(), "original".into(), "result".into(), String::new()]),
+        row([
+            String::new(),
+            "original".into(),
+            "result".into(),
+            String::new(),
+        ]),
         numbers(
             "leaves",
             result.order.leaf_count().into(),
@@ -219,7 +226,12 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     ];
     if let Some(before) = record::bytes_of(run.input) {
         let share = share(written.bytes as usize, before as usize);
-        rows.push(row(["file".into(), size(before), size(written.bytes), share]));
+        rows.push(row([
+            "file".into(),
+            size(before),
+            size(written.bytes),
+            share,
+        ]));
     }
     let mut text = format!("{} -> {}\n", run.input.display(), args.output.display());
     text += &columns(&rows);

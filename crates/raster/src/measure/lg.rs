@@ -7,7 +7,7 @@
 /// Fractional bits of a logarithm.
 ///
 /// Bound: [`lg`] of anything up to 2^30 is below 30 * 2^27 < 2^32, and with at
-/// most 2^29 pixels over all views ([`secateur_raster::MAX_TOTAL_PIXELS`]) a sum
+/// most 2^29 pixels over all views ([`crate::MAX_TOTAL_PIXELS`]) a sum
 /// over all views of `2 * area * lg` stays below 2 * 2^29 * 29 * 2^27 < 2^62.
 pub const LG_FRACTION_BITS: u32 = 27;
 

@@ -11,9 +11,8 @@
 //! over the views. Everything here works on `P * I` in units of 2^-27 bits, an
 //! `i64` that is called *scaled*; [`Vmi::bits`] turns it into bits.
 
-use secateur_raster::AreaTable;
-
-use crate::lg::{LG_FRACTION_BITS, LgTable, lg};
+use super::lg::{LG_FRACTION_BITS, LgTable, lg};
+use crate::AreaTable;
 
 /// The VMI of each view of a view set.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -80,12 +79,14 @@ impl Vmi {
     }
 }
 
-/// A scaled value in bits.
-pub(crate) fn scaled_to_bits(scaled: i64, pixels_per_view: u32) -> f64 {
+/// A scaled value, of views of `pixels_per_view` pixels, in bits.
+pub fn scaled_to_bits(scaled: i64, pixels_per_view: u32) -> f64 {
     scaled as f64 / (f64::from(pixels_per_view) * f64::from(1u32 << LG_FRACTION_BITS))
 }
 
-pub(crate) fn error_percent(deviation: i64, original: i64) -> f64 {
+/// VMI error in per cent, of the scaled sums `sum_v |I(v;F) - I(v;F')|` and
+/// `sum_v I(v;F)`. 0 for no deviation, even from nothing.
+pub fn error_percent(deviation: i64, original: i64) -> f64 {
     if deviation == 0 {
         0.0
     } else {

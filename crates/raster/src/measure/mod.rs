@@ -1,0 +1,10 @@
+//! What an area table says.
+//!
+//! - [`mod@lg`]: logarithms of counts, in integers.
+//! - [`vmi`]: viewpoint mutual information, per view.
+//!
+//! It stands here, beside the areas, because both who simplifies and who judges
+//! need it, and neither may know the other.
+
+pub mod lg;
+pub mod vmi;
