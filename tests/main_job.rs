@@ -221,7 +221,7 @@ fn cameras_of_ones_own_and_images_of_what_they_see() {
             "-o",
             "out.gltf",
             "--ratio",
-            "0.5",
+            "0.05",
             "--views",
             "cameras.json",
             "--resolution",

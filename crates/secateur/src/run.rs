@@ -298,7 +298,7 @@ mod tests {
         assert!(sphere_of(&leaf_at(DVec3::ONE, 0.0)).is_ok());
         for foliage in [
             leaf_at(DVec3::ZERO, 1e200),
-            leaf_at(DVec3::ZERO, 1e-200),
+            leaf_at(DVec3::ZERO, 1e-100),
             leaf_at(DVec3::splat(1e9), 1.0),
         ] {
             let error = sphere_of(&foliage).unwrap_err();
