@@ -32,8 +32,8 @@ pub const SUBPIXELS: i64 = 256;
 
 /// A leaf whose farthest corner is up to this part farther than its nearest is
 /// textured as if texel coordinates were linear on the image: an error of at
-/// most a 128th of the leaf.
-pub const AFFINE_DEPTH_RATIO: f64 = 1.0 / 32.0;
+/// most a 64th of the leaf.
+pub const AFFINE_DEPTH_RATIO: f64 = 1.0 / 16.0;
 
 /// How often a leaf is cut in four at most, for [`AFFINE_DEPTH_RATIO`].
 const MAX_CUTS: u32 = 4;

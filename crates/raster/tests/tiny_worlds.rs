@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use secateur_model::{Cutout, Foliage, LeafTriangle, Lod, Wrap};
-use secateur_raster::{Scene, View, ViewSet, cpu};
+use secateur_raster::{RevealEdge, Scene, View, ViewSet, cpu};
 
 /// A camera at the origin looking along -z. At distance 8 an image of 16
 /// pixels spans 16 units: a unit is a pixel, (0, 0) the image's middle.
@@ -72,6 +72,29 @@ fn a_leaf_in_front_hides_half_of_another() {
     let front = quad(-2.0, -1.0, 0.0, 1.0, 4.0);
     assert_eq!(areas_of(&[&back, &front]), [256 - 32, 16, 16]);
     assert_eq!(areas_of(&[&front, &back]), [256 - 32, 16, 16]);
+}
+
+#[test]
+fn edges_say_what_is_right_behind() {
+    // The leaf in front hides the left half of the one behind; what is left of
+    // that one, and nothing else, hides the background.
+    let back = quad(-4.0, -2.0, 4.0, 2.0, 8.0);
+    let front = quad(-2.0, -1.0, 0.0, 1.0, 4.0);
+    let foliage = foliage(&[&back, &front]);
+    let views = ruler();
+    let fragments = cpu::fragments(&Scene {
+        foliage: &foliage,
+        lod: &Lod::original(2),
+        views: &views,
+        resolution: 16,
+    });
+    let edge = |front, second| RevealEdge {
+        front,
+        second,
+        view: 0,
+        pixels: 16,
+    };
+    assert_eq!(cpu::reveal_edges(&fragments), [edge(1, 0), edge(2, 1)]);
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use secateur_model::{BoundingSphere, Foliage, Lod, RemovalOrder};
-use secateur_raster::{AreaTable, Scene, ViewSet};
-use secateur_simplify::resolution::choose;
+use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, Scene, ViewSet};
+use secateur_simplify::resolution::{CANDIDATES, choose};
 use secateur_simplify::vds::{self, Stop, Stopped, VdsOptions, VdsOutcome};
 use secateur_simplify::vmi::Vmi;
 
@@ -131,10 +131,7 @@ pub fn simplify_on(
     clock.begin("resolution")?;
     let (resolution, resolution_reason) = match settings.resolution {
         Resolution::Pixels(n) => (n, "as asked".to_owned()),
-        Resolution::Auto => {
-            let chosen = choose(&foliage, &settings.views.around(sphere), engine)?;
-            (chosen.resolution, chosen.reason)
-        }
+        Resolution::Auto => resolution_for(&foliage, &settings.views.around(sphere), engine)?,
     };
     let options = VdsOptions {
         views: settings.views.plan(sphere),
@@ -185,6 +182,19 @@ pub fn simplify_on(
         seconds,
         warnings,
     })
+}
+
+fn resolution_for(
+    foliage: &Foliage,
+    views: &ViewSet,
+    engine: &OpenEngine,
+) -> Result<(u32, String), Error> {
+    let [least, .., most] = CANDIDATES;
+    if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
+        return Ok((least, "there are too many views to try more".to_owned()));
+    }
+    let chosen = choose(foliage, views, engine)?;
+    Ok((chosen.resolution, chosen.reason))
 }
 
 fn run(
@@ -306,6 +316,16 @@ mod tests {
         }
         let empty = sphere_of(&Foliage::default()).unwrap_err();
         assert!(matches!(empty, Error::NoLeaf));
+    }
+
+    #[test]
+    fn many_views_are_no_reason_to_leave_the_range() {
+        let foliage = leaf_at(DVec3::ZERO, 1.0);
+        let one = ViewSet::octahedron(foliage.bounding_sphere().unwrap()).views()[0];
+        // 513 views of 1024 x 1024 pixels are more than 2^29 pixels.
+        let views = ViewSet::new(vec![one; 513]);
+        let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
+        assert_eq!(chosen.0, 256);
     }
 
     #[test]

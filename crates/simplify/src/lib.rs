@@ -5,6 +5,7 @@
 //!   once as the literal algorithm and once as an exact, fast engine.
 //! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
 //!   on the GPU.
+//! - [`resolution`]: how fine the images must be.
 //!
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 

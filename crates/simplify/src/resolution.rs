@@ -1,27 +1,139 @@
-//! Stub.
-use secateur_model::Foliage;
-use secateur_raster::{Rasteriser, ViewSet};
+//! How fine the images must be for the measure to see the leaves.
+//!
+//! A leaf that is seen in one view only adds `a log2 (a / S) = 0` to the VMI,
+//! and one of a pixel comes and goes with the grid: where most leaves are that
+//! small the measure is blind to most of the crown. The paper's 256 x 256 pixels
+//! are enough for leaves of several pixels; more than that costs time and gains
+//! nothing (DESIGN: measured), so the resolution doubles only while too many of
+//! the visible leaves cover at most a pixel in every view.
+
+use secateur_model::{Foliage, Lod};
+use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
 
 use crate::vds::VdsError;
 
-/// Stub.
+/// Resolutions that are tried, in pixels, in order.
+pub const CANDIDATES: [u32; 3] = [256, 512, 1024];
+
+/// The share of visible leaves that may cover at most a pixel in every view.
+pub const MAX_SHARE_AT_MOST_A_PIXEL: f64 = 0.4;
+
+/// A resolution and why it was chosen.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChosenResolution {
-    /// Stub.
+    /// Image width and height in pixels.
     pub resolution: u32,
-    /// Stub.
+    /// Leaves that own a pixel in some view, at this resolution.
     pub visible_leaves: usize,
-    /// Stub.
+    /// Of those, leaves that own at most one pixel in every view.
     pub at_most_a_pixel: usize,
-    /// Stub.
+    /// One sentence for a report.
     pub reason: String,
 }
 
-/// Stub.
-pub fn choose(_: &Foliage, _: &ViewSet, _: &dyn Rasteriser) -> Result<ChosenResolution, VdsError> {
-    Ok(ChosenResolution {
-        resolution: 256,
-        visible_leaves: 0,
-        at_most_a_pixel: 0,
-        reason: "the leaves need no more".to_owned(),
-    })
+/// Chooses the resolution for a foliage and views: the least of [`CANDIDATES`]
+/// at which at most [`MAX_SHARE_AT_MOST_A_PIXEL`] of the visible leaves cover at
+/// most a pixel in every view, or the largest.
+///
+/// Draws all views once for each resolution tried.
+///
+/// # Errors
+/// [`VdsError::Raster`] if the rasteriser fails.
+pub fn choose(
+    foliage: &Foliage,
+    views: &ViewSet,
+    rasteriser: &dyn Rasteriser,
+) -> Result<ChosenResolution, VdsError> {
+    let lod = Lod::original(foliage.leaves().len());
+    let mut tried = Vec::new();
+    for resolution in CANDIDATES {
+        let scene = Scene {
+            foliage,
+            lod: &lod,
+            views,
+            resolution,
+        };
+        let areas = rasteriser.areas(&scene).map_err(VdsError::from_raster)?;
+        let (visible_leaves, at_most_a_pixel) = visibility(&areas);
+        let share = at_most_a_pixel as f64 / visible_leaves.max(1) as f64;
+        tried.push(format!("{:.0} % at {resolution}", 100.0 * share));
+        let is_enough = share <= MAX_SHARE_AT_MOST_A_PIXEL;
+        if is_enough || resolution == CANDIDATES[CANDIDATES.len() - 1] {
+            return Ok(ChosenResolution {
+                resolution,
+                visible_leaves,
+                at_most_a_pixel,
+                reason: format!(
+                    "of the visible leaves {} cover at most a pixel in every view; {:.0} % may",
+                    tried.join(", "),
+                    100.0 * MAX_SHARE_AT_MOST_A_PIXEL
+                ),
+            });
+        }
+    }
+    unreachable!("the largest candidate is always taken")
+}
+
+/// Leaves with an area in some view, and those of them with at most a pixel in
+/// every view.
+fn visibility(areas: &AreaTable) -> (usize, usize) {
+    let mut largest_px = vec![0u32; areas.leaf_count() + 1];
+    for row in areas.rows() {
+        for (largest, area_px) in largest_px.iter_mut().zip(row) {
+            *largest = (*largest).max(*area_px);
+        }
+    }
+    let leaves = &largest_px[1..];
+    (
+        leaves.iter().filter(|a| **a > 0).count(),
+        leaves.iter().filter(|a| **a == 1).count(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use secateur_model::LeafTriangle;
+    use secateur_raster::CpuRasteriser;
+
+    #[test]
+    fn a_leaf_counts_by_its_largest_area() {
+        // Two views of 16 pixels: leaf 1 is seen twice, leaf 2 with one pixel
+        // each time, leaf 3 never.
+        let areas = AreaTable::from_rows(3, vec![13, 2, 1, 0, 14, 1, 1, 0]);
+        assert_eq!(visibility(&areas), (2, 1));
+    }
+
+    /// A grid of square leaves across the middle of a sphere of radius 1, which
+    /// at 256 pixels is about 74 pixels in radius, 0.0135 a pixel.
+    fn grid(side: f64) -> Foliage {
+        let mut foliage = Foliage::default();
+        for k in 0..400 {
+            let at = DVec3::new(
+                f64::from(k % 20) / 14.5 - 0.65,
+                0.2 * f64::from(k % 3) - 0.2,
+                f64::from(k / 20) / 14.5 - 0.65,
+            );
+            let (a, b) = (DVec3::new(1.0, 0.5, 0.0), DVec3::new(0.0, 0.5, 1.0));
+            let corners = [at, at + a * side, at + (a + b) * side, at + b * side];
+            let triangles =
+                [[0, 1, 2], [0, 2, 3]].map(|t| LeafTriangle::plain(t.map(|i: usize| corners[i])));
+            foliage.push_leaf(&triangles, None).unwrap();
+        }
+        foliage
+    }
+
+    #[test]
+    fn small_leaves_ask_for_more_pixels() {
+        let resolution = |side: f64| {
+            let foliage = grid(side);
+            let views = ViewSet::dodecahedron(foliage.bounding_sphere().unwrap());
+            choose(&foliage, &views, &CpuRasteriser).unwrap().resolution
+        };
+        // Leaves of about five pixels, of three quarters of one, and of a tenth.
+        assert_eq!(resolution(0.06), 256);
+        assert_eq!(resolution(0.008), 512);
+        assert_eq!(resolution(0.001), 1024);
+    }
 }

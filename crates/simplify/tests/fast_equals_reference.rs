@@ -166,7 +166,7 @@ proptest! {
     #[test]
     fn same_order_growth_and_vmi(
         kind in any_crown(),
-        leaves in 60usize..72,
+        leaves in 60usize..68,
         seed in any::<u64>(),
         resolution in prop_oneof![Just(16u32), Just(24), Just(37)],
         views in prop_oneof![6 => Just(6usize), 2 => Just(8), 1 => Just(12), 1 => Just(20), 2 => Just(0)],
@@ -174,7 +174,7 @@ proptest! {
         resize in any_resize(),
         ties in prop_oneof![Just(Ties::Order), Just(Ties::Spread)],
         neighbours in 1usize..5,
-        kept in 0.0..0.8f64,
+        kept in prop_oneof![5 => 0.6..0.95f64, 1 => 0.0..0.6f64],
         max_error in proptest::option::weighted(0.2, 0.5..30.0f64),
     ) {
         let foliage = crown(kind, leaves, seed);

@@ -1,5 +1,7 @@
 //! Choosing the foliage: what the user names, or what the evidence says.
 
+use std::collections::HashMap;
+
 use super::Document;
 use super::error::Problem;
 use super::evidence::{FOLIAGE_POINTS, Reason, WOOD_POINTS};
@@ -98,14 +100,14 @@ fn shorten(mut list: Vec<String>) -> Vec<String> {
 /// material.
 fn candidates(document: &Document, survey: &Survey, wanted: impl Fn(usize) -> bool) -> Vec<String> {
     let groups = &survey.groups;
+    let mut sharing: HashMap<Option<usize>, usize> = HashMap::new();
+    for group in groups {
+        *sharing.entry(group.look.material).or_default() += 1;
+    }
     let mut found = Vec::new();
     for (_, group) in groups.iter().enumerate().filter(|(k, _)| wanted(*k)) {
         let labels = document.labels(group, group.nodes[0]);
-        let sharing = groups
-            .iter()
-            .filter(|other| other.look.material == group.look.material)
-            .count();
-        let selector = if sharing == 1 {
+        let selector = if sharing[&group.look.material] == 1 {
             Selector::Material(labels.material.to_string())
         } else {
             Selector::Mesh(labels.mesh.to_string())

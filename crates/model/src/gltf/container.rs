@@ -8,17 +8,8 @@ use serde_json::Value;
 use super::error::Problem;
 use super::property;
 
-/// How a glTF file is packed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Container {
-    /// One binary file with chunks.
-    Glb,
-    /// JSON, its buffers elsewhere or in data URIs.
-    Json,
-}
-
+/// The pieces of a file.
 pub(crate) struct Unpacked<'a> {
-    pub(crate) container: Container,
     pub(crate) root: Value,
     /// The GLB's binary chunk.
     pub(crate) chunk: Option<Cow<'a, [u8]>>,
@@ -28,19 +19,15 @@ const GLB_HEADER_BYTES: usize = 12;
 
 /// Tells GLB from JSON and parses the JSON.
 pub(crate) fn unpack(bytes: &[u8]) -> Result<Unpacked<'_>, Problem> {
-    let (container, json, chunk) = if bytes.starts_with(b"glTF") {
+    let (json, chunk) = if bytes.starts_with(b"glTF") {
         let glb = split_glb(bytes)?;
-        (Container::Glb, glb.json, glb.bin)
+        (glb.json, glb.bin)
     } else {
-        (Container::Json, Cow::Borrowed(bytes), None)
+        (Cow::Borrowed(bytes), None)
     };
     let root = parse_json(&json)?;
     check_version(&root)?;
-    Ok(Unpacked {
-        container,
-        root,
-        chunk,
-    })
+    Ok(Unpacked { root, chunk })
 }
 
 fn split_glb(bytes: &[u8]) -> Result<Glb<'_>, Problem> {

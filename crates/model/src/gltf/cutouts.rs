@@ -1,8 +1,9 @@
 //! Alpha masks of leaf materials.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::error::Fault;
+use super::error::{Fault, Problem};
 use super::material::{Look, TextureUse};
 use super::picture::{Decoded, Pictures};
 use crate::{AlphaMode, Cutout, Wrap};
@@ -14,17 +15,26 @@ const BLEND_CUTOFF: f32 = 0.5;
 #[derive(Default)]
 pub(crate) struct Cutouts {
     pub(crate) masks: Vec<Arc<Cutout>>,
-    known: Vec<(Key, Option<u32>)>,
+    known: HashMap<Key, Option<u32>>,
 }
 
 /// What a mask depends on.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
     image: Option<usize>,
     wrap: [Wrap; 2],
-    cutoff: f32,
-    factor: f32,
+    /// For each alpha whether its texels are there, as bits.
+    kept: [u64; 4],
 }
+
+impl Key {
+    fn is_kept(&self, alpha: u8) -> bool {
+        self.kept[usize::from(alpha / 64)] >> (alpha % 64) & 1 == 1
+    }
+}
+
+/// The most masks of one foliage; each takes up to half a mebibyte.
+const MAX_MASKS: usize = 256;
 
 /// The cutoff of a look's alpha, `None` where alpha is ignored.
 pub(crate) fn cutoff(look: &Look) -> Option<f32> {
@@ -55,39 +65,54 @@ impl Cutouts {
             wrap: look
                 .texture
                 .map_or([Wrap::Repeat; 2], |t: TextureUse| t.wrap),
-            cutoff,
-            factor: look.base_color[3],
+            kept: kept_alphas(look.base_color[3], cutoff),
         };
-        if let Some((_, index)) = self.known.iter().find(|(known, _)| *known == key) {
+        if let Some(index) = self.known.get(&key) {
             return Ok(*index);
         }
-        let mask = self.mask(key, pictures)?;
+        let mask = mask(key, pictures)?;
+        if mask.is_some() && self.masks.len() == MAX_MASKS {
+            return Err(Problem::TooMuch {
+                what: "different alpha masks",
+                limit: MAX_MASKS as u64,
+            }
+            .into());
+        }
         let index = mask.map(|mask| {
             self.masks.push(Arc::new(mask));
             self.masks.len() as u32 - 1
         });
-        self.known.push((key, index));
+        self.known.insert(key, index);
         Ok(index)
     }
+}
 
-    fn mask(&self, key: Key, pictures: &mut Pictures<'_>) -> Result<Option<Cutout>, Fault> {
-        let picture = match key.image {
-            Some(image) => pictures.get(image)?,
-            None => Decoded::Unusable("no image".into()),
-        };
-        let kept: [bool; 256] =
-            std::array::from_fn(|alpha| is_kept(alpha as u8, key.factor, key.cutoff));
-        Ok(match picture {
-            Decoded::Picture(picture) => {
-                let is_opaque = |x, y| kept[usize::from(picture.get_pixel(x, y).0[3])];
-                if picture.pixels().all(|p| kept[usize::from(p.0[3])]) {
-                    return Ok(None);
-                }
-                let size = [picture.width(), picture.height()];
-                Some(Cutout::from_fn(size, key.wrap, is_opaque))
+fn kept_alphas(factor: f32, cutoff: f32) -> [u64; 4] {
+    std::array::from_fn(|word| {
+        (0..64u8)
+            .filter(|bit| is_kept(64 * word as u8 + bit, factor, cutoff))
+            .fold(0, |bits, bit| bits | 1 << bit)
+    })
+}
+
+/// The mask, or `None` where every texel is kept.
+fn mask(key: Key, pictures: &mut Pictures<'_>) -> Result<Option<Cutout>, Fault> {
+    let picture = match key.image {
+        Some(image) => pictures.get(image)?,
+        None => Decoded::Unusable("no image".into()),
+    };
+    Ok(match picture {
+        Decoded::Picture(picture) => {
+            let tally = &picture.tally;
+            if (0..=255).all(|alpha| key.is_kept(alpha) || tally.texels(alpha) == 0) {
+                return Ok(None);
             }
-            Decoded::Unusable(_) if kept[255] => None,
-            Decoded::Unusable(_) => Some(Cutout::from_fn([1, 1], key.wrap, |_, _| false)),
-        })
-    }
+            let image = &picture.image;
+            let size = [image.width(), image.height()];
+            let is_opaque = |x, y| key.is_kept(image.get_pixel(x, y).0[3]);
+            Some(Cutout::from_fn(size, key.wrap, is_opaque))
+        }
+        Decoded::Unusable(_) if key.is_kept(255) => None,
+        Decoded::Unusable(_) => Some(Cutout::from_fn([1, 1], key.wrap, |_, _| false)),
+    })
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 use serde_json::Value;
 
 use super::buffer::{self, Buffer};
-use super::container::{self, Container};
+use super::container;
 use super::error::{Fault, GltfError, Problem};
 use super::property;
 
@@ -18,8 +18,6 @@ pub struct Document {
     pub(crate) root: Value,
     /// The bytes of `buffers`, in their order.
     pub(crate) buffers: Vec<Buffer>,
-    /// GLB or JSON.
-    pub(crate) container: Container,
     /// What errors call the file.
     pub(crate) name: String,
     /// The folder in which its URIs are looked up.
@@ -75,7 +73,6 @@ impl Document {
         Ok(Self {
             root,
             buffers,
-            container: unpacked.container,
             name: name.to_owned(),
             base_dir: base_dir.map(Path::to_owned),
             decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),

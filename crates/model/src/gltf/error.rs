@@ -10,14 +10,14 @@ use std::fmt;
 #[error("{file}: {fault}")]
 pub struct GltfError {
     file: String,
-    fault: Fault,
+    fault: Box<Fault>,
 }
 
 impl GltfError {
     pub(crate) fn new(file: &str, fault: impl Into<Fault>) -> Self {
         Self {
             file: file.to_owned(),
-            fault: fault.into(),
+            fault: Box::new(fault.into()),
         }
     }
 
@@ -258,7 +258,7 @@ pub enum Problem {
     #[error("lies deeper than {0} nodes")]
     TooDeep(usize),
     /// More geometry than the limits allow.
-    #[error("holds more than {limit} {what} once its instances are counted")]
+    #[error("holds more than {limit} {what}")]
     TooMuch {
         /// What there is too much of.
         what: &'static str,

@@ -142,15 +142,16 @@ fn add_texture(
     {
         let mut kept = 0u64;
         let mut sums = [0u64; 3];
-        for pixel in picture.pixels() {
-            if is_kept(pixel.0[3], look.base_color[3], cutoff) {
-                kept += 1;
-                for (sum, channel) in sums.iter_mut().zip(pixel.0) {
-                    *sum += u64::from(channel);
+        for alpha in 0..=255 {
+            if is_kept(alpha, look.base_color[3], cutoff) {
+                kept += picture.tally.texels(alpha);
+                for (sum, color) in sums.iter_mut().zip(picture.tally.color(alpha)) {
+                    *sum += color;
                 }
             }
         }
-        let texels = u64::from(picture.width()) * u64::from(picture.height());
+        let image = &picture.image;
+        let texels = u64::from(image.width()) * u64::from(image.height());
         let cut = 1.0 - kept as f64 / texels as f64;
         if cut > LEAST_SHARE && kept > 0 {
             let percent = (100.0 * cut).round();

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::accessor::{Component, Shape};
 use super::choice::{self, Verdict};
@@ -261,19 +261,6 @@ fn check_size(survey: &Survey, parts: &[Part]) -> Result<(), Problem> {
     }
 }
 
-/// World positions of a group as a part places it.
-pub(crate) fn place_positions(part: &Part, positions: &[DVec3]) -> Result<Vec<DVec3>, Problem> {
-    let to_world = |p: &DVec3| part.world_from_local.transform_point3(*p);
-    let placed: Vec<DVec3> = positions.iter().map(to_world).collect();
-    match placed.iter().position(|p| !p.is_finite()) {
-        None => Ok(placed),
-        Some(index) => Err(Problem::NotFinite {
-            what: "the world position of vertex",
-            index,
-        }),
-    }
-}
-
 impl Found {
     fn push_part(
         &mut self,
@@ -283,19 +270,20 @@ impl Found {
         skin: &Skin,
     ) -> Result<(), Problem> {
         let geometry = &group.geometry;
-        let positions = place_positions(part, &geometry.positions)?;
+        // Corner by corner: a primitive may use few vertices of a large buffer.
+        let place = |v: u32| part.place_vertex(v as usize, geometry.positions[v as usize]);
         let corner_uv = |v: u32| skin.uvs.get(v as usize).copied().unwrap_or_default();
         let mut triangles: Vec<LeafTriangle> = Vec::new();
         let first = self.leaf_triangles.len() as u32;
         for (leaf, range) in geometry.pieces.iter().zip(geometry.pieces.ranges()) {
             triangles.clear();
-            triangles.extend(leaf.iter().map(|&t| {
-                let corners = geometry.triangles[t as usize];
-                LeafTriangle {
-                    corners: corners.map(|v| positions[v as usize]),
-                    uvs: corners.map(corner_uv),
-                }
-            }));
+            for &t in leaf {
+                let [a, b, c] = geometry.triangles[t as usize];
+                triangles.push(LeafTriangle {
+                    corners: [place(a)?, place(b)?, place(c)?],
+                    uvs: [a, b, c].map(corner_uv),
+                });
+            }
             self.foliage.push_leaf(&triangles, skin.cutout)?;
             self.leaf_sources.push(LeafSource {
                 part: number,

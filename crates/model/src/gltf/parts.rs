@@ -1,6 +1,6 @@
 //! Parts: every primitive as every node or instance draws it.
 
-use glam::DMat4;
+use glam::{DMat4, DVec3};
 
 use super::Document;
 use super::error::{At, Fault, Problem};
@@ -29,6 +29,20 @@ pub(crate) struct Part {
     pub(crate) is_foliage: bool,
 }
 
+impl Part {
+    /// A vertex in world space.
+    pub(super) fn place_vertex(&self, vertex: usize, local: DVec3) -> Result<DVec3, Problem> {
+        let world = self.world_from_local.transform_point3(local);
+        if world.is_finite() {
+            return Ok(world);
+        }
+        Err(Problem::NotFinite {
+            what: "the world position of vertex",
+            index: vertex,
+        })
+    }
+}
+
 impl Document {
     /// The parts of the scene in depth-first order of the nodes, instance by
     /// instance, primitive by primitive; none is foliage yet. Their number and
@@ -46,6 +60,9 @@ impl Document {
             let primitives = property::list(mesh_json, "primitives")
                 .at(|| self.place("meshes", mesh))?
                 .len();
+            if primitives == 0 {
+                continue;
+            }
             let instancing = self.instancing(node.index)?;
             let placements = instancing.as_ref().map_or(1, |i| i.count as u64);
             check_limit(
@@ -83,7 +100,8 @@ impl Document {
     }
 }
 
-fn check_limit(what: &'static str, found: u64, limit: u64) -> Result<(), Problem> {
+/// Refuses more than a limit.
+pub(super) fn check_limit(what: &'static str, found: u64, limit: u64) -> Result<(), Problem> {
     if found > limit {
         return Err(Problem::TooMuch { what, limit });
     }

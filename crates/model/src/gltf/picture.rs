@@ -1,5 +1,6 @@
 //! Images: decoding them, within limits.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -29,10 +30,49 @@ pub(crate) struct Pictures<'a> {
 /// An image, or why it can't be had.
 #[derive(Clone)]
 pub(crate) enum Decoded {
-    /// sRGB colour and alpha.
-    Picture(Arc<RgbaImage>),
+    /// It can.
+    Picture(Arc<Picture>),
     /// It can't be decoded: it then counts as opaque white.
     Unusable(Arc<str>),
+}
+
+/// A decoded image.
+pub(crate) struct Picture {
+    /// sRGB colour and alpha.
+    pub(crate) image: RgbaImage,
+    pub(crate) tally: Tally,
+}
+
+/// Texels counted and colours added up by alpha, so that materials that share
+/// an image need not each go over it.
+pub(crate) struct Tally {
+    /// Texels, red, green and blue.
+    sums: [[u64; 4]; 256],
+}
+
+impl Tally {
+    fn of(image: &RgbaImage) -> Self {
+        let mut sums = [[0; 4]; 256];
+        for pixel in image.pixels() {
+            let [red, green, blue, alpha] = pixel.0;
+            let sum = &mut sums[usize::from(alpha)];
+            for (sum, value) in sum.iter_mut().zip([1, red, green, blue]) {
+                *sum += u64::from(value);
+            }
+        }
+        Self { sums }
+    }
+
+    /// How many texels have this alpha.
+    pub(crate) fn texels(&self, alpha: u8) -> u64 {
+        self.sums[usize::from(alpha)][0]
+    }
+
+    /// The sums of red, green and blue of the texels of this alpha.
+    pub(crate) fn color(&self, alpha: u8) -> [u64; 3] {
+        let [_, red, green, blue] = self.sums[usize::from(alpha)];
+        [red, green, blue]
+    }
 }
 
 impl<'a> Pictures<'a> {
@@ -56,12 +96,12 @@ impl<'a> Pictures<'a> {
         let budget = MAX_TEXELS.min(MAX_TEXELS_TOGETHER - self.texels);
         let decoded = match self.document.image_bytes(index)? {
             Err(why) => Err(why),
-            Ok(bytes) => decode(&bytes, budget),
+            Ok(bytes) => decode(&bytes, budget, &mut self.texels),
         };
         let decoded = match decoded {
-            Ok(picture) => {
-                self.texels += u64::from(picture.width()) * u64::from(picture.height());
-                Decoded::Picture(Arc::new(picture))
+            Ok(image) => {
+                let tally = Tally::of(&image);
+                Decoded::Picture(Arc::new(Picture { image, tally }))
             }
             Err(why) => Decoded::Unusable(why.into()),
         };
@@ -86,7 +126,8 @@ impl<'a> Pictures<'a> {
     }
 }
 
-fn decode(bytes: &[u8], most_texels: u64) -> Result<RgbaImage, String> {
+/// `texels` is added to before decoding: images that fail take time too.
+fn decode(bytes: &[u8], most_texels: u64, all_texels: &mut u64) -> Result<RgbaImage, String> {
     let reader = || {
         ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
@@ -103,6 +144,7 @@ fn decode(bytes: &[u8], most_texels: u64) -> Result<RgbaImage, String> {
             "its {width} x {height} texels are more than the {most_texels} allowed"
         ));
     }
+    *all_texels += texels;
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_TEXELS * 8);
     let mut reader = reader()?;
@@ -117,18 +159,18 @@ fn decode(bytes: &[u8], most_texels: u64) -> Result<RgbaImage, String> {
 impl Document {
     /// The encoded bytes of an image; the inner error says why it can't be had
     /// though the file is sound.
-    fn image_bytes(&self, index: usize) -> Result<Result<Vec<u8>, String>, Fault> {
+    fn image_bytes(&self, index: usize) -> Result<Result<Cow<'_, [u8]>, String>, Fault> {
         let json = property::entry(&self.root, "images", index)?;
         let place = || self.place("images", index);
         if let Some(view) = property::index(json, "bufferView").at(place)? {
             property::entry(&self.root, "bufferViews", view).at(place)?;
-            return Ok(Ok(self.view_bytes(view)?.to_vec()));
+            return Ok(Ok(Cow::Borrowed(self.view_bytes(view)?)));
         }
         let uri = property::text(json, "uri")
             .and_then(|uri| uri.ok_or(Problem::Missing("uri")))
             .at(place)?;
         match uri::resolve(uri).at(place)? {
-            Target::Data(bytes) => Ok(Ok(bytes)),
+            Target::Data(bytes) => Ok(Ok(Cow::Owned(bytes))),
             Target::File { relative, uri } => {
                 let file = super::buffer::read_file(
                     self.base_dir.as_deref(),
@@ -136,7 +178,7 @@ impl Document {
                     uri,
                     MAX_FILE_BYTES,
                 );
-                Ok(file.map_err(|problem| match problem {
+                Ok(file.map(Cow::Owned).map_err(|problem| match problem {
                     Problem::MissingFile { uri, error } => {
                         format!("the file `{}` cannot be read ({error})", shortened(&uri))
                     }

@@ -147,6 +147,12 @@ impl Document {
         Ok(self.topology(mesh, primitive)?.triangle_count(count))
     }
 
+    /// How many vertices a primitive has, without reading its data.
+    pub(crate) fn vertex_count(&self, mesh: usize, primitive: usize) -> Result<usize, Fault> {
+        let positions = self.position_accessor(mesh, primitive)?;
+        Ok(positions.map_or(0, |accessor| accessor.count))
+    }
+
     /// The positions of a primitive's vertices in its own space, dequantised;
     /// none where it has no POSITION. All are finite.
     pub(crate) fn positions(&self, mesh: usize, primitive: usize) -> Result<Vec<DVec3>, Fault> {

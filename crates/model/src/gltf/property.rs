@@ -18,7 +18,7 @@ pub(crate) fn whole(object: &Value, name: &'static str) -> Result<Option<u64>, P
     let Some(value) = object.get(name) else {
         return Ok(None);
     };
-    let from_float = |x: f64| (x >= 0.0 && x < LARGEST && x.fract() == 0.0).then_some(x as u64);
+    let from_float = |x: f64| ((0.0..LARGEST).contains(&x) && x.fract() == 0.0).then_some(x as u64);
     match value
         .as_u64()
         .or_else(|| value.as_f64().and_then(from_float))

@@ -97,8 +97,10 @@ pub(crate) fn extents(inspection: &mut Inspection, survey: &Survey, parts: &[Par
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for (part, &group) in parts.iter().zip(&survey.group_of_part) {
-        for position in &survey.groups[group].geometry.positions {
-            let p = part.world_from_local.transform_point3(*position);
+        let geometry = &survey.groups[group].geometry;
+        for &corner in geometry.triangles.as_flattened() {
+            let local = geometry.positions[corner as usize];
+            let p = part.world_from_local.transform_point3(local);
             (low, high) = (low.min(p), high.max(p));
         }
     }

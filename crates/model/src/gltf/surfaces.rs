@@ -8,8 +8,7 @@ use super::accessor::Shape;
 use super::choice;
 use super::error::{At, Fault, Problem};
 use super::evidence;
-use super::find::place_positions;
-use super::parts::Part;
+use super::parts::{Part, check_limit};
 use super::picture::{Decoded, Pictures};
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
@@ -17,6 +16,9 @@ use crate::{Material, Surface, Texture};
 
 /// The most triangles that surfaces are made of, every instance counted.
 const MAX_TRIANGLES: u64 = 16 << 20;
+
+/// The most vertices of surfaces, every instance counted.
+const MAX_VERTICES: u64 = 3 * MAX_TRIANGLES;
 
 impl Document {
     /// Everything that is drawn, as textured triangles in world space: a
@@ -49,18 +51,20 @@ impl Document {
         survey: &Survey,
         pictures: &mut Pictures<'_>,
     ) -> Result<Vec<(Surface, bool)>, Fault> {
-        let triangles: u64 = survey
-            .groups
-            .iter()
-            .map(|group| group.placements as u64 * group.geometry.triangles.len() as u64)
-            .sum();
-        if triangles > MAX_TRIANGLES {
-            return Err(Problem::TooMuch {
-                what: "triangles to draw",
-                limit: MAX_TRIANGLES,
-            }
-            .into());
-        }
+        let all = |count: fn(&Group) -> usize| -> u64 {
+            let placed = |group: &Group| group.placements as u64 * count(group) as u64;
+            survey.groups.iter().map(placed).sum()
+        };
+        check_limit(
+            "triangles to draw",
+            all(|g| g.geometry.triangles.len()),
+            MAX_TRIANGLES,
+        )?;
+        check_limit(
+            "vertices to draw",
+            all(|g| g.geometry.positions.len()),
+            MAX_VERTICES,
+        )?;
         let mut surfaces = Vec::new();
         for (index, group) in survey.groups.iter().enumerate() {
             if group.geometry.triangles.is_empty() {
@@ -137,9 +141,9 @@ impl Document {
         };
         let texture = match (picture, look.texture) {
             (Some(Decoded::Picture(picture)), Some(texture)) => Some(Arc::new(Texture {
-                width: picture.width(),
-                height: picture.height(),
-                rgba: picture.as_raw().clone(),
+                width: picture.image.width(),
+                height: picture.image.height(),
+                rgba: picture.image.as_raw().clone(),
                 wrap: texture.wrap,
             })),
             _ => None,
@@ -191,16 +195,12 @@ impl Template {
     }
 
     fn place(&self, part: &Part, group: &Group, surface: &mut Surface) -> Result<(), Problem> {
-        let positions = place_positions(part, &group.geometry.positions)?;
-        let first = surface.positions.len();
-        if first + positions.len() > u32::MAX as usize {
-            return Err(Problem::TooMuch {
-                what: "vertices",
-                limit: u64::from(u32::MAX),
-            });
+        let first = surface.positions.len() as u32;
+        for (vertex, position) in group.geometry.positions.iter().enumerate() {
+            surface
+                .positions
+                .push(part.place_vertex(vertex, *position)?);
         }
-        let first = first as u32;
-        surface.positions.extend(positions);
         let (cofactor, is_mirrored) = normal_matrix(&part.world_from_local);
         let to_world = |n: &[f64; 3]| {
             let turned = cofactor * DVec3::from_array(*n);

@@ -8,7 +8,7 @@ use super::Document;
 use super::error::Fault;
 use super::leaves::{Leaves, find_leaves};
 use super::material::Look;
-use super::parts::Part;
+use super::parts::{Part, check_limit};
 use super::selector::{Label, Labels};
 
 /// A primitive and where it is drawn.
@@ -38,17 +38,24 @@ pub(crate) struct Survey {
     pub(crate) group_of_part: Vec<usize>,
 }
 
+/// The most vertices of all primitives that are drawn, each primitive counted
+/// once: a buffer that primitives share counts for each of them.
+const MAX_VERTICES: u64 = 64 << 20;
+
 impl Document {
     /// Reads every primitive that is drawn.
     pub(crate) fn survey(&self, parts: &[Part]) -> Result<Survey, Fault> {
         let mut known: HashMap<(usize, usize), usize> = HashMap::new();
         let mut groups: Vec<Group> = Vec::new();
         let mut group_of_part = Vec::with_capacity(parts.len());
+        let mut vertices = 0;
         for part in parts {
             let key = (part.mesh, part.primitive);
             let index = match known.get(&key) {
                 Some(&index) => index,
                 None => {
+                    vertices += self.vertex_count(part.mesh, part.primitive)? as u64;
+                    check_limit("vertices", vertices, MAX_VERTICES)?;
                     groups.push(self.group(part)?);
                     known.insert(key, groups.len() - 1);
                     groups.len() - 1

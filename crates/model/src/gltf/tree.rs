@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::parts::Part;
 use super::{Document, GltfError, Inspection, Selector};
-use crate::{Foliage, LeafId};
+use crate::Foliage;
 
 /// A glTF file with its leaves found.
 #[derive(Debug)]
@@ -69,16 +69,6 @@ impl Tree {
     /// All triangles, every instance counted.
     pub fn triangle_count(&self) -> u64 {
         self.leaf_triangle_count() + self.wood_triangle_count()
-    }
-
-    /// The part that a leaf belongs to, and the numbers of its triangles in the
-    /// triangle list of the part's primitive.
-    ///
-    /// # Panics
-    /// If there is no such leaf.
-    pub(crate) fn leaf_source(&self, leaf: LeafId) -> (&Part, &[u32]) {
-        let source = &self.leaf_sources[leaf.index()];
-        (&self.parts[source.part as usize], self.triangles_of(source))
     }
 
     /// The triangles of a leaf, as numbers in the triangle list of its part's

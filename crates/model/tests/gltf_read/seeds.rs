@@ -17,7 +17,7 @@ pub(crate) fn all() -> Vec<(&'static str, Vec<u8>)> {
         "/nodes",
         json!([
             {"children": [1, 2], "scale": [0.01, 0.01, 0.01]},
-            {"mesh": 0, "rotation": [0, 0, 0.7071, 0.7071]},
+            {"mesh": 0, "rotation": [0, 0, 0.6, 0.8]},
             {"mesh": 0, "matrix": [-1,0,0,0, 0,1,0,0, 0,0,1,0, 3,0,0,1]},
         ]),
     );

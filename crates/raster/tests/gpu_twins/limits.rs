@@ -1,6 +1,6 @@
 //! What the device can take at once, and what it cannot.
 
-use secateur_raster::gpu::{self, Device, GpuError, Preference};
+use secateur_raster::gpu::{self, Device, Dispatch, GpuError, Preference, Stage, wgpu};
 use secateur_raster::{Scene, ViewSet};
 
 use proptest::prelude::*;
@@ -59,4 +59,61 @@ fn what_cannot_be_bound_is_refused_in_words() {
         "the pixels of a view need 16388 bytes, and the GPU reads at most 8000 at once; \
          run on the CPU"
     );
+}
+
+#[test]
+fn a_device_of_ones_own_serves() {
+    if device().is_none() {
+        return;
+    }
+    // A plain device: the limits of the WebGPU standard, and no feature, so
+    // that triangles take the way through a copy.
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let sound = adapters.into_iter().find_map(|adapter| {
+        let descriptor = wgpu::DeviceDescriptor::default();
+        let (own, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
+        Device::from_wgpu(own, queue, adapter.get_info()).ok()
+    });
+    let own = sound.expect("the adapter found before is there");
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let tree = any_world(100..101).new_tree(&mut runner).unwrap();
+    let (foliage, lod) = proptest::strategy::ValueTree::current(&tree);
+    let views = ViewSet::dodecahedron(foliage.bounding_sphere().unwrap());
+    let scene = Scene {
+        foliage: &foliage,
+        lod: &lod,
+        views: &views,
+        resolution: 100,
+    };
+    assert_twins(&own, &scene);
+}
+
+#[test]
+fn a_broken_rule_is_an_error_and_no_panic() {
+    if device().is_none() {
+        return;
+    }
+    let own = Device::find(Preference::Any).unwrap();
+    let words = own.storage("words", 4);
+    let broken = Stage::new(&own, "fn main() { this is no shader }", "main", &[]);
+    let dispatch = Dispatch {
+        stage: &broken,
+        bindings: &[(0, &words)],
+        workgroups: [1, 1, 1],
+    };
+    let result = own.run(&[dispatch], &words, 4);
+    assert!(matches!(result, Err(GpuError::Failed(_))), "{result:?}");
+    // What was wrong is told once; the device goes on.
+    assert_eq!(own.run(&[], &words, 4), Ok(vec![0]));
+}
+
+#[test]
+fn more_memory_than_there_is_is_an_error_and_no_panic() {
+    if device().is_none() {
+        return;
+    }
+    let own = Device::find(Preference::Any).unwrap();
+    let words = own.storage("words", 1 << 60);
+    assert!(own.run(&[], &words, 4).is_err());
 }

@@ -96,18 +96,32 @@ impl<'a> Run<'a> {
         }
     }
 
+    fn costs_of_halves(
+        &self,
+        leaves: Range<usize>,
+        edges: &[RevealEdge],
+        too_large: GpuError,
+    ) -> Result<Vec<u64>, GpuError> {
+        if leaves.len() == 1 {
+            return Err(too_large);
+        }
+        let middle = leaves.start + leaves.len() / 2;
+        let cut = edges.partition_point(|e| (e.front as usize) < middle);
+        let mut costs = self.costs_of(leaves.start..middle, &edges[..cut])?;
+        costs.extend(self.costs_of(middle..leaves.end, &edges[cut..])?);
+        Ok(costs)
+    }
+
     /// Costs of a run of leaves, by number; `edges` are theirs.
     fn costs_of(&self, leaves: Range<usize>, edges: &[RevealEdge]) -> Result<Vec<u64>, GpuError> {
         let device = self.device;
         let count = leaves.len() as u32;
         let views = self.view_count as u32;
         let reveals = Reveals::of(leaves.clone(), edges);
-        check(
-            device,
-            "what a run of leaves reveals",
-            reveals.reveals.len(),
-        )?;
-        check(device, "what a run of leaves reveals", reveals.edges.len())?;
+        let words = reveals.reveals.len().max(reveals.edges.len());
+        if let Err(error) = check(device, "the leaves behind one leaf", words) {
+            return self.costs_of_halves(leaves, edges, error);
+        }
         let row = self.leaf_count as u32 + 1;
         let shape = device.uniform(&[count, views, leaves.start as u32, row]);
         let first_reveal = device.storage_of("first reveals", &reveals.firsts);

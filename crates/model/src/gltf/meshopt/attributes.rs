@@ -150,7 +150,7 @@ fn split(source: &[u8], stride: usize) -> Result<(bool, &[u8], Tail<'_>), Stream
 /// `count` elements of `stride` bytes; `stride` is a multiple of 4 up to 256.
 pub(super) fn decode(source: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, StreamError> {
     let (is_v1, blocks, tail) = split(source, stride)?;
-    let block_elements = (BLOCK_BYTES / stride & !(GROUP - 1)).min(MOST_BLOCK_ELEMENTS);
+    let block_elements = ((BLOCK_BYTES / stride) & !(GROUP - 1)).min(MOST_BLOCK_ELEMENTS);
     // Every block has at least so many bytes: the bound of the allocation.
     let least_block = if is_v1 { stride / 4 } else { stride };
     if blocks.len() / least_block < count.div_ceil(block_elements) {

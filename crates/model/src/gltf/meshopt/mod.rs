@@ -148,7 +148,7 @@ impl Compressed {
     /// The rules the specification sets for stride, count and filter.
     fn check(&self, view: &Value) -> Result<(), Problem> {
         let stride_fits = match self.mode {
-            Mode::Attributes => (4..=256).contains(&self.stride) && self.stride % 4 == 0,
+            Mode::Attributes => (4..=256).contains(&self.stride) && self.stride.is_multiple_of(4),
             Mode::Triangles | Mode::Indices => matches!(self.stride, 2 | 4),
         };
         if !stride_fits || !self.filter.fits(self.stride) {
@@ -159,7 +159,7 @@ impl Compressed {
         if self.mode != Mode::Attributes && self.filter != Filter::None {
             return Err(Problem::Meshopt("indices can't have a filter"));
         }
-        if self.mode == Mode::Triangles && self.count % 3 != 0 {
+        if self.mode == Mode::Triangles && !self.count.is_multiple_of(3) {
             return Err(Problem::Meshopt("its indices make no whole triangles"));
         }
         let size = self.count as u128 * self.stride as u128;

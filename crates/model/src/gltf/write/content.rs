@@ -1,7 +1,7 @@
 //! A LOD as JSON and one buffer.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use serde_json::{Value, json};
 
@@ -68,7 +68,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     set_buffer(&mut draft.root, document, buffer.len());
     Ok(Content {
         triangles: count_triangles(tree, &fates)?,
-        notes: draft.notes,
+        notes: without_repeats(draft.notes),
         root: draft.root,
         buffer,
     })
@@ -127,6 +127,13 @@ fn set_buffer(root: &mut Value, document: &Document, byte_length: usize) {
     remove_field(&mut buffer, "uri");
     buffer["byteLength"] = byte_length.into();
     root["buffers"] = json!([buffer]);
+}
+
+/// A mesh that is written several times has the same to say each time.
+fn without_repeats(mut notes: Vec<String>) -> Vec<String> {
+    let mut said = HashSet::new();
+    notes.retain(|note| said.insert(note.clone()));
+    notes
 }
 
 fn count_triangles(tree: &Tree, fates: &Fates) -> Result<u64, Fault> {

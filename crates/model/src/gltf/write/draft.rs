@@ -190,7 +190,8 @@ pub(super) fn is_all_zero(elements: &Elements) -> bool {
     elements.accessor.view.is_none() && !elements.accessor.is_sparse
 }
 
-fn gather_bytes(elements: &Elements, sources: &[u32]) -> Result<Vec<u8>, Problem> {
+/// The elements that `sources` names, in that order.
+pub(super) fn gather_bytes(elements: &Elements, sources: &[u32]) -> Result<Vec<u8>, Problem> {
     let size = elements.accessor.element_bytes();
     let mut gathered = Vec::with_capacity(sources.len() * size);
     for &source in sources {

@@ -1,16 +1,17 @@
 //! One primitive with fewer leaves, or leaves of another size.
 
+use std::borrow::Cow;
 use std::rc::Rc;
 
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 
-use super::draft::{Draft, NewElements, Role, is_all_zero};
+use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
 use super::fates::Fates;
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::gltf::accessor::{Component, Elements, Shape};
-use crate::gltf::error::Fault;
+use crate::gltf::error::{At, Fault, Problem};
 use crate::gltf::parts::Part;
 use crate::gltf::tree::Tree;
 
@@ -158,7 +159,8 @@ impl Moves<'_> {
         {
             return draft.gather(old, Role::Vertex, sources);
         }
-        let mut vectors = gather_vectors(&elements, sources);
+        let mut vectors =
+            gather_vectors(&elements, sources).at(|| draft.document.place("accessors", old))?;
         for &(vertex, resize) in &self.vertices.moved {
             let vector = &mut vectors[vertex as usize];
             *vector = moved(*vector, &self.resizes[resize as usize], mover);
@@ -188,10 +190,12 @@ impl Moves<'_> {
 }
 
 /// Vectors that are f32 in the file come back to the same bits.
-fn gather_vectors(elements: &Elements, sources: &[u32]) -> Vec<DVec3> {
-    let all: Vec<DVec3> = elements.vectors().map(DVec3::from_array).collect();
-    let of_source = |&source: &u32| all.get(source as usize).copied().unwrap_or_default();
-    sources.iter().map(of_source).collect()
+fn gather_vectors(elements: &Elements, sources: &[u32]) -> Result<Vec<DVec3>, Problem> {
+    let gathered = Elements {
+        accessor: elements.accessor,
+        bytes: Cow::Owned(gather_bytes(elements, sources)?),
+    };
+    Ok(gathered.vectors().map(DVec3::from_array).collect())
 }
 
 fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {

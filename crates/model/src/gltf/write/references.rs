@@ -7,6 +7,9 @@
 
 use serde_json::Value;
 
+/// A walk over all numbers of one kind.
+pub(super) type VisitNumbers = fn(&mut Value, &mut dyn FnMut(&mut Value));
+
 /// Calls `visit` with each accessor number.
 pub(super) fn visit_accessor_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     for mesh in items(root, "meshes") {
@@ -61,7 +64,7 @@ pub(super) fn visit_mesh_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Va
 pub(super) fn count_references(
     root: &mut Value,
     count: usize,
-    visit_numbers: fn(&mut Value, &mut dyn FnMut(&mut Value)),
+    visit_numbers: VisitNumbers,
 ) -> Vec<u32> {
     let mut references = vec![0; count];
     visit_numbers(root, &mut |number| {
@@ -76,12 +79,15 @@ pub(super) fn count_references(
 /// buffer view or mesh other than in the places visited here.
 pub(super) fn knows_all_extensions(root: &Value) -> bool {
     const FAMILIES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
-    const OTHERS: [&str; 5] = [
+    const OTHERS: [&str; 8] = [
         "EXT_mesh_gpu_instancing",
         "EXT_meshopt_compression",
         "KHR_lights_punctual",
         "KHR_mesh_quantization",
+        "KHR_meshopt_compression",
+        "KHR_node_visibility",
         "KHR_xmp_json_ld",
+        "MSFT_texture_dds",
     ];
     let known = |name: &str| {
         OTHERS.contains(&name) || FAMILIES.iter().any(|family| name.starts_with(family))

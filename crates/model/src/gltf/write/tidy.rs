@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::draft::{Draft, NewElements, Role};
 use super::references::{
-    as_index, count_references, items, knows_all_extensions, len, visit_accessor_numbers,
-    visit_mesh_numbers, visit_view_numbers,
+    VisitNumbers, as_index, count_references, items, knows_all_extensions, len,
+    visit_accessor_numbers, visit_mesh_numbers, visit_view_numbers,
 };
 use crate::gltf::accessor::{Component, Shape};
 
@@ -80,7 +80,7 @@ const PLACEHOLDER_BYTES: usize = 4;
 /// A top-level list whose items are named by number.
 struct List {
     name: &'static str,
-    visit_numbers: fn(&mut Value, &mut dyn FnMut(&mut Value)),
+    visit_numbers: VisitNumbers,
     /// The smallest valid item, for a number that must stay taken.
     placeholder: fn() -> Value,
     /// What a new item takes over from the one whose number it gets.

@@ -52,6 +52,30 @@ pub(super) fn corner_vertices(kept: &[KeptTriangle]) -> Vertices {
 /// their old order. An old vertex that is used at several sizes is split: the
 /// copies come last.
 pub(super) fn shared_vertices(vertex_count: usize, kept: &[KeptTriangle]) -> Vertices {
+    // Many primitives may share a long list of vertices, each using a few.
+    const FEW: usize = 16;
+    if kept.len() > vertex_count / FEW {
+        return vertices_in_list(vertex_count, kept);
+    }
+    let mut used: Vec<u32> = kept.iter().flat_map(|triangle| triangle.corners).collect();
+    used.sort_unstable();
+    used.dedup();
+    let place = |corner: u32| used.partition_point(|&vertex| vertex < corner) as u32;
+    let compact: Vec<KeptTriangle> = kept
+        .iter()
+        .map(|triangle| KeptTriangle {
+            corners: triangle.corners.map(place),
+            ..*triangle
+        })
+        .collect();
+    let mut vertices = vertices_in_list(used.len(), &compact);
+    for source in &mut vertices.sources {
+        *source = used[*source as usize];
+    }
+    vertices
+}
+
+fn vertices_in_list(vertex_count: usize, kept: &[KeptTriangle]) -> Vertices {
     const UNUSED: u32 = u32::MAX;
     const AS_IT_WAS: u32 = u32::MAX - 1;
     let size_of = |triangle: &KeptTriangle| triangle.resize.unwrap_or(AS_IT_WAS);
@@ -147,6 +171,14 @@ mod tests {
             vertices.moved,
             [(3, 0), (4, 0), (5, 1), (6, 1), (7, 0), (8, 1)]
         );
+    }
+
+    #[test]
+    fn few_triangles_of_many_vertices_are_no_other_case() {
+        let kept = [kept([900, 10, 20], None), kept([20, 500, 900], Some(0))];
+        let few = shared_vertices(1000, &kept);
+        assert_eq!(few, vertices_in_list(1000, &kept));
+        assert_eq!(few.sources, [10, 20, 500, 900, 20, 900]);
     }
 
     #[test]

@@ -2,15 +2,16 @@
 //!
 //! The cost of leaf l is `sum_v |D_v + d_v|`: D the deviations of the current
 //! foliage, which change with every step, d the leaf's deltas, which mostly do
-//! not. Leaves near each other share a *block*, whose deltas are kept as f32,
-//! so that the costs of a whole block are a few vector instructions. A block
+//! not. Leaves of about the same `n = sum |d|` share a *block*, whose deltas are
+//! kept as f32, so that its costs are a few vector instructions. A block
 //! that was evaluated when the deviations were E, with signs g = sgn E (an
 //! *epoch*), remembers the least and largest of
 //!
 //! - `h = sum g d`: since `|x| >= g x`, `cost >= sum g D + h`, which is exact
 //!   while no `D_v + d_v` changes sign, however far D moves;
 //! - `c = sum |E + d|`: `|cost - c| <= sum |D - E|`, good while D stays near;
-//! - `n = sum |d|`: `cost <= sum |D| + n`.
+//! - `n`: `|cost - n| <= sum |D|`, which rules out all but the least visible
+//!   leaves while the deviations are small.
 //!
 //! A block is evaluated again only where these do not rule it out, and an exact
 //! integer cost is computed only for leaves that their f32 cost does not rule
@@ -55,6 +56,8 @@ struct Block {
     least_h: f64,
     least_c: f64,
     largest_c: f64,
+    /// Least and largest n since the last rebuild.
+    least_n: f64,
     largest_n: f64,
     /// Most pixels that one of its leaves would hand to the background.
     background_px: f64,
@@ -69,17 +72,17 @@ impl Block {
             least_h: f64::INFINITY,
             least_c: f64::INFINITY,
             largest_c: f64::NEG_INFINITY,
+            least_n: f64::INFINITY,
             largest_n: f64::NEG_INFINITY,
             background_px: 0.0,
             background_drift,
         }
     }
 
-    fn include(&mut self, h: f64, c: f64, n: f64) {
+    fn include(&mut self, h: f64, c: f64) {
         self.least_h = self.least_h.min(h);
         self.least_c = self.least_c.min(c);
         self.largest_c = self.largest_c.max(c);
-        self.largest_n = self.largest_n.max(n);
     }
 }
 
@@ -110,7 +113,7 @@ pub(super) struct Candidates {
     /// Deltas by block, then view.
     deltas: Vec<Lanes>,
     place_of: Vec<u32>,
-    /// The leaves that were left at the last rebuild, neighbours together.
+    /// The leaves that were left at the last rebuild.
     order: Vec<u32>,
     left: usize,
 
@@ -131,9 +134,9 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// `leaves` are the numbers of the leaves that are there, neighbours close
-    /// together; `rank_of` their ranks among equals, by leaf number;
-    /// `total_pixels` the pixels over all views.
+    /// `leaves` are the numbers of the leaves that are there; `rank_of` their
+    /// ranks among equals, by leaf number; `total_pixels` the pixels over all
+    /// views.
     pub(super) fn new(
         counts: &Counts<'_>,
         leaves: Vec<u32>,
@@ -181,7 +184,11 @@ impl Candidates {
 
     fn build(&mut self, counts: &Counts<'_>) {
         self.without_effect.clear();
-        let order = std::mem::take(&mut self.order);
+        let mut order = std::mem::take(&mut self.order);
+        order.sort_by_cached_key(|&leaf| {
+            counts.deltas(leaf, &mut self.row);
+            self.row.iter().map(|d| d.abs()).sum::<i64>()
+        });
         let block_count = order.len().div_ceil(LANES);
         let absent = Lane {
             leaf: 0,
@@ -208,7 +215,7 @@ impl Candidates {
         self.background_drift = counts.background_drift();
         self.current_epoch = (self.current_epoch + 1) % EPOCHS;
         self.take_deviations(deviations);
-        if 2 * self.left < self.order.len() && self.order.len() > 4 * LANES {
+        if self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
             self.build(counts);
         }
@@ -294,25 +301,25 @@ impl Candidates {
             c += (d + e).abs();
             n += d.abs();
         }
-        block.include(h as f64, c as f64, n as f64);
+        block.include(h as f64, c as f64);
+        block.least_n = block.least_n.min(n as f64);
+        block.largest_n = block.largest_n.max(n as f64);
         block.background_px = block.background_px.max(f64::from(background_px));
     }
 
     /// Evaluates a block's leaves against the current epoch; their costs.
     fn evaluate(&mut self, index: usize) -> Lanes {
         let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
-        let (mut c, mut h, mut n) = ([0f32; LANES], [0f32; LANES], [0f32; LANES]);
-        for (row, (deviation, sign)) in rows.iter().zip(&self.deviations_f32) {
-            for k in 0..LANES {
-                c[k] += (row[k] + deviation).abs();
-                h[k] += row[k] * sign;
-                n[k] += row[k].abs();
-            }
-        }
-        let mut block = Block::empty(self.current_epoch, self.background_drift);
+        let (c, h) = costs(rows, &self.deviations_f32);
+        let before = &self.blocks[index];
+        let mut block = Block {
+            least_n: before.least_n,
+            largest_n: before.largest_n,
+            ..Block::empty(self.current_epoch, self.background_drift)
+        };
         let lanes = &self.lanes[index * LANES..(index + 1) * LANES];
         for (k, lane) in lanes.iter().enumerate().filter(|(_, lane)| lane.is_in) {
-            block.include(f64::from(h[k]), f64::from(c[k]), f64::from(n[k]));
+            block.include(f64::from(h[k]), f64::from(c[k]));
             if lane.background_px > 0 {
                 block.background_px = block.background_px.max(f64::from(lane.background_px));
                 block.background_drift = block.background_drift.min(lane.background_drift);
@@ -357,9 +364,12 @@ impl Candidates {
         let mut bounds = std::mem::take(&mut self.bounds);
         bounds.clear();
         let mut lowest = (f64::INFINITY, 0);
+        let sum = self.deviation_sum as f64;
         for (index, block) in self.blocks.iter().enumerate() {
             let epoch = &self.epochs[block.epoch as usize];
-            let bound = (epoch.signed + block.least_h).max(block.least_c - epoch.drift)
+            let bound = (epoch.signed + block.least_h)
+                .max(block.least_c - epoch.drift)
+                .max(block.least_n - sum)
                 - self.block_margin(block);
             if bound < lowest.0 {
                 lowest = (bound, index);
@@ -412,10 +422,10 @@ impl Candidates {
             let cost = self.cost(counts, self.last_largest);
             best = best.max((cost, self.last_largest));
         }
+        let sum = self.deviation_sum as f64;
         for index in 0..self.blocks.len() {
             let block = &self.blocks[index];
             let epoch = &self.epochs[block.epoch as usize];
-            let sum = self.deviation_sum as f64;
             let bound = (sum + block.largest_n).min(block.largest_c + epoch.drift)
                 + self.block_margin(block);
             if bound > best.0 as f64 {
@@ -437,4 +447,34 @@ impl Candidates {
             }
         }
     }
+}
+
+/// Costs of a block's leaves, and their deltas summed with the signs of the
+/// deviations.
+#[inline(always)]
+fn costs_plainly(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
+    let (mut c, mut h) = ([0f32; LANES], [0f32; LANES]);
+    for (row, (deviation, sign)) in rows.iter().zip(deviations) {
+        for k in 0..LANES {
+            c[k] += (row[k] + deviation).abs();
+            h[k] += row[k] * sign;
+        }
+    }
+    (c, h)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn costs_by_avx2(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
+    costs_plainly(rows, deviations)
+}
+
+#[inline]
+fn costs(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2.
+        return unsafe { costs_by_avx2(rows, deviations) };
+    }
+    costs_plainly(rows, deviations)
 }

@@ -29,6 +29,7 @@ const NONE: u32 = u32::MAX;
 /// Pixels by view, only those that are not zero.
 type Reveals = SmallVec<[(u32, u32); 3]>;
 
+#[repr(align(64))]
 struct Edge {
     from: u32,
     to: u32,
@@ -488,13 +489,22 @@ struct Target<'a> {
     lg_total: i64,
 }
 
+impl Target<'_> {
+    /// `lg (S + s) - lg S`, which is never negative and fits 32 bits: factors of
+    /// 32 bits are what vector instructions multiply.
+    #[inline]
+    fn rise(&self, lg_after: i64) -> u64 {
+        u64::from((lg_after - self.lg_total) as u32)
+    }
+}
+
 /// Adds `f(a + r, S + s) - f(a, S)` to each view.
 #[inline]
 fn add_term(table: &LgTable, deltas: &mut [i64], target: Target, s: u32, reveals: &Reveals) {
     let lg_after = table.lg(target.total + s);
-    let rise = lg_after - target.lg_total;
+    let rise = target.rise(lg_after);
     for (delta, &a) in deltas.iter_mut().zip(target.areas) {
-        *delta -= i64::from(a) * rise;
+        *delta -= (u64::from(a) * rise) as i64;
     }
     for &(view, r) in reveals {
         let a = target.areas[view as usize];
@@ -512,10 +522,11 @@ fn replace_term(
 ) {
     let lg_before = table.lg(before.total + s_before);
     let lg_after = table.lg(after.total + s_after);
-    let rise_before = lg_before - before.lg_total;
-    let rise_after = lg_after - after.lg_total;
+    let rise_before = before.rise(lg_before);
+    let rise_after = after.rise(lg_after);
     for ((delta, &b), &a) in deltas.iter_mut().zip(before.areas).zip(after.areas) {
-        *delta += i64::from(b) * rise_before - i64::from(a) * rise_after;
+        let (b, a) = (u64::from(b) * rise_before, u64::from(a) * rise_after);
+        *delta += b as i64 - a as i64;
     }
     for &(view, r) in reveals_before {
         let a = before.areas[view as usize];

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use glam::DVec3;
 use serde_json::Value;
 
+use crate::gltf::Tree;
 use crate::gltf::accessor::{Component, Elements};
 use crate::gltf::parts::Part;
-use crate::gltf::{Document, Tree};
 use crate::{LeafId, LeafTriangle, Lod};
 
 /// Checks a LOD that was written and read back against the tree it is from:
