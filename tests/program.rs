@@ -139,10 +139,13 @@ pub(crate) fn shared_tree(name: &str) -> Option<PathBuf> {
 /// not be asked for either.
 pub(crate) fn has_gpu() -> bool {
     static FOUND: OnceLock<bool> = OnceLock::new();
+    #[cfg(feature = "gpu")]
     let found = *FOUND.get_or_init(|| {
         use secateur::raster::gpu::{Device, Preference};
         Device::find(Preference::Any).is_ok()
     });
+    #[cfg(not(feature = "gpu"))]
+    let found = *FOUND.get_or_init(|| false);
     let is_required = std::env::var("SECATEUR_REQUIRE_GPU").is_ok_and(|v| v == "1");
     assert!(found || !is_required, "there is no GPU adapter");
     if !found {

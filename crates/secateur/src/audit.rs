@@ -67,4 +67,34 @@ mod tests {
             "in view 1 leaf 0 has 4 pixels by the run and 2"
         );
     }
+
+    #[test]
+    fn areas_that_are_not_those_of_the_foliage_do_not_pass() {
+        use secateur_model::{Foliage, LeafTriangle, Lod};
+        let mut foliage = Foliage::default();
+        let corners = [glam::DVec3::ZERO, glam::DVec3::X, glam::DVec3::Y];
+        foliage
+            .push_leaf(&[LeafTriangle::plain(corners)], None)
+            .unwrap();
+        let views = secateur_raster::ViewSet::cube(foliage.bounding_sphere().unwrap());
+        let scene = Scene {
+            foliage: &foliage,
+            lod: &Lod::original(1),
+            views: &views,
+            resolution: 32,
+        };
+        let engine = OpenEngine::cpu();
+        let true_areas = cpu::areas(&scene);
+        assert!(audit(&true_areas, &scene, &engine).is_ok());
+        // A pixel of the background too many, and one of the leaf too few.
+        let mut wrong = true_areas.as_slice().to_vec();
+        wrong[0] += 1;
+        wrong[1] -= 1;
+        let error = audit(&AreaTable::from_rows(1, wrong), &scene, &engine).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.contains("in view 0 leaf 0") && text.contains("report"),
+            "{text}"
+        );
+    }
 }

@@ -28,7 +28,8 @@ fn cpu_model() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// The commit this was built from, where the build said so.
+/// The commit this was built from, where the build said so: with
+/// `SECATEUR_COMMIT=$(git rev-parse HEAD) cargo build`.
 pub(crate) fn commit() -> Option<&'static str> {
     option_env!("SECATEUR_COMMIT")
 }

@@ -4,7 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::raster::ViewSet;
-use secateur::{Document, Error, Lod, Simplified, Simplify, Tree, Views, Written, read_cameras};
+use secateur::{
+    Document, Error, Lod, Resolution, Simplified, Simplify, Tree, Views, Written, read_cameras,
+};
 
 use super::args::{self, Common};
 use super::failure::Failure;
@@ -239,14 +241,16 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     say(
         "method",
         format!(
-            "{} from {} views of {n} x {n} pixels ({}), on the {}",
+            "{} on the {}",
             args.method.text(),
-            result.views.len(),
-            result.resolution_reason,
-            result.adapter.as_deref().unwrap_or("CPU"),
-            n = result.resolution,
+            result.adapter.as_deref().unwrap_or("CPU")
         ),
     );
+    let (views, side) = (result.views.len(), result.resolution);
+    say("views", format!("{views} of {side} x {side} pixels"));
+    if args.resolution == Resolution::Auto {
+        say("", result.resolution_reason.clone());
+    }
     say(
         "loss",
         format!(
