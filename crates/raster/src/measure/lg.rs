@@ -73,7 +73,6 @@ impl LgTable {
     /// `a (lg a - lg s)`: what a leaf of area `a` in a view and `s` over all
     /// views adds to the view's VMI, times the pixels of a view.
     #[inline]
-    #[inline]
     pub fn term(&self, a: u32, lg_s: i64) -> i64 {
         self.n_lg_n(a) - i64::from(a) * lg_s
     }

@@ -2,16 +2,18 @@
 //!
 //! The cost of leaf l is `sum_v |D_v + d_v|`: D the deviations of the current
 //! foliage, which change with every step, d the leaf's deltas, which mostly do
-//! not. Leaves of about the same `n = sum |d|` share a *block*, whose deltas are
+//! not. Costs differ by little against `sum |D|`, so everything here is about
+//! the *excess* `sum_v (|D_v + d_v| - |D_v|)`. Leaves of about the same `n = sum |d|` share a *block*, whose deltas are
 //! kept as f32, so that its costs are a few vector instructions. A block
 //! that was evaluated when the deviations were E, with signs g = sgn E (an
 //! *epoch*), remembers the least and largest of
 //!
-//! - `h = sum g d`: since `|x| >= g x`, `cost >= sum g D + h`, which is exact
-//!   while no `D_v + d_v` changes sign, however far D moves;
-//! - `c = sum |E + d|`: `|cost - c| <= sum |D - E|`, good while D stays near;
-//! - `n`: `|cost - n| <= sum |D|`, which rules out all but the least visible
-//!   leaves while the deviations are small.
+//! - `h = sum g d`: since `|x| >= g x`, `excess >= sum (g D - |D|) + h`, which is
+//!   exact while no `D_v + d_v` changes sign, however far D moves;
+//! - `c = sum (|E + d| - |E|)`: the excess differs from it by at most
+//!   `2 sum |D - E|`, good while D stays near;
+//! - `n`: `excess >= n - 2 sum |D|`, which rules out all but the least visible
+//!   leaves while the deviations are small, and `excess <= n`.
 //!
 //! A block is evaluated again only where these do not rule it out, and an exact
 //! integer cost is computed only for leaves that their f32 cost does not rule
@@ -32,10 +34,10 @@ const LANES: usize = 16;
 /// long is evaluated then.
 const EPOCHS: usize = 64;
 const NOWHERE: u32 = u32::MAX;
-/// Bound of the relative error of sums of up to 128 f32 terms, and of turning
-/// their terms into f32.
-const F32_ERROR: f64 = 2e-5;
-/// What a lane without a leaf holds: it never looks cheap.
+/// Bound of the error of an excess computed in f32, as a part of n: for each of
+/// up to a thousand views the roundings of a delta, a deviation and a sum.
+const F32_ERROR: f64 = 1e-4;
+/// What a lane without a leaf holds; what it adds up to is not looked at.
 const ABSENT: f32 = 1e30;
 
 type Lanes = [f32; LANES];
@@ -44,9 +46,9 @@ type Lanes = [f32; LANES];
 #[derive(Clone)]
 struct Epoch {
     deviations: Vec<i64>,
-    /// Sum of g D.
-    signed: f64,
-    /// Sum of |D - E|.
+    /// Sum of g D - |D|: zero while no deviation changed its sign.
+    flipped: f64,
+    /// Twice the sum of |D - E|.
     drift: f64,
 }
 
@@ -121,7 +123,7 @@ pub(super) struct Candidates {
     current_epoch: usize,
     /// The current deviations; zeros where costs do not depend on them.
     deviations: Vec<i64>,
-    /// Deviation and its sign by view.
+    /// Twice the deviation without its sign, and its sign, by view.
     deviations_f32: Vec<(f32, f32)>,
     deviation_sum: i64,
     background_drift: f64,
@@ -146,7 +148,7 @@ impl Candidates {
     ) -> Self {
         let epoch = Epoch {
             deviations: deviations.to_vec(),
-            signed: 0.0,
+            flipped: 0.0,
             drift: 0.0,
         };
         let mut candidates = Self {
@@ -165,9 +167,9 @@ impl Candidates {
             deviations_f32: Vec::new(),
             deviation_sum: 0,
             background_drift: counts.background_drift(),
-            // Four logarithms off by at most 1.2 units, before and now, times
-            // areas that sum to at most the pixels of all views.
-            rounding: 10.0 * total_pixels,
+            // Two differences of logarithms off by at most 1.2 units, before
+            // and now, times areas that sum to at most the pixels of all views.
+            rounding: 5.0 * total_pixels,
             last_largest: 0,
             bounds: Vec::new(),
             row: vec![0; counts.view_count()],
@@ -225,7 +227,7 @@ impl Candidates {
         self.deviations.copy_from_slice(deviations);
         self.deviation_sum = deviations.iter().map(|d| d.abs()).sum();
         self.deviations_f32.clear();
-        let with_sign = |d: &i64| (*d as f32, if *d < 0 { -1.0 } else { 1.0 });
+        let with_sign = |d: &i64| (2.0 * d.abs() as f32, if *d < 0 { -1.0 } else { 1.0 });
         self.deviations_f32.extend(deviations.iter().map(with_sign));
         // The epoch that is forgotten now: its blocks are evaluated while the
         // new one takes its place.
@@ -237,7 +239,8 @@ impl Candidates {
                 signed += if *e < 0 { -d } else { *d };
                 drift += (d - e).abs();
             }
-            (epoch.signed, epoch.drift) = (signed as f64, drift as f64);
+            epoch.flipped = (signed - self.deviation_sum) as f64;
+            epoch.drift = 2.0 * drift as f64;
         }
         for block in 0..self.blocks.len() {
             if self.blocks[block].epoch as usize == renewed {
@@ -298,7 +301,7 @@ impl Candidates {
         for ((row, d), e) in rows.iter_mut().zip(&self.row).zip(&epoch.deviations) {
             row[place % LANES] = *d as f32;
             h += if *e < 0 { -d } else { *d };
-            c += (d + e).abs();
+            c += (d + e).abs() - e.abs();
             n += d.abs();
         }
         block.include(h as f64, c as f64);
@@ -307,10 +310,10 @@ impl Candidates {
         block.background_px = block.background_px.max(f64::from(background_px));
     }
 
-    /// Evaluates a block's leaves against the current epoch; their costs.
+    /// Evaluates a block's leaves against the current epoch; their excesses.
     fn evaluate(&mut self, index: usize) -> Lanes {
         let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
-        let (c, h) = costs(rows, &self.deviations_f32);
+        let (c, h) = excesses(rows, &self.deviations_f32);
         let before = &self.blocks[index];
         let mut block = Block {
             least_n: before.least_n,
@@ -335,11 +338,22 @@ impl Candidates {
         terms.map(|(d, deviation)| (d + deviation).abs()).sum()
     }
 
+    /// A cost's excess over the sum of the deviations; MAX and MIN stand for
+    /// costs beyond all others.
+    #[inline]
+    fn excess(&self, cost: i64) -> f64 {
+        match cost {
+            i64::MAX => f64::INFINITY,
+            i64::MIN => f64::NEG_INFINITY,
+            cost => (cost - self.deviation_sum) as f64,
+        }
+    }
+
     /// How far a bound may be off: by how far the background's term of a leaf
     /// may have moved, and by f32.
     #[inline]
     fn margin(&self, n: f64, background_px: f64, background_drift: f64) -> f64 {
-        let rounded = F32_ERROR * (n + self.deviation_sum as f64);
+        let rounded = F32_ERROR * n;
         if background_px == 0.0 {
             return rounded;
         }
@@ -364,23 +378,23 @@ impl Candidates {
         let mut bounds = std::mem::take(&mut self.bounds);
         bounds.clear();
         let mut lowest = (f64::INFINITY, 0);
-        let sum = self.deviation_sum as f64;
+        let twice_sum = 2.0 * self.deviation_sum as f64;
         for (index, block) in self.blocks.iter().enumerate() {
             let epoch = &self.epochs[block.epoch as usize];
-            let bound = (epoch.signed + block.least_h)
+            let bound = (epoch.flipped + block.least_h)
                 .max(block.least_c - epoch.drift)
-                .max(block.least_n - sum)
+                .max(block.least_n - twice_sum)
                 - self.block_margin(block);
             if bound < lowest.0 {
                 lowest = (bound, index);
             }
             bounds.push(bound);
         }
-        if lowest.0 <= best.0 as f64 {
+        if lowest.0 <= self.excess(best.0) {
             self.scan_for_cheapest(counts, lowest.1, &mut best);
         }
         for (index, bound) in bounds.iter().enumerate() {
-            if *bound <= best.0 as f64 && index != lowest.1 {
+            if *bound <= self.excess(best.0) && index != lowest.1 {
                 self.scan_for_cheapest(counts, index, &mut best);
             }
         }
@@ -393,17 +407,16 @@ impl Candidates {
     }
 
     fn scan_for_cheapest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32, u32)) {
-        let costs = self.evaluate(index);
+        let excesses = self.evaluate(index);
         let block = self.blocks[index];
-        let margin = self.block_margin(&block);
-        if block.least_c - margin > best.0 as f64 {
+        if block.least_c - self.block_margin(&block) > self.excess(best.0) {
             return;
         }
-        for (k, cost) in costs.iter().enumerate() {
+        for (k, excess) in excesses.iter().enumerate() {
             let lane = self.lanes[index * LANES + k];
             let px = f64::from(lane.background_px);
             let margin = self.margin(block.largest_n, px, lane.background_drift);
-            if lane.is_in && f64::from(*cost) - margin <= best.0 as f64 {
+            if lane.is_in && f64::from(*excess) - margin <= self.excess(best.0) {
                 let cost = self.cost(counts, lane.leaf);
                 let rank = self.rank_of[lane.leaf as usize];
                 *best = (*best).min((cost, rank, lane.leaf));
@@ -422,13 +435,12 @@ impl Candidates {
             let cost = self.cost(counts, self.last_largest);
             best = best.max((cost, self.last_largest));
         }
-        let sum = self.deviation_sum as f64;
         for index in 0..self.blocks.len() {
             let block = &self.blocks[index];
             let epoch = &self.epochs[block.epoch as usize];
-            let bound = (sum + block.largest_n).min(block.largest_c + epoch.drift)
-                + self.block_margin(block);
-            if bound > best.0 as f64 {
+            let bound =
+                block.largest_n.min(block.largest_c + epoch.drift) + self.block_margin(block);
+            if bound > self.excess(best.0) {
                 self.scan_for_largest(counts, index, &mut best);
             }
         }
@@ -437,27 +449,32 @@ impl Candidates {
     }
 
     fn scan_for_largest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32)) {
-        let costs = self.evaluate(index);
+        let excesses = self.evaluate(index);
         let block = self.blocks[index];
         let margin = self.block_margin(&block);
-        for (k, cost) in costs.iter().enumerate() {
+        for (k, excess) in excesses.iter().enumerate() {
             let lane = self.lanes[index * LANES + k];
-            if lane.is_in && f64::from(*cost) + margin > best.0 as f64 {
+            if lane.is_in && f64::from(*excess) + margin > self.excess(best.0) {
                 *best = (*best).max((self.cost(counts, lane.leaf), lane.leaf));
             }
         }
     }
 }
 
-/// Costs of a block's leaves, and their deltas summed with the signs of the
+/// Excesses of a block's leaves, and their deltas summed with the signs of the
 /// deviations.
+///
+/// With g the sign of D, `|D + d| - |D|` is the larger of `g d` and
+/// `-g d - 2 |D|`: no large numbers cancel.
 #[inline(always)]
-fn costs_plainly(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
+fn excesses_plainly(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
     let (mut c, mut h) = ([0f32; LANES], [0f32; LANES]);
-    for (row, (deviation, sign)) in rows.iter().zip(deviations) {
+    for (row, (twice_deviation, sign)) in rows.iter().zip(deviations) {
         for k in 0..LANES {
-            c[k] += (row[k] + deviation).abs();
-            h[k] += row[k] * sign;
+            let along = row[k] * sign;
+            let across = -along - twice_deviation;
+            c[k] += if along > across { along } else { across };
+            h[k] += along;
         }
     }
     (c, h)
@@ -465,16 +482,16 @@ fn costs_plainly(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn costs_by_avx2(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
-    costs_plainly(rows, deviations)
+fn excesses_by_avx2(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
+    excesses_plainly(rows, deviations)
 }
 
 #[inline]
-fn costs(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
+fn excesses(rows: &[Lanes], deviations: &[(f32, f32)]) -> (Lanes, Lanes) {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has AVX2.
-        return unsafe { costs_by_avx2(rows, deviations) };
+        return unsafe { excesses_by_avx2(rows, deviations) };
     }
-    costs_plainly(rows, deviations)
+    excesses_plainly(rows, deviations)
 }
