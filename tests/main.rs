@@ -7,6 +7,7 @@ mod formats;
 mod help;
 mod main_job;
 mod measure;
+mod odd_trees;
 mod program;
 mod shared_trees;
 mod small_files;

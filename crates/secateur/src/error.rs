@@ -17,7 +17,7 @@ pub enum Error {
     /// The foliage is so large, so small or so far away that cameras around it
     /// cannot be computed.
     #[error(
-        "the foliage is out of range: a sphere of radius {radius:e} around {distance:e} from the origin; scale it to sizes between 1e-30 and 1e30, not farther off than 1e6 times its size"
+        "the foliage is out of range: a sphere of radius {radius:.1e}, {distance:.1e} from the origin; scale it to a size between 1e-30 and 1e30 and move it nearer than 1e9 times its size"
     )]
     OutOfRange {
         /// Radius of its bounding sphere in world units.

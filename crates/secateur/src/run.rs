@@ -239,7 +239,7 @@ pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
         1.0
     };
     let distance = sphere.centre.length();
-    let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e6 * size;
+    let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e9 * size;
     is_in_range.then_some(sphere).ok_or(Error::OutOfRange {
         radius: sphere.radius,
         distance,
