@@ -1,0 +1,304 @@
+//! What can be written on the command line.
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use secateur::{Alpha, Engine, Method, Reference, Resize, Resolution, Selector, Target, Ties};
+
+/// Makes the foliage of plants and trees light enough for real-time scenes.
+#[derive(Debug, Parser)]
+#[command(
+    name = "secateur",
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done; 1 the input or the machine does not allow it; 2 wrong usage."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Grow a tree, simplify it, write LODs, a report and a picture: no input needed.
+    Demo(Demo),
+    /// Show what is in a tree: leaves, wood, materials; what was taken for foliage and why.
+    Inspect(Inspect),
+    /// Make the foliage of a tree lighter and write the result.
+    Simplify(Box<Simplify>),
+    /// Judge a simplified tree against its original, from views the simplifier never saw.
+    Measure(Measure),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Common {
+    /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Pretty, global = true)]
+    pub(crate) format: Format,
+    /// Threads to use [default: as many as there are cores].
+    #[arg(long, value_name = "N", global = true, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    /// Print nothing but errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say what is being done; twice: in detail.
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub(crate) verbose: u8,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For reading.
+    Pretty,
+    /// The same record as in reports.
+    Json,
+    /// A line of names and lines of values.
+    Csv,
+    /// A Markdown table.
+    Md,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Demo {
+    /// The folder for the results; made if it is not there.
+    #[arg(short, long, value_name = "DIR", default_value = "secateur-demo")]
+    pub(crate) output: PathBuf,
+    /// How many leaves to grow.
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(10..=100_000))]
+    pub(crate) leaves: u32,
+    /// Which of the trees to grow.
+    #[arg(long, value_name = "S", default_value_t = 3)]
+    pub(crate) seed: u64,
+    /// Where to rasterise.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Inspect {
+    /// The tree, .glb or .gltf.
+    #[arg(value_name = "TREE.glb")]
+    pub(crate) tree: PathBuf,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    /// Write the record to this file too.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Measure {
+    /// The original tree.
+    #[arg(value_name = "ORIGINAL.glb")]
+    pub(crate) original: PathBuf,
+    /// The simplified tree.
+    #[arg(value_name = "SIMPLIFIED.glb")]
+    pub(crate) simplified: PathBuf,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    /// Whether holes of leaf textures count.
+    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
+    pub(crate) alpha: AlphaName,
+    /// Write the record to this file too.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Foliage {
+    /// What is foliage: material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, #N for
+    /// numbers; can be given several times [default: what the evidence shows, see `inspect`].
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) foliage: Vec<Selector>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Simplify {
+    /// The tree, .glb or .gltf.
+    #[arg(value_name = "TREE.glb")]
+    pub(crate) tree: PathBuf,
+    /// The result, .glb or .gltf.
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) target: TargetArgs,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    /// How leaves are chosen.
+    #[arg(long, value_enum, default_value_t = MethodName::Vds)]
+    pub(crate) method: MethodName,
+    /// Where to rasterise; results are the same.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+    /// Where to look from: dodecahedron (20 views), icosahedron (12), 8, 6, vnc (20 views, later
+    /// 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
+    /// "fov_y_degrees", "near"}]}.
+    #[arg(long, value_name = "VIEWS", default_value = "dodecahedron")]
+    pub(crate) views: String,
+    /// Width and height of the images in pixels: 1 to 2048, or auto: 256, more where the leaves
+    /// need it.
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
+    pub(crate) resolution: Resolution,
+    /// What the cost of a leaf is measured against.
+    #[arg(long, value_enum, default_value_t = ReferenceName::Original)]
+    pub(crate) reference: ReferenceName,
+    /// The share of a pruned leaf's area that its neighbours gain.
+    #[arg(long, value_enum, default_value_t = ResizeName::Normalised)]
+    pub(crate) resize: ResizeName,
+    /// How many nearest neighbours share it.
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) neighbours: u32,
+    /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
+    #[arg(long, value_enum, default_value_t = TiesName::Order)]
+    pub(crate) ties: TiesName,
+    /// Whether holes of leaf textures count.
+    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
+    pub(crate) alpha: AlphaName,
+    /// For methods that draw lots; vds does not.
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Rasterise the result from scratch another way and compare [default: in debug builds].
+    #[arg(long, overrides_with = "no_audit")]
+    pub(crate) audit: bool,
+    /// Do not.
+    #[arg(long, overrides_with = "audit")]
+    pub(crate) no_audit: bool,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write a picture of the original and the result side by side.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Write what the views see before and after, a colour for each leaf, into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) debug_images: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+#[group(required = true, multiple = false)]
+pub(crate) struct TargetArgs {
+    /// Stop at N leaves.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    leaves: Option<i64>,
+    /// Stop at this share of the leaves, 0 to 1 (rounded to the nearest number of leaves).
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    ratio: Option<f64>,
+    /// Stop before the VMI error on the driving views exceeds this many per cent.
+    #[arg(long, value_name = "PCT", allow_negative_numbers = true)]
+    max_error: Option<f64>,
+}
+
+impl TargetArgs {
+    /// The target, or why there is none.
+    pub(crate) fn target(self) -> Result<Target, secateur::Error> {
+        let target = match (self.leaves, self.ratio, self.max_error) {
+            (Some(n), ..) => match u64::try_from(n) {
+                Ok(n) => Target::Leaves(n),
+                Err(_) => {
+                    let name = format!("{n} leaves");
+                    return Err(secateur::Error::Target(name, "a number from 0 upwards"));
+                }
+            },
+            (_, Some(ratio), _) => Target::Ratio(ratio),
+            (.., error) => Target::MaxError(error.unwrap_or(0.0)),
+        };
+        target.resolve(0)?;
+        Ok(target)
+    }
+}
+
+fn resolution(text: &str) -> Result<Resolution, String> {
+    match text.parse::<u32>() {
+        _ if text == "auto" => Ok(Resolution::Auto),
+        Ok(n) if (1..=secateur::raster::MAX_RESOLUTION).contains(&n) => Ok(Resolution::Pixels(n)),
+        _ => Err(format!(
+            "write auto or a number from 1 to {}",
+            secateur::raster::MAX_RESOLUTION
+        )),
+    }
+}
+
+/// Names on the command line for values of the library.
+macro_rules! names {
+    ($(#[$doc:meta])* $name:ident => $library:ident { $($(#[$help:meta])* $value:ident),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+        pub(crate) enum $name { $($(#[$help])* $value),+ }
+
+        impl From<$name> for $library {
+            fn from(name: $name) -> Self {
+                match name { $($name::$value => $library::$value),+ }
+            }
+        }
+
+        impl $name {
+            /// As it is written.
+            pub(crate) fn text(self) -> String {
+                let value = self.to_possible_value();
+                value.map(|v| v.get_name().to_owned()).unwrap_or_default()
+            }
+        }
+    };
+}
+
+names!(MethodName => Method {
+    /// Viewpoint-driven simplification, by an exact and fast engine
+    Vds,
+    /// The same by the paper's algorithm, literally; for a few hundred leaves
+    VdsReference,
+});
+names!(EngineName => Engine {
+    /// A hardware GPU if there is one and the tree is large, else the CPU
+    Auto,
+    /// A GPU, software drivers included
+    Gpu,
+    /// The CPU
+    Cpu,
+});
+names!(ReferenceName => Reference {
+    /// The original foliage
+    Original,
+    /// The foliage before the step
+    Previous,
+});
+names!(ResizeName => Resize {
+    /// The cost over the largest cost of the step
+    Normalised,
+    /// The cost in bits, at most 1
+    Literal,
+    /// 1
+    Full,
+    /// 1 while the views together have lost information, else 0
+    Deficit,
+    /// 0
+    None,
+});
+names!(TiesName => Ties { Order, Spread });
+names!(AlphaName => Alpha {
+    /// What an alpha mask cuts out is not there
+    Mask,
+    /// Leaves are solid polygons
+    Ignore,
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_interface_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn images_have_1_to_2048_pixels_a_side() {
+        assert_eq!(resolution("auto"), Ok(Resolution::Auto));
+        assert_eq!(resolution("2048"), Ok(Resolution::Pixels(2048)));
+        for bad in ["0", "2049", "-1", "many"] {
+            assert!(resolution(bad).is_err(), "{bad}");
+        }
+    }
+}

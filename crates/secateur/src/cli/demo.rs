@@ -1,0 +1,221 @@
+//! `secateur demo`: what a newcomer sees first.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use secateur::plant::{GrowOptions, Species, grow};
+use secateur::{
+    Document, Lod, Measurement, Simplified, Simplify, Target, Tree, Written, plant_to_glb,
+};
+use serde_json::{Value, json};
+
+use super::args::{self, Common};
+use super::failure::Failure;
+use super::picture::{self, Exhibit};
+use super::print::Printed;
+use super::simplify::{timed, warn_all};
+use super::summary::{columns, grouped, percent, size};
+use super::watch::Watch;
+use super::{interrupt, machine, output, record};
+
+/// The LODs, finest first, in per cent of the leaves.
+const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
+
+/// A LOD that was written.
+struct Level {
+    percent: u32,
+    leaves: usize,
+    written: Written,
+    measured: Measurement,
+}
+
+/// Grows, simplifies once, and writes every level as a prefix of one order.
+pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    output::check_folder(&args.output)?;
+    let mut stages = Vec::new();
+    let options = GrowOptions {
+        leaves: args.leaves,
+        seed: args.seed,
+    };
+    let plant = timed(&mut stages, "grow", || {
+        grow(Species::Oak, &options).map_err(|e| Failure(e.to_string()))
+    })?;
+    let glb = plant_to_glb(&plant);
+    let original = args.output.join("tree.glb");
+    let name = original.display().to_string();
+    let tree = Document::from_bytes(&name, glb.clone(), None)?.into_tree(&[])?;
+    interrupt::check()?;
+
+    let mut settings = Simplify::to(Target::Leaves(leaves_at(&tree, LEVELS_PERCENT[2]) as u64));
+    settings.engine = args.engine.into();
+    let result = {
+        let watch = Watch::new(common);
+        secateur::simplify(tree.foliage(), &settings, &mut |p| watch.see(p))?
+    };
+    warn_all(&result.warnings);
+    stages.extend(result.seconds.iter().copied());
+
+    interrupt::writing()?;
+    output::make_folder(&args.output)?;
+    output::write_file(&original, &glb)?;
+    let levels = write_levels(&mut stages, &args.output, &tree, &result)?;
+    let sheet = args.output.join("contact-sheet.png");
+    timed(&mut stages, "picture", || {
+        let exhibits = exhibits(&tree, &levels)?;
+        output::write_file(&sheet, &picture::sheet(&exhibits)?)
+    })?;
+    let total = start.elapsed().as_secs_f64();
+    let rows = rows(&tree, &levels, glb.len() as u64);
+    let record = json!({
+        "species": Species::Oak.name(),
+        "levels": rows,
+        "picture": sheet.display().to_string(),
+        "method": settings.method.name(),
+        "engine": result.engine,
+        "adapter": result.adapter,
+        "order_sha256": result.order.sha256(),
+        "areas_sha256": result.areas.sha256(),
+        "resolution": result.resolution,
+        "resolution_reason": result.resolution_reason,
+        "seed": args.seed,
+        "audit": result.audited_by,
+        "seconds": record::seconds(&stages, total),
+        "peak_rss_bytes": machine::peak_rss_bytes(),
+        "run": record::provenance("demo"),
+    });
+    record::write(Some(&args.output.join("report.json")), &record)?;
+    let pretty = pretty(&tree, &levels, &sheet, glb.len() as u64, total);
+    Ok(Printed {
+        pretty,
+        record,
+        rows,
+    })
+}
+
+fn leaves_at(tree: &Tree, percent: u32) -> usize {
+    let count = tree.foliage().leaves().len();
+    (count as f64 * f64::from(percent) / 100.0).round() as usize
+}
+
+fn write_levels(
+    stages: &mut Vec<(&'static str, f64)>,
+    folder: &Path,
+    tree: &Tree,
+    result: &Simplified,
+) -> Result<Vec<Level>, Failure> {
+    let count = tree.foliage().leaves().len();
+    let mut levels = Vec::new();
+    let mut seconds = [0.0; 2];
+    for percent in LEVELS_PERCENT {
+        let leaves = leaves_at(tree, percent);
+        let lod = Lod::after(&result.order, count - leaves);
+        let path: PathBuf = folder.join(format!("tree-{percent:02}.glb"));
+        let start = Instant::now();
+        let written = tree.write_lod(&lod, &path)?;
+        seconds[0] += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let again = Tree::open(&path, &[])?;
+        let measured = secateur::measure(tree.foliage(), again.foliage())?;
+        seconds[1] += start.elapsed().as_secs_f64();
+        levels.push(Level {
+            percent,
+            leaves,
+            written,
+            measured,
+        });
+    }
+    stages.extend([("write", seconds[0]), ("measure", seconds[1])]);
+    Ok(levels)
+}
+
+fn exhibits(tree: &Tree, levels: &[Level]) -> Result<Vec<Exhibit>, Failure> {
+    let words = |leaves: usize, triangles: u64| {
+        let [leaves, triangles] = [leaves as u64, triangles].map(grouped);
+        format!("{leaves} leaves\n{triangles} triangles")
+    };
+    let mut exhibits = vec![Exhibit {
+        title: "original".to_owned(),
+        subtitle: words(tree.foliage().leaves().len(), tree.triangle_count()),
+        surfaces: picture::surfaces(tree.document(), &[])?,
+    }];
+    for level in levels {
+        let document = Document::open(&level.written.files[0])?;
+        exhibits.push(Exhibit {
+            title: format!("{} %", level.percent),
+            subtitle: words(level.leaves, level.written.triangles),
+            surfaces: picture::surfaces(&document, &[])?,
+        });
+    }
+    Ok(exhibits)
+}
+
+fn rows(tree: &Tree, levels: &[Level], original_bytes: u64) -> Vec<Value> {
+    let original = json!({
+        "level": "original",
+        "leaves": tree.foliage().leaves().len(),
+        "triangles": tree.triangle_count(),
+        "bytes": original_bytes,
+    });
+    let rows = levels.iter().map(|level| {
+        let about = json!({
+            "level": format!("{} %", level.percent),
+            "file": level.written.files[0].display().to_string(),
+            "leaves": level.leaves,
+            "triangles": level.written.triangles,
+            "bytes": level.written.bytes,
+        });
+        record::joined(about, record::overall(&level.measured))
+    });
+    std::iter::once(original).chain(rows).collect()
+}
+
+fn pretty(
+    tree: &Tree,
+    levels: &[Level],
+    sheet: &Path,
+    original_bytes: u64,
+    seconds: f64,
+) -> String {
+    let heads = [
+        "",
+        "leaves",
+        "triangles",
+        "VMI error",
+        "outline IoU",
+        "coverage",
+        "file",
+    ];
+    let mut rows = vec![heads.map(str::to_owned).to_vec()];
+    let [leaves, triangles] =
+        [tree.foliage().leaves().len() as u64, tree.triangle_count()].map(grouped);
+    let none = || "-".to_owned();
+    rows.push(vec![
+        "original".to_owned(),
+        leaves,
+        triangles,
+        none(),
+        none(),
+        none(),
+        size(original_bytes),
+    ]);
+    for level in levels {
+        let measured = &level.measured;
+        rows.push(vec![
+            format!("{} %", level.percent),
+            grouped(level.leaves as u64),
+            grouped(level.written.triangles),
+            percent(measured.vmi_error_percent()),
+            format!("{:.3}", measured.silhouette_iou()),
+            format!("{:.3}", measured.coverage_ratio()),
+            size(level.written.bytes),
+        ]);
+    }
+    format!(
+        "An oak, grown and simplified in {seconds:.1} s, judged from views it was not simplified by:\n\n\
+         {}\n\
+         See {}; the trees and report.json are beside it.\n",
+        columns(&rows),
+        sheet.display(),
+    )
+}

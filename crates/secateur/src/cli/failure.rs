@@ -1,0 +1,48 @@
+//! Why a command ended early.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// One sentence for standard error; the exit code is then 1.
+#[derive(Debug)]
+pub(crate) struct Failure(pub(crate) String);
+
+impl Failure {
+    /// What the operating system said about a file.
+    pub(crate) fn of_file(path: &Path, what: &str, error: &io::Error) -> Self {
+        Self(format!("{}: {what}: {error}", path.display()))
+    }
+
+    /// A library error about a file that it does not name itself.
+    pub(crate) fn about(path: &Path) -> impl Fn(secateur::Error) -> Self {
+        let path = path.to_owned();
+        move |error| match error {
+            secateur::Error::NoLeaf | secateur::Error::OutOfRange { .. } => {
+                Self(format!("{}: {error}", path.display()))
+            }
+            other => Self(other.to_string()),
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A message of another library may run over several lines.
+        let mut lines = self.0.split('\n').map(str::trim).filter(|l| !l.is_empty());
+        f.write_str(lines.next().unwrap_or("failed"))?;
+        lines.try_for_each(|line| write!(f, " {line}"))
+    }
+}
+
+impl From<secateur::Error> for Failure {
+    fn from(error: secateur::Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<secateur::GltfError> for Failure {
+    fn from(error: secateur::GltfError) -> Self {
+        Self(error.to_string())
+    }
+}

@@ -1,0 +1,25 @@
+//! `secateur inspect`.
+
+use secateur::Document;
+use serde_json::json;
+
+use super::args;
+use super::failure::Failure;
+use super::print::Printed;
+use super::{output, record};
+
+/// Shows what is in a file; that the foliage can't be told is no failure.
+pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
+    if let Some(report) = &args.report {
+        output::check_file(report, &[&args.tree])?;
+    }
+    let document = Document::open(&args.tree)?;
+    let inspection = document.inspect(&args.foliage.foliage);
+    let record = json!(inspection);
+    record::write(args.report.as_deref(), &record)?;
+    Ok(Printed {
+        pretty: inspection.to_string(),
+        rows: inspection.primitives.iter().map(|p| json!(p)).collect(),
+        record,
+    })
+}

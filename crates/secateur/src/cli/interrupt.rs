@@ -1,0 +1,44 @@
+//! Ctrl-C: the first time a clean stop, the second time at once.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static WANTED: AtomicBool = AtomicBool::new(false);
+static WRITING: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C asks for a stop.
+pub(crate) fn listen() {
+    let handler = || {
+        let again = WANTED.swap(true, Ordering::Relaxed);
+        // Never in the middle of a file.
+        if again && !WRITING.load(Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    };
+    if let Err(reason) = ctrlc::set_handler(handler) {
+        tracing::debug!("Ctrl-C will stop at once: {reason}");
+    }
+}
+
+/// Whether to go on.
+pub(crate) fn check() -> Result<(), secateur::Error> {
+    match WANTED.load(Ordering::Relaxed) {
+        true => Err(secateur::Error::Stopped),
+        false => Ok(()),
+    }
+}
+
+/// The same for callbacks.
+pub(crate) fn flow() -> ControlFlow<()> {
+    match WANTED.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
+}
+
+/// From now on only whole files are left behind, and all of them.
+pub(crate) fn writing() -> Result<(), secateur::Error> {
+    check()?;
+    WRITING.store(true, Ordering::Relaxed);
+    Ok(())
+}

@@ -1,0 +1,35 @@
+//! What the machine is, for reports.
+
+use serde_json::{Value, json};
+
+/// The largest resident set of this process so far in bytes, where the system
+/// tells.
+pub(crate) fn peak_rss_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+/// Processor, cores and system.
+pub(crate) fn describe() -> Value {
+    json!({
+        "cpu": cpu_model(),
+        "cores": std::thread::available_parallelism().ok().map(|n| n.get()),
+        "threads": rayon::current_num_threads(),
+        "os": std::env::consts::OS,
+        "arch": std::env::consts::ARCH,
+    })
+}
+
+fn cpu_model() -> Option<String> {
+    let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = info.lines().find(|l| l.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The commit this was built from, where the build said so: with
+/// `SECATEUR_COMMIT=$(git rev-parse HEAD) cargo build`.
+pub(crate) fn commit() -> Option<&'static str> {
+    option_env!("SECATEUR_COMMIT")
+}

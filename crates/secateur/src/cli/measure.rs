@@ -1,0 +1,96 @@
+//! `secateur measure`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use secateur::{Measurement, Tree};
+use serde_json::json;
+
+use super::args;
+use super::failure::Failure;
+use super::print::Printed;
+use super::summary::grouped;
+use super::{interrupt, output, record};
+
+/// Compares two trees from the held-out views.
+pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    if let Some(report) = &args.report {
+        output::check_file(report, &[&args.original, &args.simplified])?;
+    }
+    let open = |path: &Path| Tree::open(path, &args.foliage.foliage);
+    let original = open(&args.original)?;
+    let simplified = open(&args.simplified)?;
+    interrupt::check()?;
+    let alpha = secateur::Alpha::from(args.alpha);
+    let foliages = [&original, &simplified].map(|tree| alpha.apply(tree.foliage()));
+    let measured =
+        secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
+    let total = start.elapsed().as_secs_f64();
+    let about = json!({
+        "original": args.original.display().to_string(),
+        "simplified": args.simplified.display().to_string(),
+        "leaves": {
+            "original": foliages[0].leaves().len(),
+            "simplified": foliages[1].leaves().len(),
+        },
+        "triangles": {
+            "original": original.triangle_count(),
+            "simplified": simplified.triangle_count(),
+        },
+        "alpha": args.alpha.text(),
+        "seconds": record::seconds(&[], total),
+        "run": record::provenance("measure"),
+    });
+    let record = record::joined(json!(measured), about);
+    record::write(args.report.as_deref(), &record)?;
+    let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
+    Ok(Printed::single(pretty(&measured, args, counts), record))
+}
+
+fn pretty(measured: &Measurement, args: &args::Measure, leaves: [u64; 2]) -> String {
+    let row = |name: &str, value: String, what: &str| {
+        vec![format!("{name:<14}  {value:>10}"), what.to_owned()]
+    };
+    let [before, after] = leaves.map(grouped);
+    let views = measured.views;
+    let side = measured.resolution;
+    let rows = [
+        row("leaves", after, &format!("of {before}")),
+        row(
+            "VMI error",
+            format!("{:.2} %", measured.vmi_error_percent()),
+            "information lost, less is better",
+        ),
+        row(
+            "silhouette IoU",
+            format!("{:.4}", measured.silhouette_iou()),
+            "overlap of the outlines, 1 is best",
+        ),
+        row(
+            "precision",
+            format!("{:.4}", measured.precision()),
+            "pixels of the result that the original has too",
+        ),
+        row(
+            "recall",
+            format!("{:.4}", measured.recall()),
+            "pixels of the original that the result still has",
+        ),
+        row(
+            "coverage",
+            format!("{:.4}", measured.coverage_ratio()),
+            "pixels of the result over those of the original",
+        ),
+    ];
+    // Explanations to the left, unlike numbers.
+    let lines: String = rows
+        .iter()
+        .map(|cells| format!("  {}   {}\n", cells[0], cells[1]))
+        .collect();
+    format!(
+        "{} against {}, from {views} views of {side} x {side} pixels\n{lines}",
+        args.simplified.display(),
+        args.original.display(),
+    )
+}

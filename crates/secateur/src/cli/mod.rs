@@ -1,0 +1,69 @@
+//! The command line: arguments in, an exit code out.
+
+mod args;
+mod demo;
+mod failure;
+mod inspect;
+mod interrupt;
+mod log;
+mod machine;
+mod measure;
+mod output;
+mod picture;
+mod print;
+mod record;
+mod simplify;
+mod summary;
+mod watch;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command, Common};
+use failure::Failure;
+use print::Printed;
+
+/// Runs the command that the process was called with.
+pub(crate) fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // Help and version come this way too, with code 0.
+            let _ = usage.print();
+            return ExitCode::from(usage.exit_code() as u8);
+        }
+    };
+    log::start(&cli.common);
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            log::error(&failure);
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<(), Failure> {
+    interrupt::listen();
+    use_threads(&cli.common)?;
+    let printed: Printed = match &cli.command {
+        Command::Demo(args) => demo::run(args, &cli.common)?,
+        Command::Inspect(args) => inspect::run(args)?,
+        Command::Simplify(args) => simplify::run(args, &cli.common)?,
+        Command::Measure(args) => measure::run(args)?,
+    };
+    if cli.common.quiet {
+        return Ok(());
+    }
+    print::to_stdout(&printed.as_text(cli.common.format))
+}
+
+fn use_threads(common: &Common) -> Result<(), Failure> {
+    let Some(threads) = common.threads else {
+        return Ok(());
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+    pool.build_global()
+        .map_err(|e| Failure(format!("{threads} threads cannot be started: {e}")))
+}

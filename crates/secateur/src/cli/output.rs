@@ -1,0 +1,116 @@
+//! Output files: whether they can be written, found out before the work; and
+//! written whole or not at all.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::failure::Failure;
+
+/// Refuses an output tree that could not be written at the end.
+pub(crate) fn check_tree(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    if !["glb", "gltf"].contains(&extension.to_ascii_lowercase().as_str()) {
+        return refuse(path, "its name must end in .glb or .gltf");
+    }
+    check_file(path, inputs)
+}
+
+/// Refuses an output file that could not be written at the end.
+pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        let reason = format!("its folder `{}` does not exist", folder.display());
+        return refuse(path, &reason);
+    }
+    if path.is_dir() {
+        return refuse(path, "it is a folder");
+    }
+    if inputs.iter().any(|input| is_same(path, input)) {
+        let reason = "is the input; choose another name for the output";
+        return Err(Failure(format!("{}: {reason}", path.display())));
+    }
+    temporary_in(&folder)
+        .map(drop)
+        .map_err(|e| Failure::of_file(path, "cannot be written", &e))
+}
+
+/// Refuses a folder for outputs that neither is there nor could be made, or
+/// could not be written into.
+pub(crate) fn check_folder(path: &Path) -> Result<(), Failure> {
+    let mut there = path.to_owned();
+    while !there.exists() {
+        let above = folder_of(&there);
+        if above == there {
+            break;
+        }
+        there = above;
+    }
+    if !there.is_dir() {
+        let reason = format!("`{}` is no folder", there.display());
+        return refuse(path, &reason);
+    }
+    temporary_in(&there)
+        .map(drop)
+        .map_err(|e| Failure::of_file(path, "cannot be written into", &e))
+}
+
+/// Refuses two outputs in the same place.
+pub(crate) fn check_distinct(paths: &[&Path]) -> Result<(), Failure> {
+    for (k, path) in paths.iter().enumerate() {
+        if paths[..k].contains(path) {
+            return refuse(path, "two outputs have this name");
+        }
+    }
+    Ok(())
+}
+
+fn refuse(path: &Path, reason: &str) -> Result<(), Failure> {
+    let path = path.display();
+    Err(Failure(format!("{path}: cannot be written: {reason}")))
+}
+
+/// Makes a folder and those above it.
+pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(|e| Failure::of_file(path, "cannot be made", &e))
+}
+
+/// Writes a file beside its place and renames it.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let write = || -> io::Result<()> {
+        let mut file = temporary_in(&folder_of(path))?;
+        file.write_all(bytes)?;
+        file.flush()?;
+        file.persist(path).map_err(|failure| failure.error)?;
+        Ok(())
+    };
+    write().map_err(|e| Failure::of_file(path, "cannot be written", &e))
+}
+
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".secateur-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // The permissions of an ordinary new file; temporary ones are private.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        Some(_) => PathBuf::from("."),
+        None => path.to_owned(),
+    }
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}

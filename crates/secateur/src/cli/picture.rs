@@ -1,0 +1,89 @@
+//! Pictures: contact sheets, and what the views see.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder};
+use secateur::eval::{Camera, Panel, RenderOptions, contact_sheet, framing, render};
+use secateur::raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
+use secateur::{Document, Foliage, Lod, Selector, Surface};
+
+use super::failure::Failure;
+use super::output;
+
+const PANEL_WIDTH: u32 = 560;
+const PANEL_HEIGHT: u32 = 640;
+
+/// A tree to be shown.
+pub(crate) struct Exhibit {
+    pub(crate) title: String,
+    pub(crate) subtitle: String,
+    pub(crate) surfaces: Vec<Surface>,
+}
+
+/// All surfaces of a file.
+pub(crate) fn surfaces(
+    document: &Document,
+    selectors: &[Selector],
+) -> Result<Vec<Surface>, Failure> {
+    let surfaces = document.surfaces(selectors)?;
+    Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
+}
+
+/// Trees side by side as the bytes of a PNG, the first one setting the camera.
+pub(crate) fn sheet(exhibits: &[Exhibit]) -> Result<Vec<u8>, Failure> {
+    let aspect = f64::from(PANEL_WIDTH) / f64::from(PANEL_HEIGHT);
+    let empty = Vec::new();
+    let first = exhibits.first().map_or(&empty, |e| &e.surfaces);
+    let camera: Camera = framing(first, aspect);
+    let options = RenderOptions::panel(PANEL_WIDTH, PANEL_HEIGHT);
+    let panel = |exhibit: &Exhibit| Panel {
+        title: exhibit.title.clone(),
+        subtitle: exhibit.subtitle.clone(),
+        image: render(&exhibit.surfaces, &camera, &options),
+    };
+    let panels: Vec<Panel> = exhibits.iter().map(panel).collect();
+    let sheet: RgbaImage = contact_sheet(&panels);
+    png(
+        sheet.as_raw(),
+        [sheet.width(), sheet.height()],
+        ExtendedColorType::Rgba8,
+    )
+}
+
+/// Writes the leaf-ID image of every view: `NAME-view-00.png` and so on.
+pub(crate) fn write_leaf_ids(
+    folder: &Path,
+    name: &str,
+    foliage: &Foliage,
+    lod: &Lod,
+    views: &ViewSet,
+    resolution: u32,
+) -> Result<(), Failure> {
+    let scene = Scene {
+        foliage,
+        lod,
+        views,
+        resolution,
+    };
+    let fragments = CpuRasteriser.fragments(&scene);
+    let fragments = fragments.map_err(|e| Failure(e.to_string()))?;
+    for view in 0..views.len() {
+        let rgb = fragments.leaf_ids(view).to_rgb();
+        let bytes = png(&rgb, [resolution; 2], ExtendedColorType::Rgb8)?;
+        output::write_file(&folder.join(format!("{name}-view-{view:02}.png")), &bytes)?;
+    }
+    Ok(())
+}
+
+fn png(
+    pixels: &[u8],
+    [width, height]: [u32; 2],
+    kind: ExtendedColorType,
+) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Cursor::new(Vec::new());
+    let encoder = PngEncoder::new(&mut bytes);
+    let result = encoder.write_image(pixels, width, height, kind);
+    result.map_err(|e| Failure(format!("the picture cannot be encoded: {e}")))?;
+    Ok(bytes.into_inner())
+}

@@ -1,0 +1,144 @@
+//! The records behind `--report` and `--format json`.
+
+use std::path::{Path, PathBuf};
+
+use secateur::{Inspection, Measurement, Simplified, Stopped, TakenFor, Tree, Written};
+use serde_json::{Map, Value, json};
+
+use super::args;
+use super::machine;
+use super::{failure::Failure, output};
+
+/// What was run, on what.
+pub(crate) fn provenance(command: &str) -> Value {
+    let arguments: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|a| a.to_string_lossy().into_owned())
+        .collect();
+    json!({
+        "command": command,
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": machine::commit(),
+        "arguments": arguments,
+        "machine": machine::describe(),
+    })
+}
+
+/// Stages as `seconds`, with their total.
+pub(crate) fn seconds(stages: &[(&'static str, f64)], total: f64) -> Value {
+    let mut seconds = Map::new();
+    seconds.insert("total".to_owned(), total.into());
+    for (stage, time) in stages {
+        seconds.insert((*stage).to_owned(), (*time).into());
+    }
+    Value::Object(seconds)
+}
+
+/// What was taken for foliage, and why.
+pub(crate) fn foliage(inspection: &Inspection) -> Value {
+    let taken = |p: &&secateur::PrimitiveReport| {
+        matches!(p.taken_for, TakenFor::Foliage | TakenFor::FoliageInPart)
+    };
+    let chosen = inspection.primitives.iter().filter(taken);
+    chosen.map(|p| json!(p)).collect()
+}
+
+/// A result and all that went into it.
+pub(crate) struct Run<'a> {
+    pub(crate) input: &'a Path,
+    pub(crate) tree: &'a Tree,
+    pub(crate) result: &'a Simplified,
+    pub(crate) written: &'a Written,
+    pub(crate) stages: &'a [(&'static str, f64)],
+    pub(crate) total_seconds: f64,
+    pub(crate) warnings: &'a [String],
+}
+
+/// The record of a `simplify`.
+pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
+    let (tree, result) = (run.tree, run.result);
+    json!({
+        "input": run.input.display().to_string(),
+        "output": files(&run.written.files),
+        "bytes": { "original": bytes_of(run.input), "final": run.written.bytes },
+        "leaves": {
+            "original": result.order.leaf_count(),
+            "final": result.lod.leaf_count(),
+        },
+        "triangles": { "original": tree.triangle_count(), "final": run.written.triangles },
+        "method": args.method.text(),
+        "engine": result.engine,
+        "adapter": result.adapter,
+        "order_sha256": result.order.sha256(),
+        "areas_sha256": result.areas.sha256(),
+        "seconds": seconds(run.stages, run.total_seconds),
+        "peak_rss_bytes": machine::peak_rss_bytes(),
+        "max_area_scale": result.lod.max_area_scale(),
+        "vmi_bits": result.vmi_final.bits(),
+        "vmi_bits_original": result.vmi_original.bits(),
+        "driving_vmi_error_percent": result.driving_error_percent(),
+        "stopped": stopped(result.stopped),
+        "audit": result.audited_by,
+        "settings": settings(args, result),
+        "foliage": foliage(tree.inspection()),
+        "warnings": run.warnings,
+        "notes": run.written.notes,
+        "run": provenance("simplify"),
+    })
+}
+
+fn settings(args: &args::Simplify, result: &Simplified) -> Value {
+    let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
+    json!({
+        "views": args.views,
+        "view_count": result.views.len(),
+        "resolution": result.resolution,
+        "resolution_reason": result.resolution_reason,
+        "reference": args.reference.text(),
+        "resize": args.resize.text(),
+        "neighbours": args.neighbours,
+        "ties": args.ties.text(),
+        "alpha": args.alpha.text(),
+        "engine": args.engine.text(),
+        "foliage": selectors.collect::<Vec<_>>(),
+        "seed": args.seed,
+    })
+}
+
+fn stopped(stopped: Stopped) -> &'static str {
+    match stopped {
+        Stopped::AtLeafCount => "leaf count",
+        Stopped::AtMaxError => "max error",
+    }
+}
+
+fn files(paths: &[PathBuf]) -> Vec<String> {
+    paths.iter().map(|p| p.display().to_string()).collect()
+}
+
+/// The size of a file, where it can be told.
+pub(crate) fn bytes_of(path: &Path) -> Option<u64> {
+    std::fs::metadata(path).map(|m| m.len()).ok()
+}
+
+/// The metrics over all views.
+pub(crate) fn overall(measured: &Measurement) -> Value {
+    let about = json!({ "views": measured.views, "resolution": measured.resolution });
+    joined(json!(measured.overall), about)
+}
+
+/// Writes a record where one is asked for.
+pub(crate) fn write(path: Option<&Path>, record: &Value) -> Result<(), Failure> {
+    match path {
+        Some(path) => output::write_file(path, format!("{record:#}\n").as_bytes()),
+        None => Ok(()),
+    }
+}
+
+/// One record with the entries of both.
+pub(crate) fn joined(mut record: Value, more: Value) -> Value {
+    if let (Value::Object(entries), Value::Object(more)) = (&mut record, more) {
+        entries.extend(more);
+    }
+    record
+}

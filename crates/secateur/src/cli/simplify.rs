@@ -1,0 +1,280 @@
+//! `secateur simplify`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use secateur::raster::ViewSet;
+use secateur::{
+    Document, Error, Lod, Resolution, Simplified, Simplify, Tree, Views, Written, read_cameras,
+};
+
+use super::args::{self, Common};
+use super::failure::Failure;
+use super::picture::{self, Exhibit};
+use super::print::Printed;
+use super::record::{self, Run};
+use super::summary::{columns, grouped, percent, size};
+use super::watch::Watch;
+use super::{interrupt, machine, output};
+
+/// Reads, simplifies, writes, reports.
+pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    check_outputs(args)?;
+    let settings = settings(args)?;
+    let mut stages = Vec::new();
+
+    let tree = timed(&mut stages, "load", || {
+        tracing::info!("reading {}", args.tree.display());
+        Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
+    })?;
+    let mut warnings = tree.inspection().warnings.clone();
+    warn_all(&warnings);
+    interrupt::check()?;
+
+    let result = simplified(&tree, &settings, args, common)?;
+    warn_all(&result.warnings);
+    warnings.extend(result.warnings.iter().cloned());
+    stages.extend(result.seconds.iter().copied());
+
+    interrupt::writing()?;
+    let written = timed(&mut stages, "write", || {
+        tracing::info!("writing {}", args.output.display());
+        tree.write_lod(&result.lod, &args.output)
+            .map_err(Failure::from)
+    })?;
+    if let Some(picture) = &args.picture {
+        timed(&mut stages, "picture", || {
+            write_picture(picture, args, &tree, &result)
+        })?;
+    }
+    if let Some(folder) = &args.debug_images {
+        write_debug_images(folder, &settings, &tree, &result)?;
+    }
+    let run = Run {
+        input: &args.tree,
+        tree: &tree,
+        result: &result,
+        written: &written,
+        stages: &stages,
+        total_seconds: start.elapsed().as_secs_f64(),
+        warnings: &warnings,
+    };
+    let record = record::of_simplify(&run, args);
+    record::write(args.report.as_deref(), &record)?;
+    Ok(Printed::single(pretty(&run, args), record))
+}
+
+fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
+    let mut inputs = vec![args.tree.as_path()];
+    let cameras = Path::new(&args.views);
+    inputs.push(cameras);
+    output::check_tree(&args.output, &inputs)?;
+    let mut outputs = vec![args.output.as_path()];
+    for file in [&args.report, &args.picture].into_iter().flatten() {
+        output::check_file(file, &inputs)?;
+        outputs.push(file);
+    }
+    if let Some(folder) = &args.debug_images {
+        output::check_folder(folder)?;
+    }
+    output::check_distinct(&outputs)
+}
+
+fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
+    let mut settings = Simplify::to(args.target.target()?);
+    settings.method = args.method.into();
+    settings.engine = args.engine.into();
+    settings.views = views(&args.views)?;
+    settings.resolution = args.resolution;
+    settings.reference = args.reference.into();
+    settings.resize = args.resize.into();
+    settings.neighbours = args.neighbours as usize;
+    settings.ties = args.ties.into();
+    settings.alpha = args.alpha.into();
+    settings.seed = args.seed;
+    settings.audit = args.audit || (settings.audit && !args.no_audit);
+    Ok(settings)
+}
+
+fn views(name: &str) -> Result<Views, Error> {
+    Ok(match name {
+        "dodecahedron" | "20" => Views::Dodecahedron,
+        "icosahedron" | "12" => Views::Icosahedron,
+        "cube" | "8" => Views::Cube,
+        "octahedron" | "6" => Views::Octahedron,
+        "vnc" => Views::Variable,
+        file => Views::Cameras(read_cameras(Path::new(file)).map_err(or_a_name(file))?),
+    })
+}
+
+/// A name that was mistyped is no file either.
+fn or_a_name(name: &str) -> impl Fn(Error) -> Error {
+    let is_there = Path::new(name).exists();
+    move |error| match error {
+        Error::Cameras { file, reason } if !is_there => Error::Cameras {
+            file,
+            reason: format!(
+                "{reason}; `--views` takes dodecahedron, icosahedron, 8, 6, vnc or a JSON file"
+            ),
+        },
+        other => other,
+    }
+}
+
+fn simplified(
+    tree: &Tree,
+    settings: &Simplify,
+    args: &args::Simplify,
+    common: &Common,
+) -> Result<Simplified, Failure> {
+    let watch = Watch::new(common);
+    secateur::simplify(tree.foliage(), settings, &mut |progress| {
+        watch.see(progress)
+    })
+    .map_err(Failure::about(&args.tree))
+}
+
+/// Does something and notes how long it took.
+pub(crate) fn timed<T>(
+    stages: &mut Vec<(&'static str, f64)>,
+    name: &'static str,
+    work: impl FnOnce() -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let start = Instant::now();
+    let result = work()?;
+    stages.push((name, start.elapsed().as_secs_f64()));
+    Ok(result)
+}
+
+pub(crate) fn warn_all(warnings: &[String]) {
+    for warning in warnings {
+        tracing::warn!("{warning}");
+    }
+}
+
+fn write_picture(
+    path: &Path,
+    args: &args::Simplify,
+    tree: &Tree,
+    result: &Simplified,
+) -> Result<(), Failure> {
+    let selectors = &args.foliage.foliage;
+    let leaves = |n: usize| format!("{} leaves", grouped(n as u64));
+    let after = Document::open(&args.output)?;
+    let kept = result.lod.leaf_count();
+    let count = result.order.leaf_count() as usize;
+    let exhibits = [
+        Exhibit {
+            title: "original".to_owned(),
+            subtitle: leaves(count),
+            surfaces: picture::surfaces(tree.document(), selectors)?,
+        },
+        Exhibit {
+            title: share(kept, count),
+            subtitle: leaves(kept),
+            // No leaf may be left to select.
+            surfaces: picture::surfaces(&after, &[])?,
+        },
+    ];
+    output::write_file(path, &picture::sheet(&exhibits)?)
+}
+
+/// "10 %" of the leaves.
+pub(crate) fn share(kept: usize, count: usize) -> String {
+    let share = 100.0 * kept as f64 / count.max(1) as f64;
+    match share {
+        s if (s - s.round()).abs() < 0.05 => format!("{s:.0} %"),
+        s => format!("{s:.1} %"),
+    }
+}
+
+fn write_debug_images(
+    folder: &Path,
+    settings: &Simplify,
+    tree: &Tree,
+    result: &Simplified,
+) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    let foliage = settings.alpha.apply(tree.foliage());
+    let original = Lod::original(foliage.leaves().len());
+    let views: &ViewSet = &result.views;
+    for (name, lod) in [("before", &original), ("after", &result.lod)] {
+        picture::write_leaf_ids(folder, name, &foliage, lod, views, result.resolution)?;
+    }
+    Ok(())
+}
+
+fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
+    let (result, written): (&Simplified, &Written) = (run.result, run.written);
+    let row = |cells: [String; 4]| cells.to_vec();
+    let numbers = |name: &str, before: u64, after: u64| {
+        let share = share(after as usize, before as usize);
+        row([name.to_owned(), grouped(before), grouped(after), share])
+    };
+    let mut rows = vec![
+        row([
+            String::new(),
+            "original".into(),
+            "result".into(),
+            String::new(),
+        ]),
+        numbers(
+            "leaves",
+            result.order.leaf_count().into(),
+            result.lod.leaf_count() as u64,
+        ),
+        numbers("triangles", run.tree.triangle_count(), written.triangles),
+    ];
+    if let Some(before) = record::bytes_of(run.input) {
+        let share = share(written.bytes as usize, before as usize);
+        rows.push(row([
+            "file".into(),
+            size(before),
+            size(written.bytes),
+            share,
+        ]));
+    }
+    let mut text = format!("{} -> {}\n", run.input.display(), args.output.display());
+    text += &columns(&rows);
+    let mut say = |name: &str, what: String| text += &format!("  {name:<9}  {what}\n");
+    say(
+        "method",
+        format!(
+            "{} on the {}",
+            args.method.text(),
+            result.adapter.as_deref().unwrap_or("CPU")
+        ),
+    );
+    let (views, side) = (result.views.len(), result.resolution);
+    say("views", format!("{views} of {side} x {side} pixels"));
+    if args.resolution == Resolution::Auto {
+        say("", result.resolution_reason.clone());
+    }
+    say(
+        "loss",
+        format!(
+            "VMI error {} on these views; `secateur measure` judges by others",
+            percent(result.driving_error_percent())
+        ),
+    );
+    say(
+        "growth",
+        format!(
+            "the largest leaf has {:.1} times its original area",
+            result.lod.max_area_scale()
+        ),
+    );
+    let memory = machine::peak_rss_bytes().map(|bytes| format!(", {} of memory", size(bytes)));
+    say(
+        "cost",
+        format!("{:.2} s{}", run.total_seconds, memory.unwrap_or_default()),
+    );
+    if let Some(path) = result.audited_by {
+        say("audit", format!("the {path} draws the same areas"));
+    }
+    for note in &written.notes {
+        say("note", note.clone());
+    }
+    text
+}

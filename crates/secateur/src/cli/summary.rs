@@ -1,0 +1,67 @@
+//! Numbers for reading.
+
+/// 20160 as "20,160".
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes as "3.8 MB".
+pub(crate) fn size(bytes: u64) -> String {
+    match bytes {
+        0..1_000 => format!("{bytes} B"),
+        1_000..1_000_000 => format!("{:.0} kB", bytes as f64 / 1e3),
+        _ => format!("{:.1} MB", bytes as f64 / 1e6),
+    }
+}
+
+/// Per cent with the digits that matter.
+pub(crate) fn percent(percent: f64) -> String {
+    match percent {
+        p if p == 0.0 || p >= 10.0 => format!("{p:.1} %"),
+        p => format!("{p:.2} %"),
+    }
+}
+
+/// Rows of cells as aligned columns: the first to the left, others to the right.
+pub(crate) fn columns(rows: &[Vec<String>]) -> String {
+    let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate();
+        let padded = cells.map(|(k, (cell, &width))| match k {
+            0 => format!("{cell:<width$}"),
+            _ => format!("{cell:>width$}"),
+        });
+        let text = padded.collect::<Vec<_>>().join("  ");
+        format!("  {}\n", text.trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_go_by_threes() {
+        assert_eq!(
+            [0, 999, 1000, 20_160, 1_234_567].map(grouped),
+            ["0", "999", "1,000", "20,160", "1,234,567"]
+        );
+    }
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let row = |cells: [&str; 2]| cells.map(str::to_owned).to_vec();
+        let text = columns(&[row(["", "leaves"]), row(["10 %", "300"])]);
+        assert_eq!(text, "        leaves\n  10 %     300\n");
+    }
+}

@@ -1,0 +1,207 @@
+//! Where leaves are rasterised: a GPU or the CPU, opened once.
+
+use std::sync::OnceLock;
+
+use secateur_raster::{AreaTable, CpuRasteriser, Fragments, RasterError, Rasteriser, Scene};
+
+#[cfg(feature = "gpu")]
+use secateur_raster::gpu::{Device, Preference};
+
+use crate::{Engine, Error};
+
+/// From how many triangles times views on a hardware GPU is worth opening: it
+/// takes some tenths of a second, in which two CPU cores rasterise about as many.
+#[cfg(feature = "gpu")]
+const WORTH_A_GPU: u64 = 2_000_000;
+
+/// An engine at work.
+///
+/// Both engines give the same bits; the GPU's part is rasterising (fragments,
+/// areas), the greedy loop itself stays on the CPU.
+#[derive(Debug, Default)]
+pub struct OpenEngine {
+    #[cfg(feature = "gpu")]
+    device: Option<Device>,
+    /// Whether the CPU takes over where the GPU fails.
+    falls_back: bool,
+    failure: OnceLock<String>,
+}
+
+impl OpenEngine {
+    /// The CPU.
+    pub fn cpu() -> Self {
+        Self::default()
+    }
+
+    /// The engine that is asked for. `triangle_views`, the number of leaf
+    /// triangles times that of views, decides whether [`Engine::Auto`] looks for
+    /// a GPU.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if [`Engine::Gpu`] is asked for and there is none.
+    pub fn open(engine: Engine, triangle_views: u64) -> Result<Self, Error> {
+        match engine {
+            Engine::Cpu => Ok(Self::cpu()),
+            Engine::Gpu => Self::open_gpu(),
+            Engine::Auto => Ok(Self::open_best(triangle_views)),
+        }
+    }
+
+    #[cfg(feature = "gpu")]
+    fn open_gpu() -> Result<Self, Error> {
+        let device = Device::find(Preference::Any);
+        device
+            .map(Self::on_device)
+            .map_err(|e| Error::Gpu(e.to_string()))
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn open_gpu() -> Result<Self, Error> {
+        Err(Error::Gpu(
+            "this secateur was built without the feature `gpu`; run on the CPU".to_owned(),
+        ))
+    }
+
+    #[cfg(feature = "gpu")]
+    fn open_best(triangle_views: u64) -> Self {
+        if triangle_views < WORTH_A_GPU {
+            return Self::cpu();
+        }
+        match Device::find(Preference::Hardware) {
+            Ok(device) => Self::on_device(device).falling_back(),
+            Err(reason) => {
+                tracing::debug!("no GPU for `auto`: {reason}");
+                Self::cpu()
+            }
+        }
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn open_best(_: u64) -> Self {
+        Self::cpu()
+    }
+
+    /// A GPU that was opened before, such as one's own
+    /// ([`Device::from_wgpu`]).
+    #[cfg(feature = "gpu")]
+    pub fn on_device(device: Device) -> Self {
+        Self {
+            device: Some(device),
+            ..Self::default()
+        }
+    }
+
+    /// The same, but where the GPU fails (lost, out of memory) the CPU takes
+    /// over and [`warning`](Self::warning) says so, as under [`Engine::Auto`].
+    pub fn falling_back(self) -> Self {
+        Self {
+            falls_back: true,
+            ..self
+        }
+    }
+
+    /// `gpu` or `cpu`, whichever did the work; `cpu` once it took over.
+    pub fn name(&self) -> &'static str {
+        if self.is_gpu() { "gpu" } else { "cpu" }
+    }
+
+    #[cfg(feature = "gpu")]
+    fn is_gpu(&self) -> bool {
+        self.device.is_some() && self.failure.get().is_none()
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn is_gpu(&self) -> bool {
+        false
+    }
+
+    /// The adapter's name and driver, or `None` on the CPU.
+    #[cfg(feature = "gpu")]
+    pub fn adapter(&self) -> Option<String> {
+        let device = self.device.as_ref().filter(|_| self.is_gpu())?;
+        Some(format!("{} ({})", device.adapter(), device.driver()))
+    }
+
+    /// The adapter's name and driver, or `None` on the CPU.
+    #[cfg(not(feature = "gpu"))]
+    pub fn adapter(&self) -> Option<String> {
+        None
+    }
+
+    /// Why the CPU took over, in a sentence.
+    pub fn warning(&self) -> Option<String> {
+        let reason = self.failure.get()?;
+        Some(format!("the GPU failed and the CPU took over: {reason}"))
+    }
+
+    /// What rasterises now.
+    fn rasteriser(&self) -> &dyn Rasteriser {
+        #[cfg(feature = "gpu")]
+        if let Some(device) = self.device.as_ref().filter(|_| self.is_gpu()) {
+            return device;
+        }
+        &CpuRasteriser
+    }
+
+    fn with_fallback<T>(
+        &self,
+        work: impl Fn(&dyn Rasteriser) -> Result<T, RasterError>,
+    ) -> Result<T, RasterError> {
+        match work(self.rasteriser()) {
+            Err(error) if self.is_gpu() && self.falls_back => {
+                // Another thread may have been first; its reason will do.
+                let _ = self.failure.set(error.to_string());
+                work(&CpuRasteriser)
+            }
+            result => result,
+        }
+    }
+}
+
+impl Rasteriser for OpenEngine {
+    fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
+        self.with_fallback(|rasteriser| rasteriser.fragments(scene))
+    }
+
+    fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
+        self.with_fallback(|rasteriser| rasteriser.areas(scene))
+    }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use secateur_model::{Foliage, LeafTriangle, Lod};
+    use secateur_raster::{ViewSet, cpu};
+
+    #[test]
+    fn the_cpu_takes_over_where_the_gpu_fails() {
+        let Ok(device) = Device::find(Preference::Any) else {
+            let is_required = std::env::var("SECATEUR_REQUIRE_GPU").is_ok_and(|v| v == "1");
+            assert!(!is_required, "there is no GPU adapter");
+            eprintln!("SKIPPED: there is no GPU adapter");
+            return;
+        };
+        let mut foliage = Foliage::default();
+        let triangle = LeafTriangle::plain([DVec3::ZERO, DVec3::X, DVec3::Y]);
+        foliage.push_leaf(&[triangle], None).unwrap();
+        let views = ViewSet::octahedron(foliage.bounding_sphere().unwrap());
+        let scene = Scene {
+            foliage: &foliage,
+            lod: &Lod::original(1),
+            views: &views,
+            resolution: 64,
+        };
+        // Not one row of a view fits a binding of 16 bytes.
+        let strict = OpenEngine::on_device(device.with_binding_limit(16));
+        assert!(strict.fragments(&scene).is_err());
+        assert_eq!((strict.name(), strict.warning()), ("gpu", None));
+
+        let lenient = strict.falling_back();
+        assert_eq!(lenient.fragments(&scene).unwrap(), cpu::fragments(&scene));
+        assert_eq!(lenient.areas(&scene).unwrap(), cpu::areas(&scene));
+        assert_eq!((lenient.name(), lenient.adapter()), ("cpu", None));
+        assert!(lenient.warning().unwrap().contains("the CPU took over"));
+    }
+}

@@ -1,0 +1,363 @@
+//! A foliage and settings in, a removal order and its LOD out.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use secateur_model::{BoundingSphere, Foliage, Lod, RemovalOrder};
+use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, Scene, ViewSet};
+use secateur_simplify::resolution::{CANDIDATES, choose};
+use secateur_simplify::vds::{self, Stop, Stopped, VdsOptions, VdsOutcome};
+use secateur_simplify::vmi::Vmi;
+
+use crate::audit::audit;
+use crate::{Error, Method, OpenEngine, Resolution, Simplify};
+
+/// Where a run stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Progress {
+    /// A stage begins; the name is that of its entry in
+    /// [`Simplified::seconds`].
+    Stage(&'static str),
+    /// A leaf was removed.
+    Step {
+        /// Steps done.
+        done: usize,
+        /// Steps to do at most.
+        at_most: usize,
+    },
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Simplified {
+    /// Which leaves went, in order, and which grew for them. Every prefix of it
+    /// is a LOD: [`Lod::after`].
+    pub order: RemovalOrder,
+    /// The leaves that are left, and how large.
+    pub lod: Lod,
+    /// Cost of each step in units of 2^-27 bits times pixels of a view: see
+    /// [`secateur_simplify::vmi`].
+    pub costs_scaled: Vec<i64>,
+    /// Why the run ended.
+    pub stopped: Stopped,
+    /// The views of the last step.
+    pub views: ViewSet,
+    /// Areas of the leaves that are left in those views, in pixels.
+    pub areas: AreaTable,
+    /// VMI of the original foliage in those views.
+    pub vmi_original: Vmi,
+    /// VMI of what is left in those views.
+    pub vmi_final: Vmi,
+    /// Width and height of the images in pixels.
+    pub resolution: u32,
+    /// Why that resolution, in words.
+    pub resolution_reason: String,
+    /// `gpu` or `cpu`.
+    pub engine: &'static str,
+    /// The GPU and its driver.
+    pub adapter: Option<String>,
+    /// What the result was audited against, if it was.
+    pub audited_by: Option<&'static str>,
+    /// Stages and how long they took.
+    pub seconds: Vec<(&'static str, f64)>,
+    /// What is not as one might expect, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Simplified {
+    /// VMI error against the original foliage on the driving views, in per cent.
+    pub fn driving_error_percent(&self) -> f64 {
+        self.vmi_original.error_percent(&self.vmi_final)
+    }
+}
+
+/// Simplifies a foliage.
+///
+/// `progress` is called when a stage begins and after every step; it may break
+/// off the run.
+///
+/// Time is about in proportion to the leaves at equal crown density, and to the
+/// number of views times the pixels that a leaf covers; memory about 20 bytes a
+/// fragment. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
+///
+/// # Errors
+/// [`Error`] if the foliage is empty or out of range, a setting is, the GPU
+/// that was asked for is missing or fails, the run was broken off or its
+/// result does not pass the audit.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use secateur::plant::{EllipsoidCrown, ellipsoid_crown};
+/// use secateur::{Resolution, Simplify, Target, simplify};
+///
+/// let foliage = ellipsoid_crown(300, 1, &EllipsoidCrown::default())?;
+/// let mut settings = Simplify::to(Target::Ratio(0.5));
+/// settings.resolution = Resolution::Pixels(64);
+/// let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(()))?;
+/// assert_eq!(result.order.len(), 150);
+/// assert_eq!(result.lod.leaf_count(), 150);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn simplify(
+    foliage: &Foliage,
+    settings: &Simplify,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Simplified, Error> {
+    let sphere = sphere_of(foliage)?;
+    let views = settings.views.around(sphere).len() as u64;
+    let triangle_views = foliage.triangles().len() as u64 * views;
+    let engine = OpenEngine::open(settings.engine, triangle_views)?;
+    simplify_on(&engine, foliage, settings, progress)
+}
+
+/// [`simplify`] on an engine that is open already, whatever
+/// [`Simplify::engine`] says.
+///
+/// # Errors
+/// As [`simplify`].
+pub fn simplify_on(
+    engine: &OpenEngine,
+    foliage: &Foliage,
+    settings: &Simplify,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Simplified, Error> {
+    let foliage = settings.alpha.apply(foliage);
+    let sphere = sphere_of(&foliage)?;
+    let leaf_count = foliage.leaves().len();
+    let (leaves, max_error_percent) = settings.target.resolve(leaf_count)?;
+    let mut clock = Clock::new(progress);
+
+    clock.begin("resolution")?;
+    let (resolution, resolution_reason) = match settings.resolution {
+        Resolution::Pixels(n) => (n, "as asked".to_owned()),
+        Resolution::Auto => resolution_for(&foliage, &settings.views.around(sphere), engine)?,
+    };
+    let options = VdsOptions {
+        views: settings.views.plan(sphere),
+        resolution,
+        reference: settings.reference,
+        resize: settings.resize,
+        neighbours: settings.neighbours,
+        ties: settings.ties,
+        stop: Stop {
+            leaves,
+            max_error_percent,
+        },
+    };
+
+    clock.begin("simplify")?;
+    let outcome = run(settings.method, &foliage, &options, engine, &mut clock)?;
+    let lod = Lod::after(&outcome.order, outcome.order.len());
+    let audited_by = match settings.audit {
+        false => None,
+        true => {
+            clock.begin("audit")?;
+            let scene = Scene {
+                foliage: &foliage,
+                lod: &lod,
+                views: &outcome.views,
+                resolution,
+            };
+            Some(audit(&outcome.areas, &scene, engine)?)
+        }
+    };
+    let seconds = clock.finish();
+    let mut warnings = warnings_of(leaves, leaf_count);
+    warnings.extend(engine.warning());
+    Ok(Simplified {
+        order: outcome.order,
+        lod,
+        costs_scaled: outcome.costs_scaled,
+        stopped: outcome.stopped,
+        views: outcome.views,
+        areas: outcome.areas,
+        vmi_original: outcome.vmi_original,
+        vmi_final: outcome.vmi_final,
+        resolution,
+        resolution_reason,
+        engine: engine.name(),
+        adapter: engine.adapter(),
+        audited_by,
+        seconds,
+        warnings,
+    })
+}
+
+fn resolution_for(
+    foliage: &Foliage,
+    views: &ViewSet,
+    engine: &OpenEngine,
+) -> Result<(u32, String), Error> {
+    let [least, .., most] = CANDIDATES;
+    if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
+        return Ok((least, "there are too many views to try more".to_owned()));
+    }
+    let chosen = choose(foliage, views, engine)?;
+    Ok((chosen.resolution, chosen.reason))
+}
+
+fn run(
+    method: Method,
+    foliage: &Foliage,
+    options: &VdsOptions,
+    engine: &OpenEngine,
+    clock: &mut Clock<'_>,
+) -> Result<VdsOutcome, Error> {
+    let mut step = |progress: vds::Progress| {
+        (clock.progress)(Progress::Step {
+            done: progress.steps,
+            at_most: progress.steps_at_most,
+        })
+    };
+    Ok(match method {
+        Method::Vds => vds::fast::simplify(foliage, options, engine, &mut step)?,
+        Method::VdsReference => vds::reference::simplify(foliage, options, &mut step)?,
+    })
+}
+
+fn warnings_of(leaves: usize, leaf_count: usize) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if leaves > leaf_count {
+        warnings.push(format!(
+            "{leaves} leaves were asked for and there are {leaf_count}: nothing was removed"
+        ));
+    }
+    warnings
+}
+
+/// The bounding sphere, if cameras about it can be computed.
+///
+/// # Errors
+/// [`Error::NoLeaf`] or [`Error::OutOfRange`].
+pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
+    let sphere = foliage.bounding_sphere().ok_or(Error::NoLeaf)?;
+    // A foliage without extent is looked at as if it had a radius of 1.
+    let size = if sphere.radius > 0.0 {
+        sphere.radius
+    } else {
+        1.0
+    };
+    let distance = sphere.centre.length();
+    let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e9 * size;
+    is_in_range.then_some(sphere).ok_or(Error::OutOfRange {
+        radius: sphere.radius,
+        distance,
+    })
+}
+
+/// Tells the stages and times them.
+struct Clock<'a> {
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
+    stages: Vec<(&'static str, f64)>,
+    started: Option<(&'static str, Instant)>,
+}
+
+impl<'a> Clock<'a> {
+    fn new(progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        Self {
+            progress,
+            stages: Vec::new(),
+            started: None,
+        }
+    }
+
+    fn begin(&mut self, stage: &'static str) -> Result<(), Error> {
+        self.end();
+        self.started = Some((stage, Instant::now()));
+        match (self.progress)(Progress::Stage(stage)) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Stopped),
+        }
+    }
+
+    fn end(&mut self) {
+        if let Some((stage, since)) = self.started.take() {
+            let seconds = since.elapsed().as_secs_f64();
+            tracing::debug!("{stage}: {seconds:.3} s");
+            self.stages.push((stage, seconds));
+        }
+    }
+
+    fn finish(mut self) -> Vec<(&'static str, f64)> {
+        self.end();
+        self.stages
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Target;
+    use glam::DVec3;
+    use secateur_model::LeafTriangle;
+
+    fn leaf_at(place: DVec3, size: f64) -> Foliage {
+        let mut foliage = Foliage::default();
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| place + size * p);
+        foliage
+            .push_leaf(&[LeafTriangle::plain(corners)], None)
+            .unwrap();
+        foliage
+    }
+
+    #[test]
+    fn what_no_camera_can_be_put_around_is_refused() {
+        assert!(sphere_of(&leaf_at(DVec3::ZERO, 1.0)).is_ok());
+        // A leaf that is a point is looked at as if it were of size 1.
+        assert!(sphere_of(&leaf_at(DVec3::ONE, 0.0)).is_ok());
+        for foliage in [
+            leaf_at(DVec3::ZERO, 1e200),
+            leaf_at(DVec3::ZERO, 1e-100),
+            leaf_at(DVec3::splat(1e9), 1.0),
+        ] {
+            let error = sphere_of(&foliage).unwrap_err();
+            assert!(matches!(error, Error::OutOfRange { .. }));
+        }
+        let empty = sphere_of(&Foliage::default()).unwrap_err();
+        assert!(matches!(empty, Error::NoLeaf));
+    }
+
+    #[test]
+    fn many_views_are_no_reason_to_leave_the_range() {
+        let foliage = leaf_at(DVec3::ZERO, 1.0);
+        let one = ViewSet::octahedron(foliage.bounding_sphere().unwrap()).views()[0];
+        // 513 views of 1024 x 1024 pixels are more than 2^29 pixels.
+        let views = ViewSet::new(vec![one; 513]);
+        let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
+        assert_eq!(chosen.0, 256);
+    }
+
+    #[test]
+    fn a_run_can_be_broken_off_at_a_stage_and_at_a_step() {
+        let mut foliage = leaf_at(DVec3::ZERO, 1.0);
+        for x in 1..4 {
+            let other = leaf_at(DVec3::X * f64::from(x), 1.0);
+            foliage.push_leaf(other.triangles(), None).unwrap();
+        }
+        let settings = Simplify {
+            resolution: Resolution::Pixels(32),
+            ..Simplify::to(Target::Leaves(1))
+        };
+        let at = |last: Progress| {
+            let mut seen = Vec::new();
+            let result = simplify(&foliage, &settings, &mut |progress| {
+                seen.push(progress);
+                match progress == last {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                }
+            });
+            assert!(matches!(result, Err(Error::Stopped)));
+            seen.len()
+        };
+        assert_eq!(at(Progress::Stage("resolution")), 1);
+        assert_eq!(
+            at(Progress::Step {
+                done: 2,
+                at_most: 3
+            }),
+            4
+        );
+    }
+}

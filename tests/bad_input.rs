@@ -1,0 +1,353 @@
+//! What bad input gets: one sentence, exit code 1, and nothing is written.
+
+use serde_json::{Value, json};
+
+use crate::program::{Bench, Ran, oak};
+use crate::small_files::{put_changed, two_leaves};
+
+/// Runs something that must fail, and checks that the folder is as it was.
+#[track_caller]
+fn refused(bench: &Bench, run: impl FnOnce() -> Ran, parts: &[&str]) {
+    let contents = |names: &[String]| -> Vec<Vec<u8>> {
+        let files = names.iter().filter(|name| bench.path(name).is_file());
+        files.map(|name| bench.read(name)).collect()
+    };
+    let names = bench.names();
+    let before = contents(&names);
+    run().failed_saying(parts);
+    assert_eq!(bench.names(), names, "nothing is written");
+    assert!(contents(&names) == before, "nothing is changed");
+}
+
+#[track_caller]
+fn input_refused(bench: &Bench, input: &str, parts: &[&str]) {
+    let arguments = [
+        input, "-o", "out.glb", "--leaves", "1", "--report", "r.json",
+    ];
+    refused(bench, || bench.simplify(&arguments), parts);
+}
+
+/// The tree of two leaves with one thing changed.
+#[track_caller]
+fn change_refused(pointer: &str, value: Value, parts: &[&str]) {
+    let bench = Bench::new();
+    put_changed(&bench, pointer, value);
+    input_refused(&bench, "tree.gltf", &[&["tree.gltf: "], parts].concat());
+}
+
+#[test]
+fn files_that_are_no_gltf() {
+    let bench = Bench::new();
+    bench.put("no.glb", b"hello");
+    bench.put("empty.glb", b"");
+    bench.put("short.glb", &oak()[..1000]);
+    input_refused(&bench, "no.glb", &["no.glb: is not glTF"]);
+    input_refused(&bench, "empty.glb", &["empty.glb: is not glTF"]);
+    input_refused(&bench, "short.glb", &["short.glb: is truncated"]);
+    input_refused(&bench, "gone.glb", &["gone.glb: cannot be read"]);
+    input_refused(&bench, ".", &[".: cannot be read"]);
+    change_refused(
+        "/asset/version",
+        json!("1.0"),
+        &["is glTF 1.0; only version 2.0"],
+    );
+}
+
+#[test]
+fn buffers_that_are_not_there() {
+    let uri = "/buffers/0/uri";
+    change_refused(
+        uri,
+        json!("gone.bin"),
+        &["the file `gone.bin` cannot be read"],
+    );
+    for foreign in [
+        "../tree.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "http://a/b.bin",
+    ] {
+        change_refused(uri, json!(foreign), &["buffers[0]", foreign]);
+    }
+    change_refused(uri, json!("a%zz.bin"), &["buffers[0]", "malformed"]);
+    change_refused(
+        "/buffers/0/byteLength",
+        json!(121),
+        &["buffers[0]", "121 bytes"],
+    );
+}
+
+#[test]
+fn numbers_that_lie() {
+    let count = "/accessors/0/count";
+    change_refused(count, json!(9), &["accessors[0]", "asks for bytes"]);
+    change_refused(count, json!(u64::MAX), &["accessors[0]"]);
+    change_refused(count, json!(1u64 << 62), &["accessors[0]"]);
+    change_refused(count, json!(-1), &["accessors[0]", "`count`"]);
+    let endless = json!({ "componentType": 5126, "count": 4_000_000_000u64, "type": "VEC3" });
+    change_refused(
+        "/accessors/0",
+        endless,
+        &["accessors[0]", "bytes are allowed"],
+    );
+    change_refused(
+        "/bufferViews/0/byteOffset",
+        json!(1u64 << 40),
+        &["bufferViews[0]"],
+    );
+    change_refused(
+        "/meshes/0/primitives/0/indices",
+        json!(7),
+        &["`accessors[7]`"],
+    );
+    change_refused("/nodes/0/children", json!([0]), &["nodes[0]"]);
+}
+
+#[test]
+fn positions_that_are_no_numbers() {
+    for bad in [f32::NAN, f32::INFINITY] {
+        let bench = Bench::new();
+        put_changed(&bench, "/nodes/0/name", json!("tree"));
+        let mut bytes = two_leaves();
+        bytes[12..16].copy_from_slice(&bad.to_le_bytes());
+        bench.put("tree.bin", &bytes);
+        let parts = ["tree.gltf: ", "is not a finite number"];
+        input_refused(&bench, "tree.gltf", &parts);
+    }
+    let huge = json!([1e300, 1e300, 1e300]);
+    change_refused("/nodes/0/scale", huge.clone(), &[]);
+    change_refused("/nodes/0/translation", huge, &[]);
+    let large = json!([1e40, 1e40, 1e40]);
+    change_refused("/nodes/0/scale", large, &["out of range"]);
+}
+
+#[test]
+fn foliage_that_cannot_be_told() {
+    let wood = json!({ "name": "bark" });
+    change_refused("/materials/0", wood, &["--foliage material:bark"]);
+    let bench = Bench::new();
+    put_changed(&bench, "/materials/0", json!({ "name": "bark" }));
+    // To look at it is no failure.
+    let shown = bench.run(&["inspect", "tree.gltf"]).succeeded();
+    assert!(shown.stdout.contains("problem: "), "{}", shown.stdout);
+    let arguments = |selector| {
+        [
+            "tree.gltf",
+            "-o",
+            "out.glb",
+            "--leaves",
+            "1",
+            "--foliage",
+            selector,
+        ]
+    };
+    let none = || bench.simplify(&arguments("material:leaf"));
+    refused(
+        &bench,
+        none,
+        &["`material:leaf` matches nothing", "material:bark"],
+    );
+    bench.simplify(&arguments("material:b?rk")).succeeded();
+}
+
+#[test]
+fn foliage_without_a_triangle() {
+    let bench = Bench::new();
+    put_changed(&bench, "/meshes/0/primitives/0/mode", json!(1));
+    let arguments = [
+        "tree.gltf",
+        "-o",
+        "out.glb",
+        "--leaves",
+        "1",
+        "--foliage",
+        "material:leaf",
+    ];
+    let run = || bench.simplify(&arguments);
+    refused(&bench, run, &["tree.gltf: ", "no triangle"]);
+}
+
+#[test]
+fn extensions_that_are_not_known() {
+    let required = "/extensionsRequired";
+    change_refused(
+        required,
+        json!(["VND_magic"]),
+        &["needs the extension VND_magic"],
+    );
+    let draco = json!(["KHR_draco_mesh_compression"]);
+    change_refused(
+        required,
+        draco,
+        &["KHR_draco_mesh_compression", "decode it first"],
+    );
+}
+
+#[test]
+fn targets_out_of_range() {
+    let bench = Bench::new();
+    for (target, sentence) in [
+        (["--leaves", "-1"], "the target of -1 leaves must be"),
+        (["--ratio", "-0.5"], "the target of ratio -0.5 must be"),
+        (["--ratio", "1.5"], "the target of ratio 1.5 must be"),
+        (["--ratio", "nan"], "must be a number from 0 to 1"),
+        (["--max-error", "-2"], "the target of -2 % error must be"),
+    ] {
+        let arguments = [&["oak.glb", "-o", "out.glb"][..], &target].concat();
+        refused(&bench, || bench.simplify(&arguments), &[sentence]);
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("folder.glb")).unwrap();
+    // The input is broken: outputs are looked at before the work.
+    bench.put("broken.glb", b"");
+    for (more, sentence) in [
+        (
+            &["-o", "gone/out.glb"][..],
+            "its folder `gone` does not exist",
+        ),
+        (&["-o", "out.obj"], "its name must end in .glb or .gltf"),
+        (&["-o", "broken.glb"], "broken.glb: is the input"),
+        (&["-o", "folder.glb"], "it is a folder"),
+        (
+            &["-o", "o.glb", "--report", "gone/r.json"],
+            "its folder `gone` does not exist",
+        ),
+        (&["-o", "o.glb", "--report", "./broken.glb"], "is the input"),
+        (
+            &["-o", "o.glb", "--picture", "o.glb"],
+            "two outputs have this name",
+        ),
+        (
+            &["-o", "o.glb", "--debug-images", "broken.glb/x"],
+            "`broken.glb` is no folder",
+        ),
+    ] {
+        let arguments = [&["broken.glb", "--leaves", "1"], more].concat();
+        refused(&bench, || bench.simplify(&arguments), &[sentence]);
+    }
+    if cfg!(target_os = "linux") {
+        // Not even root can make files there.
+        let arguments = ["broken.glb", "--leaves", "1", "-o", "/proc/out.glb"];
+        let run = || bench.simplify(&arguments);
+        refused(&bench, run, &["/proc/out.glb: cannot be written"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_nothing_behind() {
+    use std::process::Command;
+    let bench = Bench::new();
+    // A limit on the size of files stands for a disk without room. No audit: software
+    // GPU drivers put their memory into files.
+    let script = "trap '' XFSZ; ulimit -f 8; exec \"$0\" \"$@\"";
+    let arguments = [
+        "simplify",
+        "oak.glb",
+        "-o",
+        "out.glb",
+        "--leaves",
+        "200",
+        "--views",
+        "6",
+        "--resolution",
+        "32",
+        "--no-audit",
+        "--report",
+        "r.json",
+    ];
+    let run = || {
+        let mut command = Command::new("sh");
+        command.args(["-c", script, env!("CARGO_BIN_EXE_secateur")]);
+        command.args(arguments).current_dir(bench.path("."));
+        Ran::of(&arguments, command.output().unwrap())
+    };
+    refused(&bench, run, &["out.glb: cannot be written: "]);
+}
+
+#[test]
+fn cameras_that_are_none() {
+    let bench = Bench::new();
+    bench.put("text.json", b"cameras");
+    bench.put("none.json", br#"{"cameras": []}"#);
+    bench.put(
+        "flat.json",
+        br#"{"cameras": [{"eye": [0,0,0], "target": [0,0,0]}]}"#,
+    );
+    let camera = r#"{"eye": [0,0,9], "target": [0,0,0]}"#;
+    let many = format!("{{\"cameras\": [{}]}}", vec![camera; 200].join(","));
+    bench.put("many.json", many.as_bytes());
+    for (views, parts) in [
+        ("text.json", ["text.json: ", "is no list of cameras"]),
+        ("none.json", ["none.json: ", "`cameras` is empty"]),
+        ("flat.json", ["flat.json: ", "cameras[0]"]),
+        (
+            "dodecahedra",
+            ["dodecahedra: ", "`--views` takes dodecahedron"],
+        ),
+        ("many.json", ["200 views of 2048 x 2048", "out of range"]),
+    ] {
+        let arguments = [
+            "simplify",
+            "oak.glb",
+            "-o",
+            "out.glb",
+            "--leaves",
+            "9",
+            "--resolution",
+            "2048",
+            "--views",
+            views,
+        ];
+        refused(&bench, || bench.run(&arguments), &parts);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_and_leaves_nothing() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Command, Stdio};
+    let bench = Bench::new();
+    // A run of minutes.
+    let mut child = Command::new(env!("CARGO_BIN_EXE_secateur"))
+        .args([
+            "simplify", "oak.glb", "-o", "out.glb", "--leaves", "1", "-v",
+        ])
+        .args([
+            "--method",
+            "vds-reference",
+            "--resolution",
+            "256",
+            "--report",
+            "r.json",
+        ])
+        .current_dir(bench.path("."))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    // From here on it listens.
+    stderr.read_line(&mut line).unwrap();
+    assert_eq!(line, "secateur: reading oak.glb\n");
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let mut rest = String::new();
+    stderr.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    let last = "secateur: error: stopped; nothing was written\n";
+    assert!(rest.ends_with(last), "{rest}");
+    assert_eq!(bench.names(), ["oak.glb"]);
+}

@@ -1,0 +1,109 @@
+//! The help and wrong usage.
+
+use crate::program::Bench;
+
+const COMMON: [&str; 5] = ["--format", "--threads", "--quiet", "--verbose", "--help"];
+
+#[test]
+fn help_names_every_flag() {
+    let bench = Bench::new();
+    let commands: [(&str, &[&str]); 4] = [
+        ("demo", &["--output", "--leaves", "--seed", "--engine"]),
+        ("inspect", &["TREE.glb", "--foliage", "--report"]),
+        (
+            "simplify",
+            &[
+                "TREE.glb",
+                "--output",
+                "--leaves",
+                "--ratio",
+                "--max-error",
+                "--method",
+                "--engine",
+                "--views",
+                "--resolution",
+                "--reference",
+                "--resize",
+                "--neighbours",
+                "--ties",
+                "--foliage",
+                "--alpha",
+                "--seed",
+                "--audit",
+                "--no-audit",
+                "--report",
+                "--picture",
+                "--debug-images",
+                "vds-reference",
+                "normalised",
+                "dodecahedron",
+                "rounded",
+            ],
+        ),
+        (
+            "measure",
+            &[
+                "ORIGINAL.glb",
+                "SIMPLIFIED.glb",
+                "--foliage",
+                "--alpha",
+                "--report",
+            ],
+        ),
+    ];
+    for (command, flags) in commands {
+        let help = bench.run(&[command, "--help"]).succeeded().stdout;
+        for flag in flags.iter().chain(&COMMON) {
+            assert!(help.contains(flag), "{command} --help has no {flag}");
+        }
+    }
+    let all = bench.run(&["--help"]).succeeded().stdout;
+    for command in ["demo", "inspect", "simplify", "measure"] {
+        assert!(all.contains(command), "{all}");
+    }
+    for later in ["lods", "study", "grow "] {
+        assert!(
+            !all.contains(&format!("\n  {later}")),
+            "{later} is not there yet"
+        );
+    }
+    assert!(
+        bench
+            .run(&["--version"])
+            .succeeded()
+            .stdout
+            .starts_with("secateur ")
+    );
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2() {
+    let bench = Bench::new();
+    let out = ["simplify", "oak.glb", "-o", "out.glb"];
+    let one = ["simplify", "oak.glb", "-o", "out.glb", "--leaves", "5"];
+    for (base, more) in [
+        (&[][..], &[][..]),
+        (&[], &["prune"]),
+        (&["inspect"], &[]),
+        (&["inspect", "oak.glb"], &["--foliage", "leaves"]),
+        (&["inspect", "oak.glb"], &["-q", "-v"]),
+        (&out, &[]),
+        (&out, &["--leaves", "many"]),
+        (&one, &["--ratio", "0.5"]),
+        (&one, &["--max-error", "3"]),
+        (&one, &["--resolution", "0"]),
+        (&one, &["--resolution", "4096"]),
+        (&one, &["--neighbours", "0"]),
+        (&one, &["--method", "magic"]),
+        (&one, &["--engine", "tpu"]),
+        (&one, &["--threads", "0"]),
+        (&one, &["--format", "xml"]),
+    ] {
+        let arguments = [base, more].concat();
+        let ran = bench.run(&arguments);
+        assert_eq!(ran.code, Some(2), "{arguments:?}: {}", ran.stderr);
+        assert_eq!(ran.stdout, "", "{arguments:?}");
+        assert!(!ran.stderr.is_empty(), "{arguments:?}");
+    }
+    assert_eq!(bench.names(), ["oak.glb"]);
+}

@@ -1,0 +1,13 @@
+//! What crosses crates: the built program, run as its users run it.
+
+mod bad_input;
+mod demo;
+mod engines;
+mod formats;
+mod help;
+mod main_job;
+mod measure;
+mod odd_trees;
+mod program;
+mod shared_trees;
+mod small_files;

@@ -1,0 +1,62 @@
+//! Judging.
+
+use serde_json::Value;
+
+use crate::program::Bench;
+
+#[test]
+fn a_tree_is_equal_to_itself() {
+    let bench = Bench::new();
+    let ran = bench
+        .run(&[
+            "measure", "oak.glb", "oak.glb", "--format", "json", "--report", "r.json",
+        ])
+        .succeeded();
+    let printed: Value = serde_json::from_str(&ran.stdout).unwrap();
+    for record in [printed, bench.json("r.json")] {
+        assert_eq!(record["vmi_error_percent"], 0.0);
+        for key in ["silhouette_iou", "precision", "recall", "coverage_ratio"] {
+            assert_eq!(record[key], 1.0, "{key}");
+        }
+        assert_eq!(record["views"], 12);
+        assert_eq!(record["resolution"], 512);
+    }
+}
+
+#[test]
+fn less_is_worse_and_its_silhouette_smaller() {
+    let bench = Bench::new();
+    let measured = |leaves: &str| {
+        let few = [
+            "oak.glb", "-o", "out.glb", "--resize", "none", "--leaves", leaves,
+        ];
+        bench.simplify(&few).succeeded();
+        let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
+        let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+        [
+            "vmi_error_percent",
+            "silhouette_iou",
+            "precision",
+            "coverage_ratio",
+        ]
+        .map(|key| record[key].as_f64().unwrap())
+    };
+    let [error, iou, precision, coverage] = measured("120");
+    let [more_error, less_iou, ..] = measured("24");
+    assert!(error > 0.0 && more_error > error);
+    assert!(iou < 1.0 && less_iou < iou);
+    // Leaves that only go, and don't grow, add no pixel: those left were there.
+    assert_eq!(precision, 1.0);
+    assert!((coverage - iou).abs() < 1e-9, "{coverage} {iou}");
+}
+
+#[test]
+fn what_is_no_tree_is_one_sentence() {
+    let bench = Bench::new();
+    bench.put("no.glb", b"not a tree");
+    for arguments in [["no.glb", "oak.glb"], ["oak.glb", "no.glb"]] {
+        bench
+            .run(&[&["measure"], &arguments[..]].concat())
+            .failed_saying(&["no.glb: is not glTF"]);
+    }
+}

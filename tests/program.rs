@@ -1,0 +1,155 @@
+//! Running the program, and trees to run it on.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use secateur::plant::{GrowOptions, Species, grow};
+use secateur::plant_to_glb;
+use serde_json::Value;
+
+/// Leaves of [`oak`].
+pub(crate) const OAK_LEAVES: u64 = 240;
+
+/// A small oak as GLB.
+pub(crate) fn oak() -> &'static [u8] {
+    static OAK: OnceLock<Vec<u8>> = OnceLock::new();
+    OAK.get_or_init(|| {
+        let options = GrowOptions {
+            leaves: OAK_LEAVES as u32,
+            seed: 5,
+        };
+        plant_to_glb(&grow(Species::Oak, &options).unwrap())
+    })
+}
+
+/// A folder of its own with an oak in it, `oak.glb`.
+pub(crate) struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    pub(crate) fn new() -> Self {
+        let bench = Self {
+            folder: tempfile::tempdir().unwrap(),
+        };
+        bench.put("oak.glb", oak());
+        bench
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub(crate) fn put(&self, name: &str, bytes: &[u8]) {
+        std::fs::write(self.path(name), bytes).unwrap();
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap()
+    }
+
+    pub(crate) fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+
+    /// Everything in the folder, sorted.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let name = |entry: std::io::Result<std::fs::DirEntry>| {
+            entry.unwrap().file_name().to_string_lossy().into_owned()
+        };
+        let mut names: Vec<String> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `secateur` in this folder.
+    pub(crate) fn run(&self, arguments: &[&str]) -> Ran {
+        let output = Command::new(env!("CARGO_BIN_EXE_secateur"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap();
+        Ran::of(arguments, output)
+    }
+
+    /// `secateur simplify` with few, small views, for speed.
+    pub(crate) fn simplify(&self, arguments: &[&str]) -> Ran {
+        let few = ["--views", "6", "--resolution", "64"];
+        self.run(&[&["simplify"], arguments, &few].concat())
+    }
+}
+
+/// What a run left behind.
+#[derive(Debug)]
+pub(crate) struct Ran {
+    command: String,
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Ran {
+    pub(crate) fn of(arguments: &[&str], output: Output) -> Self {
+        Self {
+            command: arguments.join(" "),
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// It did what it was asked to.
+    #[track_caller]
+    pub(crate) fn succeeded(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}: {}", self.command, self.stderr);
+        self
+    }
+
+    /// It gave up with one sentence that has all these parts.
+    #[track_caller]
+    pub(crate) fn failed_saying(self, parts: &[&str]) {
+        let Self {
+            command, stderr, ..
+        } = &self;
+        assert_eq!(self.code, Some(1), "{command}: {stderr}");
+        assert_eq!(self.stdout, "", "{command}");
+        let errors: Vec<&str> = stderr.lines().collect();
+        assert_eq!(errors.len(), 1, "{command}: one sentence, not {stderr}");
+        assert!(errors[0].starts_with("secateur: error: "), "{stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "{command}: {stderr} has no `{part}`");
+        }
+    }
+}
+
+/// A real tree of ../shared, where there is one.
+pub(crate) fn shared_tree(name: &str) -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/trees");
+    let path = folder.join(name);
+    if path.is_file() {
+        return Some(path.canonicalize().unwrap());
+    }
+    eprintln!("SKIPPED {name}: ../shared/trees is not there");
+    None
+}
+
+/// Whether a GPU can be asked for; without one the tests that need it must
+/// not be asked for either.
+pub(crate) fn has_gpu() -> bool {
+    static FOUND: OnceLock<bool> = OnceLock::new();
+    #[cfg(feature = "gpu")]
+    let found = *FOUND.get_or_init(|| {
+        use secateur::raster::gpu::{Device, Preference};
+        Device::find(Preference::Any).is_ok()
+    });
+    #[cfg(not(feature = "gpu"))]
+    let found = *FOUND.get_or_init(|| false);
+    let is_required = std::env::var("SECATEUR_REQUIRE_GPU").is_ok_and(|v| v == "1");
+    assert!(found || !is_required, "there is no GPU adapter");
+    if !found {
+        eprintln!("SKIPPED: there is no GPU adapter");
+    }
+    found
+}
