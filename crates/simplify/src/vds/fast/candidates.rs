@@ -10,8 +10,8 @@
 //!
 //! - `h = sum g d`: since `|x| >= g x`, `excess >= sum (g D - |D|) + h`, which is
 //!   exact while no `D_v + d_v` changes sign, however far D moves;
-//! - `c = sum (|E + d| - |E|)`: the excess differs from it by at most
-//!   `2 sum |D - E|`, good while D stays near;
+//! - `c = sum (|E + d| - |E|)`: `excess >= c - sum (|D - E| + |D| - |E|)` and
+//!   `excess <= c + sum (|D - E| - |D| + |E|)`, good while D stays near;
 //! - `n`: `excess >= n - 2 sum |D|`, which rules out all but the least visible
 //!   leaves while the deviations are small, and `excess <= n`.
 //!
@@ -52,8 +52,24 @@ struct Epoch {
     deviations: Vec<i64>,
     /// Sum of g D - |D|: zero while no deviation changed its sign.
     flipped: f64,
-    /// Twice the sum of |D - E|.
-    drift: f64,
+    /// Sum of |D - E| + |D| - |E|.
+    drift_down: f64,
+    /// Sum of |D - E| - |D| + |E|.
+    drift_up: f64,
+}
+
+impl Epoch {
+    fn stand_against(&mut self, deviations: &[i64]) {
+        let (mut flipped, mut moved, mut risen) = (0i64, 0i64, 0i64);
+        for (d, e) in deviations.iter().zip(&self.deviations) {
+            flipped += (if *e < 0 { -d } else { *d }) - d.abs();
+            moved += (d - e).abs();
+            risen += d.abs() - e.abs();
+        }
+        self.flipped = flipped as f64;
+        self.drift_down = (moved + risen) as f64;
+        self.drift_up = (moved - risen) as f64;
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -140,9 +156,9 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// `leaves` are the numbers of the leaves that are there; `rank_of` their
-    /// ranks among equals, by leaf number; `total_pixels` the pixels over all
-    /// views.
+    /// `leaves` are the numbers of the leaves that are there, neighbours close
+    /// together; `rank_of` their ranks among equals, by leaf number;
+    /// `total_pixels` the pixels over all views.
     pub(super) fn new(
         counts: &Counts<'_>,
         leaves: Vec<u32>,
@@ -153,7 +169,8 @@ impl Candidates {
         let epoch = Epoch {
             deviations: deviations.to_vec(),
             flipped: 0.0,
-            drift: 0.0,
+            drift_down: 0.0,
+            drift_up: 0.0,
         };
         let mut candidates = Self {
             view_count: counts.view_count(),
@@ -191,9 +208,12 @@ impl Candidates {
     fn build(&mut self, counts: &Counts<'_>) {
         self.without_effect.clear();
         let mut order = std::mem::take(&mut self.order);
+        // By n to within a quarter; among those, neighbours stay together.
         order.sort_by_cached_key(|&leaf| {
             counts.deltas(leaf, &mut self.row);
-            self.row.iter().map(|d| d.abs()).sum::<i64>()
+            let n: u64 = self.row.iter().map(|d| d.unsigned_abs()).sum();
+            let exponent = n.max(4).ilog2();
+            (exponent, n >> (exponent - 2))
         });
         let block_count = order.len().div_ceil(LANES);
         let absent = Lane {
@@ -238,13 +258,7 @@ impl Candidates {
         let renewed = self.current_epoch;
         self.epochs[renewed].deviations.copy_from_slice(deviations);
         for epoch in &mut self.epochs {
-            let (mut signed, mut drift) = (0i64, 0i64);
-            for (d, e) in deviations.iter().zip(&epoch.deviations) {
-                signed += if *e < 0 { -d } else { *d };
-                drift += (d - e).abs();
-            }
-            epoch.flipped = (signed - self.deviation_sum) as f64;
-            epoch.drift = 2.0 * drift as f64;
+            epoch.stand_against(deviations);
         }
         for block in 0..self.blocks.len() {
             if self.blocks[block].epoch as usize == renewed {
@@ -399,7 +413,7 @@ impl Candidates {
         for (index, block) in self.blocks.iter().enumerate() {
             let epoch = &self.epochs[block.epoch as usize];
             let bound = (epoch.flipped + block.least_h)
-                .max(block.least_c - epoch.drift)
+                .max(block.least_c - epoch.drift_down)
                 .max(block.least_n - twice_sum)
                 - self.block_margin(block);
             if bound < lowest.0 {
@@ -456,7 +470,7 @@ impl Candidates {
             let block = &self.blocks[index];
             let epoch = &self.epochs[block.epoch as usize];
             let bound =
-                block.largest_n.min(block.largest_c + epoch.drift) + self.block_margin(block);
+                block.largest_n.min(block.largest_c + epoch.drift_up) + self.block_margin(block);
             if bound > self.excess(best.0) {
                 self.scan_for_largest(counts, index, &mut best);
             }

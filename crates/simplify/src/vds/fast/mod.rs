@@ -167,7 +167,7 @@ impl<'a> Stage<'a> {
             .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
         let candidates = Candidates::new(
             &counts,
-            run.lod.leaves().map(|(leaf, _)| leaf.get()).collect(),
+            leaves_by_place(foliage, &run.lod),
             ranks.collect(),
             (pixels_per_view * views.len()) as f64,
             &cost_deviations(run.options, &counts),
@@ -315,4 +315,26 @@ fn area_table(counts: &Counts<'_>, leaf_count: usize) -> AreaTable {
     let views = 0..counts.view_count();
     let row = |view: usize| (0..=leaf_count as u32).map(move |leaf| counts.areas(leaf)[view]);
     AreaTable::from_rows(leaf_count, views.flat_map(row).collect())
+}
+
+/// The leaves that are left along a space-filling curve: leaves near each other
+/// are seen from the same views.
+fn leaves_by_place(foliage: &Foliage, lod: &Lod) -> Vec<u32> {
+    let Some(sphere) = foliage.bounding_sphere() else {
+        return Vec::new();
+    };
+    let cell = |x: f64| ((x / sphere.radius.max(f64::MIN_POSITIVE) + 1.0) * 511.0) as u64;
+    let key = |leaf: LeafId| {
+        let [x, y, z] = (foliage.leaf(leaf).centre() - sphere.centre)
+            .to_array()
+            .map(cell);
+        (0..10).fold(0u64, |key, bit| {
+            key | (x >> bit & 1) << (3 * bit)
+                | (y >> bit & 1) << (3 * bit + 1)
+                | (z >> bit & 1) << (3 * bit + 2)
+        })
+    };
+    let mut keyed: Vec<(u64, u32)> = lod.leaves().map(|(l, _)| (key(l), l.get())).collect();
+    keyed.sort_unstable();
+    keyed.into_iter().map(|(_, leaf)| leaf).collect()
 }
