@@ -38,8 +38,8 @@ const NOWHERE: u32 = u32::MAX;
 /// Bound of the error of an excess computed in f32, as a part of n: for each of
 /// up to a thousand views the roundings of a delta, a deviation and a sum.
 const F32_ERROR: f64 = 1e-4;
-/// What a lane without a leaf holds; what it adds up to is not looked at.
-const ABSENT: f32 = 1e30;
+/// What a lane without a leaf holds.
+const ABSENT: f32 = 0.0;
 
 /// One cache line.
 #[repr(align(64))]
@@ -72,18 +72,21 @@ impl Epoch {
     }
 }
 
+/// What bounds a block's leaves. In f32, because a step looks at all of them;
+/// [`Candidates::margin`] covers the rounding.
 #[derive(Clone, Copy)]
 struct Block {
     epoch: u32,
-    least_h: f64,
-    least_c: f64,
-    largest_c: f64,
+    least_h: f32,
+    least_c: f32,
+    largest_c: f32,
     /// Least and largest n since the last rebuild.
-    least_n: f64,
-    largest_n: f64,
-    /// Most pixels that one of its leaves would hand to the background.
-    background_px: f64,
-    /// Background drift when the leaf evaluated longest ago was.
+    least_n: f32,
+    largest_n: f32,
+    /// Most pixels, since the last rebuild, that one of its leaves would hand
+    /// to the background.
+    background_px: f32,
+    /// Background drift when the leaf evaluated longest ago was, or earlier.
     background_drift: f64,
 }
 
@@ -91,20 +94,14 @@ impl Block {
     fn empty(epoch: usize, background_drift: f64) -> Self {
         Self {
             epoch: epoch as u32,
-            least_h: f64::INFINITY,
-            least_c: f64::INFINITY,
-            largest_c: f64::NEG_INFINITY,
-            least_n: f64::INFINITY,
-            largest_n: f64::NEG_INFINITY,
+            least_h: f32::INFINITY,
+            least_c: f32::INFINITY,
+            largest_c: f32::NEG_INFINITY,
+            least_n: f32::INFINITY,
+            largest_n: f32::NEG_INFINITY,
             background_px: 0.0,
             background_drift,
         }
-    }
-
-    fn include(&mut self, h: f64, c: f64) {
-        self.least_h = self.least_h.min(h);
-        self.least_c = self.least_c.min(c);
-        self.largest_c = self.largest_c.max(c);
     }
 }
 
@@ -134,6 +131,8 @@ pub(super) struct Candidates {
     lanes: Vec<Lane>,
     /// Deltas by block, then view.
     deltas: Vec<Lanes>,
+    /// By block, 0 where a lane holds a leaf, infinity where not.
+    absent: Vec<Lanes>,
     place_of: Vec<u32>,
     /// The leaves that were left at the last rebuild.
     order: Vec<u32>,
@@ -147,6 +146,7 @@ pub(super) struct Candidates {
     deviations_f32: Vec<(f32, f32)>,
     deviation_sum: i64,
     background_drift: f64,
+    background_jumps: u32,
     /// Bound of what rounded logarithms do to the background's term.
     rounding: f64,
     /// The leaf of the largest cost of the last step that asked.
@@ -180,6 +180,7 @@ impl Candidates {
             blocks: Vec::new(),
             lanes: Vec::new(),
             deltas: Vec::new(),
+            absent: Vec::new(),
             left: leaves.len(),
             order: leaves,
             epochs: vec![epoch; EPOCHS],
@@ -188,6 +189,7 @@ impl Candidates {
             deviations_f32: Vec::new(),
             deviation_sum: 0,
             background_drift: counts.background_drift(),
+            background_jumps: counts.background_jumps(),
             // Two differences of logarithms off by at most 1.2 units, before
             // and now, times areas that sum to at most the pixels of all views.
             rounding: 5.0 * total_pixels,
@@ -225,6 +227,7 @@ impl Candidates {
         let empty = Block::empty(self.current_epoch, counts.background_drift());
         self.lanes = vec![absent; block_count * LANES];
         self.blocks = vec![empty; block_count];
+        self.absent = vec![Lanes([f32::INFINITY; LANES]); block_count];
         self.deltas = vec![Lanes([ABSENT; LANES]); block_count * self.view_count];
         for (place, &leaf) in order.iter().enumerate() {
             self.place_of[leaf as usize] = place as u32;
@@ -241,7 +244,9 @@ impl Candidates {
         self.background_drift = counts.background_drift();
         self.current_epoch = (self.current_epoch + 1) % EPOCHS;
         self.take_deviations(deviations);
-        if self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
+        let has_jumped = counts.background_jumps() != self.background_jumps;
+        self.background_jumps = counts.background_jumps();
+        if has_jumped || self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
             self.build(counts);
         }
@@ -278,6 +283,7 @@ impl Candidates {
 
     fn leave(&mut self, place: usize) {
         self.lanes[place].is_in = false;
+        self.absent[place / LANES].0[place % LANES] = f32::INFINITY;
         let (block, lane) = (place / LANES, place % LANES);
         for row in &mut self.deltas[block * self.view_count..(block + 1) * self.view_count] {
             row.0[lane] = ABSENT;
@@ -325,6 +331,7 @@ impl Candidates {
             background_px,
             background_drift: counts.background_drift(),
         };
+        self.absent[place / LANES].0[place % LANES] = 0.0;
         let block = &mut self.blocks[place / LANES];
         let epoch = &self.epochs[block.epoch as usize];
         let (mut h, mut c, mut n) = (0, 0, 0);
@@ -335,31 +342,34 @@ impl Candidates {
             c += (d + e).abs() - e.abs();
             n += d.abs();
         }
-        block.include(h as f64, c as f64);
-        block.least_n = block.least_n.min(n as f64);
-        block.largest_n = block.largest_n.max(n as f64);
-        block.background_px = block.background_px.max(f64::from(background_px));
+        block.least_h = block.least_h.min(h as f32);
+        block.least_c = block.least_c.min(c as f32);
+        block.largest_c = block.largest_c.max(c as f32);
+        block.least_n = block.least_n.min(n as f32);
+        block.largest_n = block.largest_n.max(n as f32);
+        block.background_px = block.background_px.max(background_px as f32);
     }
 
     /// Evaluates a block's leaves against the current epoch; their excesses.
     fn evaluate(&mut self, index: usize) -> Lanes {
         let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
         let (c, h) = excesses(rows, &self.deviations_f32);
-        let before = &self.blocks[index];
-        let mut block = Block {
-            least_n: before.least_n,
-            largest_n: before.largest_n,
-            ..Block::empty(self.current_epoch, self.background_drift)
-        };
-        let lanes = &self.lanes[index * LANES..(index + 1) * LANES];
-        for (k, lane) in lanes.iter().enumerate().filter(|(_, lane)| lane.is_in) {
-            block.include(f64::from(h.0[k]), f64::from(c.0[k]));
-            if lane.background_px > 0 {
-                block.background_px = block.background_px.max(f64::from(lane.background_px));
-                block.background_drift = block.background_drift.min(lane.background_drift);
-            }
+        let absent = &self.absent[index];
+        let block = &mut self.blocks[index];
+        block.epoch = self.current_epoch as u32;
+        block.least_h = least(&h, absent);
+        block.least_c = least(&c, absent);
+        block.largest_c = -least(&Lanes(c.0.map(|c| -c)), absent);
+        // Looked up leaf by leaf only where it has come to matter.
+        let px = f64::from(block.background_px);
+        if px * (self.background_drift - block.background_drift) > self.rounding {
+            let lanes = &self.lanes[index * LANES..(index + 1) * LANES];
+            block.background_drift = lanes
+                .iter()
+                .filter(|lane| lane.is_in && lane.background_px > 0)
+                .map(|lane| lane.background_drift)
+                .fold(self.background_drift, f64::min);
         }
-        self.blocks[index] = block;
         c
     }
 
@@ -393,7 +403,8 @@ impl Candidates {
 
     #[inline]
     fn block_margin(&self, block: &Block) -> f64 {
-        self.margin(block.largest_n, block.background_px, block.background_drift)
+        let (n, px) = (block.largest_n, block.background_px);
+        self.margin(f64::from(n), f64::from(px), block.background_drift)
     }
 
     /// The leaf of least cost; of equals that of the lowest rank.
@@ -406,26 +417,18 @@ impl Candidates {
         if let Some(&(rank, leaf)) = self.without_effect.first() {
             best = (self.deviation_sum, rank, leaf);
         }
-        let mut bounds = std::mem::take(&mut self.bounds);
-        bounds.clear();
-        let mut lowest = (f64::INFINITY, 0);
-        let twice_sum = 2.0 * self.deviation_sum as f64;
-        for (index, block) in self.blocks.iter().enumerate() {
-            let epoch = &self.epochs[block.epoch as usize];
-            let bound = (epoch.flipped + block.least_h)
-                .max(block.least_c - epoch.drift_down)
-                .max(block.least_n - twice_sum)
-                - self.block_margin(block);
-            if bound < lowest.0 {
-                lowest = (bound, index);
-            }
-            bounds.push(bound);
-        }
-        if lowest.0 <= self.excess(best.0) {
-            self.scan_for_cheapest(counts, lowest.1, &mut best);
+        self.bound_blocks();
+        let bounds = std::mem::take(&mut self.bounds);
+        let lowest = (bounds.iter().enumerate()).min_by(|a, b| a.1.total_cmp(b.1));
+        let lowest = lowest.map_or(0, |(index, _)| index);
+        if bounds
+            .get(lowest)
+            .is_some_and(|b| *b <= self.excess(best.0))
+        {
+            self.scan_for_cheapest(counts, lowest, &mut best);
         }
         for (index, bound) in bounds.iter().enumerate() {
-            if *bound <= self.excess(best.0) && index != lowest.1 {
+            if *bound <= self.excess(best.0) && index != lowest {
                 self.scan_for_cheapest(counts, index, &mut best);
             }
         }
@@ -437,16 +440,31 @@ impl Candidates {
         }
     }
 
+    /// Lower bounds of the excesses of each block's leaves.
+    fn bound_blocks(&mut self) {
+        let mut bounds = std::mem::take(&mut self.bounds);
+        bounds.clear();
+        let twice_sum = 2.0 * self.deviation_sum as f64;
+        bounds.extend(self.blocks.iter().map(|block| {
+            let epoch = &self.epochs[block.epoch as usize];
+            (epoch.flipped + f64::from(block.least_h))
+                .max(f64::from(block.least_c) - epoch.drift_down)
+                .max(f64::from(block.least_n) - twice_sum)
+                - self.block_margin(block)
+        }));
+        self.bounds = bounds;
+    }
+
     fn scan_for_cheapest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32, u32)) {
         let excesses = self.evaluate(index);
         let block = self.blocks[index];
-        if block.least_c - self.block_margin(&block) > self.excess(best.0) {
+        if f64::from(block.least_c) - self.block_margin(&block) > self.excess(best.0) {
             return;
         }
         for (k, excess) in excesses.0.iter().enumerate() {
             let lane = self.lanes[index * LANES + k];
             let px = f64::from(lane.background_px);
-            let margin = self.margin(block.largest_n, px, lane.background_drift);
+            let margin = self.margin(f64::from(block.largest_n), px, lane.background_drift);
             if lane.is_in && f64::from(*excess) - margin <= self.excess(best.0) {
                 let cost = self.cost(counts, lane.leaf);
                 let rank = self.rank_of[lane.leaf as usize];
@@ -469,8 +487,8 @@ impl Candidates {
         for index in 0..self.blocks.len() {
             let block = &self.blocks[index];
             let epoch = &self.epochs[block.epoch as usize];
-            let bound =
-                block.largest_n.min(block.largest_c + epoch.drift_up) + self.block_margin(block);
+            let bound = f64::from(block.largest_n).min(f64::from(block.largest_c) + epoch.drift_up)
+                + self.block_margin(block);
             if bound > self.excess(best.0) {
                 self.scan_for_largest(counts, index, &mut best);
             }
@@ -490,6 +508,12 @@ impl Candidates {
             }
         }
     }
+}
+
+/// The least of the lanes that hold a leaf.
+fn least(lanes: &Lanes, absent: &Lanes) -> f32 {
+    let present = lanes.0.iter().zip(&absent.0).map(|(value, a)| value + a);
+    present.fold(f32::INFINITY, |least, v| if v < least { v } else { least })
 }
 
 /// Excesses of a block's leaves, and their deltas summed with the signs of the

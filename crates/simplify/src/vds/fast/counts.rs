@@ -76,6 +76,7 @@ pub(super) struct Counts<'t> {
     /// Edge to the background by leaf number.
     background_edge: Vec<u32>,
     background_drift: f64,
+    background_jumps: u32,
 
     touched_leaves: Vec<TouchedLeaf>,
     areas_before: Vec<u32>,
@@ -110,6 +111,7 @@ impl<'t> Counts<'t> {
             incoming: vec![Vec::new(); leaf_count + 1],
             background_edge: vec![NONE; leaf_count + 1],
             background_drift: 0.0,
+            background_jumps: 0,
             touched_leaves: Vec::new(),
             areas_before: Vec::new(),
             touched: vec![NONE; leaf_count + 1],
@@ -193,6 +195,12 @@ impl<'t> Counts<'t> {
     /// exact logarithms.
     pub(super) fn background_drift(&self) -> f64 {
         self.background_drift
+    }
+
+    /// Counts the steps whose change of the background has no such bound: all
+    /// of its terms must be evaluated anew.
+    pub(super) fn background_jumps(&self) -> u32 {
+        self.background_jumps
     }
 
     /// P times the change of VMI in each view if the leaf went.
@@ -353,15 +361,18 @@ impl<'t> Counts<'t> {
         for (&b, &a) in before.iter().zip(&self.areas[..self.view_count]) {
             largest = largest.max(a.abs_diff(b));
             sum += u64::from(a.abs_diff(b));
-            least_area = least_area.min(a.min(b));
+            if a != b {
+                least_area = least_area.min(a.min(b));
+            }
         }
         let least_total = self.totals[0].min(self.touched_leaves[slot as usize].total_before);
-        // Without background in some view the derivatives have no bound.
-        let drift = if least_area == 0 {
-            f64::INFINITY
-        } else {
-            f64::from(largest) / f64::from(least_area) + 3.0 * sum as f64 / f64::from(least_total)
-        };
+        if least_area == 0 {
+            // Where the background comes or goes the derivatives have no bound.
+            self.background_jumps += 1;
+            return;
+        }
+        let drift =
+            f64::from(largest) / f64::from(least_area) + 3.0 * sum as f64 / f64::from(least_total);
         let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2;
         self.background_drift += drift * unit * (1.0 + 1e-9);
     }
