@@ -17,26 +17,41 @@ use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 
 fn main() {
     let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
-    let wanted = |case: &str| part.as_ref().is_none_or(|part| case.contains(part.as_str()));
+    let wanted = |case: &str| {
+        part.as_ref()
+            .is_none_or(|part| case.contains(part.as_str()))
+    };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut bench = Bench {
         rows: Rows::create("main_job"),
         folder: folder.path().to_owned(),
     };
-    if wanted("ez_oak_20k") {
-        if let Some(tree) = shared_tree("ez_oak_20k.glb") {
-            bench.case("ez_oak_20k to 2016 at 256", &tree, &["--leaves", "2016", "--resolution", "256"]);
-        }
+    if wanted("ez_oak_20k")
+        && let Some(tree) = shared_tree("ez_oak_20k.glb")
+    {
+        bench.case(
+            "ez_oak_20k to 2016 at 256",
+            &tree,
+            &["--leaves", "2016", "--resolution", "256"],
+        );
     }
-    if wanted("sap_pine") {
-        if let Some(tree) = shared_tree("sap_pine_needles_48k.glb") {
-            bench.case("sap_pine to 4861, auto", &tree, &["--leaves", "4861"]);
-            bench.case("sap_pine to 4861 at 256", &tree, &["--leaves", "4861", "--resolution", "256"]);
-        }
+    if wanted("sap_pine")
+        && let Some(tree) = shared_tree("sap_pine_needles_48k.glb")
+    {
+        bench.case("sap_pine to 4861, auto", &tree, &["--leaves", "4861"]);
+        bench.case(
+            "sap_pine to 4861 at 256",
+            &tree,
+            &["--leaves", "4861", "--resolution", "256"],
+        );
     }
     if wanted("crown_105688") {
         let tree = bench.crown(105_688);
-        bench.case("crown_105688 to 1057 at 256", &tree, &["--leaves", "1057", "--resolution", "256"]);
+        bench.case(
+            "crown_105688 to 1057 at 256",
+            &tree,
+            &["--leaves", "1057", "--resolution", "256"],
+        );
         bench.case("crown_105688 to 1057, auto", &tree, &["--leaves", "1057"]);
     }
     if wanted("growth") {
@@ -123,15 +138,16 @@ impl Bench {
             let first = positions.len() as u32;
             positions.extend(pair[0].corners);
             positions.push(pair[1].corners[2]);
-            triangles.extend([
-                [first, first + 1, first + 2],
-                [first, first + 2, first + 3],
-            ]);
+            triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
         }
         let wood = [[0.0, -4.0, 0.0], [0.1, -4.0, 0.0], [0.0, 0.0, 0.0]];
         let plant = Plant {
             name: format!("crown of {leaves}"),
-            wood: surface("bark", wood.map(glam::DVec3::from_array).to_vec(), vec![[0, 1, 2]]),
+            wood: surface(
+                "bark",
+                wood.map(glam::DVec3::from_array).to_vec(),
+                vec![[0, 1, 2]],
+            ),
             leaves: surface("leaves", positions, triangles),
             triangles_per_leaf: vec![2; leaves as usize],
         };

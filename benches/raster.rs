@@ -72,5 +72,11 @@ fn compare(rows: &mut Rows, name: &str, foliage: &Foliage, device: &Device) {
         least_cpu = least_cpu.min(cpu);
         least_gpu = least_gpu.min(gpu);
     }
-    add("gpu over cpu, least", "times", least_gpu / least_cpu, 0, device.adapter());
+    add(
+        "gpu over cpu, least",
+        "times",
+        least_gpu / least_cpu,
+        0,
+        device.adapter(),
+    );
 }

@@ -7,29 +7,30 @@ use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// A CSV file of figures under `benches/results/<date>-<machine>/`.
-pub struct Rows {
+pub(crate) struct Rows {
     file: fs::File,
     commit: String,
     machine: String,
 }
 
 /// What was measured.
-pub struct Row<'a> {
-    pub case: &'a str,
-    pub quantity: &'a str,
-    pub unit: &'a str,
-    pub value: f64,
-    pub repeat: usize,
-    pub adapter: &'a str,
-    pub command: &'a str,
+pub(crate) struct Row<'a> {
+    pub(crate) case: &'a str,
+    pub(crate) quantity: &'a str,
+    pub(crate) unit: &'a str,
+    pub(crate) value: f64,
+    pub(crate) repeat: usize,
+    pub(crate) adapter: &'a str,
+    pub(crate) command: &'a str,
 }
 
 impl Rows {
-    pub fn create(bench: &str) -> Self {
+    pub(crate) fn create(bench: &str) -> Self {
         let machine = machine();
-        let folder = repository()
-            .join("benches/results")
-            .join(format!("{}-{}", date(), slug(&machine)));
+        let folder =
+            repository()
+                .join("benches/results")
+                .join(format!("{}-{}", date(), slug(&machine)));
         fs::create_dir_all(&folder).expect("benches/results can be written");
         let path = folder.join(format!("{bench}.csv"));
         eprintln!("rows go to {}", path.display());
@@ -46,7 +47,7 @@ impl Rows {
         }
     }
 
-    pub fn add(&mut self, row: &Row<'_>) {
+    pub(crate) fn add(&mut self, row: &Row<'_>) {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "'"));
         println!(
             "{:<34} {:<28} {:>12.4} {:<8} {}",
@@ -70,13 +71,13 @@ impl Rows {
     }
 }
 
-pub fn repository() -> PathBuf {
+pub(crate) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// Real trees, which are not part of the repository.
 #[allow(dead_code, reason = "not every bench uses them")]
-pub fn shared_tree(name: &str) -> Option<PathBuf> {
+pub(crate) fn shared_tree(name: &str) -> Option<PathBuf> {
     let path = repository().join("../shared/trees").join(name);
     if path.exists() {
         return Some(path);
@@ -86,7 +87,8 @@ pub fn shared_tree(name: &str) -> Option<PathBuf> {
 }
 
 /// How often each case is measured.
-pub fn repeats() -> usize {
+#[allow(dead_code, reason = "not every bench repeats")]
+pub(crate) fn repeats() -> usize {
     let asked = std::env::var("REPEATS").ok().and_then(|r| r.parse().ok());
     asked.unwrap_or(3)
 }
@@ -101,12 +103,12 @@ fn commit() -> String {
             String::from_utf8_lossy(&o.stdout).trim().to_owned()
         })
     };
-    let changed = if output(&["status", "--porcelain", "crates", "shaders", "benches/*.rs"]).is_empty()
-    {
-        ""
-    } else {
-        "+changes"
-    };
+    let changed =
+        if output(&["status", "--porcelain", "crates", "shaders", "benches/*.rs"]).is_empty() {
+            ""
+        } else {
+            "+changes"
+        };
     format!("{}{changed}", output(&["rev-parse", "--short", "HEAD"]))
 }
 

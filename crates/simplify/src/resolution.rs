@@ -16,7 +16,7 @@ use crate::vds::VdsError;
 pub const CANDIDATES: [u32; 3] = [256, 512, 1024];
 
 /// The share of visible leaves that may cover at most a pixel in every view.
-pub const MAX_SHARE_AT_MOST_A_PIXEL: f64 = 0.4;
+pub const MAX_SHARE_AT_MOST_A_PIXEL: f64 = 0.3;
 
 /// A resolution and why it was chosen.
 #[derive(Clone, Debug, PartialEq)]
