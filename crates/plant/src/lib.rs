@@ -4,10 +4,10 @@
 //! Species -> LSystem --derive--> [Module] --draw--> Skeleton -> Plant
 //! ```
 //!
-//! - [`grow`]: a [`Species`] and a number of leaves to a plant, wood and leaves.
+//! - [`grow()`]: a [`Species`] and a number of leaves to a plant, wood and leaves.
 //! - [`LSystem`], [`Production`], [`Module`]: rules and what they rewrite.
 //! - [`draw`]: the turtle, from modules to a [`Skeleton`].
-//! - [`ellipsoid_crown`]: leaves without wood, for measuring.
+//! - [`ellipsoid_crown()`]: leaves without wood, for measuring.
 //! - [`Random`]: the generator behind every chance.
 //!
 //! ```

@@ -1,7 +1,7 @@
 //! Viewpoint-driven simplification (Gasch et al., Entropy 2018, 20, 213).
 //!
 //! Each step prunes the leaf whose absence changes the VMI of the views least
-//! (Eq. 4) and lets its nearest neighbours grow (Eq. 5). [`reference`] does so
+//! (Eq. 4) and lets its nearest neighbours grow (Eq. 5). [`reference`](mod@reference) does so
 //! as Algorithm 1 is written, drawing every view anew for every candidate of
 //! every step; [`fast`] makes the very same choices without drawing.
 

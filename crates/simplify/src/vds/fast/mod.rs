@@ -2,10 +2,10 @@
 //!
 //! Removing a leaf hands each pixel it owns to the leaf behind it, so with an
 //! A-buffer the change of every area is known before it happens. The foliage is
-//! rasterised once; then each step picks the cheapest leaf ([`candidates`]),
-//! takes it out of the lists behind the pixels ([`pixels`]), rasterises the
+//! rasterised once; then each step picks the cheapest leaf (`candidates`),
+//! takes it out of the lists behind the pixels (`pixels`), rasterises the
 //! leaves that grow, and brings areas, reveal edges and costs up to date with
-//! what changed ([`counts`]). All of it is integers, so the result equals that of
+//! what changed (`counts`). All of it is integers, so the result equals that of
 //! [`reference`](super::reference) bit for bit: order, growth and VMI.
 
 mod candidates;
