@@ -42,6 +42,6 @@ fn main() {
     let literal = reference::simplify(&foliage, &options, go_on).expect("a run");
     let seconds = start.elapsed().as_secs_f64();
     assert_eq!(order.as_ref(), Some(&literal), "the very same result");
-    add("literal, all cores", "s", seconds, 0);
+    add("literal on all cores", "s", seconds, 0);
     add("literal over least fast", "times", seconds / least, 0);
 }
