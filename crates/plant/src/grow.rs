@@ -11,7 +11,7 @@ use crate::wood::wood_surface;
 use crate::{DeriveError, LeafPose, Random, Skeleton, Species, TurtleError, draw};
 
 /// The most leaves a plant can be asked for.
-const MAX_LEAVES: u32 = 1_000_000;
+pub const MAX_LEAVES: u32 = 1_000_000;
 /// Leaves of the crown after which density is judged, and their length.
 const REFERENCE_LEAVES: f64 = 3000.0;
 const REFERENCE_LEAF_LENGTH_M: f64 = 0.32;

@@ -37,7 +37,7 @@ mod turtle;
 mod wood;
 
 pub use ellipsoid_crown::{EllipsoidCrown, ellipsoid_crown};
-pub use grow::{GrowError, GrowOptions, grow, grow_skeleton};
+pub use grow::{GrowError, GrowOptions, MAX_LEAVES, grow, grow_skeleton};
 pub use lsystem::{DeriveError, LSystem, Predecessor, Production};
 pub use module::{Module, Symbol};
 pub use random::Random;
