@@ -69,3 +69,56 @@ fn what_cannot_be_grown_is_said_in_one_sentence() {
     assert_eq!(usage.code, Some(2));
     assert_eq!(bench.names(), ["oak.glb"]);
 }
+
+#[test]
+fn a_rule_file_of_ones_own_grows() {
+    let bench = Bench::new();
+    let rules = "axiom: Stem(9); Stem(n) if n > 0 -> F(1) [ &(60) leaf(0.5) ] /(90) Stem(n - 1);";
+    bench.put("mine.lsys", rules.as_bytes());
+    let ran = bench.run(&["grow", "mine.lsys", "-o", "a.glb"]).succeeded();
+    assert!(
+        ran.stdout.contains("mine with 9 leaves, 9.3 m high"),
+        "{}",
+        ran.stdout
+    );
+    let three = ["grow", "./mine.lsys", "-o", "b.glb", "--leaves", "3"];
+    let ran = bench.run(&three).succeeded();
+    assert!(ran.stdout.contains("mine with 3 leaves"), "{}", ran.stdout);
+    bench
+        .run(&["grow", "mine.lsys", "-o", "c.glb", "--leaves", "10"])
+        .failed_saying(&["mine bears 9 leaves, not 10: use `detail` in its rules"]);
+}
+
+#[test]
+fn mistakes_in_a_rule_file_are_shown_with_line_and_column() {
+    let bench = Bench::new();
+    for (text, said) in [
+        (
+            &b"axiom: F(1);\nF(x) -> G;"[..],
+            "bad.lsys: line 2, column 9: unknown symbol `G`",
+        ),
+        (b"axiom: F(1", "bad.lsys: line 1, column 11: expected"),
+        (
+            b"axiom: F(1/0);",
+            "bad.lsys: line 1, column 11: division by zero",
+        ),
+        (
+            b"axiom: F(-1);",
+            "bad.lsys: line 1, column 8: a length cannot be negative",
+        ),
+        (
+            b"axiom: A; A -> A A;",
+            "bad.lsys: line 1, column 18: the rules make more than 24000000",
+        ),
+        (b"\xff\xfe", "bad.lsys: the rules are not UTF-8 text"),
+    ] {
+        bench.put("bad.lsys", text);
+        bench
+            .run(&["grow", "bad.lsys", "-o", "out.glb"])
+            .failed_saying(&[said]);
+    }
+    bench
+        .run(&["grow", "none.lsys", "-o", "out.glb"])
+        .failed_saying(&["none.lsys: cannot be read: "]);
+    assert_eq!(bench.names(), ["bad.lsys", "oak.glb"]);
+}

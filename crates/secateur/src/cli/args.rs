@@ -110,7 +110,7 @@ pub(crate) struct Measure {
 
 #[derive(Args, Debug)]
 pub(crate) struct Grow {
-    /// What to grow.
+    /// What to grow: oak, or a rule file of your own, FILE.lsys.
     #[arg(value_name = "SPECIES")]
     pub(crate) species: String,
     /// The result, .glb.

@@ -1,9 +1,13 @@
 //! `secateur grow`.
 
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
-use secateur::plant::{GrowOptions, Species, UnknownSpecies, grow};
+use secateur::plant::{GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules};
 use secateur::{Plant, plant_to_glb};
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -20,18 +24,13 @@ use super::{interrupt, machine, output, record};
 pub(crate) fn run(args: &args::Grow) -> Result<Printed, Failure> {
     let start = Instant::now();
     check_outputs(args)?;
-    let species: Species = args
-        .species
-        .parse()
-        .map_err(|e: UnknownSpecies| Failure(e.to_string()))?;
-    let options = GrowOptions {
-        leaves: leaves(args, species)?,
-        seed: args.seed,
-    };
     let mut stages = Vec::new();
+    let source = Source::of(args)?;
+    let name = &source.name;
+    let leaves = leaves(args, name)?;
     let plant = timed(&mut stages, "grow", || {
-        tracing::info!("growing {species}");
-        grow(species, &options).map_err(|e| Failure(e.to_string()))
+        tracing::info!("growing {name}");
+        grow_rules(&source.rules, name, leaves, args.seed).map_err(|e| source.failure(e))
     })?;
     interrupt::writing()?;
     let bytes = timed(&mut stages, "write", || {
@@ -48,7 +47,7 @@ pub(crate) fn run(args: &args::Grow) -> Result<Printed, Failure> {
     let size_m = extent_m(&plant);
     let total = start.elapsed().as_secs_f64();
     let record = json!({
-        "species": species.name(),
+        "species": name,
         "output": args.output.display().to_string(),
         "bytes": bytes.len(),
         "sha256": sha256(&bytes),
@@ -80,25 +79,91 @@ pub(crate) fn run(args: &args::Grow) -> Result<Printed, Failure> {
 }
 
 fn check_outputs(args: &args::Grow) -> Result<(), Failure> {
-    output::check_glb(&args.output, &[])?;
+    let inputs = [Path::new(&args.species)];
+    output::check_glb(&args.output, &inputs)?;
     let mut outputs = vec![args.output.as_path()];
     for file in [&args.report, &args.picture].into_iter().flatten() {
-        output::check_file(file, &[])?;
+        output::check_file(file, &inputs)?;
         outputs.push(file);
     }
     output::check_distinct(&outputs)
 }
 
-fn leaves(args: &args::Grow, species: Species) -> Result<u32, Failure> {
-    let Some(wanted) = args.leaves else {
-        return Ok(GrowOptions::default().leaves);
+/// Rules and what they are called.
+struct Source {
+    name: String,
+    rules: Cow<'static, Rules>,
+    /// The user's own file.
+    file: Option<PathBuf>,
+}
+
+impl Source {
+    /// A species, or else a file: what ends in .lsys or has a folder in its name.
+    fn of(args: &args::Grow) -> Result<Self, Failure> {
+        let path = Path::new(&args.species);
+        let is_file =
+            path.extension().is_some_and(|e| e == "lsys") || path.components().count() > 1;
+        if !is_file {
+            let species: Species = args.species.parse().map_err(|e: UnknownSpecies| {
+                Failure(format!("{e}; a rule file of your own ends in .lsys"))
+            })?;
+            return Ok(Self {
+                name: species.name().to_owned(),
+                rules: Cow::Borrowed(species.rules()),
+                file: None,
+            });
+        }
+        let text = read_text(path)?;
+        let rules =
+            Rules::parse(&text).map_err(|error| Failure(format!("{}: {error}", path.display())))?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            name: name.into_owned(),
+            rules: Cow::Owned(rules),
+            file: Some(path.to_owned()),
+        })
+    }
+
+    fn failure(&self, error: GrowError) -> Failure {
+        match (&self.file, error) {
+            (Some(path), GrowError::Rules { source, .. }) => {
+                Failure(format!("{}: {source}", path.display()))
+            }
+            (_, error) => Failure(error.to_string()),
+        }
+    }
+}
+
+/// The text of a rule file, of which no more is read than can be one.
+fn read_text(path: &Path) -> Result<String, Failure> {
+    let read = || {
+        let mut bytes = Vec::new();
+        let file = File::open(path)?;
+        file.take(Rules::MAX_BYTES as u64 + 1)
+            .read_to_end(&mut bytes)?;
+        Ok(bytes)
     };
-    u32::try_from(wanted).map_err(|_| {
-        let most = secateur::plant::MAX_LEAVES;
-        Failure(format!(
-            "cannot grow {species} with {wanted} leaves: ask for 1 to {most}"
-        ))
-    })
+    let bytes = read().map_err(|e: std::io::Error| Failure::of_file(path, "cannot be read", &e))?;
+    if bytes.len() > Rules::MAX_BYTES {
+        let most = Rules::MAX_BYTES;
+        return Err(Failure(format!(
+            "{}: a rule file has at most {most} bytes",
+            path.display()
+        )));
+    }
+    String::from_utf8(bytes)
+        .map_err(|_| Failure(format!("{}: the rules are not UTF-8 text", path.display())))
+}
+
+fn leaves(args: &args::Grow, name: &str) -> Result<Option<u32>, Failure> {
+    let in_range = |&leaves: &i64| (1..=i64::from(MAX_LEAVES)).contains(&leaves);
+    match args.leaves {
+        None => Ok(None),
+        Some(leaves) if in_range(&leaves) => Ok(Some(leaves as u32)),
+        Some(leaves) => Err(Failure(format!(
+            "cannot grow {name} with {leaves} leaves: ask for 1 to {MAX_LEAVES}"
+        ))),
+    }
 }
 
 fn exhibit(plant: &Plant) -> Exhibit {
