@@ -5,6 +5,7 @@ use std::sync::Arc;
 use secateur_model::{AlphaMode, Material, Plant};
 
 use crate::bark_texture::bark_texture;
+use crate::language::Shrinks;
 use crate::leaf_surface::leaf_surface;
 use crate::leaf_texture::leaf_texture;
 use crate::wood::wood_surface;
@@ -142,8 +143,13 @@ pub fn rules_skeleton(
     keep_evenly(&mut skeleton.leaves, wanted, seed);
     if let Some(usual) = usual {
         let scale = libm::sqrt(f64::from(usual) / f64::from(wanted)).min(MOST_LEAF_SCALE);
+        let [width, length] = match rules.settings().leaf_shrinks {
+            Shrinks::Both => [scale; 2],
+            Shrinks::Width => [scale * scale, 1.0],
+        };
         for leaf in &mut skeleton.leaves {
-            leaf.length_m *= scale;
+            leaf.width_m *= width;
+            leaf.length_m *= length;
         }
     }
     Ok(skeleton)
@@ -336,7 +342,7 @@ mod tests {
         assert_eq!(plant, oak(3000, 7));
         assert_eq!(
             sha256(&plant),
-            "8604b4ef206fcf23f0ace95d628589ef85e52db1a379558aaae6a8a6b30b4e14"
+            "5436ca9d1633c6afaa15f7d48ab1e254ddbcfed3f81eecba459bfe2612f7876b"
         );
         assert_ne!(plant.leaves.positions, oak(3000, 8).leaves.positions);
     }

@@ -89,14 +89,17 @@ impl Builder<'_> {
         };
         let base = pose.base + pose.along * (GAP * pose.length_m);
         match pose.kind {
-            LeafKind::Quad => self.push_grid(base, axes, pose.length_m, [1, 1], [0.0; 2]),
+            LeafKind::Quad => {
+                self.push_grid(base, axes, [pose.width_m, pose.length_m], [1, 1], [0.0; 2])
+            }
             LeafKind::Blade { triangles } => {
                 let settings = self.settings;
                 let bends = [settings.leaf_droop_degrees, settings.leaf_fold_degrees];
-                self.push_grid(base, axes, pose.length_m, grid(triangles), bends);
+                let size_m = [pose.width_m, pose.length_m];
+                self.push_grid(base, axes, size_m, grid(triangles), bends);
             }
-            LeafKind::Crossed => self.push_crossed(base, axes, pose.length_m),
-            LeafKind::Needle => self.push_needle(base, axes, pose.length_m),
+            LeafKind::Crossed => self.push_crossed(base, axes, [pose.width_m, pose.length_m]),
+            LeafKind::Needle => self.push_needle(base, axes, [pose.width_m, pose.length_m]),
         }
     }
 
@@ -119,11 +122,11 @@ impl Builder<'_> {
         &mut self,
         base: DVec3,
         axes: Axes,
-        length_m: f64,
+        [width_m, length_m]: [f64; 2],
         [columns, rows]: [u32; 2],
         [droop, fold]: [f64; 2],
     ) {
-        let half_width_m = 0.5 * self.settings.leaf_width * length_m;
+        let half_width_m = 0.5 * width_m;
         let (fold_sin, fold_cos) = libm::sincos(fold.to_radians());
         let first = self.surface.positions.len() as u32;
         let mut middle = base;
@@ -153,8 +156,8 @@ impl Builder<'_> {
     }
 
     /// Four half cards around the line from base to tip.
-    fn push_crossed(&mut self, base: DVec3, axes: Axes, length_m: f64) {
-        let half_width_m = 0.5 * self.settings.leaf_width * length_m;
+    fn push_crossed(&mut self, base: DVec3, axes: Axes, [width_m, length_m]: [f64; 2]) {
+        let half_width_m = 0.5 * width_m;
         let tip = base + axes.along * length_m;
         for (side, facing, edge) in [
             (axes.right, axes.facing, 1.0),
@@ -172,8 +175,8 @@ impl Builder<'_> {
     }
 
     /// Two triangles on both sides of the line from base to tip, like a roof.
-    fn push_needle(&mut self, base: DVec3, axes: Axes, length_m: f64) {
-        let half_width_m = 0.5 * self.settings.leaf_width * length_m;
+    fn push_needle(&mut self, base: DVec3, axes: Axes, [width_m, length_m]: [f64; 2]) {
+        let half_width_m = 0.5 * width_m;
         let low = base + axes.along * (0.4 * length_m) - axes.facing * (0.6 * half_width_m);
         let tip = base + axes.along * length_m;
         let [a, b] = [base, tip].map(|p| self.vertex(p, axes.facing, DVec2::new(0.5, 0.5)));
@@ -208,10 +211,10 @@ mod tests {
             along: DVec3::Y,
             facing: DVec3::Z,
             length_m: 2.0,
+            width_m: 1.0,
             kind,
         };
         let settings = Settings {
-            leaf_width: 0.5,
             leaf_droop_degrees: 90.0,
             leaf_fold_degrees: 0.0,
             ..Settings::default()

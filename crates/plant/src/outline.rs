@@ -174,7 +174,7 @@ pub(crate) fn drawing(outline: Outline, width: f64) -> Drawing {
             (vec![blade], 0.1, 0.0)
         }
         Outline::Palmate => (palmate(), 0.3, 0.0),
-        Outline::Pinnate => (pinnate(3, 0.40, 0.30, 0.085, 0.5, 62.0), 0.6, 0.0),
+        Outline::Pinnate => (pinnate(2, 0.42, 0.34, 0.1, 0.5, 62.0), 0.62, 0.0),
         Outline::PinnateFine => (pinnate(7, 0.22, 0.12, 0.033, 0.27, 66.0), 0.82, 0.0),
         Outline::Fan => (fan(), 0.42, 0.0),
     };
@@ -226,7 +226,7 @@ fn pinnate(
     let mut blades = Vec::new();
     for pair in 0..pairs {
         let share = f64::from(pair) / f64::from((pairs - 1).max(1));
-        let y = first_at + share * (if pairs > 4 { 0.68 } else { 0.3 });
+        let y = first_at + share * (if pairs > 4 { 0.68 } else { 0.26 });
         // The lowest pair is smaller than those above it.
         let length = longest * (0.78 + 0.22 * libm::sin(PI * (0.25 + 0.6 * share)));
         for side in [-1.0, 1.0] {

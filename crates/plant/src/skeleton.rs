@@ -82,6 +82,8 @@ pub struct LeafPose {
     pub facing: DVec3,
     /// From base to tip, in metres.
     pub length_m: f64,
+    /// From side to side, in metres.
+    pub width_m: f64,
     /// What it is made of.
     pub kind: LeafKind,
 }

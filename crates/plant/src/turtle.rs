@@ -22,6 +22,8 @@ struct Turtle {
     up: DVec3,
     radius_m: f64,
     sides: u32,
+    /// The width of leaves as a share of their length.
+    leaf_width: f64,
     tropism: f64,
     /// What the heading bends towards, a unit vector.
     attraction: DVec3,
@@ -32,7 +34,7 @@ struct Turtle {
 
 impl Turtle {
     /// At the origin, heading skyward, its left to +x and its up to -z.
-    fn new() -> Self {
+    fn new(leaf_width: f64) -> Self {
         Self {
             position: DVec3::ZERO,
             heading: DVec3::Y,
@@ -40,6 +42,7 @@ impl Turtle {
             up: DVec3::NEG_Z,
             radius_m: 0.01,
             sides: 6,
+            leaf_width,
             tropism: 0.0,
             attraction: DVec3::Y,
             segment: None,
@@ -109,7 +112,7 @@ fn rotated_about(vector: DVec3, axis: DVec3, angle_rad: f64) -> DVec3 {
 /// plant that reaches beyond 1000 km.
 pub fn draw(rules: &Rules, word: &Word) -> Result<Skeleton, RulesError> {
     let mut skeleton = Skeleton::default();
-    let mut turtle = Turtle::new();
+    let mut turtle = Turtle::new(rules.settings().leaf_width);
     let mut stack = Vec::new();
     for module in word.modules(rules) {
         let Some(command) = command_of(module.symbol) else {
@@ -181,12 +184,14 @@ fn obey(
         }
         Command::Leaf | Command::Crossed | Command::Blade | Command::Needle => {
             let kind = leaf_kind(command, parameters)?;
+            let length_m = length(parameters[0])?;
             skeleton.leaves.push(LeafPose {
                 segment: turtle.segment,
                 base: turtle.position,
                 along: turtle.heading,
                 facing: turtle.up,
-                length_m: length(parameters[0])?,
+                length_m,
+                width_m: turtle.leaf_width * length_m,
                 kind,
             });
         }

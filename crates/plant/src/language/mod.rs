@@ -9,7 +9,7 @@
 //! use secateur_plant::{Random, Rules, draw};
 //!
 //! let rules = Rules::parse("
-//!     # A stem of four nodes, a leaf at each.
+//!     ## A stem of four nodes, a leaf at each.
 //!     let internode = 0.1;
 //!     axiom: !(0.01) Stem(4);
 //!     Stem(n) if n > 0
@@ -103,7 +103,7 @@ pub(crate) use commands::{Command, POP, PUSH, command_of};
 pub use error::{Place, RulesError};
 pub use rules::Rules;
 pub(crate) use rules::{Production, Template};
-pub use settings::{Bark, Outline, Settings};
+pub use settings::{Bark, Outline, Settings, Shrinks};
 
 use grammar::{Grammar, Rule};
 

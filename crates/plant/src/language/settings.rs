@@ -69,6 +69,21 @@ impl Bark {
     ];
 }
 
+/// What gets smaller where there are more leaves, and larger where there are fewer,
+/// so that all together keep their area.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Shrinks {
+    /// Length and width alike.
+    Both,
+    /// The width only: needles, and segments of fans.
+    Width,
+}
+
+impl Shrinks {
+    const NAMES: [(&'static str, Self); 2] = [("both", Self::Both), ("width", Self::Width)];
+}
+
 /// What a rule file sets, with what holds where it sets nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -79,6 +94,9 @@ pub struct Settings {
     pub leaf_outline: Outline,
     /// `leaf_width`: the width of a leaf as a share of its length, 0.001 to 10.
     pub leaf_width: f64,
+    /// `leaf_shrinks`: what gets smaller where a plant has more leaves than its
+    /// rules are meant for.
+    pub leaf_shrinks: Shrinks,
     /// `leaf_droop`: the angle by which a blade's tip hangs below its base's
     /// direction, in degrees, -360 to 360.
     pub leaf_droop_degrees: f64,
@@ -104,6 +122,7 @@ impl Default for Settings {
             leaves: None,
             leaf_outline: Outline::Ovate,
             leaf_width: 0.7,
+            leaf_shrinks: Shrinks::Both,
             leaf_droop_degrees: 25.0,
             leaf_fold_degrees: 12.0,
             leaf_colour: [0.33, 0.50, 0.16],
@@ -131,6 +150,7 @@ pub(super) fn set(
         "leaf_width" => settings.leaf_width = number(name, values, 0, 0.001, 10.0)?,
         "leaf_droop" => settings.leaf_droop_degrees = number(name, values, 0, -360.0, 360.0)?,
         "leaf_fold" => settings.leaf_fold_degrees = number(name, values, 0, -90.0, 90.0)?,
+        "leaf_shrinks" => settings.leaf_shrinks = word(name, values, &Shrinks::NAMES)?,
         "leaf_variety" => settings.leaf_variety = fraction(0)?,
         "leaf_outward" => settings.leaf_outward = fraction(0)?,
         "bark_pattern" => settings.bark_pattern = word(name, values, &Bark::NAMES)?,
@@ -144,8 +164,8 @@ pub(super) fn set(
         }
         other => {
             let message = format!(
-                "unknown setting `{other}`: there are leaves, leaf_outline, leaf_width, leaf_droop, \
-                 leaf_fold, leaf_colour, leaf_variety, leaf_outward, bark_colour, bark_pattern"
+                "unknown setting `{other}`: there are leaves, leaf_outline, leaf_width, leaf_shrinks, \
+                 leaf_droop, leaf_fold, leaf_colour, leaf_variety, leaf_outward, bark_colour, bark_pattern"
             );
             return Err(RulesError::at(place_of(name), message));
         }

@@ -11,6 +11,24 @@ use crate::Rules;
 pub enum Species {
     /// English oak (Quercus robur).
     Oak,
+    /// Shagbark hickory (Carya ovata); a leaf is a whole pinnate leaf.
+    Carya,
+    /// Silver birch (Betula pendula).
+    Birch,
+    /// Common alder (Alnus glutinosa).
+    Alder,
+    /// Norway maple (Acer platanoides).
+    Maple,
+    /// Rowan (Sorbus aucuparia); a leaf is a whole pinnate leaf of 18 triangles.
+    Rowan,
+    /// Scots pine (Pinus sylvestris); a leaf is a needle.
+    Pine,
+    /// Cabbage palmetto (Sabal palmetto); a leaf is a segment of a fan.
+    Palmetto,
+    /// Weeping willow (Salix babylonica).
+    Willow,
+    /// A bush such as box or privet.
+    Bush,
 }
 
 /// What belongs to a species.
@@ -40,6 +58,15 @@ macro_rules! species {
 
 species! {
     Oak = "oak",
+    Carya = "carya",
+    Birch = "birch",
+    Alder = "alder",
+    Maple = "maple",
+    Rowan = "rowan",
+    Pine = "pine",
+    Palmetto = "palmetto",
+    Willow = "willow",
+    Bush = "bush",
 }
 
 impl Species {

@@ -110,7 +110,8 @@ pub(crate) struct Measure {
 
 #[derive(Args, Debug)]
 pub(crate) struct Grow {
-    /// What to grow: oak, or a rule file of your own, FILE.lsys.
+    /// What to grow: oak, carya, birch, alder, maple, rowan, pine, palmetto, willow, bush; or a
+    /// rule file of your own, FILE.lsys.
     #[arg(value_name = "SPECIES")]
     pub(crate) species: String,
     /// The result, .glb.
