@@ -110,6 +110,10 @@ fn mistakes_in_a_rule_file_are_shown_with_line_and_column() {
             b"axiom: A; A -> A A;",
             "bad.lsys: line 1, column 18: the rules make more than 24000000",
         ),
+        (
+            b"axiom: sides(64) A(19); A(n) if n > 0 -> A(n - 1) A(n - 1); A(n) if n <= 0 -> F(0);",
+            "bad has more than 40000000 vertices: ask for fewer leaves, segments or sides",
+        ),
         (b"\xff\xfe", "bad.lsys: the rules are not UTF-8 text"),
     ] {
         bench.put("bad.lsys", text);

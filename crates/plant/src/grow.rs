@@ -9,10 +9,12 @@ use crate::language::Shrinks;
 use crate::leaf_surface::leaf_surface;
 use crate::leaf_texture::leaf_texture;
 use crate::wood::wood_surface;
-use crate::{LeafPose, Random, Rules, RulesError, Skeleton, Species, Word, draw};
+use crate::{LeafPose, Random, Rules, RulesError, Segment, Skeleton, Species, Word, draw};
 
 /// The most leaves a plant can be asked for.
 pub const MAX_LEAVES: u32 = 1_000_000;
+/// The most vertices of wood and leaves together.
+const MAX_VERTICES: u64 = 40_000_000;
 /// A plant of few leaves is still a whole plant.
 const LEAST_DETAIL: f64 = 0.4;
 /// A crown of few leaves is a sparse one, not one of giant leaves.
@@ -61,6 +63,14 @@ pub enum GrowError {
         leaves: u32,
         /// How many there are at most.
         most: usize,
+    },
+    /// More vertices than a file should hold.
+    #[error(
+        "{name} has more than {MAX_VERTICES} vertices: ask for fewer leaves, segments or sides"
+    )]
+    TooLarge {
+        /// The plant.
+        name: String,
     },
     /// The rules cannot be derived or drawn.
     #[error("{name}: {source}")]
@@ -115,6 +125,7 @@ pub fn grow_rules(
     seed: u64,
 ) -> Result<Plant, GrowError> {
     let skeleton = rules_skeleton(rules, name, leaves, seed)?;
+    check_size(&skeleton, name)?;
     Ok(surfaces(&skeleton, rules, name, seed))
 }
 
@@ -153,6 +164,18 @@ pub fn rules_skeleton(
         }
     }
     Ok(skeleton)
+}
+
+/// Refuses what would not fit a file, before any of it is made.
+fn check_size(skeleton: &Skeleton, name: &str) -> Result<(), GrowError> {
+    let of_segment = |segment: &Segment| 2 * (u64::from(segment.sides) + 1);
+    let of_leaf = |leaf: &LeafPose| u64::from(leaf.kind.triangles()) + 8;
+    let wood: u64 = skeleton.segments.iter().map(of_segment).sum();
+    let leaves: u64 = skeleton.leaves.iter().map(of_leaf).sum();
+    if wood + leaves > MAX_VERTICES {
+        return Err(GrowError::TooLarge { name: name.into() });
+    }
+    Ok(())
 }
 
 /// The surface of a skeleton that these rules drew.

@@ -155,6 +155,11 @@ impl Word {
         texts.join(" ")
     }
 
+    /// How many modules the derivation made in all, rewritten ones too.
+    pub fn modules_made(&self) -> usize {
+        self.nodes.len() - 1
+    }
+
     /// How many leaves the turtle will draw.
     pub fn leaf_count(&self, rules: &Rules) -> usize {
         let is_leaf = |module: &Module<'_>| {
