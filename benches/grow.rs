@@ -16,7 +16,7 @@ use glam::DVec3;
 use rows::{Row, Rows, repeats, shared_tree};
 use secateur_model::gltf::{Document, Tree, plant_to_glb};
 use secateur_model::{Foliage, Lod};
-use secateur_plant::{GrowOptions, Species, grow};
+use secateur_plant::{GrowOptions, Species, grow, grow_skeleton};
 use secateur_raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
 
 /// What is taken from botany: heights of grown trees and lengths of leaves.
@@ -179,7 +179,14 @@ impl Bench {
             let tree = document.and_then(|d| d.into_tree(&[])).expect("a tree");
             let botany = format!("{height} m high; {leaf}");
             let command = format!("secateur grow {species} --seed 3");
-            self.plausible(&mut table, species.name(), &command, &tree, &botany);
+            self.plausible(
+                &mut table,
+                species.name(),
+                &command,
+                &tree,
+                Some(leaf_length(species, &options)),
+                &botany,
+            );
         }
         for name in [
             "ez_oak_20k.glb",
@@ -189,7 +196,7 @@ impl Bench {
         ] {
             if let Some(path) = shared_tree(name) {
                 let tree = Tree::open(&path, &[]).expect("the tree loads");
-                self.plausible(&mut table, name, name, &tree, "another tool's tree");
+                self.plausible(&mut table, name, name, &tree, None, "another tool's tree");
             }
         }
         let path = self.rows.folder().join("species.md");
@@ -203,21 +210,25 @@ impl Bench {
         case: &str,
         command: &str,
         tree: &Tree,
+        leaf_length: Option<f64>,
         botany: &str,
     ) {
-        let figures = Figures::of(tree);
-        for (quantity, unit, value) in figures.named() {
+        let figures = Figures::of(tree, leaf_length);
+        let named = figures.named();
+        for (quantity, unit, value) in named.into_iter().filter(|(.., value)| value.is_finite()) {
             self.note(case, quantity, unit, value, command);
         }
         let _ = writeln!(
             table,
-            "| {case} | {} | {} | {:.1} | {:.1} x {:.1} | {:.0} | {:.1} | {:.1} | {botany} |",
+            "| {case} | {} | {} | {:.1} | {:.1} x {:.1} | {} | {:.1} | {:.1} | {botany} |",
             figures.leaves,
             figures.wood_triangles,
             figures.size.y,
             figures.size.x,
             figures.size.z,
-            100.0 * figures.leaf_length,
+            figures
+                .leaf_length
+                .map_or("-".to_owned(), |m| format!("{:.0}", 100.0 * m)),
             figures.leaf_area_index,
             figures.depth_complexity,
         );
@@ -229,8 +240,8 @@ struct Figures {
     wood_triangles: u64,
     /// Width of the crown, height above the ground, depth of the crown.
     size: DVec3,
-    /// The mean extent of a leaf, in metres.
-    leaf_length: f64,
+    /// The mean from base to tip, stalk included, in metres; of grown plants.
+    leaf_length: Option<f64>,
     /// Leaf area, one side, cut-outs subtracted, over the ground below the crown:
     /// the ellipse that its width and depth span.
     leaf_area_index: f64,
@@ -239,7 +250,7 @@ struct Figures {
 }
 
 impl Figures {
-    fn of(tree: &Tree) -> Self {
+    fn of(tree: &Tree, leaf_length: Option<f64>) -> Self {
         let foliage = tree.foliage();
         let corners = || foliage.triangles().iter().flat_map(|t| t.corners);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -255,7 +266,7 @@ impl Figures {
             leaves: foliage.leaves().len(),
             wood_triangles: tree.wood_triangle_count(),
             size: DVec3::new(size.x, high.y, size.z),
-            leaf_length: leaf_length(foliage),
+            leaf_length,
             leaf_area_index: leaf_area / ground,
             depth_complexity: depth_complexity(foliage),
         }
@@ -268,26 +279,17 @@ impl Figures {
             ("height", "m", self.size.y),
             ("crown_width", "m", self.size.x),
             ("crown_depth", "m", self.size.z),
-            ("leaf_length", "m", self.leaf_length),
+            ("leaf_length", "m", self.leaf_length.unwrap_or(f64::NAN)),
             ("leaf_area_index", "", self.leaf_area_index),
             ("depth_complexity", "", self.depth_complexity),
         ]
     }
 }
 
-/// The mean over leaves of the farthest distance between two of their corners.
-fn leaf_length(foliage: &Foliage) -> f64 {
-    let ids = (1..=foliage.leaves().len() as u32).filter_map(secateur_model::LeafId::new);
-    let longest = |id| {
-        let triangles = foliage.triangles_of(id);
-        let corners: Vec<DVec3> = triangles.iter().flat_map(|t| t.corners).collect();
-        let pairs = corners
-            .iter()
-            .flat_map(|a| corners.iter().map(|b| a.distance(*b)));
-        pairs.fold(0.0, f64::max)
-    };
-    let sum: f64 = ids.map(longest).sum();
-    sum / foliage.leaves().len().max(1) as f64
+fn leaf_length(species: Species, options: &GrowOptions) -> f64 {
+    let skeleton = grow_skeleton(species, options).expect("every species grows");
+    let sum: f64 = skeleton.leaves.iter().map(|leaf| leaf.length_m).sum();
+    sum / skeleton.leaves.len() as f64
 }
 
 fn depth_complexity(foliage: &Foliage) -> f64 {

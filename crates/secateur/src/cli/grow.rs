@@ -12,7 +12,7 @@ use secateur::{Plant, plant_to_glb};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use super::args;
+use super::args::{self, Common, Format};
 use super::failure::Failure;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
@@ -21,7 +21,7 @@ use super::summary::{grouped, size};
 use super::{interrupt, machine, output, record};
 
 /// Grows, writes, reports.
-pub(crate) fn run(args: &args::Grow) -> Result<Printed, Failure> {
+pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     check_outputs(args)?;
     let mut stages = Vec::new();
@@ -45,12 +45,14 @@ pub(crate) fn run(args: &args::Grow) -> Result<Printed, Failure> {
         })?;
     }
     let size_m = extent_m(&plant);
+    // A second for a large file, so only where someone will see it.
+    let is_recorded = args.report.is_some() || common.format != Format::Pretty;
     let total = start.elapsed().as_secs_f64();
     let record = json!({
         "species": name,
         "output": args.output.display().to_string(),
         "bytes": bytes.len(),
-        "sha256": sha256(&bytes),
+        "sha256": is_recorded.then(|| sha256(&bytes)),
         "leaves": plant.triangles_per_leaf.len(),
         "triangles": {
             "leaves": plant.leaves.triangles.len(),
