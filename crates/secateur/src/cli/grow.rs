@@ -65,8 +65,10 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         "run": record::provenance("grow"),
     });
     record::write(args.report.as_deref(), &record)?;
+    let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
+    let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
     let pretty = format!(
-        "{} with {} leaves, {:.1} m high, grown in {total:.2} s\n  \
+        "{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
          triangles  {} of leaves, {} of wood\n  \
          file       {}, {}\n",
         plant.name,
