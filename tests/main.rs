@@ -4,6 +4,7 @@ mod bad_input;
 mod demo;
 mod engines;
 mod formats;
+mod grow;
 mod help;
 mod main_job;
 mod measure;

@@ -30,6 +30,8 @@ pub(crate) enum Command {
     Simplify(Box<Simplify>),
     /// Judge a simplified tree against its original, from views the simplifier never saw.
     Measure(Measure),
+    /// Grow a plant from rules: a species, or a file of your own.
+    Grow(Grow),
 }
 
 #[derive(Args, Debug)]
@@ -104,6 +106,29 @@ pub(crate) struct Measure {
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Grow {
+    /// What to grow: oak, carya, birch, alder, maple, rowan, pine, palmetto, willow, bush; or a
+    /// rule file of your own, FILE.lsys.
+    #[arg(value_name = "SPECIES")]
+    pub(crate) species: String,
+    /// The result, .glb.
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// How many leaves it has, exactly [default: as many as suit the species].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) leaves: Option<i64>,
+    /// Which sibling; equal seeds grow equal plants.
+    #[arg(long, value_name = "S", default_value_t = 3)]
+    pub(crate) seed: u64,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write a picture of the plant.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) picture: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]

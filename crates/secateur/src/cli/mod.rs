@@ -3,6 +3,7 @@
 mod args;
 mod demo;
 mod failure;
+mod grow;
 mod inspect;
 mod interrupt;
 mod log;
@@ -52,6 +53,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Inspect(args) => inspect::run(args)?,
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
+        Command::Grow(args) => grow::run(args, &cli.common)?,
     };
     if cli.common.quiet {
         return Ok(());
