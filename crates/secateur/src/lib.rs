@@ -73,6 +73,7 @@
 //! | results | [`RemovalOrder`], [`Lod`], [`raster::AreaTable`], [`vmi`] |
 //! | judging | [`measure()`], [`eval`] |
 //! | one stage alone | [`raster`], [`vds`], [`vmi`] |
+//! | other methods | [`Method`], [`fsa`], [`stochastic`] |
 //! | trees without files | [`plant`] |
 //!
 //! # Features
@@ -80,6 +81,7 @@
 //! program `secateur`; turn it off where only the library is wanted.
 
 mod audit;
+mod baseline;
 mod cameras;
 mod engine;
 mod error;
@@ -100,8 +102,9 @@ pub use secateur_model::gltf::{
     SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_to_glb,
 };
 pub use secateur_model::{
-    AlphaMode, BoundingSphere, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId, LeafTriangle,
-    Lod, Material, Plant, RemovalOrder, Step, Surface, Texture, Wrap,
+    AlphaMode, BoundingSphere, CornerRef, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId,
+    LeafTriangle, Lod, Material, NewCorner, NewLeaf, Place, Plant, RemovalOrder, Step, Surface,
+    Texture, Wrap,
 };
 pub use secateur_simplify::vds::{Reference, Resize, Stopped, Ties};
 
@@ -113,6 +116,10 @@ pub use secateur_eval as eval;
 pub use secateur_plant as plant;
 /// Views, fragments and areas, on the CPU and the GPU.
 pub use secateur_raster as raster;
+/// Leaf collapse, below [`simplify`].
+pub use secateur_simplify::fsa;
+/// Stochastic pruning, below [`simplify`].
+pub use secateur_simplify::stochastic;
 /// VDS itself, below [`simplify`].
 pub use secateur_simplify::vds;
 /// The measure, in integers.

@@ -2,6 +2,7 @@
 
 use secateur_model::{BoundingSphere, Foliage};
 use secateur_raster::ViewSet;
+use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::vds::{Reference, Resize, Ties, ViewPlan};
 
 use crate::Error;
@@ -16,6 +17,12 @@ pub enum Method {
     /// The same as the paper's Algorithm 1 is written: every view drawn anew for
     /// every candidate of every step. For checking, on a few hundred leaves.
     VdsReference,
+    /// Leaf collapse: the two leaves that are nearest and most in one plane
+    /// become one ([`fsa`](crate::fsa)).
+    Fsa,
+    /// Stochastic pruning: a random order, survivors grow alike
+    /// ([`stochastic`](crate::stochastic)).
+    Stochastic,
 }
 
 impl Method {
@@ -24,6 +31,8 @@ impl Method {
         match self {
             Self::Vds => "vds",
             Self::VdsReference => "vds-reference",
+            Self::Fsa => "fsa",
+            Self::Stochastic => "stochastic",
         }
     }
 }
@@ -181,8 +190,13 @@ pub struct Simplify {
     pub ties: Ties,
     /// Whether holes of leaf textures count.
     pub alpha: Alpha,
-    /// For methods that draw lots; VDS does not, and only records it.
+    /// For methods that draw lots; others only record it.
     pub seed: u64,
+    /// [`Method::Stochastic`]: the share of the lost area that the survivors
+    /// regain, 0 to 1.
+    pub area_weight: f64,
+    /// [`Method::Fsa`]: what counts.
+    pub fsa: FsaOptions,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -203,6 +217,8 @@ impl Simplify {
             ties: Ties::default(),
             alpha: Alpha::default(),
             seed: 0,
+            area_weight: 1.0,
+            fsa: FsaOptions::default(),
             audit: cfg!(debug_assertions),
         }
     }

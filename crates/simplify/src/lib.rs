@@ -10,7 +10,9 @@
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
 pub mod first_costs;
+pub mod fsa;
 pub mod resolution;
+pub mod stochastic;
 pub mod vds;
 
 pub use secateur_raster::measure::{lg, vmi};

@@ -156,9 +156,33 @@ pub(crate) struct Simplify {
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
-    /// For methods that draw lots; vds does not.
+    /// For methods that draw lots: which of them.
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
+    /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    pub(crate) area_weight: f64,
+    /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    pub(crate) distance_weight: f64,
+    /// fsa: how much it counts that two leaves are not in one plane.
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    pub(crate) planarity_weight: f64,
     /// Rasterise the result from scratch another way and compare [default: in debug builds].
     #[arg(long, overrides_with = "no_audit")]
     pub(crate) audit: bool,
@@ -248,6 +272,10 @@ names!(MethodName => Method {
     Vds,
     /// The same by the paper's algorithm, literally; for a few hundred leaves
     VdsReference,
+    /// Leaf collapse: the two nearest leaves, most in one plane, become one
+    Fsa,
+    /// Stochastic pruning: a random order, all that are left grow alike
+    Stochastic,
 });
 names!(EngineName => Engine {
     /// A hardware GPU if there is one and the tree is large, else the CPU

@@ -102,6 +102,9 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "engine": args.engine.text(),
         "foliage": selectors.collect::<Vec<_>>(),
         "seed": args.seed,
+        "area_weight": args.area_weight,
+        "distance_weight": args.distance_weight,
+        "planarity_weight": args.planarity_weight,
     })
 }
 

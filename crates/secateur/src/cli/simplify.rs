@@ -93,6 +93,9 @@ fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.ties = args.ties.into();
     settings.alpha = args.alpha.into();
     settings.seed = args.seed;
+    settings.area_weight = args.area_weight;
+    settings.fsa.distance_weight = args.distance_weight;
+    settings.fsa.planarity_weight = args.planarity_weight;
     settings.audit = args.audit || (settings.audit && !args.no_audit);
     Ok(settings)
 }
