@@ -3,6 +3,8 @@
 //!
 //! - [`measure`](measure()): original against simplified foliage, a value for
 //!   each of [`METRICS`](measure::METRICS).
+//! - [`pictures`]: the same for what the trees look like, a value for each of
+//!   [`PICTURE_METRICS`](pictures::PICTURE_METRICS).
 //! - [`render`]: textured triangles to a picture, on the CPU.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
@@ -16,6 +18,7 @@ mod contact_sheet;
 mod lens;
 mod light_depth;
 pub mod measure;
+pub mod pictures;
 mod render;
 mod screen_triangle;
 mod shading;
@@ -25,4 +28,5 @@ mod visibility;
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
 pub use measure::{Judging, MeasureError, Measurement, measure, measure_lod};
+pub use pictures::{PictureMeasurement, Pictures};
 pub use render::{RenderOptions, render};

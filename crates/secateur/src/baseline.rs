@@ -8,7 +8,7 @@ use secateur_raster::{Rasteriser, Scene, ViewSet};
 use secateur_simplify::lg::LgTable;
 use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan};
 use secateur_simplify::vmi::Vmi;
-use secateur_simplify::{fsa, stochastic};
+use secateur_simplify::{fsa, meshopt, stochastic};
 
 use crate::{Error, Method, OpenEngine, Simplify};
 
@@ -33,6 +33,7 @@ pub(crate) fn order(
             };
             Some(stochastic::simplify(foliage, leaves, &options))
         }
+        Method::Meshopt => Some(meshopt::simplify(foliage, leaves, settings.meshopt)),
         Method::Fsa => fsa::simplify(foliage, leaves, &settings.fsa, &mut |steps| {
             progress(steps, at_most)
         }),

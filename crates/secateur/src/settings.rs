@@ -3,6 +3,7 @@
 use secateur_model::{BoundingSphere, Foliage};
 use secateur_raster::ViewSet;
 use secateur_simplify::fsa::FsaOptions;
+use secateur_simplify::meshopt::MeshoptOptions;
 use secateur_simplify::vds::{Reference, Resize, Ties, ViewPlan};
 
 use crate::Error;
@@ -23,6 +24,9 @@ pub enum Method {
     /// Stochastic pruning: a random order, survivors grow alike
     /// ([`stochastic`](crate::stochastic)).
     Stochastic,
+    /// The mesh simplifier of meshoptimizer on the mesh of all leaves
+    /// ([`meshopt`](crate::meshopt)).
+    Meshopt,
 }
 
 impl Method {
@@ -33,6 +37,7 @@ impl Method {
             Self::VdsReference => "vds-reference",
             Self::Fsa => "fsa",
             Self::Stochastic => "stochastic",
+            Self::Meshopt => "meshopt",
         }
     }
 }
@@ -197,6 +202,8 @@ pub struct Simplify {
     pub area_weight: f64,
     /// [`Method::Fsa`]: what counts.
     pub fsa: FsaOptions,
+    /// [`Method::Meshopt`]: which simplifier, and whether area is given back.
+    pub meshopt: MeshoptOptions,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -219,6 +226,7 @@ impl Simplify {
             seed: 0,
             area_weight: 1.0,
             fsa: FsaOptions::default(),
+            meshopt: MeshoptOptions::default(),
             audit: cfg!(debug_assertions),
         }
     }

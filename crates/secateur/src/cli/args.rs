@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use secateur::meshopt::Mode;
 use secateur::{Alpha, Engine, Method, Reference, Resize, Resolution, Selector, Target, Ties};
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
@@ -183,6 +184,12 @@ pub(crate) struct Simplify {
         allow_negative_numbers = true
     )]
     pub(crate) planarity_weight: f64,
+    /// meshopt: which of its simplifiers.
+    #[arg(long, value_enum, default_value_t = MeshoptModeName::Prune)]
+    pub(crate) meshopt_mode: MeshoptModeName,
+    /// meshopt: move the borders of what is left outwards, to give back lost area.
+    #[arg(long)]
+    pub(crate) preserve_area: bool,
     /// Rasterise the result from scratch another way and compare [default: in debug builds].
     #[arg(long, overrides_with = "no_audit")]
     pub(crate) audit: bool,
@@ -276,6 +283,8 @@ names!(MethodName => Method {
     Fsa,
     /// Stochastic pruning: a random order, all that are left grow alike
     Stochastic,
+    /// The mesh simplifier of meshoptimizer: triangles to the share that is asked for, not leaves
+    Meshopt,
 });
 names!(EngineName => Engine {
     /// A hardware GPU if there is one and the tree is large, else the CPU
@@ -302,6 +311,14 @@ names!(ResizeName => Resize {
     Deficit,
     /// 0
     None,
+});
+names!(MeshoptModeName => Mode {
+    /// simplify, and drop small parts
+    Prune,
+    /// simplify alone: only collapses edges
+    Plain,
+    /// simplify_sloppy: joins what shares a cell of a grid
+    Sloppy,
 });
 names!(TiesName => Ties { Order, Spread });
 names!(AlphaName => Alpha {

@@ -96,6 +96,8 @@ fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.area_weight = args.area_weight;
     settings.fsa.distance_weight = args.distance_weight;
     settings.fsa.planarity_weight = args.planarity_weight;
+    settings.meshopt.mode = args.meshopt_mode.into();
+    settings.meshopt.preserve_area = args.preserve_area;
     settings.audit = args.audit || (settings.audit && !args.no_audit);
     Ok(settings)
 }

@@ -64,11 +64,18 @@ impl ActiveLeaf {
     }
 
     /// The new leaf that takes the place of two: of each the two vertices that
-    /// are furthest from the other, in the order that encloses most. It looks like the larger of the two; of equals, the first.
+    /// are furthest from the other, in the order that encloses most. The larger
+    /// gives those furthest from the middle of the other, which gives those
+    /// furthest from these two: leaves that nearly coincide do not become a
+    /// sliver. It looks like the larger; of equals, the first.
     pub(super) fn collapse(a: &Self, b: &Self) -> Self {
         let (own, other) = if b.area > a.area { (b, a) } else { (a, b) };
-        let [p, q] = furthest_two(own, other);
-        let [r, s] = furthest_two(other, own);
+        let middle = other.middle();
+        let [p, q] = furthest_two(own, |v| v.distance_squared(middle));
+        let [r, s] = furthest_two(other, |v| {
+            v.distance_squared(p.position)
+                .min(v.distance_squared(q.position))
+        });
         let mut corners = [p, q, r, s];
         for turned in [[p, q, s, r], [p, r, q, s]] {
             if twice_area_of(&turned).length_squared() > twice_area_of(&corners).length_squared() {
@@ -222,14 +229,12 @@ fn outline_of(vertices: &[Vertex], normal: DVec3) -> Outline {
     }
 }
 
-/// The two vertices of a leaf that are furthest from the nearest vertex of the
-/// other, the furthest first, of equals the first.
-fn furthest_two(leaf: &ActiveLeaf, other: &ActiveLeaf) -> [Vertex; 2] {
-    let mut by_distance: SmallVec<[(f64, Vertex); 4]> = leaf
-        .vertices
-        .iter()
-        .map(|v| (distance_squared(v.position, other), *v))
-        .collect();
+/// The two vertices of a leaf that are furthest, the furthest first, of equals
+/// the first.
+fn furthest_two(leaf: &ActiveLeaf, distance: impl Fn(DVec3) -> f64) -> [Vertex; 2] {
+    let vertices = leaf.vertices.iter();
+    let mut by_distance: SmallVec<[(f64, Vertex); 4]> =
+        vertices.map(|v| (distance(v.position), *v)).collect();
     by_distance.sort_by(|a, b| b.0.total_cmp(&a.0));
     let first = by_distance[0].1;
     [first, by_distance.get(1).map_or(first, |v| v.1)]

@@ -105,6 +105,18 @@ fn two_squares_become_the_rectangle_around_them() {
     assert_eq!(Lod::after(&order, 1).leaf_count(), 2);
 }
 
+/// A square over another, a little to the right: the left edge of the one and
+/// the right edge of the other, no sliver between corners that nearly coincide.
+#[test]
+fn leaves_that_nearly_coincide_become_a_leaf_of_their_size() {
+    let step = DVec3::new(0.01, 0.0, 0.001);
+    let foliage = foliage(&[unit_square(DVec3::ZERO), unit_square(step)]);
+    let order = run(&foliage, 1, &FsaOptions::default());
+    let left = Lod::after(&order, 1).foliage(&foliage);
+    let area = left.leaves()[0].area();
+    assert!((area - 1.01).abs() < 1e-3, "{area}");
+}
+
 /// Two squares in one plane, 2 apart, against two that are 1 apart at right
 /// angles: 2 against 1 + w, so the weight decides.
 #[test]
