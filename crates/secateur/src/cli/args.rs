@@ -31,6 +31,8 @@ pub(crate) enum Command {
     Simplify(Box<Simplify>),
     /// Judge a simplified tree against its original, from views the simplifier never saw.
     Measure(Measure),
+    /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
+    Study(Study),
 }
 
 #[derive(Args, Debug)]
@@ -105,6 +107,57 @@ pub(crate) struct Measure {
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Study {
+    /// The trees, .glb or .gltf.
+    #[arg(
+        value_name = "TREE.glb",
+        required_unless_present = "redraw",
+        conflicts_with = "redraw"
+    )]
+    pub(crate) trees: Vec<PathBuf>,
+    /// The folder of rows, charts and report. Rows that are in it already are kept and not run
+    /// again.
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    /// What is run.
+    #[arg(long, value_enum, default_value_t = PlanName::Methods)]
+    pub(crate) plan: PlanName,
+    /// Instead of a plan: a method and options of `simplify`, such as 'vds --views 8'; can be given
+    /// several times.
+    #[arg(long, value_name = "CASE")]
+    pub(crate) case: Vec<String>,
+    /// Shares of the leaves, 0 to 1.
+    #[arg(long, value_name = "R,R", value_delimiter = ',', default_value = "0.5,0.25,0.1,0.01", value_parser = level)]
+    pub(crate) levels: Vec<f64>,
+    /// How many seeds of methods that draw lots.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) seeds: u32,
+    /// Run nothing: draw charts and report from the rows again.
+    #[arg(long)]
+    pub(crate) redraw: bool,
+}
+
+/// What a study runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanName {
+    /// Every method, one setting each, and variants that explain them
+    Methods,
+    /// vds from fewer views and at other resolutions, beside the other methods
+    Speed,
+    /// Methods under turned views, jittered corners, shuffled leaves and other settings
+    Stability,
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(level) if (0.0..=1.0).contains(&level) => Ok(level),
+        _ => Err("write shares from 0 to 1 with commas between them".to_owned()),
+    }
 }
 
 #[derive(Args, Debug)]

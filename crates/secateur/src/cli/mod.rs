@@ -13,6 +13,7 @@ mod picture;
 mod print;
 mod record;
 mod simplify;
+mod study;
 mod summary;
 mod watch;
 
@@ -52,6 +53,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Inspect(args) => inspect::run(args)?,
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
+        Command::Study(args) => study::run(args, &cli.common)?,
     };
     if cli.common.quiet {
         return Ok(());

@@ -81,7 +81,8 @@ fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
     output::check_distinct(&outputs)
 }
 
-fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
+/// What a run is asked to do.
+pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     let mut settings = Simplify::to(args.target.target()?);
     settings.method = args.method.into();
     settings.engine = args.engine.into();
