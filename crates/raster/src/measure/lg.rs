@@ -11,8 +11,17 @@
 /// over all views of `2 * area * lg` stays below 2 * 2^29 * 29 * 2^27 < 2^62.
 pub const LG_FRACTION_BITS: u32 = 27;
 
+use std::sync::OnceLock;
+
 /// Largest count in the tables: the pixels of a 256 x 256 view.
 const TABLE_MAX: u32 = 1 << 16;
+
+/// Logarithms that are computed together when the first of them is asked for:
+/// areas of the background, beyond the tables, change by a few pixels a step.
+const PAGE: usize = 256;
+
+/// Pages there are; beyond them every logarithm is computed anew.
+const PAGES: usize = 1 << 17;
 
 /// log2 of `n >= 1` in units of 2^-27, rounded down to within 1.2 units.
 ///
@@ -32,11 +41,13 @@ pub fn lg(n: u32) -> u32 {
     bits
 }
 
-/// Tables of `lg n` and `n lg n` for the counts of leaves, which are small.
+/// Tables of `lg n` and `n lg n` for the counts of leaves, which are small, and
+/// pages of `lg n` for those of the background, filled as they are asked for.
 #[derive(Clone, Debug)]
 pub struct LgTable {
     lg: Vec<u32>,
     n_lg_n: Vec<i64>,
+    pages: Vec<OnceLock<Box<[u32; PAGE]>>>,
 }
 
 impl LgTable {
@@ -49,7 +60,18 @@ impl LgTable {
         Self {
             n_lg_n: n_lg_n.collect(),
             lg,
+            pages: (0..PAGES).map(|_| OnceLock::new()).collect(),
         }
+    }
+
+    fn beyond_table(&self, n: u32) -> u32 {
+        let (page, at) = (n as usize / PAGE, n as usize % PAGE);
+        let Some(page_of_n) = self.pages.get(page) else {
+            return lg(n);
+        };
+        let first = (page * PAGE) as u32;
+        let fill = || Box::new(std::array::from_fn(|k| lg(first + k as u32)));
+        page_of_n.get_or_init(fill)[at]
     }
 
     /// [`lg`] of n; 0 for 0, which only ever stands beside a factor 0.
@@ -57,7 +79,7 @@ impl LgTable {
     pub fn lg(&self, n: u32) -> i64 {
         match self.lg.get(n as usize) {
             Some(l) => i64::from(*l),
-            None => i64::from(lg(n)),
+            None => i64::from(self.beyond_table(n)),
         }
     }
 
@@ -66,7 +88,7 @@ impl LgTable {
     pub fn n_lg_n(&self, n: u32) -> i64 {
         match self.n_lg_n.get(n as usize) {
             Some(l) => *l,
-            None => i64::from(n) * i64::from(lg(n)),
+            None => i64::from(n) * i64::from(self.beyond_table(n)),
         }
     }
 
@@ -113,6 +135,18 @@ mod tests {
         for n in 1..TABLE_MAX + 1000 {
             assert!(table.lg(n) < table.lg(n + 1), "{n}");
             assert_eq!(table.n_lg_n(n), i64::from(n) * table.lg(n));
+        }
+    }
+
+    #[test]
+    fn the_table_equals_the_computation_near_and_far() {
+        let table = LgTable::new();
+        let last_of_pages = (PAGE * PAGES) as u32 - 1;
+        for around in [1 << 16, 1_310_720, 5_242_880, last_of_pages, 1 << 28] {
+            for n in around - 300..around + 300 {
+                assert_eq!(table.lg(n), i64::from(lg(n)), "{n}");
+                assert_eq!(table.n_lg_n(n), i64::from(n) * i64::from(lg(n)));
+            }
         }
     }
 

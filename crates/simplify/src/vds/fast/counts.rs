@@ -21,11 +21,15 @@
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
+use super::candidates::Silhouette;
 use super::pixels::Ends;
 use super::prefetch::{prefetch, prefetch_range};
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 const NONE: u32 = u32::MAX;
+
+/// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
+const SILHOUETTE_MAX: u32 = 16;
 
 /// Pixels by view, only those that are not zero.
 type Reveals = SmallVec<[(u32, u32); 3]>;
@@ -41,6 +45,17 @@ struct Edge {
     /// Where `touched_edges` holds it during a step.
     touched: u32,
     reveals: Reveals,
+}
+
+/// Grows by at least what a step changes at the background's term of a leaf,
+/// summed over the views without signs, for every pixel that the leaf would
+/// hand to the background, and for exact logarithms.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BackgroundDrift {
+    /// In the views in which the leaf reveals it.
+    pub revealed: f64,
+    /// What its growing total takes away in every view.
+    pub rise: f64,
 }
 
 struct TouchedLeaf {
@@ -75,7 +90,7 @@ pub(super) struct Counts<'t> {
     incoming: Vec<Vec<u32>>,
     /// Edge to the background by leaf number.
     background_edge: Vec<u32>,
-    background_drift: f64,
+    background_drift: BackgroundDrift,
     background_jumps: u32,
 
     touched_leaves: Vec<TouchedLeaf>,
@@ -110,7 +125,7 @@ impl<'t> Counts<'t> {
             edge_at: vec![NONE; ends.len()],
             incoming: vec![Vec::new(); leaf_count + 1],
             background_edge: vec![NONE; leaf_count + 1],
-            background_drift: 0.0,
+            background_drift: BackgroundDrift::default(),
             background_jumps: 0,
             touched_leaves: Vec::new(),
             areas_before: Vec::new(),
@@ -172,14 +187,6 @@ impl<'t> Counts<'t> {
         &self.areas[leaf as usize * self.view_count..][..self.view_count]
     }
 
-    /// Pixels over all views that would go to the background with the leaf.
-    pub(super) fn background_total(&self, leaf: u32) -> u32 {
-        match self.background_edge[leaf as usize] {
-            NONE => 0,
-            edge => self.edges[edge as usize].total,
-        }
-    }
-
     /// P times VMI less that of the original foliage, by view.
     pub(super) fn deviations(&self) -> &[i64] {
         &self.deviations
@@ -190,10 +197,8 @@ impl<'t> Counts<'t> {
         self.deviations = deviations;
     }
 
-    /// Grows by at least the sum over the views of |change| of the background's
-    /// term, for every pixel that a leaf would hand to the background, and for
-    /// exact logarithms.
-    pub(super) fn background_drift(&self) -> f64 {
+    /// How far the background's terms have moved since the beginning.
+    pub(super) fn background_drift(&self) -> BackgroundDrift {
         self.background_drift
     }
 
@@ -206,16 +211,67 @@ impl<'t> Counts<'t> {
     /// P times the change of VMI in each view if the leaf went.
     #[inline]
     pub(super) fn deltas(&self, leaf: u32, out: &mut [i64]) {
+        let rise = self.background_rise(self.deltas_but_rise(leaf, out));
+        for (delta, &a) in out.iter_mut().zip(self.areas(0)) {
+            *delta -= (u64::from(a) * rise) as i64;
+        }
+    }
+
+    /// [`deltas`](Self::deltas) but for what the growing total of the background
+    /// takes away in every view: its area there times
+    /// [`background_rise`](Self::background_rise) of the pixels returned.
+    #[inline]
+    pub(super) fn deltas_but_rise(&self, leaf: u32, out: &mut [i64]) -> u32 {
         out.copy_from_slice(&self.deltas[leaf as usize * self.view_count..][..self.view_count]);
         let edge = self.background_edge[leaf as usize];
-        if edge != NONE {
-            let edge = &self.edges[edge as usize];
-            let background = Target {
-                areas: &self.areas[..self.view_count],
-                total: self.totals[0],
-                lg_total: self.lg_totals[0],
-            };
-            add_term(self.table, out, background, edge.total, &edge.reveals);
+        if edge == NONE {
+            return 0;
+        }
+        let edge = &self.edges[edge as usize];
+        let background = self.background();
+        add_revealed(
+            self.table,
+            out,
+            background,
+            self.table.lg(background.total + edge.total),
+            &edge.reveals,
+        );
+        edge.total
+    }
+
+    /// Areas by view of a leaf that has nothing but the background behind it
+    /// and covers few pixels; leaves with equal ones have equal deltas. Empty
+    /// for others.
+    #[inline]
+    pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
+        let edge = self.background_edge[leaf as usize];
+        let total = self.totals[leaf as usize];
+        if edge == NONE || self.edges[edge as usize].total != total || total > SILHOUETTE_MAX {
+            return Silhouette::new();
+        }
+        let by_view = self.areas(leaf).iter().zip(0u32..);
+        let seen = by_view.filter(|(area, _)| **area > 0);
+        seen.map(|(area, view)| view << 8 | area).collect()
+    }
+
+    /// By how much the logarithm of the background's total would rise with so
+    /// many pixels more.
+    #[inline]
+    pub(super) fn background_rise(&self, pixels: u32) -> u64 {
+        match pixels {
+            0 => 0,
+            pixels => {
+                let background = self.background();
+                background.rise(self.table.lg(background.total + pixels))
+            }
+        }
+    }
+
+    fn background(&self) -> Target<'_> {
+        Target {
+            areas: self.areas(0),
+            total: self.totals[0],
+            lg_total: self.lg_totals[0],
         }
     }
 
@@ -349,32 +405,34 @@ impl<'t> Counts<'t> {
         }
     }
 
-    /// Bounds the sum over v of the change of
-    /// `f(a_0(v) + r(v), S_0 + s) - f(a_0(v), S_0)` by its derivatives.
+    /// Bounds the change of the background's terms by their derivatives.
     fn note_background(&mut self) {
         let slot = self.touched[0];
         if slot == NONE {
             return;
         }
         let before = &self.areas_before[slot as usize * self.view_count..][..self.view_count];
-        let (mut largest, mut sum, mut least_area) = (0u32, 0u64, u32::MAX);
+        let (mut steepest, mut sum) = (0f64, 0u64);
         for (&b, &a) in before.iter().zip(&self.areas[..self.view_count]) {
-            largest = largest.max(a.abs_diff(b));
-            sum += u64::from(a.abs_diff(b));
             if a != b {
-                least_area = least_area.min(a.min(b));
+                steepest = steepest.max(f64::from(a.abs_diff(b)) / f64::from(a.min(b)));
+                sum += u64::from(a.abs_diff(b));
             }
         }
-        let least_total = self.totals[0].min(self.touched_leaves[slot as usize].total_before);
-        if least_area == 0 {
+        if steepest.is_infinite() {
             // Where the background comes or goes the derivatives have no bound.
             self.background_jumps += 1;
             return;
         }
-        let drift =
-            f64::from(largest) / f64::from(least_area) + 3.0 * sum as f64 / f64::from(least_total);
-        let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2;
-        self.background_drift += drift * unit * (1.0 + 1e-9);
+        let (before, after) = (
+            self.touched_leaves[slot as usize].total_before,
+            self.totals[0],
+        );
+        let least = f64::from(after.min(before));
+        let change = f64::from(after.abs_diff(before)) / least;
+        let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2 * (1.0 + 1e-9);
+        self.background_drift.revealed += (steepest + change) * unit;
+        self.background_drift.rise += (sum as f64 / least + change * (1.0 + change)) * unit;
     }
 
     fn update_own_term(&mut self, slot: usize) {
@@ -542,6 +600,18 @@ fn add_term(table: &LgTable, deltas: &mut [i64], target: Target, s: u32, reveals
     for (delta, &a) in deltas.iter_mut().zip(target.areas) {
         *delta -= (u64::from(a) * rise) as i64;
     }
+    add_revealed(table, deltas, target, lg_after, reveals);
+}
+
+/// What [`add_term`] adds in the views in which the target is revealed.
+#[inline]
+fn add_revealed(
+    table: &LgTable,
+    deltas: &mut [i64],
+    target: Target,
+    lg_after: i64,
+    reveals: &Reveals,
+) {
     for &(view, r) in reveals {
         let a = target.areas[view as usize];
         deltas[view as usize] += table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;

@@ -169,7 +169,7 @@ impl<'a> Stage<'a> {
             &counts,
             leaves_by_place(foliage, &run.lod),
             ranks.collect(),
-            (pixels_per_view * views.len()) as f64,
+            pixels_per_view,
             &cost_deviations(run.options, &counts),
         );
         Ok(Self {
@@ -257,7 +257,7 @@ impl<'a> Stage<'a> {
         } = self;
         let per_view = run.options.resolution * run.options.resolution;
         let view_of = |pixel: u32| (pixel / per_view) as usize;
-        candidates.remove(leaf);
+        candidates.remove(counts, leaf);
         pixels.remove(leaf, |pixel, before, after| {
             counts.record(view_of(pixel), pixel, before, after);
         });

@@ -1,0 +1,616 @@
+//! The cheapest leaf, and the largest cost, without evaluating every leaf.
+//!
+//! The cost of leaf l is `sum_v |D_v + d_v|`: D the deviations of the current
+//! foliage, which change with every step, d the leaf's deltas, which mostly do
+//! not. Costs differ by little against `sum |D|`, so everything here is about
+//! the *excess* `sum_v (|D_v + d_v| - |D_v|)`. Leaves of about the same
+//! `n = sum |d|` share a *block*, whose deltas are kept as f32, so that its
+//! excesses are a few vector instructions. A block that was evaluated when the
+//! deviations were E, with signs g = sgn E (an *epoch*), remembers the least and
+//! largest of
+//!
+//! - `h = sum g d`: since `|x| >= g x`, `excess >= sum (g D - |D|) + h`, which is
+//!   exact while no `D_v + d_v` changes sign, however far D moves;
+//! - the excess then, from which an excess now differs by no more than what
+//!   [`Epochs`] says;
+//! - `n`: `excess >= n - 2 sum |D|`, which rules out all but the least visible
+//!   leaves while the deviations are small, and `excess <= n`.
+//!
+//! A block is evaluated again only where these do not rule it out, and an exact
+//! integer cost is computed only for leaves that their f32 excess does not rule
+//! out. All are widened by what rounding and the moving background may have
+//! changed: nearly every step changes the background, and with it the deltas of
+//! every leaf at the silhouette, so those are kept without what its total takes
+//! away in all views, which is added as it is now. What decides in the end are
+//! exact costs: bounds may be loose but never wrong.
+//!
+//! A leaf whose deltas are all zero costs `sum |D|`. Those wait, ordered by
+//! rank, outside the blocks: mostly leaves that no view sees. So do leaves for
+//! which a [twin](twins) stands.
+
+mod blocks;
+mod epochs;
+mod excess;
+mod twins;
+
+use std::collections::BTreeSet;
+
+use super::counts::{BackgroundDrift, Counts};
+use super::prefetch::prefetch;
+use blocks::{Block, Figures, Gate, NO_FIRST, Now, Rounding, Top, drift_now, drift_then};
+use epochs::Epochs;
+use excess::{Excesses, LANES, Lanes, ViewNow, excesses};
+use twins::Twins;
+
+pub(super) use twins::Silhouette;
+
+const NOWHERE: u32 = u32::MAX;
+/// Steps without a change of sign after which exact sums are worth their time.
+const STEADY: u32 = 32;
+/// Pixels for which a step knows beforehand how the logarithm of the
+/// background's total would rise.
+const RISES: usize = 256;
+
+/// What is known of a block's leaves beside their deltas.
+#[derive(Clone)]
+struct Residents {
+    /// 0 where none is.
+    leaves: [u32; LANES],
+    /// Pixels that each would hand to the background.
+    background_px: [u32; LANES],
+    /// Drift of the background where it is revealed, when the leaf was updated.
+    drift: Lanes,
+    /// 0 where a lane holds a leaf, infinite where not.
+    absent: Lanes,
+    /// What the deltas of each sum to with the block's signs, exactly, if it
+    /// is solid.
+    along: [i64; LANES],
+}
+
+/// The leaf that a step prunes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Cheapest {
+    pub leaf: u32,
+    pub cost: i64,
+}
+
+pub(super) struct Candidates {
+    view_count: usize,
+    rank_of: Vec<u32>,
+    /// By rank, then leaf number: leaves whose deltas are all zero.
+    without_effect: BTreeSet<(u32, u32)>,
+    twins: Twins,
+    blocks: Vec<Block>,
+    /// By block, what is looked at first.
+    gates: Vec<Gate>,
+    tops: Vec<Top>,
+    residents: Vec<Residents>,
+    /// Deltas by block, then view, without what the background's total takes
+    /// away.
+    deltas: Vec<Lanes>,
+    /// Leaves keep their place, `LANES` to a block, until the next rebuild.
+    place_of: Vec<u32>,
+    /// The leaves that were left at the last rebuild.
+    order: Vec<u32>,
+    left: usize,
+
+    epochs: Epochs,
+    /// The current deviations; zeros where costs do not depend on them.
+    deviations: Vec<i64>,
+    deviation_sum: i64,
+    views: Vec<ViewNow>,
+    rises: Vec<f32>,
+    /// Numbers the runs of steps in which no deviation changed its sign.
+    signs: u32,
+    /// How many steps that is so.
+    signs_age: u32,
+    /// The least deviation without its sign.
+    least_deviation: f32,
+    drift: BackgroundDrift,
+    drift_at_rebuild: BackgroundDrift,
+    background_jumps: u32,
+    rounding: Rounding,
+    /// The leaf of the largest cost of the last step that asked.
+    last_largest: u32,
+    /// The leaf of the second least cost of the last step.
+    runner_up: u32,
+    row: Vec<i64>,
+}
+
+impl Candidates {
+    /// `leaves` are the numbers of the leaves that are there, neighbours close
+    /// together; `rank_of` their ranks among equals, by leaf number.
+    pub(super) fn new(
+        counts: &Counts<'_>,
+        leaves: Vec<u32>,
+        rank_of: Vec<u32>,
+        pixels_per_view: usize,
+        deviations: &[i64],
+    ) -> Self {
+        let views = counts.view_count();
+        let mut candidates = Self {
+            view_count: views,
+            place_of: vec![NOWHERE; rank_of.len()],
+            twins: Twins::new(rank_of.len() - 1),
+            rank_of,
+            without_effect: BTreeSet::new(),
+            blocks: Vec::new(),
+            gates: Vec::new(),
+            tops: Vec::new(),
+            residents: Vec::new(),
+            deltas: Vec::new(),
+            left: leaves.len(),
+            order: leaves,
+            epochs: Epochs::new(deviations),
+            deviations: deviations.to_vec(),
+            deviation_sum: 0,
+            views: Vec::new(),
+            rises: Vec::new(),
+            signs: 0,
+            signs_age: 0,
+            least_deviation: 0.0,
+            drift: counts.background_drift(),
+            drift_at_rebuild: counts.background_drift(),
+            background_jumps: counts.background_jumps(),
+            rounding: Rounding::new(views, pixels_per_view),
+            last_largest: 0,
+            runner_up: 0,
+            row: vec![0; views],
+        };
+        for leaf in candidates.order.clone() {
+            let rank = candidates.rank_of[leaf as usize];
+            candidates.twins.set(rank, leaf, counts.silhouette(leaf));
+        }
+        candidates.epochs.background_is(counts.areas(0));
+        candidates.look(counts, deviations);
+        candidates.build(counts);
+        candidates
+    }
+
+    /// How many leaves the foliage had.
+    pub(super) fn leaf_count(&self) -> usize {
+        self.rank_of.len() - 1
+    }
+
+    fn build(&mut self, counts: &Counts<'_>) {
+        self.without_effect.clear();
+        self.epochs.forget_classes();
+        let mut order = std::mem::take(&mut self.order);
+        // Who need not be looked at last; by n to within a quarter; by what
+        // would go to the background; among those, neighbours stay together.
+        order.sort_by_cached_key(|&leaf| {
+            counts.deltas(leaf, &mut self.row);
+            let n: u64 = self.row.iter().map(|d| d.unsigned_abs()).sum();
+            let exponent = n.max(4).ilog2();
+            let waits = n == 0 || self.twins.is_hidden(self.rank_of[leaf as usize], leaf);
+            let background_px = counts.deltas_but_rise(leaf, &mut self.row);
+            (waits, exponent, n >> (exponent - 2), background_px.min(16))
+        });
+        let block_count = order.len().div_ceil(LANES);
+        let nobody = Residents {
+            leaves: [0; LANES],
+            background_px: [0; LANES],
+            drift: Lanes::ZERO,
+            absent: Lanes([f32::INFINITY; LANES]),
+            along: [i64::MAX; LANES],
+        };
+        self.drift_at_rebuild = counts.background_drift();
+        let empty = Block::empty(self.epochs.current(), self.drift_at_rebuild, self.signs);
+        self.gates = vec![empty.gate(); block_count];
+        self.tops = vec![empty.top(); block_count];
+        self.residents = vec![nobody; block_count];
+        self.blocks = vec![empty; block_count];
+        self.deltas = vec![Lanes::ZERO; block_count * self.view_count];
+        for (place, &leaf) in order.iter().enumerate() {
+            self.place_of[leaf as usize] = place as u32;
+        }
+        for &leaf in &order {
+            self.enter(counts, leaf);
+        }
+        self.order = order;
+    }
+
+    /// Begins a step: `deviations` are those that costs are measured with.
+    pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
+        self.epochs.begin(deviations, counts.areas(0));
+        self.look(counts, deviations);
+        let has_jumped = counts.background_jumps() != self.background_jumps;
+        self.background_jumps = counts.background_jumps();
+        if has_jumped || self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
+            self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
+            self.build(counts);
+        } else {
+            // Their epoch is forgotten now.
+            let renewed = self.epochs.current();
+            for index in 0..self.blocks.len() {
+                if self.blocks[index].slot.epoch() == renewed {
+                    self.evaluate(counts, index);
+                }
+            }
+        }
+    }
+
+    /// Notes how things stand at the beginning of a step.
+    fn look(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
+        self.drift = counts.background_drift();
+        self.signs_age += 1;
+        let is_negative = |d: &i64| *d < 0;
+        if deviations
+            .iter()
+            .map(is_negative)
+            .ne(self.deviations.iter().map(is_negative))
+        {
+            self.signs += 1;
+            self.signs_age = 0;
+        }
+        let least = deviations.iter().map(|d| d.unsigned_abs()).min();
+        self.least_deviation = least.unwrap_or(0) as f32;
+        self.deviations.copy_from_slice(deviations);
+        self.deviation_sum = deviations.iter().map(|d| d.abs()).sum();
+        let now = deviations.iter().zip(counts.areas(0));
+        self.views.clear();
+        self.views.extend(now.map(|(d, &area)| ViewNow {
+            twice_deviation: 2.0 * d.abs() as f32,
+            sign: if *d < 0 { -1.0 } else { 1.0 },
+            background_px: area as f32,
+        }));
+        self.rises.clear();
+        let rises = (0..RISES as u32).map(|px| counts.background_rise(px) as f32);
+        self.rises.extend(rises);
+    }
+
+    /// Takes a leaf out for good.
+    pub(super) fn remove(&mut self, counts: &Counts<'_>, leaf: u32) {
+        self.left -= 1;
+        self.leave(leaf);
+        self.place_of[leaf as usize] = NOWHERE;
+        let rank = self.rank_of[leaf as usize];
+        self.without_effect.remove(&(rank, leaf));
+        if let Some(twin) = self.twins.leave(rank, leaf) {
+            self.enter(counts, twin);
+        }
+    }
+
+    fn leave(&mut self, leaf: u32) {
+        let place = self.place_of[leaf as usize] as usize;
+        let (block, lane) = (place / LANES, place % LANES);
+        if self.residents[block].leaves[lane] == 0 {
+            return;
+        }
+        let residents = &mut self.residents[block];
+        residents.leaves[lane] = 0;
+        residents.background_px[lane] = 0;
+        residents.absent.0[lane] = f32::INFINITY;
+        residents.along[lane] = i64::MAX;
+        if self.blocks[block].first.2 == leaf {
+            self.find_first(block);
+        }
+        for row in &mut self.deltas[block * self.view_count..(block + 1) * self.view_count] {
+            row.0[lane] = 0.0;
+        }
+    }
+
+    fn find_first(&mut self, index: usize) {
+        let residents = &self.residents[index];
+        let lanes = residents.along.iter().zip(residents.leaves);
+        let known = lanes.filter(|(along, _)| **along != i64::MAX);
+        let firsts = known.map(|(&along, leaf)| (along, self.rank_of[leaf as usize], leaf));
+        self.blocks[index].first = firsts.fold(NO_FIRST, std::cmp::min);
+    }
+
+    /// Asks for the memory that [`update`](Self::update) of a leaf will need.
+    pub(super) fn prefetch(&self, leaf: Option<u32>) {
+        let Some(leaf) = leaf else { return };
+        let place = self.place_of[leaf as usize];
+        if place != NOWHERE {
+            let block = place as usize / LANES;
+            prefetch(&self.residents, block);
+            prefetch(&self.blocks, block);
+            for view in 0..self.view_count {
+                prefetch(&self.deltas, block * self.view_count + view);
+            }
+        }
+    }
+
+    /// Takes note of a leaf's new deltas; leaves that are gone are ignored.
+    pub(super) fn update(&mut self, counts: &Counts<'_>, leaf: u32) {
+        if self.place_of[leaf as usize] == NOWHERE {
+            return;
+        }
+        let rank = self.rank_of[leaf as usize];
+        let (comes_forth, hides) = self.twins.set(rank, leaf, counts.silhouette(leaf));
+        if let Some(other) = hides {
+            self.leave(other);
+        }
+        self.enter(counts, leaf);
+        if let Some(other) = comes_forth {
+            self.enter(counts, other);
+        }
+    }
+
+    /// Puts a leaf where its deltas say, unless a twin stands for it.
+    fn enter(&mut self, counts: &Counts<'_>, leaf: u32) {
+        let place = self.place_of[leaf as usize] as usize;
+        let rank = self.rank_of[leaf as usize];
+        if self.twins.is_hidden(rank, leaf) {
+            self.leave(leaf);
+            self.without_effect.remove(&(rank, leaf));
+            return;
+        }
+        let (index, lane) = (place / LANES, place % LANES);
+        let background_px = counts.deltas_but_rise(leaf, &mut self.row);
+        if background_px == 0 && self.row.iter().all(|d| *d == 0) {
+            self.leave(leaf);
+            self.without_effect.insert((rank, leaf));
+            return;
+        }
+        if self.residents[index].leaves[lane] == 0 {
+            self.without_effect.remove(&(rank, leaf));
+        }
+        let rise = counts.background_rise(background_px);
+        let block = &mut self.blocks[index];
+        let then = self.epochs.deviations(block.slot.epoch());
+        let (mut along, mut excess, mut n, mut magnitude, mut widest) = (0, 0, 0, 0, 0);
+        let mut along_now = 0;
+        let rows = &mut self.deltas[index * self.view_count..][..self.view_count];
+        let background = counts.areas(0);
+        for (view, (row, d)) in rows.iter_mut().zip(&self.row).enumerate() {
+            row.0[lane] = *d as f32;
+            let e = then[view];
+            along += if e < 0 { -d } else { *d };
+            along_now += if self.deviations[view] < 0 { -d } else { *d };
+            let risen = (u64::from(background[view]) * rise) as i64;
+            magnitude += d.abs() + risen;
+            let d = d - risen;
+            excess += (d + e).abs() - e.abs();
+            n += d.abs();
+            widest = widest.max(d.abs());
+        }
+        let figures = Figures {
+            along: along as f32,
+            excess: excess as f32,
+            n: n as f32,
+            magnitude: magnitude as f32,
+            widest: widest as f32,
+            background_px,
+        };
+        block.include(&figures, self.rounding);
+        self.epochs.use_class(block.slot);
+        self.gates[index] = block.gate();
+        self.tops[index] = block.top();
+        let residents = &mut self.residents[index];
+        residents.leaves[lane] = leaf;
+        residents.background_px[lane] = background_px;
+        residents.drift.0[lane] = drift_then(counts.background_drift().revealed);
+        residents.absent.0[lane] = 0.0;
+        let was_first = block.first.2 == leaf;
+        residents.along[lane] = match background_px == 0 && block.signs == self.signs {
+            true => along_now,
+            false => i64::MAX,
+        };
+        let first = (residents.along[lane], rank, leaf);
+        if first.0 != i64::MAX && first <= block.first {
+            block.first = first;
+        } else if was_first {
+            self.find_first(index);
+        }
+    }
+
+    /// The exact sums of a block's deltas with the signs that the deviations
+    /// have now.
+    fn renew_firsts(&mut self, counts: &Counts<'_>, index: usize) {
+        for lane in 0..LANES {
+            let leaf = self.residents[index].leaves[lane];
+            if leaf != 0 && self.residents[index].background_px[lane] == 0 {
+                counts.deltas_but_rise(leaf, &mut self.row);
+                let terms = self.row.iter().zip(&self.deviations);
+                let along = terms.map(|(d, e)| if *e < 0 { -d } else { *d }).sum();
+                self.residents[index].along[lane] = along;
+            }
+        }
+        self.blocks[index].signs = self.signs;
+        self.find_first(index);
+    }
+
+    /// Evaluates a block's leaves against the current epoch.
+    fn evaluate(&mut self, counts: &Counts<'_>, index: usize) -> Excesses {
+        let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
+        let residents = &self.residents[index];
+        let block = &mut self.blocks[index];
+        let mut rises = Lanes::ZERO;
+        let mut drift = self.drift.revealed;
+        if block.has_background() {
+            for (lane, &px) in residents.background_px.iter().enumerate() {
+                if px > 0 {
+                    rises.0[lane] = match self.rises.get(px as usize) {
+                        Some(rise) => *rise,
+                        None => counts.background_rise(px) as f32,
+                    };
+                    drift = drift.min(f64::from(residents.drift.0[lane]));
+                }
+            }
+        }
+        let found = excesses(rows, &rises, &self.views, &residents.absent);
+        block.renew(
+            self.epochs.current(),
+            &found,
+            BackgroundDrift {
+                revealed: drift,
+                rise: self.drift.rise,
+            },
+        );
+        self.gates[index] = block.gate();
+        found
+    }
+
+    fn cost(&mut self, counts: &Counts<'_>, leaf: u32) -> i64 {
+        counts.deltas(leaf, &mut self.row);
+        let terms = self.row.iter().zip(&self.deviations);
+        terms.map(|(d, deviation)| (d + deviation).abs()).sum()
+    }
+
+    /// A cost's excess over the sum of the deviations; MAX and MIN stand for
+    /// costs beyond all others.
+    #[inline]
+    fn excess(&self, cost: i64) -> f32 {
+        match cost {
+            i64::MAX => f32::INFINITY,
+            i64::MIN => f32::NEG_INFINITY,
+            cost => (cost - self.deviation_sum) as f32,
+        }
+    }
+
+    /// The leaf of least cost; of equals that of the lowest rank.
+    ///
+    /// # Panics
+    /// If no leaf is left.
+    pub(super) fn cheapest(&mut self, counts: &Counts<'_>) -> Cheapest {
+        // Cost, rank, leaf.
+        let mut best = (i64::MAX, u32::MAX, 0u32);
+        if let Some(&(rank, leaf)) = self.without_effect.first() {
+            best = (self.deviation_sum, rank, leaf);
+        }
+        let mut runner_up = best;
+        // Mostly near the least.
+        if self.place_of[self.runner_up as usize] != NOWHERE {
+            self.consider(counts, self.runner_up, &mut best, &mut runner_up);
+        }
+        let mut limit = self.excess(best.0);
+        for index in 0..self.blocks.len() {
+            let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
+            let gate = &self.gates[index];
+            let floor_of_open = gate.floor_of_open(&now);
+            if gate.floor_of_solid(&now).min(floor_of_open) > limit {
+                continue;
+            }
+            let knows_first = self.knows_first(index);
+            if knows_first {
+                let (along, rank, leaf) = self.blocks[index].first;
+                if leaf != 0 {
+                    let first = (self.deviation_sum + along, rank, leaf);
+                    rank_in(first, &mut best, &mut runner_up);
+                }
+                limit = self.excess(best.0);
+                if leaf == 0 || self.excess(self.deviation_sum + along) > limit {
+                    self.blocks[index].know_solid(along);
+                    self.gates[index] = self.blocks[index].gate();
+                }
+                if floor_of_open > limit || self.blocks[index].floor_of_open(&now) > limit {
+                    continue;
+                }
+            } else if self.blocks[index].floor(&now) > limit {
+                continue;
+            }
+            self.scan_for_cheapest(counts, index, knows_first, &mut best, &mut runner_up);
+            limit = self.excess(best.0);
+        }
+        self.runner_up = runner_up.2;
+        assert!(best.2 != 0, "a leaf is left");
+        Cheapest {
+            leaf: best.2,
+            cost: best.0,
+        }
+    }
+
+    /// Whether the excesses of a block's solid leaves are what their deltas sum
+    /// to with the signs of the deviations, and that is known exactly.
+    fn knows_first(&self, index: usize) -> bool {
+        let block = &self.blocks[index];
+        block.signs == self.signs && block.widest * (1.0 + 1e-6) < self.least_deviation
+    }
+
+    fn consider(
+        &mut self,
+        counts: &Counts<'_>,
+        leaf: u32,
+        best: &mut (i64, u32, u32),
+        runner_up: &mut (i64, u32, u32),
+    ) {
+        let cost = self.cost(counts, leaf);
+        rank_in((cost, self.rank_of[leaf as usize], leaf), best, runner_up);
+    }
+
+    fn scan_for_cheapest(
+        &mut self,
+        counts: &Counts<'_>,
+        index: usize,
+        without_solid: bool,
+        best: &mut (i64, u32, u32),
+        runner_up: &mut (i64, u32, u32),
+    ) {
+        let found = self.evaluate(counts, index);
+        if self.blocks[index].signs != self.signs && self.signs_age >= STEADY {
+            self.renew_firsts(counts, index);
+        }
+        let margins = self.lane_margins(index);
+        for lane in 0..LANES {
+            if found.excess.0[lane] - margins.0[lane] <= self.excess(best.0) {
+                let residents = &self.residents[index];
+                let leaf = residents.leaves[lane];
+                if leaf != 0 && !(without_solid && residents.background_px[lane] == 0) {
+                    self.consider(counts, leaf, best, runner_up);
+                }
+            }
+        }
+    }
+
+    /// How far the excesses of a block's leaves in f32 may be off.
+    #[inline]
+    fn lane_margins(&self, index: usize) -> Lanes {
+        let residents = &self.residents[index];
+        let rounding = self.blocks[index].f32_rounding(self.rounding);
+        let drift = drift_now(self.drift.revealed);
+        Lanes(std::array::from_fn(|lane| {
+            let px = residents.background_px[lane] as f32;
+            rounding + self.rounding.of_revealed(px) + px * (drift - residents.drift.0[lane])
+        }))
+    }
+
+    /// The largest cost of a leaf that is left.
+    pub(super) fn largest_cost(&mut self, counts: &Counts<'_>) -> i64 {
+        let mut best = (i64::MIN, 0);
+        if !self.without_effect.is_empty() {
+            best.0 = self.deviation_sum;
+        }
+        // Mostly the same leaf as in the step before.
+        if self.place_of[self.last_largest as usize] != NOWHERE {
+            let cost = self.cost(counts, self.last_largest);
+            best = best.max((cost, self.last_largest));
+        }
+        let drift = drift_now(self.drift.rise + self.drift.revealed)
+            - drift_then(self.drift_at_rebuild.rise + self.drift_at_rebuild.revealed);
+        let mut limit = self.excess(best.0);
+        for index in 0..self.blocks.len() {
+            if self.tops[index].ceiling(drift) > limit {
+                let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
+                if self.blocks[index].ceiling(&now) > limit {
+                    self.scan_for_largest(counts, index, &mut best);
+                    limit = self.excess(best.0);
+                }
+            }
+        }
+        self.last_largest = best.1;
+        best.0
+    }
+
+    fn scan_for_largest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32)) {
+        let found = self.evaluate(counts, index);
+        let margins = self.lane_margins(index);
+        for lane in 0..LANES {
+            let leaf = self.residents[index].leaves[lane];
+            let ceiling = found.excess.0[lane] + margins.0[lane];
+            if leaf != 0 && ceiling > self.excess(best.0) {
+                *best = (*best).max((self.cost(counts, leaf), leaf));
+            }
+        }
+    }
+}
+
+/// Keeps the best two: cost, rank, leaf.
+fn rank_in(found: (i64, u32, u32), best: &mut (i64, u32, u32), runner_up: &mut (i64, u32, u32)) {
+    if found < *best {
+        *runner_up = std::mem::replace(best, found);
+    } else if found < *runner_up && found.2 != best.2 {
+        *runner_up = found;
+    }
+}
