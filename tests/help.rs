@@ -7,7 +7,7 @@ const COMMON: [&str; 5] = ["--format", "--threads", "--quiet", "--verbose", "--h
 #[test]
 fn help_names_every_flag() {
     let bench = Bench::new();
-    let commands: [(&str, &[&str]); 4] = [
+    let commands: [(&str, &[&str]); 5] = [
         ("demo", &["--output", "--leaves", "--seed", "--engine"]),
         ("inspect", &["TREE.glb", "--foliage", "--report"]),
         (
@@ -38,6 +38,14 @@ fn help_names_every_flag() {
                 "normalised",
                 "dodecahedron",
                 "rounded",
+                "--area-weight",
+                "--distance-weight",
+                "--planarity-weight",
+                "--meshopt-mode",
+                "--preserve-area",
+                "fsa",
+                "stochastic",
+                "meshopt",
             ],
         ),
         (
@@ -50,6 +58,20 @@ fn help_names_every_flag() {
                 "--report",
             ],
         ),
+        (
+            "study",
+            &[
+                "TREE.glb",
+                "--output",
+                "--foliage",
+                "--plan",
+                "--case",
+                "--levels",
+                "--seeds",
+                "--redraw",
+                "stability",
+            ],
+        ),
     ];
     for (command, flags) in commands {
         let help = bench.run(&[command, "--help"]).succeeded().stdout;
@@ -58,10 +80,10 @@ fn help_names_every_flag() {
         }
     }
     let all = bench.run(&["--help"]).succeeded().stdout;
-    for command in ["demo", "inspect", "simplify", "measure"] {
+    for command in ["demo", "inspect", "simplify", "measure", "study"] {
         assert!(all.contains(command), "{all}");
     }
-    for later in ["lods", "study", "grow "] {
+    for later in ["lods", "grow "] {
         assert!(
             !all.contains(&format!("\n  {later}")),
             "{later} is not there yet"
@@ -98,6 +120,10 @@ fn wrong_usage_is_exit_code_2() {
         (&one, &["--engine", "tpu"]),
         (&one, &["--threads", "0"]),
         (&one, &["--format", "xml"]),
+        (&one, &["--meshopt-mode", "best"]),
+        (&["study"], &["-o", "s"]),
+        (&["study", "oak.glb"], &["-o", "s", "--redraw"]),
+        (&["study", "oak.glb"], &["-o", "s", "--levels", "0.5,2"]),
     ] {
         let arguments = [base, more].concat();
         let ran = bench.run(&arguments);

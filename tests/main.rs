@@ -12,6 +12,7 @@ mod odd_trees;
 mod program;
 mod shared_trees;
 mod small_files;
+mod study;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;

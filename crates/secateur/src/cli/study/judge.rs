@@ -127,7 +127,11 @@ impl<'a> Judge<'a> {
     }
 
     fn write_picture(&self, surfaces: &[Surface], path: &str) -> Result<(), Failure> {
-        let options = RenderOptions::panel(PICTURE_WIDTH, PICTURE_HEIGHT);
+        // Shadows would cost more than all of the judging.
+        let options = RenderOptions {
+            shadows: false,
+            ..RenderOptions::panel(PICTURE_WIDTH, PICTURE_HEIGHT)
+        };
         let picture = DynamicImage::from(render(surfaces, &self.camera, &options)).to_rgb8();
         let mut bytes = Cursor::new(Vec::new());
         JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
