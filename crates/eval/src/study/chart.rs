@@ -11,6 +11,9 @@ const LEFT: f64 = 70.0;
 const RIGHT: f64 = 200.0;
 const TOP: f64 = 44.0;
 const BOTTOM: f64 = 56.0;
+const LEGEND_LINE: f64 = 16.0;
+/// What fits beside the frame.
+const LEGEND_CHARACTERS: usize = 27;
 
 /// Okabe and Ito's colours, which colour-blind readers can tell apart; marks
 /// differ in shape too.
@@ -33,8 +36,10 @@ pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
         Axis::of(drawn.iter().map(|p| height_of(p.mean))),
     );
     let place = |p: &Point| (x.px(p.seconds), y.px(height_of(p.mean)));
+    let lines: usize = drawn.iter().map(|p| wrapped(&p.label).len()).sum();
+    let height = HEIGHT.max(TOP + 14.0 + LEGEND_LINE * lines as f64);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\">\n<title>{0}</title>\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n<text x=\"{LEFT}\" y=\"24\" font-size=\"15\" font-weight=\"bold\">{0}</text>\n",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\">\n<title>{0}</title>\n<rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>\n<text x=\"{LEFT}\" y=\"24\" font-size=\"15\" font-weight=\"bold\">{0}</text>\n",
         escaped(title)
     );
     x.draw(&mut svg);
@@ -61,6 +66,7 @@ pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
         "<polyline points=\"{}\" fill=\"none\" stroke=\"#777\" stroke-width=\"1.5\" stroke-dasharray=\"5 3\"/>",
         frontier.join(" ")
     );
+    let mut legend_lines = 0;
     for (number, point) in drawn.iter().enumerate() {
         let (at_x, at_y) = place(point);
         let _ = writeln!(
@@ -71,17 +77,43 @@ pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
             point.seconds,
             mark(number, at_x, at_y)
         );
-        let legend_y = TOP + 14.0 + 20.0 * number as f64;
+        let legend_y = TOP + 14.0 + LEGEND_LINE * legend_lines as f64;
+        let lines = wrapped(&point.label);
         let _ = writeln!(
             svg,
-            "{}<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\">{}</text>",
-            mark(number, WIDTH - RIGHT + 20.0, legend_y - 4.0),
-            WIDTH - RIGHT + 34.0,
-            legend_y,
-            escaped(&point.label)
+            "{}",
+            mark(number, WIDTH - RIGHT + 20.0, legend_y - 4.0)
         );
+        for (line, k) in lines.iter().zip(0..) {
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\">{}</text>",
+                WIDTH - RIGHT + 34.0,
+                legend_y + LEGEND_LINE * f64::from(k),
+                escaped(line)
+            );
+        }
+        legend_lines += lines.len();
     }
     svg + "</svg>\n"
+}
+
+/// A name in lines that fit, broken between words.
+fn wrapped(label: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in label.split(' ') {
+        let last = lines.len() - 1;
+        let line = &mut lines[last];
+        if line.is_empty() || line.len() + 1 + word.len() <= LEGEND_CHARACTERS {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
 }
 
 /// One of 7 shapes in one of 7 colours, hollow from the eighth on.

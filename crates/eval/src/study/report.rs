@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::chart::{chart, escaped};
-use super::{COLUMNS, Column, Point, Row, summarise};
+use super::{COLUMNS, Column, Point, Row, groups, spread, summarise};
 use crate::measure::Direction;
 
 /// A picture that rows name: its path, and its bytes as JPEG.
@@ -33,6 +33,7 @@ pub fn report(rows: &[Row], pictures: &[Picture]) -> String {
     );
     page.summary(&mut html);
     page.charts(&mut html);
+    page.stability(&mut html);
     page.trees(&mut html);
     page.per_view(&mut html);
     page.provenance(&mut html);
@@ -62,6 +63,13 @@ fn number(value: f64, column: &Column) -> String {
         _ if !value.is_finite() => "endless".to_owned(),
         "%" => format!("{value:.2}"),
         _ => format!("{value:.4}"),
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.1 => format!("{:.2} ms", 1e3 * s),
+        s => format!("{s:.2} s"),
     }
 }
 
@@ -115,7 +123,7 @@ impl Page<'_> {
             };
             let _ = write!(
                 html,
-                "<h3>{} of the leaves</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>seconds</th>",
+                "<h3>{} of the leaves</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>time</th>",
                 percent(level)
             );
             for column in COLUMNS.iter() {
@@ -135,9 +143,9 @@ impl Page<'_> {
             for (k, point) in first.iter().enumerate() {
                 let _ = write!(
                     html,
-                    "<tr><td>{}</td><td>{:.3}</td>",
+                    "<tr><td>{}</td><td>{}</td>",
                     escaped(&point.label),
-                    point.seconds
+                    duration(point.seconds)
                 );
                 for (column, points) in COLUMNS.iter().zip(&by_column) {
                     let class = if is_best(points, k, column) {
@@ -173,6 +181,37 @@ impl Page<'_> {
             }
             *html += "</div>\n";
         }
+    }
+
+    fn stability(&self, html: &mut String) {
+        let groups = groups(self.rows);
+        if groups.is_empty() {
+            return;
+        }
+        *html += "<h2>Stability</h2>\n<p>Mean and standard deviation over seeds and over changes that should not matter, the worst of them in brackets.</p>\n<div class=\"wide\"><table><thead><tr><th>tree</th><th>method</th><th>leaves</th><th>runs</th>";
+        for column in COLUMNS.iter() {
+            let _ = write!(html, "<th>{}</th>", column.title);
+        }
+        *html += "</tr></thead><tbody>\n";
+        for ((tree, method, setting, level), rows) in &groups {
+            let level = percent(*level as f64 / 1e6);
+            let _ = write!(
+                html,
+                "<tr><td>{}</td><td>{} {}</td><td>{level}</td><td>{}</td>",
+                escaped(tree),
+                escaped(method),
+                escaped(setting),
+                rows.len()
+            );
+            for column in COLUMNS.iter() {
+                let found = spread(rows, column);
+                let [mean, deviation, worst] =
+                    [found.mean, found.deviation, found.worst].map(|v| number(v, column));
+                let _ = write!(html, "<td>{mean} ± {deviation} ({worst})</td>");
+            }
+            *html += "</tr>\n";
+        }
+        *html += "</tbody></table></div>\n";
     }
 
     fn image(&self, path: &str, text: &str) -> String {
@@ -299,13 +338,13 @@ fn caption(row: &Row) -> String {
             .unwrap_or(f64::INFINITY)
     };
     format!(
-        "{}, {}: {} leaves, VMI error {:.1} %, IoU {:.3}, {:.2} s",
+        "{}, {}: {} leaves, VMI error {:.1} %, IoU {:.3}, {}",
         row.label(),
         percent(row.level),
         row.leaves_final,
         value("vmi_error_percent"),
         value("silhouette_iou"),
-        row.seconds
+        duration(row.seconds)
     )
 }
 

@@ -18,6 +18,9 @@ pub struct Row {
     pub method: String,
     /// What is not the method's default, in words; empty for the default.
     pub setting: String,
+    /// What of the tree or the views was changed a little to see whether it
+    /// matters; empty for nothing.
+    pub change: String,
     /// The seed of methods that draw lots.
     pub seed: u64,
     /// The share of leaves that was asked for.
@@ -54,22 +57,30 @@ pub struct Row {
     pub picture: String,
 }
 
-/// What tells rows apart: tree, method, setting, seed and level in millionths.
-pub type RowKey = (String, String, String, u64, u64);
+/// What tells rows apart: tree, method, setting, change, seed, and level in
+/// millionths.
+pub type RowKey = ([String; 4], u64, u64);
 
 impl Row {
     /// Rows of one key are the same run.
     pub fn key(&self) -> RowKey {
+        let names = [&self.tree, &self.method, &self.setting, &self.change];
         let level = (1e6 * self.level).round() as u64;
-        let names = (self.tree.clone(), self.method.clone());
-        (names.0, names.1, self.setting.clone(), self.seed, level)
+        (names.map(String::clone), self.seed, level)
     }
 
-    /// Method and setting, for readers.
+    /// Setting and change, for readers.
+    pub fn variant(&self) -> String {
+        let parts = [self.setting.as_str(), self.change.as_str()];
+        let parts = parts.into_iter().filter(|part| !part.is_empty());
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Method, setting and change, for readers.
     pub fn label(&self) -> String {
-        match self.setting.as_str() {
+        match self.variant().as_str() {
             "" => self.method.clone(),
-            setting => format!("{} {setting}", self.method),
+            variant => format!("{} {variant}", self.method),
         }
     }
 }
@@ -107,7 +118,7 @@ pub fn read_rows(text: &str) -> Result<Vec<Row>, (usize, String)> {
 
 /// Rows as CSV: a line of names, a line each; no per-view values.
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut text = "tree,method,setting,seed,level,leaves_original,leaves_final,triangles_final,seconds,resolution".to_owned();
+    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,resolution".to_owned();
     for prefix in ["", "worst_"] {
         for column in COLUMNS.iter() {
             text += &format!(",{prefix}{}", column.key);
@@ -120,6 +131,7 @@ pub fn to_csv(rows: &[Row]) -> String {
             quoted(&row.tree),
             row.method.clone(),
             quoted(&row.setting),
+            quoted(&row.change),
             row.seed.to_string(),
             row.level.to_string(),
             row.leaves_original.to_string(),
@@ -163,6 +175,7 @@ pub(super) mod tests {
             tree: "oak".into(),
             method: method.into(),
             setting: String::new(),
+            change: String::new(),
             seed: 0,
             level,
             leaves_original: 100,

@@ -72,6 +72,64 @@ pub fn pareto<'p>(points: &'p [Point], column: &Column) -> Vec<&'p Point> {
     sorted
 }
 
+/// How much a method's result on one tree depends on changes that should not
+/// matter, and on seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spread {
+    /// How many rows it is of, at least 2.
+    pub rows: usize,
+    /// Arithmetic mean of the metric.
+    pub mean: f64,
+    /// Standard deviation, with the rows less one as the divisor.
+    pub deviation: f64,
+    /// The worst row's value.
+    pub worst: f64,
+}
+
+/// What rows of different changes and seeds have in common.
+pub type Group<'r> = (&'r str, &'r str, &'r str, u64);
+
+/// Rows of one tree, method, setting and level (in millionths) that differ in
+/// change or seed, where there are at least 2.
+pub fn groups(rows: &[Row]) -> BTreeMap<Group<'_>, Vec<&Row>> {
+    let mut groups: BTreeMap<Group, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        let (.., level) = row.key();
+        let group = (
+            row.tree.as_str(),
+            row.method.as_str(),
+            row.setting.as_str(),
+            level,
+        );
+        groups.entry(group).or_default().push(row);
+    }
+    groups.retain(|_, rows| rows.len() > 1);
+    groups
+}
+
+/// The spread of a metric over a group.
+pub fn spread(rows: &[&Row], column: &Column) -> Spread {
+    let value = |row: &&Row| row.values.get(column.key).copied().flatten();
+    let values: Vec<f64> = rows
+        .iter()
+        .map(|row| value(row).unwrap_or(f64::INFINITY))
+        .collect();
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares = values.iter().map(|v| (v - mean) * (v - mean));
+    let badness = |v: &f64| column.direction.badness(*v);
+    let worst = values
+        .iter()
+        .copied()
+        .max_by(|a, b| badness(a).total_cmp(&badness(b)));
+    Spread {
+        rows: values.len(),
+        mean,
+        deviation: (squares.sum::<f64>() / (count - 1.0).max(1.0)).sqrt(),
+        worst: worst.unwrap_or(f64::NAN),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::COLUMNS;
@@ -112,5 +170,20 @@ mod tests {
             .map(|p| p.label.as_str())
             .collect();
         assert_eq!(names, ["a", "b", "e"]);
+    }
+
+    /// 1, 2 and 6 have the mean 3 and the deviation sqrt((4 + 1 + 9) / 2); the
+    /// row of another setting is no part of it.
+    #[test]
+    fn spreads_are_over_changes_and_seeds() {
+        let mut rows = [1.0, 2.0, 6.0, 99.0].map(|error| row("a", 0.5, 1.0, error));
+        rows[1].change = "jitter".into();
+        rows[2].seed = 1;
+        rows[3].setting = "other".into();
+        let groups = groups(&rows);
+        assert_eq!(groups.len(), 1);
+        let found = spread(&groups[&("oak", "a", "", 500_000)], &COLUMNS[0]);
+        assert_eq!((found.rows, found.mean, found.worst), (3, 3.0, 6.0));
+        assert!((found.deviation - 7f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -90,6 +90,7 @@ impl<'a> Judge<'a> {
             tree: self.name.to_owned(),
             method: case.method.clone(),
             setting: case.setting(),
+            change: case.perturbation.name(),
             seed: seed.unwrap_or(0),
             level: ran.level,
             leaves_original: foliage.leaves().len() as u64,

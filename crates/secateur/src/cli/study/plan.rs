@@ -107,12 +107,7 @@ impl Case {
 
     /// What is not the method's default, in words.
     pub(super) fn setting(&self) -> String {
-        let options = self.options.join(" ").replace("--", "");
-        let change = self.perturbation.name();
-        let parts = [options, change]
-            .into_iter()
-            .filter(|part| !part.is_empty());
-        parts.collect::<Vec<_>>().join(", ")
+        self.options.join(" ").replace("--", "")
     }
 
     /// The arguments of `simplify` for one level.
@@ -184,9 +179,9 @@ mod tests {
     fn every_plan_is_of_cases_that_can_be_run_and_told_apart() {
         for plan in [PlanName::Methods, PlanName::Speed, PlanName::Stability] {
             let cases = cases(plan, &[]).unwrap();
-            let mut names: Vec<(String, String)> = cases
+            let mut names: Vec<[String; 3]> = cases
                 .iter()
-                .map(|c| (c.method.clone(), c.setting()))
+                .map(|c| [c.method.clone(), c.setting(), c.perturbation.name()])
                 .collect();
             names.sort();
             names.dedup();

@@ -33,8 +33,9 @@ pub(super) fn read(folder: &Path) -> Result<Vec<Row>, Failure> {
 /// The key of a row that is yet to be made.
 pub(super) fn key(tree: &str, case: &Case, seed: Option<u64>, level: f64) -> RowKey {
     let level = (1e6 * level).round() as u64;
-    let names = (tree.to_owned(), case.method.clone());
-    (names.0, names.1, case.setting(), seed.unwrap_or(0), level)
+    let (setting, change) = (case.setting(), case.perturbation.name());
+    let names = [tree.to_owned(), case.method.clone(), setting, change];
+    (names, seed.unwrap_or(0), level)
 }
 
 /// The file, open at its end.
