@@ -7,7 +7,7 @@ const COMMON: [&str; 5] = ["--format", "--threads", "--quiet", "--verbose", "--h
 #[test]
 fn help_names_every_flag() {
     let bench = Bench::new();
-    let commands: [(&str, &[&str]); 5] = [
+    let commands: [(&str, &[&str]); 6] = [
         (
             "grow",
             &[
@@ -49,6 +49,14 @@ fn help_names_every_flag() {
                 "normalised",
                 "dodecahedron",
                 "rounded",
+                "--area-weight",
+                "--distance-weight",
+                "--planarity-weight",
+                "--meshopt-mode",
+                "--preserve-area",
+                "fsa",
+                "stochastic",
+                "meshopt",
             ],
         ),
         (
@@ -61,6 +69,20 @@ fn help_names_every_flag() {
                 "--report",
             ],
         ),
+        (
+            "study",
+            &[
+                "TREE.glb",
+                "--output",
+                "--foliage",
+                "--plan",
+                "--case",
+                "--levels",
+                "--seeds",
+                "--redraw",
+                "stability",
+            ],
+        ),
     ];
     for (command, flags) in commands {
         let help = bench.run(&[command, "--help"]).succeeded().stdout;
@@ -69,10 +91,10 @@ fn help_names_every_flag() {
         }
     }
     let all = bench.run(&["--help"]).succeeded().stdout;
-    for command in ["demo", "inspect", "simplify", "measure", "grow"] {
+    for command in ["demo", "inspect", "simplify", "measure", "grow", "study"] {
         assert!(all.contains(command), "{all}");
     }
-    for later in ["lods", "study"] {
+    for later in ["lods"] {
         assert!(
             !all.contains(&format!("\n  {later}")),
             "{later} is not there yet"
@@ -109,6 +131,10 @@ fn wrong_usage_is_exit_code_2() {
         (&one, &["--engine", "tpu"]),
         (&one, &["--threads", "0"]),
         (&one, &["--format", "xml"]),
+        (&one, &["--meshopt-mode", "best"]),
+        (&["study"], &["-o", "s"]),
+        (&["study", "oak.glb"], &["-o", "s", "--redraw"]),
+        (&["study", "oak.glb"], &["-o", "s", "--levels", "0.5,2"]),
     ] {
         let arguments = [base, more].concat();
         let ran = bench.run(&arguments);

@@ -1,6 +1,7 @@
 //! What crosses crates: the built program, run as its users run it.
 
 mod bad_input;
+mod baselines;
 mod demo;
 mod engines;
 mod formats;
@@ -12,3 +13,7 @@ mod odd_trees;
 mod program;
 mod shared_trees;
 mod small_files;
+mod study;
+#[allow(unreachable_pub, reason = "other crates include this file too")]
+#[path = "validator/validator.rs"]
+mod validator;

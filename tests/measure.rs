@@ -18,6 +18,12 @@ fn a_tree_is_equal_to_itself() {
         for key in ["silhouette_iou", "precision", "recall", "coverage_ratio"] {
             assert_eq!(record[key], 1.0, "{key}");
         }
+        assert!(record["ssim"].as_f64().unwrap() > 1.0 - 1e-9);
+        for (of, key) in [("worst", "flip_mean"), ("worst", "vmi_error_percent")] {
+            assert_eq!(record[of][key], 0.0, "{of} {key}");
+        }
+        assert_eq!(record["flip_mean"], 0.0);
+        assert_eq!(record["per_view"][11]["flip_mean"], 0.0);
         assert_eq!(record["views"], 12);
         assert_eq!(record["resolution"], 512);
     }

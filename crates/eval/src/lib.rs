@@ -3,7 +3,10 @@
 //!
 //! - [`measure`](measure()): original against simplified foliage, a value for
 //!   each of [`METRICS`](measure::METRICS).
+//! - [`pictures`]: the same for what the trees look like, a value for each of
+//!   [`PICTURE_METRICS`](pictures::PICTURE_METRICS).
 //! - [`render`]: textured triangles to a picture, on the CPU.
+//! - [`study`]: rows of many judged runs, and charts and a report of them.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
 //! - [`contact_sheet`]: pictures side by side, with captions.
@@ -16,13 +19,16 @@ mod contact_sheet;
 mod lens;
 mod light_depth;
 pub mod measure;
+pub mod pictures;
 mod render;
 mod screen_triangle;
 mod shading;
+pub mod study;
 mod texel;
 mod visibility;
 
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
 pub use measure::{Judging, MeasureError, Measurement, measure, measure_lod};
+pub use pictures::{PictureMeasurement, Pictures};
 pub use render::{RenderOptions, render};

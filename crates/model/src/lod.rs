@@ -1,12 +1,15 @@
 //! Which leaves are left, and how large.
 
-use crate::{LeafId, RemovalOrder};
+use crate::{Foliage, LeafId, NewLeaf, RemovalOrder};
 
 /// A level of detail of a foliage: for each leaf its area as a multiple of the
-/// original one, or nothing where the leaf is gone.
+/// original one, or nothing where the leaf is gone; and the leaves that were
+/// made in place of others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lod {
     area_scales: Vec<Option<f64>>,
+    /// In the order of their names; nothing where one is gone again.
+    made: Vec<Option<NewLeaf>>,
 }
 
 impl Lod {
@@ -14,6 +17,7 @@ impl Lod {
     pub fn original(leaf_count: usize) -> Self {
         Self {
             area_scales: vec![Some(1.0); leaf_count],
+            made: Vec::new(),
         }
     }
 
@@ -21,27 +25,45 @@ impl Lod {
     /// it has fewer).
     pub fn after(order: &RemovalOrder, steps: usize) -> Self {
         let mut lod = Self::original(order.leaf_count() as usize);
+        let mut survivors_area_scale = 1.0;
         for step in order.steps().take(steps) {
-            lod.remove(step.removed);
+            lod.made.extend(step.made.iter().cloned().map(Some));
+            for &leaf in step.removed {
+                lod.remove(leaf);
+            }
             for growth in step.grown {
                 lod.resize(growth.leaf, growth.area_scale);
+            }
+            survivors_area_scale = step.survivors_area_scale;
+        }
+        if survivors_area_scale != 1.0 {
+            for scale in lod.area_scales.iter_mut().flatten() {
+                *scale *= survivors_area_scale;
             }
         }
         lod
     }
 
-    /// Takes a leaf away.
+    /// Takes a leaf away, an original or a made one.
     ///
     /// # Panics
     /// If there is no such leaf.
     pub fn remove(&mut self, leaf: LeafId) {
-        self.area_scales[leaf.index()] = None;
+        match leaf.index().checked_sub(self.area_scales.len()) {
+            None => self.area_scales[leaf.index()] = None,
+            Some(made) => self.made[made] = None,
+        }
+    }
+
+    /// Adds a leaf to those that are left.
+    pub fn make(&mut self, leaf: NewLeaf) {
+        self.made.push(Some(leaf));
     }
 
     /// Gives a leaf this multiple of its original area.
     ///
     /// # Panics
-    /// If the leaf is gone or `area_scale` is not a finite positive number.
+    /// If the leaf is gone or no original one, or `area_scale` is not a finite positive number.
     pub fn resize(&mut self, leaf: LeafId, area_scale: f64) {
         assert!(
             area_scale.is_finite() && area_scale > 0.0,
@@ -65,18 +87,57 @@ impl Lod {
         &self.area_scales
     }
 
-    /// The leaves that are left with their area scales, in leaf order.
+    /// The leaves that were made and are left, in the order of their making.
+    pub fn made(&self) -> impl Iterator<Item = &NewLeaf> + '_ {
+        self.made.iter().flatten()
+    }
+
+    /// Whether only original leaves are left.
+    pub fn is_of_originals(&self) -> bool {
+        self.made().next().is_none()
+    }
+
+    /// The leaves of this level as a foliage of their own, at the size that
+    /// they have now: original ones in leaf order, then made ones.
+    ///
+    /// # Panics
+    /// If the level is one of another foliage, or a size leaves the range of
+    /// f64.
+    pub fn foliage(&self, original: &Foliage) -> Foliage {
+        assert_eq!(self.area_scales.len(), original.leaves().len());
+        let mut foliage = Foliage::new(original.cutouts().to_vec());
+        let mut push = |triangles: &[crate::LeafTriangle], like: LeafId| {
+            let pushed = foliage.push_leaf(triangles, original.leaf(like).cutout());
+            pushed.expect("a leaf of finite corners, with a cut-out of the original");
+        };
+        for (leaf, area_scale) in self.leaves() {
+            let (centre, linear_scale) = (original.leaf(leaf).centre(), area_scale.sqrt());
+            let mut triangles = original.triangles_of(leaf).to_vec();
+            if area_scale != 1.0 {
+                for corner in triangles.iter_mut().flat_map(|t| &mut t.corners) {
+                    *corner = centre + (*corner - centre) * linear_scale;
+                }
+            }
+            push(&triangles, leaf);
+        }
+        for leaf in self.made() {
+            push(&leaf.triangles_in(original), leaf.donor);
+        }
+        foliage
+    }
+
+    /// The original leaves that are left with their area scales, in leaf order.
     pub fn leaves(&self) -> impl Iterator<Item = (LeafId, f64)> + '_ {
         let scales = self.area_scales.iter().enumerate();
         scales.filter_map(|(index, scale)| Some((LeafId::from_index(index), (*scale)?)))
     }
 
-    /// How many leaves are left.
+    /// How many leaves are left, made ones included.
     pub fn leaf_count(&self) -> usize {
-        self.area_scales.iter().flatten().count()
+        self.area_scales.iter().flatten().count() + self.made().count()
     }
 
-    /// The largest area scale of a leaf that is left, 1 where none is.
+    /// The largest area scale of an original leaf that is left, 1 where none is.
     pub fn max_area_scale(&self) -> f64 {
         self.area_scales
             .iter()
@@ -108,5 +169,71 @@ mod tests {
         let two = Lod::after(&order, 9);
         assert_eq!(two.leaves().collect::<Vec<_>>(), [(leaf(3), 1.0)]);
         assert_eq!(two.leaf_count(), 1);
+    }
+
+    #[test]
+    fn two_leaves_become_one_and_that_one_goes() {
+        use crate::{CornerRef, LeafTriangle, NewCorner, Place, Step};
+        use glam::{DVec2, DVec3};
+        let leaf = |n| LeafId::new(n).unwrap();
+        let triangle = |x: f64| LeafTriangle {
+            corners: [DVec3::X, DVec3::Y, DVec3::Z].map(|p| p + DVec3::X * x),
+            uvs: [0.0, 0.25, 0.5].map(|u| DVec2::new(u, x)),
+        };
+        let mut foliage = Foliage::default();
+        for x in [0.0, 5.0] {
+            foliage.push_leaf(&[triangle(x)], None).unwrap();
+        }
+        let of = |n, corner, like| {
+            let place = Place::Of(CornerRef {
+                leaf: leaf(n),
+                corner,
+            });
+            NewCorner { place, like }
+        };
+        let made = NewLeaf {
+            donor: leaf(2),
+            triangles: vec![[of(1, 0, 0), of(1, 2, 1), of(2, 1, 2)]],
+        };
+        let mut order = RemovalOrder::new(2);
+        order.push_step(Step {
+            removed: &[leaf(1), leaf(2)],
+            grown: &[],
+            made: &[made],
+            survivors_area_scale: 1.0,
+        });
+        order.push(leaf(3), &[]);
+        assert_eq!([0, 1, 2].map(|k| order.leaves_after(k)), [2, 1, 0]);
+
+        let one = Lod::after(&order, 1);
+        assert_eq!((one.leaf_count(), one.is_of_originals()), (1, false));
+        let collapsed = one.foliage(&foliage);
+        let expected = LeafTriangle {
+            corners: [DVec3::X, DVec3::Z, DVec3::Y + DVec3::X * 5.0],
+            uvs: triangle(5.0).uvs,
+        };
+        assert_eq!(collapsed.triangles(), [expected]);
+        assert_eq!(Lod::after(&order, 2).leaf_count(), 0);
+        order.truncate(1);
+        assert_eq!(Lod::after(&order, 9), one);
+    }
+
+    /// Leaves of area 2 and 3 that all keep a common 1.5, and the growth of one.
+    #[test]
+    fn survivors_share_a_scale() {
+        use crate::Step;
+        let leaf = |n| LeafId::new(n).unwrap();
+        let mut order = RemovalOrder::new(3);
+        order.push_step(Step {
+            removed: &[leaf(2)],
+            grown: &[Growth {
+                leaf: leaf(3),
+                area_scale: 2.0,
+            }],
+            made: &[],
+            survivors_area_scale: 1.5,
+        });
+        let lod = Lod::after(&order, 1);
+        assert_eq!(lod.area_scales(), [Some(1.5), None, Some(3.0)]);
     }
 }

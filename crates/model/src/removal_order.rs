@@ -2,7 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::LeafId;
+use crate::{LeafId, NewLeaf};
 
 /// A leaf that a step makes larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,25 +14,48 @@ pub struct Growth {
     pub area_scale: f64,
 }
 
-/// One step: a leaf disappears, and the leaves named beside it fill its gap.
+/// One step: leaves disappear, and what is named beside them takes their place.
+///
+/// | method | removed | grown | made | survivors |
+/// |---|---|---|---|---|
+/// | VDS | one | its neighbours | none | as they were |
+/// | FSA | two | none | one | as they were |
+/// | stochastic | one | none | none | all of one scale |
+/// | meshoptimizer, in one step | any | none | any | as they were |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<'a> {
-    /// The leaf that disappears.
-    pub removed: LeafId,
-    /// The leaves that take its place, grown; none for a plain removal.
+    /// The leaves that disappear.
+    pub removed: &'a [LeafId],
+    /// The leaves that fill their gap, grown.
     pub grown: &'a [Growth],
+    /// New leaves. Their names count on from the last leaf's: the first that an
+    /// order makes is leaf [`RemovalOrder::leaf_count`] + 1.
+    pub made: &'a [NewLeaf],
+    /// By what the area of every original leaf that is left is multiplied,
+    /// beside its own growth, until another step says otherwise; 1 for methods
+    /// that know no common scale.
+    pub survivors_area_scale: f64,
+}
+
+/// How far the lists of an order go at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct StepEnd {
+    removed: u32,
+    grown: u32,
+    made: u32,
+    survivors_area_scale: f64,
 }
 
 /// The steps that take a foliage of [`leaf_count`](Self::leaf_count) leaves
-/// apart. Each leaf is removed at most once, and no leaf grows after its
-/// removal.
+/// apart. Each leaf, made ones included, is removed at most once, and none
+/// grows after its removal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RemovalOrder {
     leaf_count: u32,
     removed: Vec<LeafId>,
     growths: Vec<Growth>,
-    /// `growths[..ends[k]]` belong to the steps up to and with k.
-    ends: Vec<u32>,
+    made: Vec<NewLeaf>,
+    ends: Vec<StepEnd>,
 }
 
 impl RemovalOrder {
@@ -44,20 +67,54 @@ impl RemovalOrder {
         }
     }
 
-    /// Appends a step.
+    /// Appends the removal of one leaf for which others grow.
     pub fn push(&mut self, removed: LeafId, grown: &[Growth]) {
-        debug_assert!(removed.get() <= self.leaf_count);
-        self.removed.push(removed);
-        self.growths.extend_from_slice(grown);
-        self.ends.push(self.growths.len() as u32);
+        self.push_step(Step {
+            removed: &[removed],
+            grown,
+            made: &[],
+            survivors_area_scale: 1.0,
+        });
+    }
+
+    /// Appends a step.
+    pub fn push_step(&mut self, step: Step<'_>) {
+        let named = self.leaf_count as usize + self.made.len();
+        debug_assert!(step.removed.iter().all(|leaf| leaf.index() < named));
+        debug_assert!(
+            step.made
+                .iter()
+                .all(|leaf| leaf.donor.get() <= self.leaf_count)
+        );
+        self.removed.extend_from_slice(step.removed);
+        self.growths.extend_from_slice(step.grown);
+        self.made.extend_from_slice(step.made);
+        self.ends.push(StepEnd {
+            removed: self.removed.len() as u32,
+            grown: self.growths.len() as u32,
+            made: self.made.len() as u32,
+            survivors_area_scale: step.survivors_area_scale,
+        });
     }
 
     /// Keeps the first `steps` steps.
     pub fn truncate(&mut self, steps: usize) {
-        self.removed.truncate(steps);
         self.ends.truncate(steps);
-        let growths = self.ends.last().copied().unwrap_or(0);
-        self.growths.truncate(growths as usize);
+        let end = self.end_of(self.len());
+        self.removed.truncate(end.removed as usize);
+        self.growths.truncate(end.grown as usize);
+        self.made.truncate(end.made as usize);
+    }
+
+    /// Where the lists stand after so many steps.
+    fn end_of(&self, steps: usize) -> StepEnd {
+        let none = StepEnd {
+            removed: 0,
+            grown: 0,
+            made: 0,
+            survivors_area_scale: 1.0,
+        };
+        steps.checked_sub(1).map_or(none, |last| self.ends[last])
     }
 
     /// How many leaves there were before the first step.
@@ -67,12 +124,12 @@ impl RemovalOrder {
 
     /// How many steps there are.
     pub fn len(&self) -> usize {
-        self.removed.len()
+        self.ends.len()
     }
 
     /// Whether there is no step.
     pub fn is_empty(&self) -> bool {
-        self.removed.is_empty()
+        self.ends.is_empty()
     }
 
     /// The removed leaves, first removed first.
@@ -80,13 +137,24 @@ impl RemovalOrder {
         &self.removed
     }
 
+    /// How many leaves are left after the first `steps` steps.
+    ///
+    /// # Panics
+    /// If there are fewer steps.
+    pub fn leaves_after(&self, steps: usize) -> usize {
+        let end = self.end_of(steps);
+        (self.leaf_count + end.made - end.removed) as usize
+    }
+
     /// The steps, first to last.
     pub fn steps(&self) -> impl ExactSizeIterator<Item = Step<'_>> {
         (0..self.len()).map(|k| {
-            let start = if k == 0 { 0 } else { self.ends[k - 1] } as usize;
+            let (start, end) = (self.end_of(k), self.ends[k]);
             Step {
-                removed: self.removed[k],
-                grown: &self.growths[start..self.ends[k] as usize],
+                removed: &self.removed[start.removed as usize..end.removed as usize],
+                grown: &self.growths[start.grown as usize..end.grown as usize],
+                made: &self.made[start.made as usize..end.made as usize],
+                survivors_area_scale: end.survivors_area_scale,
             }
         })
     }

@@ -60,7 +60,8 @@ pub const MAX_TOTAL_PIXELS: u64 = 1 << 29;
 pub struct Scene<'a> {
     /// The leaves at their original sizes.
     pub foliage: &'a secateur_model::Foliage,
-    /// Which of them are there, and how large.
+    /// Which of them are there, and how large. One with new leaves is drawn by
+    /// [`Lod::foliage`](secateur_model::Lod::foliage).
     pub lod: &'a secateur_model::Lod,
     /// The cameras.
     pub views: &'a ViewSet,
@@ -92,6 +93,10 @@ impl Scene<'_> {
             self.lod.area_scales().len(),
             self.foliage.leaves().len(),
             "the level belongs to another foliage"
+        );
+        assert!(
+            self.lod.is_of_originals(),
+            "a level with new leaves is drawn as the foliage that it makes"
         );
     }
 }

@@ -100,6 +100,16 @@ impl View {
         self.up
     }
 
+    /// The tangent of half the field of view, the same across and down.
+    pub fn tan_half_fov(&self) -> f64 {
+        self.tan_half_fov
+    }
+
+    /// Nothing nearer than this is seen, in world units along the view.
+    pub fn near(&self) -> f64 {
+        self.near
+    }
+
     /// A world-space point in camera space: right, up, forward.
     #[inline]
     pub(crate) fn camera_from_world(&self, point: DVec3) -> DVec3 {

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (step, cost) in result.order.steps().zip(&result.costs_scaled).take(5) {
         println!(
             "{} goes at a cost of {cost}; {} grow for it",
-            step.removed,
+            step.removed[0],
             step.grown.len()
         );
     }

@@ -28,6 +28,9 @@ pub enum Error {
     /// The target is no number of leaves, share or error.
     #[error("the target of {0} must be {1}")]
     Target(String, &'static str),
+    /// A weight is out of range.
+    #[error("{0} must be a number {1}")]
+    Setting(String, &'static str),
     /// A camera file is not what it should be.
     #[error("{file}: {reason}")]
     Cameras {

@@ -71,8 +71,9 @@
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`raster::View`] |
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`RemovalOrder`], [`Lod`], [`raster::AreaTable`], [`vmi`] |
-//! | judging | [`measure()`], [`eval`] |
+//! | judging | [`measure()`], [`measure_pictures`], [`eval`] |
 //! | one stage alone | [`raster`], [`vds`], [`vmi`] |
+//! | other methods | [`Method`], [`fsa`], [`stochastic`], [`meshopt`](mod@meshopt) |
 //! | trees without files | [`plant`] |
 //!
 //! # Features
@@ -80,6 +81,7 @@
 //! program `secateur`; turn it off where only the library is wanted.
 
 mod audit;
+mod baseline;
 mod cameras;
 mod engine;
 mod error;
@@ -90,18 +92,19 @@ mod settings;
 pub use cameras::{cameras_from_json, read_cameras};
 pub use engine::OpenEngine;
 pub use error::Error;
-pub use measure::measure;
+pub use measure::{measure, measure_pictures};
 pub use run::{Progress, Simplified, simplify, simplify_on, sphere_of};
 pub use settings::{Alpha, Engine, Method, Resolution, Simplify, Target, Views};
 
-pub use secateur_eval::{MeasureError, Measurement};
+pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_model::gltf::{
     Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
     SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_to_glb,
 };
 pub use secateur_model::{
-    AlphaMode, BoundingSphere, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId, LeafTriangle,
-    Lod, Material, Plant, RemovalOrder, Step, Surface, Texture, Wrap,
+    AlphaMode, BoundingSphere, CornerRef, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId,
+    LeafTriangle, Lod, Material, NewCorner, NewLeaf, Place, Plant, RemovalOrder, Step, Surface,
+    Texture, Wrap,
 };
 pub use secateur_simplify::vds::{Reference, Resize, Stopped, Ties};
 
@@ -113,6 +116,12 @@ pub use secateur_eval as eval;
 pub use secateur_plant as plant;
 /// Views, fragments and areas, on the CPU and the GPU.
 pub use secateur_raster as raster;
+/// Leaf collapse, below [`simplify`].
+pub use secateur_simplify::fsa;
+/// Mesh simplification, below [`simplify`].
+pub use secateur_simplify::meshopt;
+/// Stochastic pruning, below [`simplify`].
+pub use secateur_simplify::stochastic;
 /// VDS itself, below [`simplify`].
 pub use secateur_simplify::vds;
 /// The measure, in integers.

@@ -1,7 +1,8 @@
 //! Judging by views that no simplifier sees.
 
-use secateur_eval::{Judging, Measurement};
-use secateur_model::Foliage;
+use secateur_eval::{Judging, Measurement, PictureMeasurement, Pictures};
+use secateur_model::gltf::Tree;
+use secateur_model::{Foliage, Surface};
 
 use crate::{Error, sphere_of};
 
@@ -17,4 +18,21 @@ pub fn measure(original: &Foliage, simplified: &Foliage) -> Result<Measurement, 
     sphere_of(original)?;
     let judging = Judging::held_out(original)?;
     Ok(secateur_eval::measure(original, simplified, &judging)?)
+}
+
+/// Measures what a simplified tree looks like against its original, wood
+/// included, in shaded pictures from the same held-out views.
+///
+/// # Errors
+/// [`Error`] if the original has no leaf or is out of range, or a tree has too
+/// much in it to be drawn.
+pub fn measure_pictures(original: &Tree, simplified: &Tree) -> Result<PictureMeasurement, Error> {
+    sphere_of(original.foliage())?;
+    let judging = Judging::held_out(original.foliage())?;
+    let pictures = |tree: &Tree| -> Result<Pictures, Error> {
+        let surfaces = tree.surfaces()?.into_iter().map(|(surface, _)| surface);
+        let surfaces: Vec<Surface> = surfaces.collect();
+        Ok(Pictures::of(&surfaces, &judging.views))
+    };
+    Ok(pictures(original)?.measure(&pictures(simplified)?))
 }

@@ -10,6 +10,7 @@ use secateur_simplify::vds::{self, Stop, Stopped, VdsOptions, VdsOutcome};
 use secateur_simplify::vmi::Vmi;
 
 use crate::audit::audit;
+use crate::baseline;
 use crate::{Error, Method, OpenEngine, Resolution, Simplify};
 
 /// Where a run stands.
@@ -19,7 +20,7 @@ pub enum Progress {
     /// A stage begins; the name is that of its entry in
     /// [`Simplified::seconds`].
     Stage(&'static str),
-    /// A leaf was removed.
+    /// A step was made: one leaf less.
     Step {
         /// Steps done.
         done: usize,
@@ -37,13 +38,15 @@ pub struct Simplified {
     /// The leaves that are left, and how large.
     pub lod: Lod,
     /// Cost of each step in units of 2^-27 bits times pixels of a view: see
-    /// [`secateur_simplify::vmi`].
+    /// [`secateur_simplify::vmi`]. Empty for methods without such costs.
     pub costs_scaled: Vec<i64>,
     /// Why the run ended.
     pub stopped: Stopped,
     /// The views of the last step.
     pub views: ViewSet,
-    /// Areas of the leaves that are left in those views, in pixels.
+    /// Areas of the leaves that are left in those views, in pixels. A row for
+    /// each original leaf, or, where leaves were made, for each of
+    /// [`Lod::foliage`].
     pub areas: AreaTable,
     /// VMI of the original foliage in those views.
     pub vmi_original: Vmi,
@@ -126,6 +129,7 @@ pub fn simplify_on(
     let sphere = sphere_of(&foliage)?;
     let leaf_count = foliage.leaves().len();
     let (leaves, max_error_percent) = settings.target.resolve(leaf_count)?;
+    baseline::check(settings)?;
     let mut clock = Clock::new(progress);
 
     clock.begin("resolution")?;
@@ -147,15 +151,28 @@ pub fn simplify_on(
     };
 
     clock.begin("simplify")?;
-    let outcome = run(settings.method, &foliage, &options, engine, &mut clock)?;
+    let order = baseline::order(&foliage, settings, options.stop, &mut |done, at_most| {
+        (clock.progress)(Progress::Step { done, at_most })
+    })?;
+    let outcome = match order {
+        None => run(settings.method, &foliage, &options, engine, &mut clock)?,
+        Some(order) => {
+            clock.begin("areas")?;
+            baseline::outcome(&foliage, order, &options, engine)?
+        }
+    };
     let lod = Lod::after(&outcome.order, outcome.order.len());
     let audited_by = match settings.audit {
         false => None,
         true => {
             clock.begin("audit")?;
+            let made = (!lod.is_of_originals()).then(|| lod.foliage(&foliage));
+            let left = made.as_ref().unwrap_or(&foliage);
             let scene = Scene {
-                foliage: &foliage,
-                lod: &lod,
+                foliage: left,
+                lod: &made
+                    .as_ref()
+                    .map_or_else(|| lod.clone(), |f| Lod::original(f.leaves().len())),
                 views: &outcome.views,
                 resolution,
             };
@@ -211,8 +228,8 @@ fn run(
         })
     };
     Ok(match method {
-        Method::Vds => vds::fast::simplify(foliage, options, engine, &mut step)?,
         Method::VdsReference => vds::reference::simplify(foliage, options, &mut step)?,
+        _ => vds::fast::simplify(foliage, options, engine, &mut step)?,
     })
 }
 

@@ -2,6 +2,8 @@
 
 use secateur_model::{BoundingSphere, Foliage};
 use secateur_raster::ViewSet;
+use secateur_simplify::fsa::FsaOptions;
+use secateur_simplify::meshopt::MeshoptOptions;
 use secateur_simplify::vds::{Reference, Resize, Ties, ViewPlan};
 
 use crate::Error;
@@ -16,6 +18,15 @@ pub enum Method {
     /// The same as the paper's Algorithm 1 is written: every view drawn anew for
     /// every candidate of every step. For checking, on a few hundred leaves.
     VdsReference,
+    /// Leaf collapse: the two leaves that are nearest and most in one plane
+    /// become one ([`fsa`](crate::fsa)).
+    Fsa,
+    /// Stochastic pruning: a random order, survivors grow alike
+    /// ([`stochastic`](crate::stochastic)).
+    Stochastic,
+    /// The mesh simplifier of meshoptimizer on the mesh of all leaves
+    /// ([`meshopt`](crate::meshopt)).
+    Meshopt,
 }
 
 impl Method {
@@ -24,6 +35,9 @@ impl Method {
         match self {
             Self::Vds => "vds",
             Self::VdsReference => "vds-reference",
+            Self::Fsa => "fsa",
+            Self::Stochastic => "stochastic",
+            Self::Meshopt => "meshopt",
         }
     }
 }
@@ -181,8 +195,15 @@ pub struct Simplify {
     pub ties: Ties,
     /// Whether holes of leaf textures count.
     pub alpha: Alpha,
-    /// For methods that draw lots; VDS does not, and only records it.
+    /// For methods that draw lots; others only record it.
     pub seed: u64,
+    /// [`Method::Stochastic`]: the share of the lost area that the survivors
+    /// regain, 0 to 1.
+    pub area_weight: f64,
+    /// [`Method::Fsa`]: what counts.
+    pub fsa: FsaOptions,
+    /// [`Method::Meshopt`]: which simplifier, and whether area is given back.
+    pub meshopt: MeshoptOptions,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -203,6 +224,9 @@ impl Simplify {
             ties: Ties::default(),
             alpha: Alpha::default(),
             seed: 0,
+            area_weight: 1.0,
+            fsa: FsaOptions::default(),
+            meshopt: MeshoptOptions::default(),
             audit: cfg!(debug_assertions),
         }
     }

@@ -3,6 +3,9 @@
 //! - [`vmi`]: viewpoint mutual information, the measure.
 //! - [`vds`]: viewpoint-driven simplification, the greedy method driven by it,
 //!   once as the literal algorithm and once as an exact, fast engine.
+//! - [`fsa`]: leaf collapse, two leaves at a time become one.
+//! - [`stochastic`]: a random order, and survivors that grow alike.
+//! - [`meshopt`](mod@meshopt): a mesh simplifier that knows triangles, not leaves.
 //! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
 //!   on the GPU.
 //! - [`resolution`]: how fine the images must be.
@@ -10,7 +13,10 @@
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
 pub mod first_costs;
+pub mod fsa;
+pub mod meshopt;
 pub mod resolution;
+pub mod stochastic;
 pub mod vds;
 
 pub use secateur_raster::measure::{lg, vmi};

@@ -110,6 +110,9 @@ pub fn measure_lod(
     lod: &Lod,
     judging: &Judging,
 ) -> Result<Measurement, MeasureError> {
+    if !lod.is_of_originals() {
+        return measure(foliage, &lod.foliage(foliage), judging);
+    }
     let original = Lod::original(foliage.leaves().len());
     compare((foliage, &original), (foliage, lod), judging)
 }

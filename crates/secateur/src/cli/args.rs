@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use secateur::meshopt::Mode;
 use secateur::{Alpha, Engine, Method, Reference, Resize, Resolution, Selector, Target, Ties};
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
@@ -32,6 +33,8 @@ pub(crate) enum Command {
     Measure(Measure),
     /// Grow a plant from rules: a species, or a file of your own.
     Grow(Grow),
+    /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
+    Study(Study),
 }
 
 #[derive(Args, Debug)]
@@ -132,6 +135,57 @@ pub(crate) struct Grow {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct Study {
+    /// The trees, .glb or .gltf.
+    #[arg(
+        value_name = "TREE.glb",
+        required_unless_present = "redraw",
+        conflicts_with = "redraw"
+    )]
+    pub(crate) trees: Vec<PathBuf>,
+    /// The folder of rows, charts and report. Rows that are in it already are kept and not run
+    /// again.
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    /// What is run.
+    #[arg(long, value_enum, default_value_t = PlanName::Methods)]
+    pub(crate) plan: PlanName,
+    /// Instead of a plan: a method and options of `simplify`, such as 'vds --views 8'; can be given
+    /// several times.
+    #[arg(long, value_name = "CASE")]
+    pub(crate) case: Vec<String>,
+    /// Shares of the leaves, 0 to 1.
+    #[arg(long, value_name = "R,R", value_delimiter = ',', default_value = "0.5,0.25,0.1,0.01", value_parser = level)]
+    pub(crate) levels: Vec<f64>,
+    /// How many seeds of methods that draw lots.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) seeds: u32,
+    /// Run nothing: draw charts and report from the rows again.
+    #[arg(long)]
+    pub(crate) redraw: bool,
+}
+
+/// What a study runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanName {
+    /// Every method, one setting each, and variants that explain them
+    Methods,
+    /// vds from fewer views and at other resolutions, beside the other methods
+    Speed,
+    /// Methods under turned views, jittered corners, shuffled leaves and other settings
+    Stability,
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(level) if (0.0..=1.0).contains(&level) => Ok(level),
+        _ => Err("write shares from 0 to 1 with commas between them".to_owned()),
+    }
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct Foliage {
     /// What is foliage: material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, #N for
     /// numbers; can be given several times [default: what the evidence shows, see `inspect`].
@@ -181,9 +235,39 @@ pub(crate) struct Simplify {
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
-    /// For methods that draw lots; vds does not.
+    /// For methods that draw lots: which of them.
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
+    /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    pub(crate) area_weight: f64,
+    /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    pub(crate) distance_weight: f64,
+    /// fsa: how much it counts that two leaves are not in one plane.
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    pub(crate) planarity_weight: f64,
+    /// meshopt: which of its simplifiers.
+    #[arg(long, value_enum, default_value_t = MeshoptModeName::Prune)]
+    pub(crate) meshopt_mode: MeshoptModeName,
+    /// meshopt: move the borders of what is left outwards, to give back lost area.
+    #[arg(long)]
+    pub(crate) preserve_area: bool,
     /// Rasterise the result from scratch another way and compare [default: in debug builds].
     #[arg(long, overrides_with = "no_audit")]
     pub(crate) audit: bool,
@@ -273,6 +357,12 @@ names!(MethodName => Method {
     Vds,
     /// The same by the paper's algorithm, literally; for a few hundred leaves
     VdsReference,
+    /// Leaf collapse: the two nearest leaves, most in one plane, become one
+    Fsa,
+    /// Stochastic pruning: a random order, all that are left grow alike
+    Stochastic,
+    /// The mesh simplifier of meshoptimizer: triangles to the share that is asked for, not leaves
+    Meshopt,
 });
 names!(EngineName => Engine {
     /// A hardware GPU if there is one and the tree is large, else the CPU
@@ -299,6 +389,14 @@ names!(ResizeName => Resize {
     Deficit,
     /// 0
     None,
+});
+names!(MeshoptModeName => Mode {
+    /// simplify, and drop small parts
+    Prune,
+    /// simplify alone: only collapses edges
+    Plain,
+    /// simplify_sloppy: joins what shares a cell of a grid
+    Sloppy,
 });
 names!(TiesName => Ties { Order, Spread });
 names!(AlphaName => Alpha {

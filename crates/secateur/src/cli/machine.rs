@@ -28,8 +28,15 @@ fn cpu_model() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// The commit this was built from, where the build said so: with
-/// `SECATEUR_COMMIT=$(git rev-parse HEAD) cargo build`.
+/// Processor and threads in a few words.
+pub(crate) fn name() -> String {
+    let cpu = cpu_model().unwrap_or_else(|| std::env::consts::ARCH.to_owned());
+    let threads = rayon::current_num_threads();
+    format!("{cpu}, {threads} threads, {}", std::env::consts::OS)
+}
+
+/// The commit this was built from: what `SECATEUR_COMMIT` said during the build,
+/// else what git said, if it was there.
 pub(crate) fn commit() -> Option<&'static str> {
     option_env!("SECATEUR_COMMIT")
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{Measurement, Tree};
+use secateur::{Measurement, PictureMeasurement, Tree};
 use serde_json::json;
 
 use super::args;
@@ -26,6 +26,9 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let foliages = [&original, &simplified].map(|tree| alpha.apply(tree.foliage()));
     let measured =
         secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
+    interrupt::check()?;
+    let pictured = secateur::measure_pictures(&original, &simplified)
+        .map_err(Failure::about(&args.original))?;
     let total = start.elapsed().as_secs_f64();
     let about = json!({
         "original": args.original.display().to_string(),
@@ -42,13 +45,23 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         "seconds": record::seconds(&[], total),
         "run": record::provenance("measure"),
     });
-    let record = record::joined(json!(measured), about);
+    let metrics = record::merged(json!(measured), json!(pictured));
+    let record = record::joined(metrics, about);
     record::write(args.report.as_deref(), &record)?;
     let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
-    Ok(Printed::single(pretty(&measured, args, counts), record))
+    Ok(Printed::single(
+        pretty(&measured, &pictured, args, counts),
+        record,
+    ))
 }
 
-fn pretty(measured: &Measurement, args: &args::Measure, leaves: [u64; 2]) -> String {
+fn pretty(
+    measured: &Measurement,
+    pictured: &PictureMeasurement,
+    args: &args::Measure,
+    leaves: [u64; 2],
+) -> String {
+    let picture = |key: &str| format!("{:.4}", pictured.overall.get(key).unwrap_or(f64::NAN));
     let row = |name: &str, value: String, what: &str| {
         vec![format!("{name:<14}  {value:>10}"), what.to_owned()]
     };
@@ -81,6 +94,16 @@ fn pretty(measured: &Measurement, args: &args::Measure, leaves: [u64; 2]) -> Str
             "coverage",
             format!("{:.4}", measured.coverage_ratio()),
             "pixels of the result over those of the original",
+        ),
+        row(
+            "SSIM",
+            picture("ssim"),
+            "likeness of shaded pictures, 1 is best",
+        ),
+        row(
+            "FLIP",
+            picture("flip_mean"),
+            "visible difference of shaded pictures, 0 is best",
         ),
     ];
     // Explanations to the left, unlike numbers.

@@ -14,6 +14,7 @@ mod picture;
 mod print;
 mod record;
 mod simplify;
+mod study;
 mod summary;
 mod watch;
 
@@ -54,6 +55,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
         Command::Grow(args) => grow::run(args, &cli.common)?,
+        Command::Study(args) => study::run(args, &cli.common)?,
     };
     if cli.common.quiet {
         return Ok(());

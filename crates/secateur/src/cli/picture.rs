@@ -60,6 +60,11 @@ pub(crate) fn write_leaf_ids(
     views: &ViewSet,
     resolution: u32,
 ) -> Result<(), Failure> {
+    let left = lod.foliage(foliage);
+    let (foliage, lod) = match lod.is_of_originals() {
+        true => (foliage, lod),
+        false => (&left, &Lod::original(left.leaves().len())),
+    };
     let scene = Scene {
         foliage,
         lod,

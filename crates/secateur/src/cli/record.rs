@@ -102,6 +102,11 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "engine": args.engine.text(),
         "foliage": selectors.collect::<Vec<_>>(),
         "seed": args.seed,
+        "area_weight": args.area_weight,
+        "distance_weight": args.distance_weight,
+        "planarity_weight": args.planarity_weight,
+        "meshopt_mode": args.meshopt_mode.text(),
+        "preserve_area": args.preserve_area,
     })
 }
 
@@ -132,6 +137,27 @@ pub(crate) fn write(path: Option<&Path>, record: &Value) -> Result<(), Failure> 
     match path {
         Some(path) => output::write_file(path, format!("{record:#}\n").as_bytes()),
         None => Ok(()),
+    }
+}
+
+/// One record with the values of both, lists of equal length item by item.
+pub(crate) fn merged(record: Value, more: Value) -> Value {
+    match (record, more) {
+        (Value::Object(mut entries), Value::Object(more)) => {
+            for (key, value) in more {
+                let merged = match entries.get_mut(&key) {
+                    Some(there) => merged(there.take(), value),
+                    None => value,
+                };
+                entries.insert(key, merged);
+            }
+            Value::Object(entries)
+        }
+        (Value::Array(items), Value::Array(more)) if items.len() == more.len() => {
+            let pairs = items.into_iter().zip(more);
+            pairs.map(|(item, more)| merged(item, more)).collect()
+        }
+        (_, more) => more,
     }
 }
 

@@ -81,7 +81,8 @@ fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
     output::check_distinct(&outputs)
 }
 
-fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
+/// What a run is asked to do.
+pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     let mut settings = Simplify::to(args.target.target()?);
     settings.method = args.method.into();
     settings.engine = args.engine.into();
@@ -93,6 +94,11 @@ fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.ties = args.ties.into();
     settings.alpha = args.alpha.into();
     settings.seed = args.seed;
+    settings.area_weight = args.area_weight;
+    settings.fsa.distance_weight = args.distance_weight;
+    settings.fsa.planarity_weight = args.planarity_weight;
+    settings.meshopt.mode = args.meshopt_mode.into();
+    settings.meshopt.preserve_area = args.preserve_area;
     settings.audit = args.audit || (settings.audit && !args.no_audit);
     Ok(settings)
 }

@@ -153,6 +153,7 @@ fn count_triangles(tree: &Tree, fates: &Fates) -> Result<u64, Fault> {
             .of_part(number)
             .filter(|fate| fate.area_scale.is_none());
         triangles += all - gone.map(|fate| fate.triangles.len() as u64).sum::<u64>();
+        triangles += fates.made_in(number).len() as u64;
     }
     debug_assert!(len(&tree.document.root, "meshes") > 0 || triangles == 0);
     Ok(triangles)

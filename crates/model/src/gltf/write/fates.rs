@@ -6,7 +6,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use super::vertices::Resize;
 use crate::gltf::tree::Tree;
-use crate::{LeafId, Lod};
+use crate::{LeafId, Lod, NewCorner, NewLeaf, Place};
 
 /// What becomes of one leaf of a part.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,18 @@ pub(super) struct Fates<'t> {
     /// Leaf indices, those of part p at `starts[p]..starts[p + 1]`.
     leaves: Vec<u32>,
     starts: Vec<u32>,
+    /// New leaves by the part of their donor.
+    made: HashMap<usize, Vec<&'t NewLeaf>>,
+}
+
+/// A corner of a new leaf in its part's primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MadeCorner {
+    /// A triangle of the primitive's list and which of its corners: the vertex
+    /// to be copied.
+    pub(super) like: (u32, usize),
+    /// Where the copy goes, in the primitive's local space.
+    pub(super) position_local: DVec3,
 }
 
 impl<'t> Fates<'t> {
@@ -49,12 +61,40 @@ impl<'t> Fates<'t> {
             leaves[*slot as usize] = leaf as u32;
             *slot += 1;
         }
+        let mut made: HashMap<usize, Vec<&NewLeaf>> = HashMap::new();
+        for leaf in lod.made() {
+            let part = tree.leaf_sources[leaf.donor.index()].part as usize;
+            made.entry(part).or_default().push(leaf);
+        }
         Self {
             tree,
             lod,
             leaves,
             starts,
+            made,
         }
+    }
+
+    /// The triangles of new leaves that belong to a part.
+    pub(super) fn made_in(&self, part: usize) -> Vec<[MadeCorner; 3]> {
+        let world_from_local = &self.tree.parts[part].world_from_local;
+        let leaves = self.made.get(&part).into_iter().flatten();
+        let triangles = leaves.flat_map(|leaf| leaf.triangles.iter().map(|t| (leaf.donor, t)));
+        let corner = |donor: LeafId, corner: &NewCorner| {
+            let source = &self.tree.leaf_sources[donor.index()];
+            let triangle = self.tree.triangles_of(source)[corner.like as usize / 3];
+            let position_world = match corner.place {
+                Place::Of(corner) => corner.position(&self.tree.foliage),
+                Place::At(position) => position,
+            };
+            MadeCorner {
+                like: (triangle, corner.like as usize % 3),
+                position_local: origin_of_point(world_from_local, position_world),
+            }
+        };
+        triangles
+            .map(|(donor, t)| [0, 1, 2].map(|k| corner(donor, &t[k])))
+            .collect()
     }
 
     /// The leaves of a part, in leaf order.
@@ -72,9 +112,14 @@ impl<'t> Fates<'t> {
         })
     }
 
-    /// Whether a leaf of the part goes or changes size.
+    /// Whether a leaf of the part goes or changes size, or one is new.
     pub(super) fn is_changed(&self, part: usize) -> bool {
-        self.of_part(part).any(|fate| !fate.is_as_it_was())
+        self.has_made(part) || self.of_part(part).any(|fate| !fate.is_as_it_was())
+    }
+
+    /// Whether a new leaf belongs to the part.
+    pub(super) fn has_made(&self, part: usize) -> bool {
+        self.made.contains_key(&part)
     }
 
     /// The resize of a leaf of a part, in the space of the part's primitive, or
@@ -152,6 +197,10 @@ pub(super) fn group_by_fate(tree: &Tree, fates: &Fates, places: &[&Use]) -> Vec<
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut known: HashMap<Changes, Vec<usize>> = HashMap::new();
     for (number, place) in places.iter().enumerate() {
+        if place.parts.iter().any(|&part| fates.has_made(part)) {
+            groups.push(vec![number]);
+            continue;
+        }
         let alike = known.entry(changes(tree, fates, place)).or_default();
         let same = alike
             .iter()

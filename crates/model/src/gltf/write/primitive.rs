@@ -1,6 +1,7 @@
 //! One primitive with fewer leaves, or leaves of another size.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::rc::Rc;
 
 use glam::{DVec3, Vec3};
@@ -91,13 +92,36 @@ fn kept_triangles(
             resizes.push(resize);
         }
     }
-    let kept = triangles
-        .into_iter()
+    let mut kept: Vec<KeptTriangle> = triangles
+        .iter()
         .zip(resize_of)
         .zip(is_kept)
         .filter(|(_, is_kept)| *is_kept)
-        .map(|((corners, resize), _)| KeptTriangle { corners, resize })
+        .map(|((&corners, resize), _)| KeptTriangle {
+            corners,
+            resizes: [resize; 3],
+        })
         .collect();
+    // A vertex that shrinks to a point is one that moves there. Corners that
+    // are alike and at one place stay one vertex.
+    let mut placed = HashMap::new();
+    for triangle in fates.made_in(part_number) {
+        let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
+        let mut resize = |k: usize| {
+            let bits = triangle[k].position_local.to_array().map(f64::to_bits);
+            *placed.entry(bits).or_insert_with(|| {
+                resizes.push(Resize {
+                    centre_local: triangle[k].position_local,
+                    linear_scale: 0.0,
+                });
+                resizes.len() as u32 - 1
+            })
+        };
+        kept.push(KeptTriangle {
+            corners,
+            resizes: [0, 1, 2].map(|k| Some(resize(k))),
+        });
+    }
     Ok((kept, resizes))
 }
 
@@ -167,7 +191,7 @@ impl Moves<'_> {
         }
         if elements.accessor.component != Component::F32 {
             draft.notes.push(format!(
-                "{}: its quantised positions became f32, because leaves that grow leave their grid",
+                "{}: its quantised positions became f32, because leaves that grow or are new leave their grid",
                 self.place
             ));
         }

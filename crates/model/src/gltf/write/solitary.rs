@@ -20,6 +20,9 @@ pub(super) fn only_leaf(tree: &Tree, fates: &Fates, place: &Use) -> Result<Optio
     let [part] = place.parts[..] else {
         return Ok(None);
     };
+    if fates.has_made(part) {
+        return Ok(None);
+    }
     let mut leaves = fates.of_part(part);
     let (Some(fate), None) = (leaves.next(), leaves.next()) else {
         return Ok(None);

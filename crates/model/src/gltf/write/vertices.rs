@@ -14,11 +14,11 @@ pub(super) struct Resize {
 }
 
 /// A triangle that stays: the numbers of its corners among the old vertices,
-/// and which of the primitive's resizes moves them, if one does.
+/// and which of the primitive's resizes moves each, if one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KeptTriangle {
     pub(super) corners: [u32; 3],
-    pub(super) resize: Option<u32>,
+    pub(super) resizes: [Option<u32>; 3],
 }
 
 /// The vertices of a rewritten primitive.
@@ -37,8 +37,8 @@ pub(super) fn corner_vertices(kept: &[KeptTriangle]) -> Vertices {
     let mut vertices = Vertices::default();
     vertices.sources.reserve(3 * kept.len());
     for triangle in kept {
-        for corner in triangle.corners {
-            if let Some(resize) = triangle.resize {
+        for (corner, resize) in triangle.corners.into_iter().zip(triangle.resizes) {
+            if let Some(resize) = resize {
                 let number = vertices.sources.len() as u32;
                 vertices.moved.push((number, resize));
             }
@@ -78,14 +78,13 @@ pub(super) fn shared_vertices(vertex_count: usize, kept: &[KeptTriangle]) -> Ver
 fn vertices_in_list(vertex_count: usize, kept: &[KeptTriangle]) -> Vertices {
     const UNUSED: u32 = u32::MAX;
     const AS_IT_WAS: u32 = u32::MAX - 1;
-    let size_of = |triangle: &KeptTriangle| triangle.resize.unwrap_or(AS_IT_WAS);
+    let sizes_of = |triangle: &KeptTriangle| triangle.resizes.map(|r| r.unwrap_or(AS_IT_WAS));
 
     let mut first_size = vec![UNUSED; vertex_count];
     let mut copies: Vec<(u32, u32)> = Vec::new();
     let mut copy_of: HashMap<(u32, u32), usize> = HashMap::new();
     for triangle in kept {
-        let size = size_of(triangle);
-        for corner in triangle.corners {
+        for (corner, size) in triangle.corners.into_iter().zip(sizes_of(triangle)) {
             let first = &mut first_size[corner as usize];
             if *first == UNUSED {
                 *first = size;
@@ -119,8 +118,9 @@ fn vertices_in_list(vertex_count: usize, kept: &[KeptTriangle]) -> Vertices {
         .collect();
 
     let renumber = |triangle: &KeptTriangle| {
-        let size = size_of(triangle);
-        triangle.corners.map(|corner| {
+        let sizes = sizes_of(triangle);
+        [0, 1, 2].map(|k| {
+            let (corner, size) = (triangle.corners[k], sizes[k]);
             if first_size[corner as usize] == size {
                 new_number[corner as usize]
             } else {
@@ -137,7 +137,10 @@ mod tests {
     use super::*;
 
     fn kept(corners: [u32; 3], resize: Option<u32>) -> KeptTriangle {
-        KeptTriangle { corners, resize }
+        KeptTriangle {
+            corners,
+            resizes: [resize; 3],
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod encodings;
 mod every_encoding;
 mod fixture;
 mod grown;
+mod made;
 mod on_disk;
 mod particulars;
 mod real_trees;

@@ -1,0 +1,236 @@
+//! How far a simplified tree looks from its original, in plainly shaded,
+//! textured pictures.
+//!
+//! Both are drawn by [`render`] from the views that judge; every
+//! [`PictureMetric`] of [`PICTURE_METRICS`] is then a function of two pictures
+//! of one view.
+
+mod ssim;
+
+use std::borrow::Borrow;
+
+use image::RgbaImage;
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
+use rayon::prelude::*;
+use secateur_model::Surface;
+use secateur_raster::{View, ViewSet};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use crate::measure::Direction;
+use crate::{Camera, RenderOptions, render};
+
+/// A number that says how far a picture is from another.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureMetric {
+    /// Its name in reports.
+    pub key: &'static str,
+    /// Its name for readers.
+    pub title: &'static str,
+    /// The unit of its values; empty for a ratio.
+    pub unit: &'static str,
+    /// Which values are good.
+    pub direction: Direction,
+    /// Its value for the picture of an original and that of what it became.
+    pub of: fn(&RgbaImage, &RgbaImage) -> f64,
+}
+
+/// All metrics of pictures, in the order of reports.
+pub const PICTURE_METRICS: &[PictureMetric] = &[SSIM, FLIP_MEAN];
+
+/// Structural similarity (Wang et al. 2004), Gaussian window, on luma. -1 to 1.
+pub const SSIM: PictureMetric = PictureMetric {
+    key: "ssim",
+    title: "SSIM",
+    unit: "",
+    direction: Direction::Higher,
+    of: ssim::ssim,
+};
+
+/// Mean of the FLIP error (Andersson et al. 2020) at its reference's default of
+/// about 67 pixels a degree. 0 to 1.
+pub const FLIP_MEAN: PictureMetric = PictureMetric {
+    key: "flip_mean",
+    title: "FLIP",
+    unit: "",
+    direction: Direction::Lower,
+    of: |original, other| {
+        let [a, b] = [original, other].map(|picture| {
+            let rgb: Vec<u8> = picture
+                .pixels()
+                .flat_map(|p| [p.0[0], p.0[1], p.0[2]])
+                .collect();
+            FlipImageRgb8::with_data(picture.width(), picture.height(), &rgb)
+        });
+        let errors = flip(a, b, DEFAULT_PIXELS_PER_DEGREE);
+        f64::from(FlipPool::from_image(&errors).mean())
+    },
+};
+
+/// A value for each of [`PICTURE_METRICS`]. Serialises as a map from their keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureScores(Vec<f64>);
+
+impl PictureScores {
+    fn pooled(per_view: &[Self], pool: impl Fn(&PictureMetric, &[f64]) -> f64) -> Self {
+        let of = |(index, metric): (usize, &PictureMetric)| {
+            let values: Vec<f64> = per_view.iter().map(|scores| scores.0[index]).collect();
+            pool(metric, &values)
+        };
+        Self(PICTURE_METRICS.iter().enumerate().map(of).collect())
+    }
+
+    /// Every metric with its value, in the order of [`PICTURE_METRICS`].
+    pub fn iter(&self) -> impl Iterator<Item = (&'static PictureMetric, f64)> + '_ {
+        PICTURE_METRICS.iter().zip(self.0.iter().copied())
+    }
+
+    /// The value of the metric with this key, if there is such a metric.
+    pub fn get(&self, key: &str) -> Option<f64> {
+        self.iter()
+            .find_map(|(metric, value)| (metric.key == key).then_some(value))
+    }
+}
+
+impl Serialize for PictureScores {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(PICTURE_METRICS.len()))?;
+        for (metric, value) in self.iter() {
+            map.serialize_entry(metric.key, &value)?;
+        }
+        map.end()
+    }
+}
+
+/// How far a simplified tree looks from its original. Serialises with the
+/// overall scores at the top level.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct PictureMeasurement {
+    /// Mean over the views.
+    #[serde(flatten)]
+    pub overall: PictureScores,
+    /// The worst view's value of each metric (not always the same view's).
+    pub worst: PictureScores,
+    /// Of each view alone, in the order of the view set.
+    pub per_view: Vec<PictureScores>,
+}
+
+/// The pictures of one tree from the views that judge.
+#[derive(Clone, Debug)]
+pub struct Pictures(Vec<RgbaImage>);
+
+impl Pictures {
+    /// Image side in pixels, each the mean of 2 x 2 samples: the samples of
+    /// [`Judging::RESOLUTION`](crate::Judging::RESOLUTION).
+    pub const RESOLUTION: u32 = 256;
+
+    /// Draws everything, wood and leaves, from every view, without shadows.
+    pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet) -> Self {
+        let options = RenderOptions {
+            width: Self::RESOLUTION,
+            height: Self::RESOLUTION,
+            samples: 2,
+            shadows: false,
+        };
+        let picture = |view: &View| render(surfaces, &camera_of(view), &options);
+        Self(views.views().iter().map(picture).collect())
+    }
+
+    /// The pictures, one for each view.
+    pub fn images(&self) -> &[RgbaImage] {
+        &self.0
+    }
+
+    /// Measures pictures of a simplified tree against these of its original.
+    ///
+    /// # Panics
+    /// If the views differ in number or there is none.
+    pub fn measure(&self, simplified: &Self) -> PictureMeasurement {
+        assert_eq!(self.0.len(), simplified.0.len(), "the same views");
+        assert!(!self.0.is_empty(), "at least one view");
+        let pairs = self.0.par_iter().zip(&simplified.0);
+        let scores = |(a, b): (&RgbaImage, &RgbaImage)| {
+            PictureScores(
+                PICTURE_METRICS
+                    .iter()
+                    .map(|metric| (metric.of)(a, b))
+                    .collect(),
+            )
+        };
+        let per_view: Vec<PictureScores> = pairs.map(scores).collect();
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let worst = |metric: &PictureMetric, values: &[f64]| {
+            let badness = |v: &f64| metric.direction.badness(*v);
+            let worst = values
+                .iter()
+                .copied()
+                .max_by(|a, b| badness(a).total_cmp(&badness(b)));
+            worst.expect("at least one view")
+        };
+        PictureMeasurement {
+            overall: PictureScores::pooled(&per_view, |_, values| mean(values)),
+            worst: PictureScores::pooled(&per_view, worst),
+            per_view,
+        }
+    }
+}
+
+/// The camera of a view that judges. Its target is where the picture's near
+/// plane becomes that of the view.
+fn camera_of(view: &View) -> Camera {
+    Camera {
+        eye: view.eye(),
+        target: view.eye() + view.forward() * 1e3 * view.near(),
+        up: view.up(),
+        fov_y_rad: 2.0 * view.tan_half_fov().atan(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgba;
+
+    fn flat(color: [u8; 3]) -> RgbaImage {
+        let [r, g, b] = color;
+        RgbaImage::from_pixel(64, 64, Rgba([r, g, b, 255]))
+    }
+
+    /// FLIP is 1 for black against white: the greatest colour difference, and
+    /// the feature term only raises it.
+    #[test]
+    fn flip_is_0_for_equal_pictures_and_1_for_black_on_white() {
+        let of = FLIP_MEAN.of;
+        let (black, white) = (flat([0; 3]), flat([255; 3]));
+        assert_eq!(of(&white, &white), 0.0);
+        let most = of(&black, &white);
+        assert!((0.9..=1.0).contains(&most), "{most}");
+        let little = of(&flat([100; 3]), &flat([104; 3]));
+        assert!(little > 0.0 && little < 0.1, "{little}");
+    }
+
+    #[test]
+    fn the_worst_view_stands_beside_the_mean() {
+        let grey = |v| flat([v; 3]);
+        let original = Pictures(vec![grey(100), grey(100)]);
+        let simplified = Pictures(vec![grey(100), grey(200)]);
+        let found = original.measure(&simplified);
+        let ssim = |scores: &PictureScores| scores.get("ssim").unwrap();
+        assert!((ssim(&found.worst) - 0.800_026).abs() < 1e-5);
+        assert!((ssim(&found.overall) - 0.900_013).abs() < 1e-5);
+        assert_eq!(found.per_view[0].get("flip_mean"), Some(0.0));
+        let json = serde_json::to_value(&found).unwrap();
+        assert_eq!(json["per_view"][0]["ssim"], 1.0);
+    }
+
+    /// The middle of the view is the middle of the picture, and a surface at an
+    /// edge of the frustum touches the edge.
+    #[test]
+    fn pictures_are_taken_from_the_views_that_judge() {
+        use glam::DVec3;
+        let view = View::look_at(DVec3::Z * 2.0, DVec3::ZERO, DVec3::Y, 0.5, 0.1).unwrap();
+        let camera = camera_of(&view);
+        assert!(((0.5 * camera.fov_y_rad).tan() - 0.5).abs() < 1e-12);
+        assert!((camera.target - camera.eye).normalize().distance(-DVec3::Z) < 1e-12);
+        assert_eq!(camera.up, DVec3::Y);
+    }
+}

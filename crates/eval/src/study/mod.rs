@@ -1,0 +1,17 @@
+//! Studies: many runs, judged alike, as raw rows; charts and a report are drawn
+//! from the rows alone.
+//!
+//! Methods and settings are names here: what they stand for only the rows'
+//! maker knows.
+
+mod chart;
+mod columns;
+mod report;
+mod rows;
+mod summary;
+
+pub use chart::chart;
+pub use columns::{COLUMNS, Column};
+pub use report::{Picture, report};
+pub use rows::{Row, RowKey, Values, read_rows, to_csv, to_line};
+pub use summary::{Group, Point, Spread, groups, pareto, spread, summarise};

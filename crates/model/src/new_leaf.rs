@@ -1,0 +1,81 @@
+//! Leaves that a method makes out of others.
+
+use glam::DVec3;
+
+use crate::{Foliage, LeafId, LeafTriangle};
+
+/// A corner of an original leaf: `corner % 3` of triangle `corner / 3` of
+/// [`Foliage::triangles_of`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CornerRef {
+    /// The leaf, one of the original foliage.
+    pub leaf: LeafId,
+    /// Which of its corners.
+    pub corner: u32,
+}
+
+impl CornerRef {
+    /// Where it is, in world space.
+    ///
+    /// # Panics
+    /// If there is no such leaf or corner.
+    pub fn position(self, foliage: &Foliage) -> DVec3 {
+        let triangle = &foliage.triangles_of(self.leaf)[self.corner as usize / 3];
+        triangle.corners[self.corner as usize % 3]
+    }
+}
+
+/// Where a corner of a [`NewLeaf`] is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// At a corner of an original leaf.
+    Of(CornerRef),
+    /// Anywhere, in world space.
+    At(DVec3),
+}
+
+/// A corner of a [`NewLeaf`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewCorner {
+    /// Where it is.
+    pub place: Place,
+    /// The corner of the donor, numbered as in [`CornerRef`], whose texture
+    /// coordinates and other attributes it has.
+    pub like: u32,
+}
+
+/// A leaf that takes the place of others. It has the material, the cut-out and
+/// the attributes of one original leaf, its donor, and belongs to the donor's
+/// part of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewLeaf {
+    /// The leaf that it looks like, one of the original foliage.
+    pub donor: LeafId,
+    /// Its triangles, at least one.
+    pub triangles: Vec<[NewCorner; 3]>,
+}
+
+impl NewLeaf {
+    /// Its triangles in world space, with the donor's texture coordinates.
+    ///
+    /// # Panics
+    /// If it names a leaf or corner that is not there.
+    pub fn triangles_in(&self, foliage: &Foliage) -> Vec<LeafTriangle> {
+        let like = foliage.triangles_of(self.donor);
+        let corner = |c: &NewCorner| {
+            let position = match c.place {
+                Place::Of(corner) => corner.position(foliage),
+                Place::At(position) => position,
+            };
+            (position, like[c.like as usize / 3].uvs[c.like as usize % 3])
+        };
+        let triangle = |t: &[NewCorner; 3]| {
+            let [a, b, c] = [corner(&t[0]), corner(&t[1]), corner(&t[2])];
+            LeafTriangle {
+                corners: [a.0, b.0, c.0],
+                uvs: [a.1, b.1, c.1],
+            }
+        };
+        self.triangles.iter().map(triangle).collect()
+    }
+}

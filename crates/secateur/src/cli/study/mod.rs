@@ -1,0 +1,237 @@
+//! `secateur study`: methods x settings x levels x trees, as rows, charts and a
+//! report.
+
+mod draw;
+mod judge;
+mod perturb;
+mod plan;
+mod rows;
+
+use std::io::{IsTerminal, stderr};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use secateur::{Lod, Progress, RemovalOrder, Simplified, Tree};
+use serde_json::json;
+
+use super::args::{self, Common};
+use super::failure::Failure;
+use super::print::Printed;
+use super::summary::grouped;
+use super::{interrupt, output, record};
+use judge::{Judge, Ran};
+use plan::Case;
+use rows::RowFile;
+
+/// Runs what is missing, then draws everything from the rows.
+pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    output::check_folder(&args.output)?;
+    if !args.redraw {
+        let cases = plan::cases(args.plan, &args.case)?;
+        let trees = named(&args.trees)?;
+        output::make_folder(&args.output)?;
+        run_all(args, common, &cases, &trees)?;
+    }
+    let rows = rows::read(&args.output)?;
+    let files = draw::draw(&args.output, &rows)?;
+    let total = start.elapsed().as_secs_f64();
+    let count = rows.len() as u64;
+    let pretty = format!(
+        "{} rows in {}\n  report   {}\n  rows     {}\n  took     {total:.1} s\n",
+        grouped(count),
+        args.output.display(),
+        files.report.display(),
+        files.csv.display()
+    );
+    let record = json!({
+        "rows": count,
+        "output": args.output.display().to_string(),
+        "report": files.report.display().to_string(),
+        "csv": files.csv.display().to_string(),
+        "charts": files.charts.iter().map(|p| p.display().to_string()).collect::<Vec<_>>(),
+        "seconds": record::seconds(&[], total),
+        "run": record::provenance("study"),
+    });
+    Ok(Printed::single(pretty, record))
+}
+
+/// Trees by their file names without ending, which must differ.
+fn named(paths: &[PathBuf]) -> Result<Vec<(String, &Path)>, Failure> {
+    let mut trees: Vec<(String, &Path)> = Vec::new();
+    for path in paths {
+        let name = path.file_stem().unwrap_or(path.as_os_str());
+        let name = name.to_string_lossy().into_owned();
+        if let Some((_, other)) = trees.iter().find(|(known, _)| *known == name) {
+            let (a, b) = (other.display(), path.display());
+            return Err(Failure(format!(
+                "{a} and {b} would both be called {name}: rename one"
+            )));
+        }
+        trees.push((name, path));
+    }
+    Ok(trees)
+}
+
+/// One method with one seed on one tree: what is still to be done of it.
+struct Job<'a> {
+    case: &'a Case,
+    seed: Option<u64>,
+    levels: Vec<f64>,
+}
+
+fn run_all(
+    args: &args::Study,
+    common: &Common,
+    cases: &[Case],
+    trees: &[(String, &Path)],
+) -> Result<(), Failure> {
+    let mut file = RowFile::open(&args.output)?;
+    let mut todo: Vec<Vec<Job>> = Vec::new();
+    for (name, _) in trees {
+        todo.push(jobs(args, cases, name, &file)?);
+    }
+    let rows: usize = todo.iter().flatten().map(|job| job.levels.len()).sum();
+    let bar = bar(common, rows);
+    for ((name, path), jobs) in trees.iter().zip(todo) {
+        if jobs.is_empty() {
+            continue;
+        }
+        let tree = Tree::open(path, &args.foliage.foliage)?;
+        let judge = Judge::new(name, path, &tree, &args.output)?;
+        for job in jobs {
+            bar.set_message(format!(
+                "{name}: {} {}",
+                job.case.method,
+                job.case.setting()
+            ));
+            for ran in runs(&tree, &job).map_err(|e| about(path, e))? {
+                interrupt::check()?;
+                file.append(&judge.row(job.case, job.seed, &ran)?)?;
+                bar.inc(1);
+            }
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn about(path: &Path, failure: Failure) -> Failure {
+    match failure.0.starts_with(&path.display().to_string()) {
+        true => failure,
+        false => Failure(format!("{}: {failure}", path.display())),
+    }
+}
+
+fn jobs<'a>(
+    args: &args::Study,
+    cases: &'a [Case],
+    tree: &str,
+    file: &RowFile,
+) -> Result<Vec<Job<'a>>, Failure> {
+    let mut jobs = Vec::new();
+    for case in cases {
+        let draws_lots = Case::draws_lots(&case.settings(1.0, None)?);
+        let own_seed = case.options.iter().any(|word| word.starts_with("--seed"));
+        let seeds: Vec<Option<u64>> = match draws_lots && !own_seed {
+            true => (0..u64::from(args.seeds)).map(Some).collect(),
+            false => vec![None],
+        };
+        for seed in seeds {
+            let mut levels = args.levels.clone();
+            levels.retain(|level| !file.has(&rows::key(tree, case, seed, *level)));
+            if !levels.is_empty() {
+                jobs.push(Job { case, seed, levels });
+            }
+        }
+    }
+    Ok(jobs)
+}
+
+fn bar(common: &Common, rows: usize) -> ProgressBar {
+    let is_shown = !common.quiet && stderr().is_terminal();
+    let target = match is_shown {
+        true => ProgressDrawTarget::stderr_with_hz(10),
+        false => ProgressDrawTarget::hidden(),
+    };
+    let bar = ProgressBar::with_draw_target(Some(rows as u64), target);
+    let style = ProgressStyle::with_template("{wide_msg} {bar:30} {pos}/{len} rows, {eta} left");
+    if let Ok(style) = style {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// One run at a time, so that times are of nothing else: one for all levels
+/// where every prefix of an order is a level, else one for each.
+fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
+    let prefixes = Case::has_prefixes(&job.case.settings(1.0, job.seed)?);
+    if !prefixes {
+        let alone = job.levels.iter().map(|level| timed(tree, job, &[*level]));
+        let ran: Result<Vec<Vec<Ran>>, Failure> = alone.collect();
+        return Ok(ran?.into_iter().flatten().collect());
+    }
+    timed(tree, job, &job.levels)
+}
+
+fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
+    let coarsest = levels.iter().copied().fold(1.0, f64::min);
+    let settings = job.case.settings(coarsest, job.seed)?;
+    let changed = job.case.perturbation.apply(tree.foliage(), &settings);
+    let count = tree.foliage().leaves().len();
+    let steps: Vec<usize> = levels
+        .iter()
+        .map(|level| count - (level * count as f64).round() as usize)
+        .collect();
+    let mut reached: Vec<Option<f64>> = vec![None; levels.len()];
+    let mut begun = Instant::now();
+    let result = secateur::simplify(&changed.foliage, &changed.settings, &mut |progress| {
+        match progress {
+            Progress::Stage("simplify") => begun = Instant::now(),
+            Progress::Step { done, .. } => {
+                for (at, steps) in reached.iter_mut().zip(&steps) {
+                    if done == *steps {
+                        *at = Some(begun.elapsed().as_secs_f64());
+                    }
+                }
+            }
+            _ => {}
+        }
+        match interrupt::check() {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    })?;
+    Ok(levels
+        .iter()
+        .zip(steps.iter().zip(reached))
+        .map(|(level, (steps, reached))| ran(*level, *steps, reached, &changed, &result))
+        .collect())
+}
+
+fn ran(
+    level: f64,
+    steps: usize,
+    reached: Option<f64>,
+    changed: &perturb::Changed,
+    result: &Simplified,
+) -> Ran {
+    let order: RemovalOrder = changed.order_of_tree(&result.order);
+    let is_vds = !result.costs_scaled.is_empty() || result.order.is_empty();
+    let of_stage = |name: &str| {
+        let stage = result.seconds.iter().find(|(stage, _)| *stage == name);
+        stage.map_or(0.0, |(_, seconds)| *seconds)
+    };
+    // A method that sees no pixels does not have to choose how many.
+    let choosing = if is_vds { of_stage("resolution") } else { 0.0 };
+    Ran {
+        level,
+        lod: Lod::after(&order, steps.min(order.len())),
+        seconds: choosing + reached.unwrap_or_else(|| of_stage("simplify")),
+        resolution: if is_vds { result.resolution } else { 0 },
+        engine: result.engine.to_owned(),
+        adapter: result.adapter.clone(),
+    }
+}

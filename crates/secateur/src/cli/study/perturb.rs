@@ -1,0 +1,253 @@
+//! Small changes that should not matter: how much a method's result depends on
+//! accidents of its input.
+
+use secateur::glam::{DMat3, DVec3};
+use secateur::raster::{View, ViewSet};
+use secateur::{
+    CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Place, RemovalOrder, Simplify, Step, Views,
+};
+
+/// A change of a tree, or of where it is looked at from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Perturbation {
+    /// None.
+    None,
+    /// The driving views turned as one about the foliage's centre.
+    Rotated(u64),
+    /// Every corner moved at random within a cube of this half side, in radii of
+    /// the foliage.
+    Jittered(f64),
+    /// The leaves in another order.
+    Shuffled(u64),
+}
+
+impl Perturbation {
+    /// One of each kind, and none.
+    pub(super) const ALL: [Self; 8] = [
+        Self::None,
+        Self::Rotated(1),
+        Self::Rotated(2),
+        Self::Jittered(1e-5),
+        Self::Jittered(1e-4),
+        Self::Jittered(1e-3),
+        Self::Shuffled(1),
+        Self::Shuffled(2),
+    ];
+
+    /// In words; empty for none.
+    pub(super) fn name(self) -> String {
+        match self {
+            Self::None => String::new(),
+            Self::Rotated(k) => format!("views turned {k}"),
+            Self::Jittered(size) => format!("jitter {size:e}"),
+            Self::Shuffled(k) => format!("leaves shuffled {k}"),
+        }
+    }
+
+    /// The foliage and the settings that a method gets.
+    pub(super) fn apply(self, foliage: &Foliage, settings: &Simplify) -> Changed {
+        let mut settings = settings.clone();
+        let mut names: Vec<LeafId> = (0..foliage.leaves().len())
+            .map(LeafId::from_index)
+            .collect();
+        let mut lots = Lots::new(0);
+        match self {
+            Self::None => {}
+            Self::Rotated(seed) => {
+                lots = Lots::new(seed);
+                if let Some(sphere) = foliage.bounding_sphere() {
+                    let views = settings.views.around(sphere);
+                    settings.views = Views::Cameras(turned(&views, sphere.centre, &mut lots));
+                }
+            }
+            Self::Jittered(_) => {}
+            Self::Shuffled(seed) => {
+                lots = Lots::new(seed);
+                let mut keyed: Vec<(u64, LeafId)> =
+                    names.iter().map(|leaf| (lots.draw(), *leaf)).collect();
+                keyed.sort_unstable();
+                names = keyed.into_iter().map(|(_, leaf)| leaf).collect();
+            }
+        }
+        let radius = foliage.bounding_sphere().map_or(0.0, |s| s.radius);
+        let reach = match self {
+            Self::Jittered(size) => size * radius,
+            _ => 0.0,
+        };
+        let mut changed = Foliage::new(foliage.cutouts().to_vec());
+        for &leaf in &names {
+            let moved = jittered(foliage.triangles_of(leaf), reach, &mut lots);
+            let pushed = changed.push_leaf(&moved, foliage.leaf(leaf).cutout());
+            pushed.expect("a leaf that was there before");
+        }
+        Changed {
+            foliage: changed,
+            settings,
+            names,
+        }
+    }
+}
+
+/// What a method gets instead of the tree.
+pub(super) struct Changed {
+    pub(super) foliage: Foliage,
+    pub(super) settings: Simplify,
+    /// For each leaf that the method sees, its name in the tree.
+    names: Vec<LeafId>,
+}
+
+impl Changed {
+    /// The order that was found, as one of the tree's own leaves.
+    pub(super) fn order_of_tree(&self, order: &RemovalOrder) -> RemovalOrder {
+        let name = |leaf: LeafId| self.names.get(leaf.index()).copied().unwrap_or(leaf);
+        let mut own = RemovalOrder::new(order.leaf_count());
+        for step in order.steps() {
+            let removed: Vec<LeafId> = step.removed.iter().map(|leaf| name(*leaf)).collect();
+            let mut grown = step.grown.to_vec();
+            grown.iter_mut().for_each(|g| g.leaf = name(g.leaf));
+            let made: Vec<NewLeaf> = step.made.iter().map(|m| renamed(m, &name)).collect();
+            own.push_step(Step {
+                removed: &removed,
+                grown: &grown,
+                made: &made,
+                survivors_area_scale: step.survivors_area_scale,
+            });
+        }
+        own
+    }
+}
+
+fn renamed(leaf: &NewLeaf, name: &impl Fn(LeafId) -> LeafId) -> NewLeaf {
+    let mut own = leaf.clone();
+    own.donor = name(leaf.donor);
+    for corner in own.triangles.iter_mut().flatten() {
+        if let Place::Of(at) = corner.place {
+            corner.place = Place::Of(CornerRef {
+                leaf: name(at.leaf),
+                ..at
+            });
+        }
+    }
+    own
+}
+
+fn turned(views: &ViewSet, centre: DVec3, lots: &mut Lots) -> ViewSet {
+    let axis = DVec3::new(lots.signed(), lots.signed(), lots.signed()).normalize_or(DVec3::Y);
+    let turn = DMat3::from_axis_angle(axis, std::f64::consts::PI * lots.signed());
+    let view = |view: &View| {
+        let eye = centre + turn * (view.eye() - centre);
+        let target = eye + turn * view.forward();
+        let up = turn * view.up();
+        View::look_at(eye, target, up, view.tan_half_fov(), view.near())
+    };
+    let turned: Result<Vec<View>, _> = views.views().iter().map(view).collect();
+    turned.map_or_else(|_| views.clone(), ViewSet::new)
+}
+
+/// Corners at one place stay at one place.
+fn jittered(triangles: &[LeafTriangle], reach: f64, lots: &mut Lots) -> Vec<LeafTriangle> {
+    let mut moved = triangles.to_vec();
+    if reach > 0.0 {
+        let mut known: Vec<(DVec3, DVec3)> = Vec::new();
+        for corner in moved.iter_mut().flat_map(|t| &mut t.corners) {
+            let there = known.iter().find(|(from, _)| from == corner).map(|k| k.1);
+            let to = there.unwrap_or_else(|| {
+                let by = DVec3::new(lots.signed(), lots.signed(), lots.signed());
+                *corner + reach * by
+            });
+            known.push((*corner, to));
+            *corner = to;
+        }
+    }
+    moved
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Lots(u64);
+
+impl Lots {
+    fn new(seed: u64) -> Self {
+        let mut lots = Self(seed.wrapping_mul(0xD134_2543_DE82_EF95));
+        lots.draw();
+        lots
+    }
+
+    fn draw(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// -1 to 1.
+    fn signed(&mut self) -> f64 {
+        (self.draw() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur::plant::{EllipsoidCrown, ellipsoid_crown};
+    use secateur::stochastic::{StochasticOptions, simplify};
+    use secateur::{Lod, Target};
+
+    fn settings() -> Simplify {
+        Simplify::to(Target::Ratio(0.5))
+    }
+
+    #[test]
+    fn a_shuffled_order_comes_back_to_the_leaves_it_meant() {
+        let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
+        let changed = Perturbation::Shuffled(1).apply(&foliage, &settings());
+        let order = simplify(&changed.foliage, 20, &StochasticOptions::default());
+        let own = changed.order_of_tree(&order);
+        assert_ne!(own.removed(), order.removed());
+        let left = |order, foliage| {
+            let lod = Lod::after(order, 30);
+            let mut centres: Vec<[u64; 3]> = (lod.foliage(foliage).leaves().iter())
+                .map(|leaf| leaf.centre().to_array().map(f64::to_bits))
+                .collect();
+            centres.sort_unstable();
+            centres
+        };
+        assert_eq!(left(&own, &foliage), left(&order, &changed.foliage));
+    }
+
+    #[test]
+    fn jitter_moves_every_leaf_a_little_and_keeps_it_whole() {
+        let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
+        let radius = foliage.bounding_sphere().unwrap().radius;
+        let changed = Perturbation::Jittered(1e-3)
+            .apply(&foliage, &settings())
+            .foliage;
+        for (before, after) in foliage.triangles().iter().zip(changed.triangles()) {
+            for (a, b) in before.corners.iter().zip(after.corners) {
+                let moved = a.distance(b);
+                assert!(0.0 < moved && moved <= 1.8e-3 * radius);
+            }
+        }
+        assert_eq!(
+            changed.triangles()[0].corners[0],
+            changed.triangles()[1].corners[0]
+        );
+    }
+
+    #[test]
+    fn turned_views_keep_their_distance() {
+        let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
+        let sphere = foliage.bounding_sphere().unwrap();
+        let changed = Perturbation::Rotated(1).apply(&foliage, &settings());
+        let Views::Cameras(views) = changed.settings.views else {
+            panic!("cameras of its own");
+        };
+        let original = ViewSet::dodecahedron(sphere);
+        assert_eq!(views.len(), original.len());
+        for (a, b) in original.views().iter().zip(views.views()) {
+            let [near, far] = [a, b].map(|v| v.eye().distance(sphere.centre));
+            assert!((near - far).abs() < 1e-9 * near);
+            assert!(a.eye().distance(b.eye()) > 1e-3 * near);
+        }
+    }
+}

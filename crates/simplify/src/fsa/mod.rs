@@ -1,0 +1,261 @@
+//! The foliage simplification algorithm: two leaves at a time become one.
+//!
+//! Remolar, Chover, Belmonte, Ribelles, Rebollo: Geometric Simplification of
+//! Foliage (Eurographics 2002, short paper), as the View-Dependent
+//! Multiresolution Model for Foliage (WSCG 2003, section 3) reviews it. Of all
+//! pairs of leaves the one of least cost is replaced by a new leaf of four of
+//! its vertices, again and again. The cost combines how far the leaves are
+//! apart and how far they are from one plane; the papers do not print the
+//! formula or its weights, so here it is
+//!
+//! ```text
+//! cost(a, b) = w_d H(a, b) / L + w_p (1 - |n_a . n_b|)
+//! ```
+//!
+//! with H the Hausdorff distance of the two sets of vertices, L the square root
+//! of the mean area of an original leaf, and n unit normals (the second term is
+//! 1 where a leaf has no area). No vertex is new; the new leaf has the look of
+//! the larger of the two, all of its texture on the new outline.
+
+mod leaf;
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use secateur_model::{Foliage, LeafId, RemovalOrder, Step};
+
+use leaf::{ActiveLeaf, distance_squared};
+
+/// What can be chosen about leaf collapse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FsaOptions {
+    /// w_d: above 0 and finite.
+    pub distance_weight: f64,
+    /// w_p: 0 or more and finite.
+    pub planarity_weight: f64,
+}
+
+impl Default for FsaOptions {
+    fn default() -> Self {
+        Self {
+            distance_weight: 1.0,
+            planarity_weight: 1.0,
+        }
+    }
+}
+
+/// Collapses pairs until `leaves` are left; the last leaf, which has no other,
+/// goes without a trace. Every prefix is the order to more leaves. Of pairs of
+/// equal cost the one of the lower leaf numbers goes first.
+///
+/// The choice among all pairs is exact. Leaves whose partner is gone look for
+/// the next one only when it could matter, through a spatial index: about n log
+/// n time at equal crown density. `progress` gets the steps done.
+///
+/// `None` if `progress` broke off.
+///
+/// # Panics
+/// If a weight is out of range.
+pub fn simplify(
+    foliage: &Foliage,
+    leaves: usize,
+    options: &FsaOptions,
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Option<RemovalOrder> {
+    let cost = Cost::new(foliage, options);
+    let count = foliage.leaves().len();
+    let mut pairs = Pairs::new(foliage, cost);
+    let mut order = RemovalOrder::new(count as u32);
+    while count - order.len() > leaves {
+        let Some((a, b)) = pairs.cheapest() else {
+            remove_last(&mut order, &pairs);
+            break;
+        };
+        let made = pairs.collapse(a, b);
+        order.push_step(Step {
+            removed: &[a, b].map(|index| LeafId::from_index(index as usize)),
+            grown: &[],
+            made: &[made],
+            survivors_area_scale: 1.0,
+        });
+        if progress(order.len()).is_break() {
+            return None;
+        }
+    }
+    Some(order)
+}
+
+fn remove_last(order: &mut RemovalOrder, pairs: &Pairs) {
+    if let Some(last) = pairs.leaves.iter().position(Option::is_some) {
+        order.push(LeafId::from_index(last), &[]);
+    }
+}
+
+/// The cost of a pair. Symmetric to the last bit.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    per_distance: f64,
+    planarity_weight: f64,
+}
+
+impl Cost {
+    fn new(foliage: &Foliage, options: &FsaOptions) -> Self {
+        let (distance, planarity) = (options.distance_weight, options.planarity_weight);
+        assert!(
+            distance.is_finite() && distance > 0.0 && planarity.is_finite() && planarity >= 0.0,
+            "weights {distance} and {planarity} are out of range"
+        );
+        let areas = foliage.leaves().iter().map(|leaf| leaf.area());
+        let mean_area = areas.sum::<f64>() / foliage.leaves().len().max(1) as f64;
+        let unit = if mean_area > 0.0 {
+            mean_area.sqrt()
+        } else {
+            1.0
+        };
+        Self {
+            per_distance: distance / unit,
+            planarity_weight: planarity,
+        }
+    }
+
+    fn of_distance(&self, squared: f64) -> f64 {
+        self.per_distance * squared.sqrt()
+    }
+
+    fn of_planes(&self, a: &ActiveLeaf, b: &ActiveLeaf) -> f64 {
+        self.planarity_weight * (1.0 - a.normal.dot(b.normal).abs()).max(0.0)
+    }
+
+    /// Never above [`of`](Self::of): a set cannot be nearer than its bounds are.
+    fn at_least(&self, a: &ActiveLeaf, b: &ActiveLeaf) -> f64 {
+        let apart = (a.low - b.low)
+            .abs()
+            .max((a.high - b.high).abs())
+            .max_element();
+        SLACK * self.of_distance(apart * apart) + self.of_planes(a, b)
+    }
+
+    fn of(&self, a: &ActiveLeaf, b: &ActiveLeaf) -> f64 {
+        let from = |a: &ActiveLeaf, b: &ActiveLeaf| {
+            let distances = a.vertices.iter().map(|v| distance_squared(v.position, b));
+            distances.fold(0.0, f64::max)
+        };
+        self.of_distance(from(a, b).max(from(b, a))) + self.of_planes(a, b)
+    }
+}
+
+/// Room for rounding in bounds.
+const SLACK: f64 = 1.0 - 1e-9;
+
+/// A pair as the heap sorts it: cost bits (costs are not negative, so they sort
+/// as numbers do), lower and higher leaf index. The last is whose entry it is.
+type Entry = (u64, u32, u32, u32);
+
+type Site = GeomWithData<[f64; 3], u32>;
+
+fn site(index: u32, leaf: &ActiveLeaf) -> Site {
+    Site::new(leaf.middle().to_array(), index)
+}
+
+/// The leaves that are left, and for each its cheapest partner when it last
+/// looked. Partners only go, and a new leaf looks for itself: so no entry is
+/// dearer than what its leaf would find now, or else a newer leaf's entry is
+/// for that pair.
+struct Pairs {
+    cost: Cost,
+    leaves: Vec<Option<ActiveLeaf>>,
+    index: RTree<Site>,
+    heap: BinaryHeap<Reverse<Entry>>,
+}
+
+impl Pairs {
+    fn new(foliage: &Foliage, cost: Cost) -> Self {
+        let count = foliage.leaves().len();
+        let leaves: Vec<Option<ActiveLeaf>> = (0..count)
+            .into_par_iter()
+            .map(|k| Some(ActiveLeaf::original(foliage, LeafId::from_index(k))))
+            .collect();
+        let sites = (0..)
+            .zip(leaves.iter().flatten())
+            .map(|(k, leaf)| site(k, leaf));
+        let mut pairs = Self {
+            index: RTree::bulk_load(sites.collect()),
+            cost,
+            leaves,
+            heap: BinaryHeap::new(),
+        };
+        let entries: Vec<Reverse<Entry>> = (0..count as u32)
+            .into_par_iter()
+            .filter_map(|k| pairs.best_of(k).map(Reverse))
+            .collect();
+        pairs.heap = BinaryHeap::from(entries);
+        pairs
+    }
+
+    fn leaf(&self, index: u32) -> Option<&ActiveLeaf> {
+        self.leaves[index as usize].as_ref()
+    }
+
+    /// The cheapest pair of all, taken off the heap.
+    fn cheapest(&mut self) -> Option<(u32, u32)> {
+        while let Some(Reverse((_, a, b, owner))) = self.heap.pop() {
+            let is_left = |k| self.leaf(k).is_some();
+            match (is_left(owner), is_left(a) && is_left(b)) {
+                (_, true) => return Some((a, b)),
+                (true, false) => self.heap.extend(self.best_of(owner).map(Reverse)),
+                (false, _) => {}
+            }
+        }
+        None
+    }
+
+    /// Neighbours by distance of their boxes' middles, until none further away
+    /// can be cheaper: the middles are at most the square root of 3 times the
+    /// Hausdorff distance apart, since along each axis they are at most once.
+    fn best_of(&self, owner: u32) -> Option<Entry> {
+        let leaf = self.leaf(owner)?;
+        let mut best: Option<Entry> = None;
+        let neighbours = self
+            .index
+            .nearest_neighbor_iter_with_distance_2(leaf.middle().to_array());
+        for (site, squared) in neighbours {
+            let least = SLACK * self.cost.of_distance(squared / 3.0);
+            if best.is_some_and(|best| least.to_bits() > best.0) {
+                break;
+            }
+            let other = site.data;
+            let Some(partner) = self.leaf(other).filter(|_| other != owner) else {
+                continue;
+            };
+            if best.is_some_and(|best| self.cost.at_least(leaf, partner).to_bits() > best.0) {
+                continue;
+            }
+            let cost = self.cost.of(leaf, partner).to_bits();
+            let entry = (cost, owner.min(other), owner.max(other), owner);
+            best = Some(best.map_or(entry, |best| best.min(entry)));
+        }
+        best
+    }
+
+    fn collapse(&mut self, a: u32, b: u32) -> secateur_model::NewLeaf {
+        let [first, second] = [a, b].map(|k| {
+            let leaf = self.leaves[k as usize].take().expect("a leaf that is left");
+            self.index.remove(&site(k, &leaf));
+            leaf
+        });
+        let new = ActiveLeaf::collapse(&first, &second);
+        let made = new.new_leaf();
+        let index = self.leaves.len() as u32;
+        self.index.insert(site(index, &new));
+        self.leaves.push(Some(new));
+        self.heap.extend(self.best_of(index).map(Reverse));
+        made
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,209 @@
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+use secateur_model::{LeafTriangle, Lod, Place};
+
+use super::*;
+
+const UVS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+/// A textured quadrilateral, its corners in turn.
+fn quad(corners: [DVec3; 4]) -> [LeafTriangle; 2] {
+    [[0, 1, 2], [0, 2, 3]].map(|t| LeafTriangle {
+        corners: t.map(|k: usize| corners[k]),
+        uvs: t.map(|k| DVec2::from(UVS[k])),
+    })
+}
+
+fn unit_square(at: DVec3) -> [LeafTriangle; 2] {
+    quad([DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y].map(|p| at + p))
+}
+
+fn foliage(leaves: &[[LeafTriangle; 2]]) -> Foliage {
+    let mut foliage = Foliage::default();
+    for leaf in leaves {
+        foliage.push_leaf(leaf, None).unwrap();
+    }
+    foliage
+}
+
+fn run(foliage: &Foliage, leaves: usize, options: &FsaOptions) -> RemovalOrder {
+    simplify(foliage, leaves, options, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+/// Every pair looked at for every step.
+fn by_all_pairs(foliage: &Foliage, leaves: usize, options: &FsaOptions) -> RemovalOrder {
+    let cost = Cost::new(foliage, options);
+    let count = foliage.leaves().len();
+    let mut active: Vec<Option<ActiveLeaf>> = (0..count)
+        .map(|k| Some(ActiveLeaf::original(foliage, LeafId::from_index(k))))
+        .collect();
+    let mut order = RemovalOrder::new(count as u32);
+    while count - order.len() > leaves.max(1) {
+        let left: Vec<usize> = (0..active.len()).filter(|k| active[*k].is_some()).collect();
+        let mut best = (f64::INFINITY, 0, 0);
+        for (i, &a) in left.iter().enumerate() {
+            for &b in &left[i + 1..] {
+                let c = cost.of(active[a].as_ref().unwrap(), active[b].as_ref().unwrap());
+                if c < best.0 {
+                    best = (c, a, b);
+                }
+            }
+        }
+        let [a, b] = [best.1, best.2].map(|k| active[k].take().unwrap());
+        let new = ActiveLeaf::collapse(&a, &b);
+        order.push_step(Step {
+            removed: &[best.1, best.2].map(LeafId::from_index),
+            grown: &[],
+            made: &[new.new_leaf()],
+            survivors_area_scale: 1.0,
+        });
+        active.push(Some(new));
+    }
+    order
+}
+
+/// Squares at x = 0 to 1 and 3 to 4, and a third far away. The first two have
+/// the Hausdorff distance 3 (the corners at x = 0 from those at x = 3) and one
+/// plane. What they leave behind is the rectangle from x = 0 to 4: the corners
+/// at x = 0 and at x = 4 are furthest from the other leaf. It shows the whole
+/// texture once.
+#[test]
+fn two_squares_become_the_rectangle_around_them() {
+    let far = DVec3::new(0.0, 50.0, 0.0);
+    let foliage = foliage(&[
+        unit_square(DVec3::ZERO),
+        unit_square(far),
+        unit_square(3.0 * DVec3::X),
+    ]);
+    let order = run(&foliage, 2, &FsaOptions::default());
+    let step = order.steps().next().unwrap();
+    assert_eq!(
+        step.removed.iter().map(|l| l.get()).collect::<Vec<_>>(),
+        [1, 3]
+    );
+    let made = step.made[0].triangles_in(&foliage);
+    let mut corners: Vec<([f64; 3], [f64; 2])> = made
+        .iter()
+        .flat_map(|t| t.corners.iter().zip(t.uvs))
+        .map(|(p, uv)| (p.to_array(), uv.to_array()))
+        .collect();
+    corners.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    corners.dedup();
+    let places: Vec<[f64; 3]> = corners.iter().map(|c| c.0).collect();
+    assert_eq!(
+        places,
+        [
+            [0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [4.0, 0.0, 0.0],
+            [4.0, 1.0, 0.0]
+        ]
+    );
+    // The edge at x = 0 keeps its coordinates, that at x = 4 has the others.
+    let uvs: Vec<[f64; 2]> = corners.iter().map(|c| c.1).collect();
+    assert_eq!(uvs, [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]);
+    assert_eq!(Lod::after(&order, 1).leaf_count(), 2);
+}
+
+/// A square over another, a little to the right: the left edge of the one and
+/// the right edge of the other, no sliver between corners that nearly coincide.
+#[test]
+fn leaves_that_nearly_coincide_become_a_leaf_of_their_size() {
+    let step = DVec3::new(0.01, 0.0, 0.001);
+    let foliage = foliage(&[unit_square(DVec3::ZERO), unit_square(step)]);
+    let order = run(&foliage, 1, &FsaOptions::default());
+    let left = Lod::after(&order, 1).foliage(&foliage);
+    let area = left.leaves()[0].area();
+    assert!((area - 1.01).abs() < 1e-3, "{area}");
+}
+
+/// Two squares in one plane, 2 apart, against two that are 1 apart at right
+/// angles: 2 against 1 + w, so the weight decides.
+#[test]
+fn planarity_counts_as_much_as_its_weight() {
+    let upright =
+        |at: DVec3| quad([DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Z, DVec3::Z].map(|p| at + p));
+    let leaves = [
+        unit_square(DVec3::ZERO),
+        unit_square(2.0 * DVec3::Y),
+        unit_square(100.0 * DVec3::X),
+        upright(100.0 * DVec3::X),
+    ];
+    let foliage = foliage(&leaves);
+    let first = |planarity_weight| {
+        let options = FsaOptions {
+            planarity_weight,
+            ..FsaOptions::default()
+        };
+        run(&foliage, 3, &options).removed()[0].get()
+    };
+    // The corner at y = 1, z = 0 is 1 from z = 0 and y = 0; so is H.
+    assert_eq!(first(0.5), 3);
+    assert_eq!(first(1.5), 1);
+}
+
+#[test]
+fn the_last_leaf_goes_too() {
+    let foliage = foliage(&[unit_square(DVec3::ZERO), unit_square(DVec3::Y)]);
+    let order = run(&foliage, 0, &FsaOptions::default());
+    assert_eq!(order.len(), 2);
+    assert_eq!(Lod::after(&order, 2).leaf_count(), 0);
+    assert!(run(&Foliage::default(), 0, &FsaOptions::default()).is_empty());
+}
+
+#[test]
+fn a_run_can_be_broken_off() {
+    let foliage = foliage(&[unit_square(DVec3::ZERO), unit_square(DVec3::Y)]);
+    let stop = &mut |_| ControlFlow::Break(());
+    assert_eq!(simplify(&foliage, 1, &FsaOptions::default(), stop), None);
+}
+
+/// Corners on a small grid, so that there are ties, points and doubled leaves.
+fn any_foliage() -> impl Strategy<Value = Foliage> {
+    let corner = prop::array::uniform3(0..4i32);
+    let place = prop::array::uniform3(0..12i32);
+    let leaf = (prop::array::uniform4(corner), place).prop_map(|(corners, place)| {
+        let point = |p: [i32; 3]| DVec3::from(p.map(f64::from));
+        quad(corners.map(|c| point(place) + 0.5 * point(c)))
+    });
+    prop::collection::vec(leaf, 1..40).prop_map(|leaves| foliage(&leaves))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn it_is_the_greedy_choice_among_all_pairs(
+        foliage in any_foliage(),
+        planarity_weight in prop::sample::select(vec![0.0, 1.0, 5.0]),
+    ) {
+        let options = FsaOptions { planarity_weight, ..FsaOptions::default() };
+        prop_assert_eq!(run(&foliage, 1, &options), by_all_pairs(&foliage, 1, &options));
+    }
+
+    #[test]
+    fn bounds_are_bounds(foliage in any_foliage()) {
+        let cost = Cost::new(&foliage, &FsaOptions::default());
+        let leaves: Vec<ActiveLeaf> = (0..foliage.leaves().len())
+            .map(|k| ActiveLeaf::original(&foliage, LeafId::from_index(k)))
+            .collect();
+        for (a, b) in leaves.iter().flat_map(|a| leaves.iter().map(move |b| (a, b))) {
+            prop_assert!(cost.at_least(a, b) <= cost.of(a, b));
+            prop_assert_eq!(cost.of(a, b), cost.of(b, a));
+            let middles = a.middle().distance_squared(b.middle()) / 3.0;
+            prop_assert!(SLACK * cost.of_distance(middles) <= cost.of(a, b));
+        }
+    }
+
+    /// No vertex is new, and every corner names one.
+    #[test]
+    fn corners_are_corners_of_the_foliage(foliage in any_foliage()) {
+        let order = run(&foliage, 1, &FsaOptions::default());
+        for made in order.steps().flat_map(|step| step.made) {
+            let references = made.triangles.iter().flatten();
+            prop_assert!(references.clone().all(|c| matches!(c.place, Place::Of(_))));
+            prop_assert_eq!(made.triangles_in(&foliage).len(), 2);
+        }
+        prop_assert_eq!(Lod::after(&order, order.len()).leaf_count(), 1);
+    }
+}

@@ -1,0 +1,173 @@
+//! What most people use today: a mesh simplifier on the mesh of all leaves.
+//!
+//! meshoptimizer (Arseny Kapoulkine, MIT) collapses edges by quadric error; its
+//! crate `meshopt` is called as it is. It knows triangles, not leaves: a level
+//! is asked for as a share of the triangles, and how many leaves are left is
+//! what comes of it. Afterwards the border of what is left may be moved
+//! outwards to give back lost area ([`dilate`]).
+//!
+//! The order has one step: the foliage, and the level in its place.
+
+mod dilate;
+
+use ::meshopt::{SimplifyOptions, VertexDataAdapter};
+use rustc_hash::FxHashMap;
+use secateur_model::{
+    CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, RemovalOrder, Step,
+};
+
+/// Which of meshoptimizer's simplifiers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// `simplify` with its option to drop small parts of the mesh.
+    #[default]
+    Prune,
+    /// `simplify` alone: only collapses edges, so that a leaf goes when its last
+    /// triangle loses an edge.
+    Plain,
+    /// `simplify_sloppy`: joins vertices that share a cell of a grid.
+    Sloppy,
+}
+
+/// What can be chosen about the mesh simplifier.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MeshoptOptions {
+    /// Which simplifier.
+    pub mode: Mode,
+    /// Whether the border grows by the area that was lost.
+    pub preserve_area: bool,
+}
+
+/// Reduces the foliage's triangles to the share `leaves` has of its leaves, or
+/// as near to it as the simplifier comes; without an error limit.
+///
+/// Positions pass through f32, relative to the middle of the foliage and in
+/// units of its radius; vertices stay where they were unless the border grows.
+/// A triangle that joins vertices of several leaves has the look of the leaf of
+/// its first corner.
+///
+/// # Panics
+/// If the foliage's positions leave the range of f64.
+pub fn simplify(foliage: &Foliage, leaves: usize, options: MeshoptOptions) -> RemovalOrder {
+    let count = foliage.leaves().len();
+    let mut order = RemovalOrder::new(count as u32);
+    if leaves >= count {
+        return order;
+    }
+    let mesh = Mesh::of(foliage);
+    let kept = mesh.simplified(leaves as f64 / count as f64, options.mode);
+    let (mut removed, mut made) = mesh.leaves_of(foliage, &kept);
+    if options.preserve_area {
+        dilate::dilate(foliage, &mut removed, &mut made);
+    }
+    order.push_step(Step {
+        removed: &removed,
+        grown: &[],
+        made: &made,
+        survivors_area_scale: 1.0,
+    });
+    order
+}
+
+/// The leaves as one indexed mesh. Corners of one leaf at one place with the
+/// same texture coordinates are one vertex; no two leaves share any.
+struct Mesh {
+    positions: Vec<[f32; 3]>,
+    corners: Vec<CornerRef>,
+    indices: Vec<u32>,
+}
+
+impl Mesh {
+    fn of(foliage: &Foliage) -> Self {
+        let sphere = foliage.bounding_sphere();
+        let (centre, radius) = sphere.map_or((glam::DVec3::ZERO, 1.0), |s| (s.centre, s.radius));
+        let unit = if radius > 0.0 { radius } else { 1.0 };
+        let mut mesh = Self {
+            positions: Vec::new(),
+            corners: Vec::new(),
+            indices: Vec::with_capacity(3 * foliage.triangles().len()),
+        };
+        let mut known: FxHashMap<[u64; 5], u32> = FxHashMap::default();
+        for leaf in (0..foliage.leaves().len()).map(LeafId::from_index) {
+            known.clear();
+            let corners = foliage.triangles_of(leaf).iter().flat_map(corners_of);
+            for ((position, uv), corner) in corners.zip(0..) {
+                let [x, y, z] = position.to_array();
+                let key = [x, y, z, uv.x, uv.y].map(|v| (v + 0.0).to_bits());
+                let vertex = *known.entry(key).or_insert_with(|| {
+                    let relative = ((position - centre) / unit).as_vec3();
+                    mesh.positions.push(relative.to_array());
+                    mesh.corners.push(CornerRef { leaf, corner });
+                    mesh.positions.len() as u32 - 1
+                });
+                mesh.indices.push(vertex);
+            }
+        }
+        mesh
+    }
+
+    /// Triangles as vertex numbers, those of the share that is asked for.
+    fn simplified(&self, share: f64, mode: Mode) -> Vec<[u32; 3]> {
+        let triangles = self.indices.len() / 3;
+        let target = 3 * (share * triangles as f64).round() as usize;
+        // meshoptimizer takes a mesh of at least a triangle.
+        if target == 0 {
+            return Vec::new();
+        }
+        let bytes = ::meshopt::typed_to_bytes(&self.positions);
+        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
+            .expect("positions are whole vectors");
+        let no_limit = f32::MAX;
+        let run = |options| {
+            ::meshopt::simplify(&self.indices, &vertices, target, no_limit, options, None)
+        };
+        let indices = match mode {
+            Mode::Plain => run(SimplifyOptions::None),
+            Mode::Prune => run(SimplifyOptions::Prune),
+            Mode::Sloppy => {
+                ::meshopt::simplify_sloppy(&self.indices, &vertices, target, no_limit, None)
+            }
+        };
+        indices.as_chunks().0.to_vec()
+    }
+
+    /// The leaves that changed and what is left of them, a new leaf for each
+    /// that has something left.
+    fn leaves_of(&self, foliage: &Foliage, kept: &[[u32; 3]]) -> (Vec<LeafId>, Vec<NewLeaf>) {
+        let mut of_leaf: Vec<Vec<[NewCorner; 3]>> = vec![Vec::new(); foliage.leaves().len()];
+        for triangle in kept {
+            let corners = triangle.map(|vertex| self.corners[vertex as usize]);
+            let donor = corners[0].leaf;
+            let new = |corner: CornerRef| NewCorner {
+                place: Place::Of(corner),
+                // Another leaf's corner has the look of the one of its number,
+                // which is the same corner where leaves are copies of a card.
+                like: corner.corner % (3 * foliage.triangles_of(donor).len() as u32),
+            };
+            of_leaf[donor.index()].push(corners.map(new));
+        }
+        let mut changed = (Vec::new(), Vec::new());
+        for (index, triangles) in of_leaf.into_iter().enumerate() {
+            let leaf = LeafId::from_index(index);
+            let is_own = |c: &NewCorner| matches!(c.place, Place::Of(at) if at.leaf == leaf);
+            if triangles.len() == foliage.triangles_of(leaf).len()
+                && triangles.iter().flatten().all(is_own)
+            {
+                continue;
+            }
+            changed.0.push(leaf);
+            if !triangles.is_empty() {
+                let donor = leaf;
+                changed.1.push(NewLeaf { donor, triangles });
+            }
+        }
+        changed
+    }
+}
+
+fn corners_of(triangle: &LeafTriangle) -> [(glam::DVec3, glam::DVec2); 3] {
+    [0, 1, 2].map(|k| (triangle.corners[k], triangle.uvs[k]))
+}
+
+#[cfg(test)]
+mod tests;

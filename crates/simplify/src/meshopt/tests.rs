@@ -1,0 +1,98 @@
+use glam::{DVec2, DVec3};
+use secateur_model::{LeafTriangle, Lod};
+
+use super::*;
+
+/// Textured squares of side 1, two apart.
+fn squares(count: usize) -> Foliage {
+    let mut foliage = Foliage::default();
+    for k in 0..count {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let place = DVec3::X * 3.0 * k as f64;
+        let triangles = [[0, 1, 2], [0, 2, 3]].map(|t| LeafTriangle {
+            corners: t.map(|k: usize| place + DVec3::new(corners[k].0, corners[k].1, 0.0)),
+            uvs: t.map(|k| DVec2::from(corners[k])),
+        });
+        foliage.push_leaf(&triangles, None).unwrap();
+    }
+    foliage
+}
+
+fn level(foliage: &Foliage, leaves: usize, options: MeshoptOptions) -> Foliage {
+    let order = simplify(foliage, leaves, options);
+    Lod::after(&order, order.len()).foliage(foliage)
+}
+
+fn with(mode: Mode) -> MeshoptOptions {
+    let preserve_area = false;
+    MeshoptOptions {
+        mode,
+        preserve_area,
+    }
+}
+
+fn area(foliage: &Foliage) -> f64 {
+    foliage.leaves().iter().map(|leaf| leaf.area()).sum()
+}
+
+/// Sixteen squares have 32 triangles, a quarter of them is 8.
+#[test]
+fn pruning_reaches_the_share_of_triangles() {
+    let foliage = squares(16);
+    let pruned = level(&foliage, 4, with(Mode::Prune));
+    assert!(
+        pruned.triangles().len() <= 8,
+        "{}",
+        pruned.triangles().len()
+    );
+    assert!(!pruned.leaves().is_empty());
+}
+
+/// What is left of a square is a triangle, or the square.
+#[test]
+fn no_mode_leaves_more_than_the_share() {
+    let foliage = squares(16);
+    for mode in [Mode::Plain, Mode::Prune, Mode::Sloppy] {
+        let left = level(&foliage, 8, with(mode));
+        assert!(left.triangles().len() <= 16, "{mode:?}");
+        assert!((1..=16).contains(&left.leaves().len()), "{mode:?}");
+    }
+}
+
+#[test]
+fn no_vertex_moves_without_dilation() {
+    let foliage = squares(12);
+    let known: Vec<DVec3> = foliage.triangles().iter().flat_map(|t| t.corners).collect();
+    for mode in [Mode::Plain, Mode::Prune, Mode::Sloppy] {
+        let left = level(&foliage, 5, with(mode));
+        let mut corners = left.triangles().iter().flat_map(|t| t.corners);
+        assert!(corners.all(|c| known.contains(&c)), "{mode:?}");
+    }
+}
+
+#[test]
+fn preserving_area_brings_lost_area_back() {
+    let foliage = squares(16);
+    let options = MeshoptOptions {
+        preserve_area: true,
+        ..with(Mode::Prune)
+    };
+    let (plain, wide) = (
+        level(&foliage, 4, with(Mode::Prune)),
+        level(&foliage, 4, options),
+    );
+    assert!(area(&wide) > 2.0 * area(&plain));
+    assert!(area(&wide) < 1.5 * area(&foliage), "{}", area(&wide));
+}
+
+#[test]
+fn nothing_and_everything_are_levels() {
+    let foliage = squares(3);
+    assert!(simplify(&foliage, 3, with(Mode::Prune)).is_empty());
+    assert!(level(&foliage, 0, with(Mode::Prune)).leaves().is_empty());
+    let mut point = Foliage::default();
+    point
+        .push_leaf(&[LeafTriangle::plain([DVec3::ONE; 3])], None)
+        .unwrap();
+    assert!(level(&point, 0, with(Mode::Sloppy)).leaves().is_empty());
+}

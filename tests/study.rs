@@ -1,0 +1,106 @@
+//! Studies: rows that are kept, taken up and drawn again.
+
+use serde_json::Value;
+
+use crate::program::{Bench, Ran};
+
+const CASES: [&str; 4] = [
+    "--case",
+    "vds --views 6 --resolution 64",
+    "--case",
+    "fsa --views 6 --resolution 64",
+];
+
+fn study(bench: &Bench, cases: &[&str]) -> Ran {
+    let files = ["study", "oak.glb", "-o", "s", "--levels", "0.25"];
+    bench.run(&[&files[..], cases].concat())
+}
+
+fn rows(bench: &Bench) -> Vec<Value> {
+    let text = String::from_utf8(bench.read("s/rows.jsonl")).unwrap();
+    let row = |line: &str| serde_json::from_str(line).unwrap();
+    text.lines().map(row).collect()
+}
+
+#[test]
+fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
+    let bench = Bench::new();
+    let ran = study(&bench, &CASES).succeeded();
+    assert!(ran.stdout.contains("2 rows"), "{}", ran.stdout);
+    assert_eq!(ran.stderr, "", "no progress bar in a pipe");
+    let first = rows(&bench);
+    assert_eq!(first.len(), 2);
+    for row in &first {
+        assert_eq!(row["leaves_final"], 60);
+        assert!(row["values"]["ssim"].as_f64().unwrap() > 0.5);
+        assert_eq!(row["per_view"].as_array().unwrap().len(), 12);
+        assert!(!row["commit"].as_str().unwrap().is_empty());
+        let picture = bench.read(&format!("s/{}", row["picture"].as_str().unwrap()));
+        assert!(picture.starts_with(&[0xFF, 0xD8]), "a JPEG");
+    }
+    // Killed within the second row.
+    let text = bench.read("s/rows.jsonl");
+    let first_end = text.iter().position(|b| *b == b'\n').unwrap();
+    bench.put("s/rows.jsonl", &text[..first_end + 40]);
+    study(&bench, &CASES).succeeded();
+    let again = rows(&bench);
+    assert_eq!(again[0], first[0], "a finished row is kept, its time too");
+    assert_eq!(again[1]["values"], first[1]["values"]);
+
+    let drawn = [
+        "s/report.html",
+        "s/rows.csv",
+        "s/charts/silhouette_iou-25.svg",
+    ];
+    let before = drawn.map(|name| bench.read(name));
+    for name in drawn {
+        std::fs::remove_file(bench.path(name)).unwrap();
+    }
+    std::fs::remove_file(bench.path("oak.glb")).unwrap();
+    bench.run(&["study", "--redraw", "-o", "s"]).succeeded();
+    assert_eq!(drawn.map(|name| bench.read(name)), before);
+    let html = String::from_utf8(before[0].clone()).unwrap();
+    assert!(html.contains("data:image/jpeg;base64,") && html.contains("<svg"));
+}
+
+#[test]
+fn a_row_says_how_to_get_it_again() {
+    let bench = Bench::new();
+    let case = "meshopt --preserve-area --views 6 --resolution 64";
+    study(&bench, &["--case", case]).succeeded();
+    let row = &rows(&bench)[0];
+    let command = row["command"].as_str().unwrap();
+    let words: Vec<&str> = command.split(' ').skip(1).collect();
+    bench.run(&words).succeeded();
+    let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
+    let measured: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+    for key in ["ssim", "flip_mean", "coverage_ratio"] {
+        let [row, again] = [&row["values"][key], &measured[key]].map(|v| v.as_f64().unwrap());
+        assert!((row - again).abs() < 2e-3, "{key}: {row} {again}");
+    }
+}
+
+#[test]
+fn what_cannot_be_studied_is_one_sentence() {
+    let bench = Bench::new();
+    bench.put("no.glb", b"not a tree");
+    let run = |arguments: &[&str]| bench.run(&[&["study", "-o", "s"], arguments].concat());
+    run(&["no.glb"]).failed_saying(&["no.glb: is not glTF"]);
+    run(&["oak.glb", "--case", "nonsense"]).failed_saying(&["`nonsense", "no method"]);
+    run(&["--redraw"]).failed_saying(&["no rows"]);
+    run(&["oak.glb", "./oak.glb"]).failed_saying(&["both be called oak"]);
+    std::fs::create_dir_all(bench.path("s")).unwrap();
+    bench.put("s/rows.jsonl", b"{\"tree\":1}\n");
+    run(&["--redraw"]).failed_saying(&["rows.jsonl", "line 1"]);
+}
+
+#[test]
+fn lots_are_drawn_for_every_seed() {
+    let bench = Bench::new();
+    let few = ["--case", "stochastic --resolution 64", "--seeds", "2"];
+    study(&bench, &few).succeeded();
+    let seed = |row: &Value| row["seed"].as_u64().unwrap();
+    let found: Vec<Value> = rows(&bench);
+    assert_eq!(found.iter().map(seed).collect::<Vec<_>>(), [0, 1]);
+    assert_ne!(found[0]["values"], found[1]["values"]);
+}
