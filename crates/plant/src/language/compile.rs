@@ -9,10 +9,9 @@ use super::code::{Code, Op, Program};
 use super::commands::COMMANDS;
 use super::expression::{Expressions, Names};
 use super::rules::{Production, SymbolInfo, Template};
+use super::size::check_size;
 use super::{Grammar, Place, Rule, Rules, RulesError, Settings, settings};
 
-/// The most parentheses within one another.
-const MAX_NESTING: usize = 24;
 /// The most symbols with their numbers of parameters.
 const MAX_SYMBOLS: usize = 10_000;
 /// The frame of an expression starts with these two.
@@ -44,36 +43,6 @@ impl Rules {
         compiler.declare(file.clone().into_inner())?;
         compiler.compile(file.into_inner())
     }
-}
-
-/// Refuses what would nest too deeply for the parser's own stack.
-fn check_size(text: &str) -> Result<(), RulesError> {
-    let start = Place { line: 1, column: 1 };
-    if text.len() > Rules::MAX_BYTES {
-        let message = format!("the file has more than {} bytes", Rules::MAX_BYTES);
-        return Err(RulesError::at(start, message));
-    }
-    let mut depth = 0usize;
-    for (line, number) in text.lines().zip(1..) {
-        let code = line.split('#').next().unwrap_or_default();
-        for (c, column) in code.chars().zip(1..) {
-            match c {
-                '(' => depth += 1,
-                ')' => depth = depth.saturating_sub(1),
-                ';' => depth = 0,
-                _ => {}
-            }
-            if depth > MAX_NESTING {
-                let place = Place {
-                    line: number,
-                    column,
-                };
-                let message = format!("more than {MAX_NESTING} parentheses within one another");
-                return Err(RulesError::at(place, message));
-            }
-        }
-    }
-    Ok(())
 }
 
 #[derive(Default)]

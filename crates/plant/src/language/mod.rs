@@ -97,6 +97,7 @@ mod error;
 mod expression;
 mod rules;
 mod settings;
+mod size;
 
 pub(crate) use code::Code;
 pub(crate) use commands::{Command, POP, PUSH, command_of};
