@@ -9,6 +9,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// A CSV file of figures under `benches/results/<date>-<machine>/`.
 pub(crate) struct Rows {
     file: fs::File,
+    folder: PathBuf,
     commit: String,
     machine: String,
 }
@@ -42,9 +43,16 @@ impl Rows {
         .expect("the rows can be written");
         Self {
             file,
+            folder,
             commit: commit(),
             machine,
         }
+    }
+
+    /// Where the rows go.
+    #[allow(dead_code, reason = "not every bench writes more than rows")]
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     pub(crate) fn add(&mut self, row: &Row<'_>) {

@@ -5,6 +5,7 @@ mod baselines;
 mod demo;
 mod engines;
 mod formats;
+mod grow;
 mod help;
 mod main_job;
 mod measure;

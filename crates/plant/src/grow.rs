@@ -1,29 +1,31 @@
-//! From a species to a plant with wood and leaves.
+//! From rules to a plant with wood and leaves.
 
 use std::sync::Arc;
 
 use secateur_model::{AlphaMode, Material, Plant};
 
-use crate::leaf_card::{CardStyle, leaf_surface};
-use crate::leaf_texture::oak_leaf_texture;
-use crate::oak::{self, OakDetail};
+use crate::bark_texture::bark_texture;
+use crate::language::Shrinks;
+use crate::leaf_surface::leaf_surface;
+use crate::leaf_texture::leaf_texture;
 use crate::wood::wood_surface;
-use crate::{DeriveError, LeafPose, Random, Skeleton, Species, TurtleError, draw};
+use crate::{LeafPose, Random, Rules, RulesError, Segment, Skeleton, Species, Word, draw};
 
 /// The most leaves a plant can be asked for.
-const MAX_LEAVES: u32 = 1_000_000;
-/// Leaves of the crown after which density is judged, and their length.
-const REFERENCE_LEAVES: f64 = 3000.0;
-const REFERENCE_LEAF_LENGTH_M: f64 = 0.32;
-/// A tree of few leaves is still a whole tree.
-const COARSEST: f64 = 0.7;
+pub const MAX_LEAVES: u32 = 1_000_000;
+/// The most vertices of wood and leaves together.
+const MAX_VERTICES: u64 = 40_000_000;
+/// A plant of few leaves is still a whole plant.
+const LEAST_DETAIL: f64 = 0.4;
 /// A crown of few leaves is a sparse one, not one of giant leaves.
-const LONGEST_LEAF_M: f64 = 0.36;
+const MOST_LEAF_SCALE: f64 = 3.0;
+/// Tries to find the detail that bears enough leaves.
+const TRIES: u32 = 12;
 
 /// What to grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrowOptions {
-    /// How many leaves the plant has, exactly: 1 to 1,000,000.
+    /// How many leaves the plant has, exactly: 1 to [`MAX_LEAVES`].
     pub leaves: u32,
     /// Which sibling: equal seeds grow equal plants.
     pub seed: u64,
@@ -42,61 +44,61 @@ impl Default for GrowOptions {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GrowError {
     /// A number of leaves outside 1 to the limit.
-    #[error("cannot grow {species} with {leaves} leaves: ask for 1 to {max}")]
+    #[error("cannot grow {name} with {leaves} leaves: ask for 1 to {MAX_LEAVES}")]
     LeafCount {
-        /// The species.
-        species: Species,
+        /// The plant.
+        name: String,
         /// How many were asked for.
         leaves: u32,
-        /// The most that can be asked for.
-        max: u32,
     },
-    /// The rules made too much or something that is no number.
-    #[error("the rules of {species} do not grow: {source}")]
-    Derive {
-        /// The species.
-        species: Species,
-        /// What went wrong.
-        source: DeriveError,
+    /// The rules do not bear as many leaves.
+    #[error(
+        "{name} bears {most} leaves, not {leaves}: use `detail` in its rules so that more can be \
+         asked for"
+    )]
+    TooFewLeaves {
+        /// The plant.
+        name: String,
+        /// How many were asked for.
+        leaves: u32,
+        /// How many there are at most.
+        most: usize,
     },
-    /// The rules made a string that cannot be drawn.
-    #[error("the rules of {species} cannot be drawn: {source}")]
-    Draw {
-        /// The species.
-        species: Species,
-        /// What went wrong.
-        source: TurtleError,
+    /// More vertices than a file should hold.
+    #[error(
+        "{name} has more than {MAX_VERTICES} vertices: ask for fewer leaves, segments or sides"
+    )]
+    TooLarge {
+        /// The plant.
+        name: String,
+    },
+    /// The rules cannot be derived or drawn.
+    #[error("{name}: {source}")]
+    Rules {
+        /// The plant.
+        name: String,
+        /// What went wrong, and where.
+        source: RulesError,
     },
 }
 
-/// Grows a plant of this species, upright (y) on the origin, in metres: an oak
-/// is about 8 m high.
+/// Grows a plant of this species, upright (y) on the origin, in metres.
 ///
-/// The rules are divided finely enough to bear the leaves that are asked for;
-/// of those they bear, an even share is kept. From 2,400 leaves on, a leaf's area
-/// goes with 1 / `leaves`, so crowns stay equally dense. The same options give
+/// The rules are divided finely enough to bear the leaves that are asked for
+/// (`detail`); of those they bear, an even share is kept. A leaf's area goes with
+/// 1 / `leaves`, so crowns stay as dense as with [`Species::default_leaves`], but
+/// leaves are at most three times as long as with those. The same options give
 /// the same bits on every platform.
 ///
 /// Worst case: time and memory in proportion to the number of leaves, plus one
-/// tree of about 3,000.
+/// small plant.
 ///
 /// # Errors
-/// [`GrowError::LeafCount`] for 0 or more than 1,000,000 leaves. The other
+/// [`GrowError::LeafCount`] for 0 or more than [`MAX_LEAVES`] leaves. The other
 /// errors would be a mistake in the species' rules.
 pub fn grow(species: Species, options: &GrowOptions) -> Result<Plant, GrowError> {
-    let skeleton = grow_skeleton(species, options)?;
-    let mut tints = Random::new(!options.seed);
-    let style = CardStyle {
-        width: 0.74,
-        outward: 0.45,
-    };
-    let leaves = leaf_surface(&skeleton.leaves, style, leaf_material(), &mut tints);
-    Ok(Plant {
-        name: species.name().into(),
-        wood: wood_surface(&skeleton, bark_material()),
-        leaves,
-        triangles_per_leaf: vec![2; skeleton.leaves.len()],
-    })
+    let wanted = Some(options.leaves);
+    grow_rules(species.rules(), species.name(), wanted, options.seed)
 }
 
 /// The branches and leaves of the plant that [`grow`] gives a surface, leaves in
@@ -105,69 +107,175 @@ pub fn grow(species: Species, options: &GrowOptions) -> Result<Plant, GrowError>
 /// # Errors
 /// As [`grow`].
 pub fn grow_skeleton(species: Species, options: &GrowOptions) -> Result<Skeleton, GrowError> {
-    if !(1..=MAX_LEAVES).contains(&options.leaves) {
+    let wanted = Some(options.leaves);
+    rules_skeleton(species.rules(), species.name(), wanted, options.seed)
+}
+
+/// Grows a plant from rules, as [`grow`] does; `name` is for its parts and for
+/// errors. Without a number of leaves it has those that the file sets, or else
+/// all that its rules bear.
+///
+/// # Errors
+/// [`GrowError`]: a number of leaves that cannot be had, or what the rules do
+/// wrong, with its place in the file.
+pub fn grow_rules(
+    rules: &Rules,
+    name: &str,
+    leaves: Option<u32>,
+    seed: u64,
+) -> Result<Plant, GrowError> {
+    let skeleton = rules_skeleton(rules, name, leaves, seed)?;
+    check_size(&skeleton, name)?;
+    Ok(surfaces(&skeleton, rules, name, seed))
+}
+
+/// The branches and leaves of the plant that [`grow_rules`] gives a surface.
+///
+/// # Errors
+/// As [`grow_rules`].
+pub fn rules_skeleton(
+    rules: &Rules,
+    name: &str,
+    leaves: Option<u32>,
+    seed: u64,
+) -> Result<Skeleton, GrowError> {
+    let usual = rules.settings().leaves;
+    let Some(wanted) = leaves.or(usual) else {
+        return drawn(rules, name, &derived(rules, name, 1.0, seed)?);
+    };
+    if !(1..=MAX_LEAVES).contains(&wanted) {
         return Err(GrowError::LeafCount {
-            species,
-            leaves: options.leaves,
-            max: MAX_LEAVES,
+            name: name.into(),
+            leaves: wanted,
         });
     }
-    let share = f64::from(options.leaves) / oak::LEAVES_AT_FINENESS_1;
-    let mut fineness = libm::pow(share, 1.0 / oak::LEAVES_EXPONENT).max(COARSEST);
-    loop {
-        let mut skeleton = oak_skeleton(fineness, options)?;
-        if skeleton.leaves.len() >= options.leaves as usize {
-            keep_evenly(&mut skeleton.leaves, options);
-            return Ok(skeleton);
+    let word = bearing(rules, name, wanted, seed)?;
+    let mut skeleton = drawn(rules, name, &word)?;
+    keep_evenly(&mut skeleton.leaves, wanted, seed);
+    if let Some(usual) = usual {
+        let scale = libm::sqrt(f64::from(usual) / f64::from(wanted)).min(MOST_LEAF_SCALE);
+        let [width, length] = match rules.settings().leaf_shrinks {
+            Shrinks::Both => [scale; 2],
+            Shrinks::Width => [scale * scale, 1.0],
+        };
+        for leaf in &mut skeleton.leaves {
+            leaf.width_m *= width;
+            leaf.length_m *= length;
         }
-        let wanted = f64::from(options.leaves) / skeleton.leaves.len().max(1) as f64;
-        fineness *= 1.01 * libm::pow(wanted, 1.0 / oak::LEAVES_EXPONENT);
+    }
+    Ok(skeleton)
+}
+
+/// Refuses what would not fit a file, before any of it is made.
+fn check_size(skeleton: &Skeleton, name: &str) -> Result<(), GrowError> {
+    let of_segment = |segment: &Segment| 2 * (u64::from(segment.sides) + 1);
+    let of_leaf = |leaf: &LeafPose| u64::from(leaf.kind.triangles()) + 8;
+    let wood: u64 = skeleton.segments.iter().map(of_segment).sum();
+    let leaves: u64 = skeleton.leaves.iter().map(of_leaf).sum();
+    if wood + leaves > MAX_VERTICES {
+        return Err(GrowError::TooLarge { name: name.into() });
+    }
+    Ok(())
+}
+
+/// The surface of a skeleton that these rules drew.
+pub(crate) fn surfaces(skeleton: &Skeleton, rules: &Rules, name: &str, seed: u64) -> Plant {
+    let settings = rules.settings();
+    let mut tints = Random::new(!seed);
+    let leaf_texture = leaf_texture(settings);
+    let bark_texture = bark_texture(settings);
+    let leaf_material = Arc::new(Material {
+        name: format!("{name} leaf"),
+        base_color: color_beside(leaf_texture.is_some(), settings.leaf_colour),
+        alpha_mode: match leaf_texture {
+            Some(_) => AlphaMode::Mask(0.5),
+            None => AlphaMode::Opaque,
+        },
+        texture: leaf_texture.map(Arc::new),
+        double_sided: true,
+    });
+    let bark_material = Arc::new(Material {
+        name: format!("{name} bark"),
+        base_color: color_beside(bark_texture.is_some(), settings.bark_colour),
+        texture: bark_texture.map(Arc::new),
+        alpha_mode: AlphaMode::Opaque,
+        double_sided: false,
+    });
+    let triangles = skeleton.leaves.iter().map(|leaf| leaf.kind.triangles());
+    Plant {
+        name: name.into(),
+        wood: wood_surface(skeleton, bark_material),
+        leaves: leaf_surface(&skeleton.leaves, settings, leaf_material, &mut tints),
+        triangles_per_leaf: triangles.collect(),
     }
 }
 
-fn oak_skeleton(fineness: f64, options: &GrowOptions) -> Result<Skeleton, GrowError> {
-    let species = Species::Oak;
-    let density_length_m =
-        REFERENCE_LEAF_LENGTH_M * libm::sqrt(REFERENCE_LEAVES / f64::from(options.leaves));
-    let rules = oak::oak(OakDetail {
-        fineness,
-        leaf_length_m: density_length_m.min(LONGEST_LEAF_M),
-    });
-    let modules = rules
-        .derive(oak::ITERATIONS, &mut Random::new(options.seed))
-        .map_err(|source| GrowError::Derive { species, source })?;
-    draw(&modules).map_err(|source| GrowError::Draw { species, source })
+/// The base colour of a material: white beside a texture, else this sRGB colour
+/// made linear.
+fn color_beside(has_texture: bool, srgb: [f64; 3]) -> [f32; 4] {
+    if has_texture {
+        return [1.0; 4];
+    }
+    let linear = |c: f64| match c {
+        c if c <= 0.04045 => c / 12.92,
+        c => libm::pow((c + 0.055) / 1.055, 2.4),
+    };
+    let [r, g, b] = srgb.map(|c| linear(c) as f32);
+    [r, g, b, 1.0]
 }
 
-/// Keeps `options.leaves` of the poses, evenly spaced in their order, which runs
-/// along the branches; the seed says where the first is.
-fn keep_evenly(poses: &mut Vec<LeafPose>, options: &GrowOptions) {
-    let (grown, kept) = (poses.len() as u64, u64::from(options.leaves));
-    let offset = Random::new(options.seed).bits() % grown;
+/// A word with at least this many leaves, and not many more.
+fn bearing(rules: &Rules, name: &str, wanted: u32, seed: u64) -> Result<Word, GrowError> {
+    let target = f64::from(wanted);
+    let usual = rules.settings().leaves.map_or(target, f64::from);
+    let mut detail = libm::sqrt(target / usual).max(LEAST_DETAIL);
+    let mut most = 0;
+    for _ in 0..TRIES {
+        let word = derived(rules, name, detail, seed)?;
+        let leaves = word.leaf_count(rules);
+        most = most.max(leaves);
+        let share = target / leaves.max(1) as f64;
+        let is_coarsest = detail <= LEAST_DETAIL || !rules.uses_detail();
+        if share <= 1.0 && (share > 0.55 || is_coarsest) {
+            return Ok(word);
+        }
+        if !rules.uses_detail() {
+            break;
+        }
+        // Leaves go about with the square of the detail: on branches and along them.
+        detail = (1.04 * detail * libm::sqrt(share)).max(LEAST_DETAIL);
+    }
+    Err(GrowError::TooFewLeaves {
+        name: name.into(),
+        leaves: wanted,
+        most,
+    })
+}
+
+fn derived(rules: &Rules, name: &str, detail: f64, seed: u64) -> Result<Word, GrowError> {
+    let word = rules.derive(detail, &mut Random::new(seed));
+    word.map_err(|source| GrowError::Rules {
+        name: name.into(),
+        source,
+    })
+}
+
+fn drawn(rules: &Rules, name: &str, word: &Word) -> Result<Skeleton, GrowError> {
+    draw(rules, word).map_err(|source| GrowError::Rules {
+        name: name.into(),
+        source,
+    })
+}
+
+/// Keeps so many of the poses, evenly spaced in their order, which runs along the
+/// branches; the seed says where the first is.
+fn keep_evenly(poses: &mut Vec<LeafPose>, kept: u32, seed: u64) {
+    let (grown, kept) = (poses.len() as u64, u64::from(kept));
+    let offset = Random::new(seed).bits() % grown;
     // Strictly increasing, as grown / kept is at least 1, and below grown.
     *poses = (0..kept)
         .map(|leaf| poses[((leaf * grown + offset) / kept) as usize])
         .collect();
-}
-
-fn bark_material() -> Arc<Material> {
-    Arc::new(Material {
-        name: "oak bark".into(),
-        base_color: [0.16, 0.11, 0.075, 1.0],
-        texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        double_sided: false,
-    })
-}
-
-fn leaf_material() -> Arc<Material> {
-    Arc::new(Material {
-        name: "oak leaf".into(),
-        base_color: [1.0; 4],
-        texture: Some(Arc::new(oak_leaf_texture())),
-        alpha_mode: AlphaMode::Mask(0.5),
-        double_sided: true,
-    })
 }
 
 #[cfg(test)]
@@ -257,7 +365,7 @@ mod tests {
         assert_eq!(plant, oak(3000, 7));
         assert_eq!(
             sha256(&plant),
-            "99197fa8cdb971a9ed2d22e4efa24e293e7f67d88af3e8965a568573ef720aa8"
+            "5436ca9d1633c6afaa15f7d48ab1e254ddbcfed3f81eecba459bfe2612f7876b"
         );
         assert_ne!(plant.leaves.positions, oak(3000, 8).leaves.positions);
     }

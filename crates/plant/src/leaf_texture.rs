@@ -1,94 +1,99 @@
-//! A lobed oak leaf, drawn texel by texel.
+//! Leaves drawn texel by texel: an outline to be cut out, and veins.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use secateur_model::{Texture, Wrap};
+
+use crate::language::{Outline, Settings};
+use crate::outline::{Blade, Drawing, drawing};
 
 /// Width and height of the drawing, in texels.
 const SIZE: u32 = 128;
 /// Samples along each side of a texel for the soft edge of the outline.
 const SAMPLES: u32 = 4;
-/// Where the blade starts, as a share of the height; the stalk is below.
-const BLADE_START: f64 = 0.1;
-/// Lobes on each side.
-const LOBES: f64 = 4.0;
 
-/// An oak leaf, its stalk at the bottom middle: sRGB and alpha, cut out at 0.5.
-/// Colour goes on outside the outline, so that filtering brings in no dark edge.
-pub(crate) fn oak_leaf_texture() -> Texture {
+/// A leaf, its stalk at the bottom middle: sRGB and alpha, cut out at 0.5; none
+/// for [`Outline::Plain`]. Colour goes on outside the outline, so that filtering
+/// brings in no dark edge.
+pub(crate) fn leaf_texture(settings: &Settings) -> Option<Texture> {
+    if settings.leaf_outline == Outline::Plain {
+        return None;
+    }
+    let leaf = drawing(settings.leaf_outline, settings.leaf_width);
     let mut rgba = Vec::with_capacity(4 * (SIZE * SIZE) as usize);
     for y in 0..SIZE {
         for x in 0..SIZE {
-            let (across, up) = leaf_coordinates(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            rgba.extend(color(across, up).map(to_byte));
-            rgba.push(to_byte(coverage(x, y)));
+            let at = coordinates(&leaf, f64::from(x) + 0.5, f64::from(y) + 0.5);
+            rgba.extend(color(&leaf, settings.leaf_colour, at).map(to_byte));
+            rgba.push(to_byte(coverage(&leaf, x, y)));
         }
     }
-    Texture {
+    Some(Texture {
         width: SIZE,
         height: SIZE,
         rgba,
         wrap: [Wrap::ClampToEdge; 2],
-    }
+    })
 }
 
-fn to_byte(value: f64) -> u8 {
+pub(crate) fn to_byte(value: f64) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// Texels to leaf coordinates: -1 to 1 from edge to edge, 0 to 1 from base to tip.
-fn leaf_coordinates(x: f64, y: f64) -> (f64, f64) {
+/// Texels to leaf coordinates in units of the leaf's length: x from the middle,
+/// y from base to tip.
+fn coordinates(leaf: &Drawing, x: f64, y: f64) -> [f64; 2] {
     let size = f64::from(SIZE);
-    (2.0 * x / size - 1.0, 1.0 - y / size)
+    [(x / size - 0.5) * leaf.width, 1.0 - y / size]
 }
 
-fn coverage(x: u32, y: u32) -> f64 {
+fn coverage(leaf: &Drawing, x: u32, y: u32) -> f64 {
     let at =
         |texel: u32, sample: u32| f64::from(texel) + (f64::from(sample) + 0.5) / f64::from(SAMPLES);
     let samples = (0..SAMPLES).flat_map(|i| (0..SAMPLES).map(move |j| (i, j)));
-    let inside = samples.filter(|&(i, j)| {
-        let (across, up) = leaf_coordinates(at(x, i), at(y, j));
-        across.abs() < half_width(across.abs(), up)
-    });
+    let inside = samples.filter(|&(i, j)| leaf.contains(coordinates(leaf, at(x, i), at(y, j))));
     inside.count() as f64 / f64::from(SAMPLES * SAMPLES)
 }
 
-/// Half the leaf's width at a height. Lobes point towards the tip, so heights
-/// are read lower the farther from the midrib.
-fn half_width(across: f64, up: f64) -> f64 {
-    let stalk = if up < BLADE_START + 0.1 { 0.035 } else { 0.0 };
-    let blade = (up - BLADE_START) / (0.985 - BLADE_START);
-    let along = blade - 0.16 * across * (1.0 - blade);
-    if !(0.0..1.0).contains(&along) || blade >= 1.0 {
-        return stalk;
-    }
-    // Widest above the middle, as English oak is.
-    let envelope = libm::pow(libm::sin(PI * libm::pow(along, 1.3)), 0.62);
-    let wave = 0.5 + 0.5 * libm::cos(TAU * (LOBES * along - 0.62));
-    let lobed = 1.0 - 0.42 * libm::pow(1.0 - wave, 1.2) * (1.0 - 0.75 * along * along * along);
-    (0.97 * envelope * lobed).max(stalk)
-}
-
-/// sRGB green: lighter veins, a shade darker towards midrib and base.
-fn color(across: f64, up: f64) -> [f64; 3] {
-    let blade = (up - BLADE_START) / (0.985 - BLADE_START);
-    let distance = across.abs();
-    let side_vein_phase = LOBES * (blade - 0.42 * distance) - 0.42;
-    let from_side_vein = (side_vein_phase - libm::round(side_vein_phase)).abs() / LOBES;
+/// sRGB: lighter veins, a shade darker towards midrib and base.
+fn color(leaf: &Drawing, ground: [f64; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     let line = |distance: f64, width: f64| libm::exp(-(distance * distance) / (width * width));
-    let midrib = line(distance, 0.035);
-    let side_vein = 0.6 * line(from_side_vein, 0.014) * (1.0 - 0.6 * distance);
-    let vein = midrib.max(side_vein);
-    let mottle = 0.03 * libm::sin(23.0 * across + 9.0 * up) * libm::sin(17.0 * up - 5.0 * across);
-    let light = 0.82 + 0.14 * distance + 0.1 * up + mottle;
-    let green = [0.33, 0.50, 0.16];
-    let vein_green = [0.60, 0.70, 0.36];
-    std::array::from_fn(|i| (green[i] * light) * (1.0 - vein) + vein_green[i] * vein)
+    let vein = |blade: &Blade| {
+        let [along, aside] = blade.coordinates([x, y]);
+        if !(-0.02..=1.0).contains(&along) || aside.abs() > blade.half_width {
+            return 0.0;
+        }
+        let share = aside.abs() / blade.half_width;
+        let midrib = line(aside, 0.012 + 0.012 * blade.length * (1.0 - along));
+        let phase =
+            blade.side_veins * (along - 0.42 * share * blade.half_width / blade.length) - 0.42;
+        let from_side_vein = (phase - libm::round(phase)).abs() / blade.side_veins.max(1.0);
+        let side = if blade.side_veins > 0.0 {
+            0.5 * line(from_side_vein, 0.014) * (1.0 - 0.6 * share)
+        } else {
+            0.0
+        };
+        midrib.max(side)
+    };
+    let vein = leaf.blades.iter().map(vein).fold(0.0, f64::max);
+    let mottle = 0.03 * libm::sin(11.0 * PI * x + 9.0 * y) * libm::sin(17.0 * y - 5.0 * x);
+    let light = 0.84 + 0.2 * x.abs() / leaf.width + 0.1 * y + mottle;
+    let pale = ground.map(|c| c + 0.32 * (1.0 - c));
+    std::array::from_fn(|i| ground[i] * light * (1.0 - 0.8 * vein) + pale[i] * 0.8 * vein)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn texture(leaf_outline: Outline, leaf_width: f64) -> Texture {
+        let settings = Settings {
+            leaf_outline,
+            leaf_width,
+            ..Settings::default()
+        };
+        leaf_texture(&settings).unwrap()
+    }
 
     fn texel(texture: &Texture, x: u32, y: u32) -> [u8; 4] {
         let start = 4 * (y * texture.width + x) as usize;
@@ -96,26 +101,36 @@ mod tests {
     }
 
     #[test]
-    fn the_leaf_is_inside_and_its_corners_are_cut_out() {
-        let leaf = oak_leaf_texture();
-        assert_eq!(leaf.rgba.len(), 128 * 128 * 4);
-        assert_eq!(texel(&leaf, 64, 64)[3], 255, "the middle is leaf");
-        assert_eq!(texel(&leaf, 64, 126)[3], 255, "the stalk reaches the base");
-        for (x, y) in [(0, 0), (127, 0), (0, 127), (127, 127)] {
-            assert_eq!(texel(&leaf, x, y)[3], 0);
+    fn leaves_are_inside_and_their_corners_are_cut_out() {
+        for (outline, width, least, most) in [
+            (Outline::Lobed, 0.74, 0.4, 0.75),
+            (Outline::Ovate, 0.75, 0.35, 0.75),
+            (Outline::Round, 0.9, 0.45, 0.85),
+            (Outline::Palmate, 1.1, 0.25, 0.7),
+            (Outline::Lanceolate, 0.18, 0.4, 0.8),
+            (Outline::Pinnate, 0.9, 0.2, 0.65),
+            (Outline::PinnateFine, 0.55, 0.25, 0.75),
+            (Outline::Fan, 1.2, 0.25, 0.75),
+            (Outline::Elliptic, 0.5, 0.4, 0.85),
+        ] {
+            let leaf = texture(outline, width);
+            assert_eq!(leaf.rgba.len(), 128 * 128 * 4);
+            assert_eq!(texel(&leaf, 64, 126)[3], 255, "{outline:?}: the stalk");
+            for (x, y) in [(0, 0), (127, 0), (0, 127), (127, 127)] {
+                assert_eq!(texel(&leaf, x, y)[3], 0, "{outline:?} at {x}, {y}");
+            }
+            let set = leaf.rgba.chunks(4).filter(|t| t[3] >= 128).count();
+            let share = set as f64 / (128.0 * 128.0);
+            assert!(
+                (least..most).contains(&share),
+                "{outline:?} fills {share} of its card"
+            );
         }
-        let set = leaf.rgba.chunks(4).filter(|t| t[3] >= 128).count();
-        let share = set as f64 / (128.0 * 128.0);
-        assert!(
-            (0.4..0.8).contains(&share),
-            "a leaf fills {share} of its card"
-        );
     }
 
     #[test]
     fn colour_goes_on_outside_the_outline() {
-        let leaf = oak_leaf_texture();
-        for t in leaf.rgba.chunks(4) {
+        for t in texture(Outline::Lobed, 0.74).rgba.chunks(4) {
             assert!(
                 t[1] > 60 && t[1] > t[0] && t[0] > t[2],
                 "green everywhere: {t:?}"

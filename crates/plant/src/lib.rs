@@ -1,12 +1,14 @@
 //! Plants grown from parametric L-systems.
 //!
 //! ```text
-//! Species -> LSystem --derive--> [Module] --draw--> Skeleton -> Plant
+//! rule file -> Rules --derive--> Word --draw--> Skeleton -> Plant
 //! ```
 //!
-//! - [`grow()`]: a [`Species`] and a number of leaves to a plant, wood and leaves.
-//! - [`LSystem`], [`Production`], [`Module`]: rules and what they rewrite.
-//! - [`draw`]: the turtle, from modules to a [`Skeleton`].
+//! - [`grow()`]: a [`Species`] and a number of leaves to a plant, wood and leaves;
+//!   [`grow_rules`] does the same with one's own rules.
+//! - [`Rules`]: a rule file, read; [`language`] says what can be in it, and
+//!   [`Species::text`] gives examples.
+//! - [`draw`]: the turtle, from a derived [`Word`] to a [`Skeleton`].
 //! - [`ellipsoid_crown()`]: leaves without wood, for measuring.
 //! - [`Random`]: the generator behind every chance.
 //!
@@ -23,24 +25,30 @@
 //! Trees are the same bit for bit wherever they grow: chance comes from integers,
 //! and sines, roots and powers from the `libm` crate.
 
+// What pest derives names it, where pest's own `std` feature is off.
+extern crate alloc;
+
+mod bark_texture;
+mod derive;
 mod ellipsoid_crown;
 mod grow;
-mod leaf_card;
+pub mod language;
+mod leaf_surface;
 mod leaf_texture;
-mod lsystem;
-mod module;
-mod oak;
+mod outline;
 mod random;
 mod skeleton;
 mod species;
 mod turtle;
 mod wood;
 
+pub use derive::Word;
 pub use ellipsoid_crown::{EllipsoidCrown, ellipsoid_crown};
-pub use grow::{GrowError, GrowOptions, grow, grow_skeleton};
-pub use lsystem::{DeriveError, LSystem, Predecessor, Production};
-pub use module::{Module, Symbol};
+pub use grow::{
+    GrowError, GrowOptions, MAX_LEAVES, grow, grow_rules, grow_skeleton, rules_skeleton,
+};
+pub use language::{Rules, RulesError};
 pub use random::Random;
-pub use skeleton::{LeafPose, Segment, SegmentIndex, Skeleton};
+pub use skeleton::{LeafKind, LeafPose, Segment, SegmentIndex, Skeleton};
 pub use species::{Species, UnknownSpecies};
-pub use turtle::{TurtleError, draw};
+pub use turtle::draw;

@@ -40,6 +40,35 @@ pub struct Segment {
     pub sides: u32,
 }
 
+/// What a leaf is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LeafKind {
+    /// A card of two triangles.
+    Quad,
+    /// Two cards across each other, eight triangles that share the line where
+    /// the cards meet: so they are one leaf.
+    Crossed,
+    /// A bent and folded strip of this many triangles, 2 to 18, an even number.
+    Blade {
+        /// How many triangles.
+        triangles: u8,
+    },
+    /// Two long triangles that share their ridge.
+    Needle,
+}
+
+impl LeafKind {
+    /// How many triangles a leaf has.
+    pub fn triangles(self) -> u32 {
+        match self {
+            Self::Quad | Self::Needle => 2,
+            Self::Crossed => 8,
+            Self::Blade { triangles } => u32::from(triangles),
+        }
+    }
+}
+
 /// A leaf's place and pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeafPose {
@@ -53,6 +82,10 @@ pub struct LeafPose {
     pub facing: DVec3,
     /// From base to tip, in metres.
     pub length_m: f64,
+    /// From side to side, in metres.
+    pub width_m: f64,
+    /// What it is made of.
+    pub kind: LeafKind,
 }
 
 /// The branches and leaves of a plant, before they have any surface.

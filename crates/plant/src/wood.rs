@@ -126,13 +126,11 @@ fn join(surface: &mut Surface, start: Ring, end: Ring, ends_in_point: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Module, Symbol, draw};
+    use crate::{Random, Rules, draw};
 
-    fn wood(modules: &[(char, &[f64])]) -> Surface {
-        let modules: Vec<Module> = modules
-            .iter()
-            .map(|(letter, parameters)| Module::new(Symbol::new(*letter), parameters))
-            .collect();
+    fn wood(word: &str) -> Surface {
+        let rules = Rules::parse(&format!("axiom: {word};")).unwrap();
+        let word = rules.derive(1.0, &mut Random::new(0)).unwrap();
         let material = Arc::new(Material {
             name: "bark".into(),
             base_color: [1.0; 4],
@@ -140,7 +138,7 @@ mod tests {
             alpha_mode: secateur_model::AlphaMode::Opaque,
             double_sided: false,
         });
-        wood_surface(&draw(&modules).unwrap(), material)
+        wood_surface(&draw(&rules, &word).unwrap(), material)
     }
 
     fn face_normal(surface: &Surface, triangle: [u32; 3]) -> DVec3 {
@@ -150,12 +148,7 @@ mod tests {
 
     #[test]
     fn a_stem_of_two_segments_shares_the_ring_between_them() {
-        let stem = wood(&[
-            ('#', &[4.0]),
-            ('!', &[0.1]),
-            ('F', &[1.0, 0.1]),
-            ('F', &[1.0, 0.0]),
-        ]);
+        let stem = wood("sides(4) !(0.1) F(1, 0.1) F(1, 0)");
         // Three rings of 4 + 1 vertices; 8 triangles around, 4 to the point.
         assert_eq!(stem.positions.len(), 15);
         assert_eq!(stem.triangles.len(), 12);
@@ -164,12 +157,7 @@ mod tests {
 
     #[test]
     fn faces_and_normals_look_outward() {
-        let stem = wood(&[
-            ('#', &[5.0]),
-            ('!', &[0.2]),
-            ('F', &[1.0, 0.1]),
-            ('F', &[1.0, 0.0]),
-        ]);
+        let stem = wood("sides(5) !(0.2) F(1, 0.1) F(1, 0)");
         for &triangle in &stem.triangles {
             let face = face_normal(&stem, triangle);
             assert!(face.length() > 1e-6);
@@ -183,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_segment_without_length_stays_finite() {
-        let stump = wood(&[('F', &[0.0, 0.1])]);
+        let stump = wood("F(0, 0.1)");
         assert!(stump.positions.iter().all(|p| p.is_finite()));
         assert!(stump.normals.iter().all(|n| n.is_finite()));
     }

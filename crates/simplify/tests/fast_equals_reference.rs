@@ -196,12 +196,12 @@ proptest! {
     }
 }
 
-/// Larger runs to the end, at more pixels a leaf.
+/// Larger crowns, at more pixels a leaf.
 #[test]
 fn three_hundred_leaves_agree() {
-    for (kind, seed) in [(Crown::Cutouts, 1), (Crown::Walls, 2)] {
+    for (kind, seed, leaves) in [(Crown::Cutouts, 1, 270), (Crown::Walls, 2, 220)] {
         let foliage = crown(kind, 300, seed);
-        let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 24, 270);
+        let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 24, leaves);
         options.views = plan(&foliage, 6);
         let (fast, slow) = both(&foliage, &options);
         assert_eq!(fast, slow, "{kind:?}");

@@ -3,6 +3,7 @@
 mod args;
 mod demo;
 mod failure;
+mod grow;
 mod inspect;
 mod interrupt;
 mod log;
@@ -54,6 +55,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
         Command::Study(args) => study::run(args, &cli.common)?,
+        Command::Grow(args) => grow::run(args, &cli.common)?,
     };
     if cli.common.quiet {
         return Ok(());

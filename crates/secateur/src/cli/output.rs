@@ -17,6 +17,15 @@ pub(crate) fn check_tree(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     check_file(path, inputs)
 }
 
+/// Refuses an output that could not be written as a single file at the end.
+pub(crate) fn check_glb(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    if !extension.eq_ignore_ascii_case("glb") {
+        return refuse(path, "its name must end in .glb");
+    }
+    check_file(path, inputs)
+}
+
 /// Refuses an output file that could not be written at the end.
 pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let folder = folder_of(path);

@@ -10,32 +10,35 @@ const CHUNK_HEADER_BYTES: usize = 8;
 /// The bytes of a GLB with this JSON and, unless it is empty, this buffer, or
 /// `None` if its length does not fit the format's 32 bits.
 pub(crate) fn glb_bytes(root: &Value, buffer: &[u8]) -> Option<Vec<u8>> {
-    let json = serde_json::to_vec(root).expect("a JSON value can be written");
-    let json_bytes = json.len().next_multiple_of(ALIGNMENT);
-    let buffer_bytes = buffer.len().next_multiple_of(ALIGNMENT);
-    let mut total = HEADER_BYTES + CHUNK_HEADER_BYTES + json_bytes;
-    if !buffer.is_empty() {
-        total += CHUNK_HEADER_BYTES + buffer_bytes;
-    }
-    let total_u32 = u32::try_from(total).ok()?;
-
-    let mut glb = Vec::with_capacity(total);
-    glb.extend_from_slice(b"glTF");
-    glb.extend_from_slice(&2u32.to_le_bytes());
-    glb.extend_from_slice(&total_u32.to_le_bytes());
-    push_chunk(&mut glb, *b"JSON", &json, b' ');
-    if !buffer.is_empty() {
-        push_chunk(&mut glb, *b"BIN\0", buffer, 0);
-    }
-    Some(glb)
+    glb_around(root, buffer.to_vec())
 }
 
-fn push_chunk(glb: &mut Vec<u8>, kind: [u8; 4], bytes: &[u8], padding: u8) {
-    let padded = bytes.len().next_multiple_of(ALIGNMENT);
-    glb.extend_from_slice(&(padded as u32).to_le_bytes());
+/// The same in the buffer's own memory, for one that is large.
+pub(crate) fn glb_around(root: &Value, mut buffer: Vec<u8>) -> Option<Vec<u8>> {
+    let mut json = serde_json::to_vec(root).expect("a JSON value can be written");
+    json.resize(json.len().next_multiple_of(ALIGNMENT), b' ');
+    let has_buffer = !buffer.is_empty();
+    buffer.resize(buffer.len().next_multiple_of(ALIGNMENT), 0);
+    let chunk_headers = if has_buffer { 2 } else { 1 } * CHUNK_HEADER_BYTES;
+    let total = HEADER_BYTES + chunk_headers + json.len() + buffer.len();
+    let total = u32::try_from(total).ok()?;
+
+    let mut head = Vec::with_capacity(HEADER_BYTES + chunk_headers + json.len());
+    head.extend_from_slice(b"glTF");
+    head.extend_from_slice(&2u32.to_le_bytes());
+    head.extend_from_slice(&total.to_le_bytes());
+    push_chunk_header(&mut head, *b"JSON", json.len());
+    head.extend_from_slice(&json);
+    if has_buffer {
+        push_chunk_header(&mut head, *b"BIN\0", buffer.len());
+    }
+    buffer.splice(0..0, head);
+    Some(buffer)
+}
+
+fn push_chunk_header(glb: &mut Vec<u8>, kind: [u8; 4], bytes: usize) {
+    glb.extend_from_slice(&(bytes as u32).to_le_bytes());
     glb.extend_from_slice(&kind);
-    glb.extend_from_slice(bytes);
-    glb.resize(glb.len() + padded - bytes.len(), padding);
 }
 
 #[cfg(test)]

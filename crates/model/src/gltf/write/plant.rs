@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Map, Value, json};
 
-use super::container::glb_bytes;
+use super::container::glb_around;
 use crate::{AlphaMode, Material, Plant, Surface, Texture, Wrap};
 
 const FLOAT: u32 = 5126;
@@ -32,6 +32,7 @@ const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 /// range of f32, or a file beyond 4 GiB.
 pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
     let mut file = PlantFile::default();
+    file.buffer.reserve_exact(expected_bytes(plant));
     let branches = file.push_node("Branches", &plant.wood);
     let leaves = file.push_node("Leaves", &plant.leaves);
     file.push(
@@ -39,7 +40,15 @@ pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
         json!({"name": "Tree", "children": [branches, leaves]}),
     );
     let root = file.finish(&plant.name, leaves + 1);
-    glb_bytes(&root, &file.buffer).expect("a plant fits into 4 GiB")
+    glb_around(&root, file.buffer).expect("a plant fits into 4 GiB")
+}
+
+/// At least as many bytes as the vertices and corners take, and some for the rest:
+/// memory that is reserved at once is never needed twice.
+fn expected_bytes(plant: &Plant) -> usize {
+    let of_surface =
+        |surface: &Surface| 48 * surface.positions.len() + 12 * surface.triangles.len();
+    of_surface(&plant.wood) + of_surface(&plant.leaves) + (1 << 17)
 }
 
 #[derive(Default)]
@@ -115,17 +124,14 @@ impl PlantFile {
     }
 
     fn push_positions(&mut self, surface: &Surface) -> usize {
-        let positions: Vec<Vec3> = surface.positions.iter().map(|p| p.as_vec3()).collect();
+        let positions = || surface.positions.iter().map(|p| p.as_vec3());
         assert!(
-            positions.iter().all(|p| p.is_finite()),
+            positions().all(|p| p.is_finite()),
             "a position does not fit f32"
         );
-        let min = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-        let max = positions
-            .iter()
-            .copied()
-            .fold(Vec3::NEG_INFINITY, Vec3::max);
-        let accessor = self.push_floats("VEC3", positions.iter().map(|p| p.to_array()));
+        let min = positions().fold(Vec3::INFINITY, Vec3::min);
+        let max = positions().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let accessor = self.push_floats("VEC3", positions().map(|p| p.to_array()));
         let fields = &mut self.lists["accessors"][accessor];
         fields["min"] = json!(min.to_array());
         fields["max"] = json!(max.to_array());
@@ -138,8 +144,11 @@ impl PlantFile {
         vectors: impl ExactSizeIterator<Item = [f32; N]>,
     ) -> usize {
         let count = vectors.len();
-        let bytes = vectors.flatten().flat_map(f32::to_le_bytes).collect();
-        let view = self.push_view(bytes, Some(ARRAY_BUFFER));
+        let view = self.push_view(Some(ARRAY_BUFFER), |buffer| {
+            for number in vectors.flatten() {
+                buffer.extend_from_slice(&number.to_le_bytes());
+            }
+        });
         self.push(
             "accessors",
             json!({"bufferView": view, "componentType": FLOAT, "count": count, "type": kind}),
@@ -152,8 +161,11 @@ impl PlantFile {
             corners().all(|&corner| (corner as usize) < surface.positions.len()),
             "a triangle names a position that is not there"
         );
-        let bytes = corners().flat_map(|corner| corner.to_le_bytes()).collect();
-        let view = self.push_view(bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let view = self.push_view(Some(ELEMENT_ARRAY_BUFFER), |buffer| {
+            for corner in corners() {
+                buffer.extend_from_slice(&corner.to_le_bytes());
+            }
+        });
         let count = 3 * surface.triangles.len();
         self.push(
             "accessors",
@@ -161,14 +173,15 @@ impl PlantFile {
         )
     }
 
-    fn push_view(&mut self, bytes: Vec<u8>, target: Option<u32>) -> usize {
+    fn push_view(&mut self, target: Option<u32>, append: impl FnOnce(&mut Vec<u8>)) -> usize {
         let offset = self.buffer.len().next_multiple_of(4);
         self.buffer.resize(offset, 0);
-        let mut view = json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()});
+        append(&mut self.buffer);
+        let length = self.buffer.len() - offset;
+        let mut view = json!({"buffer": 0, "byteOffset": offset, "byteLength": length});
         if let Some(target) = target {
             view["target"] = target.into();
         }
-        self.buffer.extend_from_slice(&bytes);
         self.push("bufferViews", view)
     }
 
@@ -207,7 +220,8 @@ impl PlantFile {
     }
 
     fn push_texture(&mut self, texture: &Texture) -> usize {
-        let view = self.push_view(png_bytes(texture), None);
+        let png = png_bytes(texture);
+        let view = self.push_view(None, |buffer| buffer.extend_from_slice(&png));
         let source = self.push(
             "images",
             json!({"bufferView": view, "mimeType": "image/png"}),

@@ -58,6 +58,27 @@ pub(super) struct BackgroundDrift {
     pub rise: f64,
 }
 
+/// How the deltas of a leaf changed in a step: the sum of the changes over the
+/// views without signs; infinite where the leaf itself changed, or what is
+/// behind it, and negative where nothing did.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub(super) struct Change(f32);
+
+impl Change {
+    const NONE: Self = Self(-1.0);
+    const OF_ITSELF: Self = Self(f32::INFINITY);
+
+    /// The bound, if only the areas of leaves behind it changed.
+    pub(super) fn of_others(self) -> Option<f32> {
+        self.0.is_finite().then_some(self.0)
+    }
+
+    /// With so much more, rounded up.
+    fn add(&mut self, units: u64) {
+        self.0 = (self.0.max(0.0) + units as f32) * (1.0 + 4.0 * f32::EPSILON);
+    }
+}
+
 struct TouchedLeaf {
     leaf: u32,
     total_before: u32,
@@ -98,7 +119,8 @@ pub(super) struct Counts<'t> {
     touched: Vec<u32>,
     touched_edges: Vec<TouchedEdge>,
     changed: Vec<u32>,
-    is_changed: Vec<bool>,
+    /// By leaf number, while it is among the changed.
+    change: Vec<Change>,
 }
 
 impl<'t> Counts<'t> {
@@ -132,7 +154,7 @@ impl<'t> Counts<'t> {
             touched: vec![NONE; leaf_count + 1],
             touched_edges: Vec::new(),
             changed: Vec::new(),
-            is_changed: vec![false; leaf_count + 1],
+            change: vec![Change::NONE; leaf_count + 1],
         };
         counts.fill(ends, pixels_per_view);
         counts
@@ -244,9 +266,12 @@ impl<'t> Counts<'t> {
     /// for others.
     #[inline]
     pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
-        let edge = self.background_edge[leaf as usize];
         let total = self.totals[leaf as usize];
-        if edge == NONE || self.edges[edge as usize].total != total || total > SILHOUETTE_MAX {
+        if total > SILHOUETTE_MAX {
+            return Silhouette::new();
+        }
+        let edge = self.background_edge[leaf as usize];
+        if edge == NONE || self.edges[edge as usize].total != total {
             return Silhouette::new();
         }
         let by_view = self.areas(leaf).iter().zip(0u32..);
@@ -367,7 +392,7 @@ impl<'t> Counts<'t> {
     /// Ends a step: brings deviations and deltas up to date with what was
     /// recorded, and calls `changed` with each leaf whose deltas changed or may
     /// have, once, and with a leaf that will soon follow.
-    pub(super) fn commit(&mut self, mut changed: impl FnMut(&Self, u32, Option<u32>)) {
+    pub(super) fn commit(&mut self, mut changed: impl FnMut(&Self, u32, Change, Option<u32>)) {
         self.note_background();
         for k in 0..self.touched_leaves.len() {
             let leaf = self.touched_leaves[k].leaf as usize;
@@ -392,15 +417,15 @@ impl<'t> Counts<'t> {
                 let row = ahead as usize * self.view_count;
                 prefetch_range(&self.deltas, row, self.view_count);
             }
-            self.is_changed[leaf as usize] = false;
-            changed(self, leaf, leaves.get(k + 2).copied());
+            let change = std::mem::replace(&mut self.change[leaf as usize], Change::NONE);
+            changed(self, leaf, change, leaves.get(k + 2).copied());
         }
         self.changed = leaves;
         self.changed.clear();
     }
 
     fn mark_changed(&mut self, leaf: u32) {
-        if !std::mem::replace(&mut self.is_changed[leaf as usize], true) {
+        if std::mem::replace(&mut self.change[leaf as usize], Change::OF_ITSELF) == Change::NONE {
             self.changed.push(leaf);
         }
     }
@@ -492,15 +517,12 @@ impl<'t> Counts<'t> {
             }
             let deltas =
                 &mut self.deltas[edge.from as usize * self.view_count..][..self.view_count];
-            replace_term(
-                self.table,
-                deltas,
-                (before, edge.total, &edge.reveals),
-                (after, edge.total, &edge.reveals),
-            );
-            if !std::mem::replace(&mut self.is_changed[edge.from as usize], true) {
+            let moved = move_term(self.table, deltas, before, after, edge.total, &edge.reveals);
+            let change = &mut self.change[edge.from as usize];
+            if *change == Change::NONE {
                 self.changed.push(edge.from);
             }
+            change.add(moved);
         }
     }
 
@@ -616,6 +638,37 @@ fn add_revealed(
         let a = target.areas[view as usize];
         deltas[view as usize] += table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
     }
+}
+
+/// Brings the term of an edge, which did not change itself, from what its target
+/// was to what it is; the sum over the views of the changes without signs, or
+/// more.
+#[inline]
+fn move_term(
+    table: &LgTable,
+    deltas: &mut [i64],
+    before: Target,
+    after: Target,
+    s: u32,
+    reveals: &Reveals,
+) -> u64 {
+    let lg_before = table.lg(before.total + s);
+    let lg_after = table.lg(after.total + s);
+    let (rise_before, rise_after) = (before.rise(lg_before), after.rise(lg_after));
+    let mut moved = 0;
+    for ((delta, &b), &a) in deltas.iter_mut().zip(before.areas).zip(after.areas) {
+        let change = (u64::from(b) * rise_before) as i64 - (u64::from(a) * rise_after) as i64;
+        *delta += change;
+        moved += change.unsigned_abs();
+    }
+    for &(view, r) in reveals {
+        let (b, a) = (before.areas[view as usize], after.areas[view as usize]);
+        let was = table.n_lg_n(b + r) - table.n_lg_n(b) - i64::from(r) * lg_before;
+        let is = table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
+        deltas[view as usize] += is - was;
+        moved += (is - was).unsigned_abs();
+    }
+    moved
 }
 
 /// Takes an edge's term away as it was and adds it as it is.

@@ -13,6 +13,8 @@ mod counts;
 mod neighbours;
 mod pixels;
 mod prefetch;
+#[cfg(test)]
+mod tests;
 
 use std::ops::ControlFlow;
 
@@ -279,9 +281,9 @@ impl<'a> Stage<'a> {
                 counts.record(view_of(pixel), pixel, before, after);
             });
         }
-        counts.commit(|counts, leaf, soon| {
+        counts.commit(|counts, leaf, change, soon| {
             candidates.prefetch(soon);
-            candidates.update(counts, leaf);
+            candidates.note(counts, leaf, change);
         });
     }
 

@@ -190,6 +190,11 @@ pub(super) struct Block {
     rounding_solid: f32,
     rounding_open: f32,
     rounding: f32,
+    /// By lane: leaves there are, and those whose deltas have changed since they
+    /// were looked at, by no more than `slack` each.
+    pub present: u16,
+    pub outdated: u16,
+    slack: f32,
     /// Which signs of the deviations `first` is for.
     pub signs: u32,
     /// The least of its solid leaves.
@@ -216,6 +221,9 @@ impl Block {
             rounding_solid: 0.0,
             rounding_open: 0.0,
             rounding: 0.0,
+            present: 0,
+            outdated: 0,
+            slack: 0.0,
             signs,
             first: NO_FIRST,
         }
@@ -224,11 +232,11 @@ impl Block {
     pub(super) fn gate(&self) -> Gate {
         let px = |px: u32| u16::try_from(px).unwrap_or(u16::MAX);
         let open = match u16::try_from(self.largest_px) {
-            Ok(_) => self.least_along_open - self.rounding_open,
+            Ok(_) => self.least_along_open - self.rounding_open - self.slack,
             Err(_) => f32::NEG_INFINITY,
         };
         Gate {
-            solid: self.least_along_solid - self.rounding_solid,
+            solid: self.least_along_solid - self.rounding_solid - self.slack,
             open,
             drift_revealed: self.drift_revealed,
             slot: self.slot,
@@ -269,6 +277,20 @@ impl Block {
         self.rounding = self.rounding_solid + rounding.of_background(px);
     }
 
+    /// A leaf's deltas changed by so much in all.
+    #[inline]
+    pub(super) fn outdate(&mut self, lane: usize, change: f32) {
+        self.outdated |= 1 << lane;
+        self.slack = (self.slack + change) * (1.0 + 4.0 * f32::EPSILON);
+    }
+
+    /// None of its leaves is outdated any more.
+    #[inline]
+    pub(super) fn is_up_to_date(&mut self) {
+        self.outdated = 0;
+        self.slack = 0.0;
+    }
+
     /// All its leaves were evaluated.
     #[inline]
     pub(super) fn renew(&mut self, epoch: usize, found: &Excesses, drift: BackgroundDrift) {
@@ -299,7 +321,7 @@ impl Block {
 
     #[inline]
     fn margin(&self, now: &Now<'_>) -> f32 {
-        self.rounding + self.largest_px as f32 * (now.drift - self.drift)
+        self.rounding + self.slack + self.largest_px as f32 * (now.drift - self.drift)
     }
 
     /// Not above the excess of any of its leaves: by what it was when they were
@@ -328,7 +350,7 @@ impl Block {
     #[inline]
     pub(super) fn top(&self) -> Top {
         Top {
-            largest_n: self.largest_n + self.rounding,
+            largest_n: self.largest_n + self.rounding + self.slack,
             largest_px: self.largest_px as f32,
         }
     }

@@ -186,9 +186,10 @@ impl Epochs {
                     true => e.unsigned_abs(),
                     false => 0,
                 };
-                if kept < d.unsigned_abs() {
-                    let kept = kept as f32;
-                    for (lost, within) in lost.iter_mut().zip(&within[first..end]) {
+                let kept = kept as f32;
+                let within = &within[first..end];
+                if within.last().is_some_and(|widest| kept < *widest) {
+                    for (lost, within) in lost.iter_mut().zip(within) {
                         let least = within - kept;
                         *lost += if least > 0.0 { 2.0 * least } else { 0.0 };
                     }

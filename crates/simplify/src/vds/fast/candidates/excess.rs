@@ -72,23 +72,26 @@ fn plainly(rows: &[Lanes], rises: &Lanes, views: &[ViewNow], absent: &Lanes) -> 
             h[k] += row.0[k] * view.sign;
         }
     }
-    let present = |sign: f32, of: &[f32; LANES]| {
-        Lanes(std::array::from_fn(|k| sign * of[k] + absent.0[k])).least()
-    };
-    let of_those = |open: bool, of: &[f32; LANES]| {
-        let without = |k: usize| match (rises.0[k] > 0.0) == open {
-            true => absent.0[k],
-            false => f32::INFINITY,
+    // Plain loops: closures would not be compiled for the wider instructions.
+    let mut found = [Lanes::ZERO; 5];
+    for k in 0..LANES {
+        let (open, solid) = match rises.0[k] > 0.0 {
+            true => (absent.0[k], f32::INFINITY),
+            false => (f32::INFINITY, absent.0[k]),
         };
-        Lanes(std::array::from_fn(|k| of[k] + without(k))).least()
-    };
+        found[0].0[k] = c[k] + absent.0[k];
+        found[1].0[k] = c[k] + open;
+        found[2].0[k] = absent.0[k] - c[k];
+        found[3].0[k] = h[k] + solid;
+        found[4].0[k] = h[k] + open;
+    }
     Excesses {
-        excess: Lanes(std::array::from_fn(|k| c[k] + absent.0[k])),
-        least: present(1.0, &c),
-        least_open: of_those(true, &c),
-        largest: -present(-1.0, &c),
-        least_along_solid: of_those(false, &h),
-        least_along_open: of_those(true, &h),
+        excess: found[0],
+        least: found[0].least(),
+        least_open: found[1].least(),
+        largest: -found[2].least(),
+        least_along_solid: found[3].least(),
+        least_along_open: found[4].least(),
     }
 }
 

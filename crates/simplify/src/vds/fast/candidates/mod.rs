@@ -35,7 +35,7 @@ mod twins;
 
 use std::collections::BTreeSet;
 
-use super::counts::{BackgroundDrift, Counts};
+use super::counts::{BackgroundDrift, Change, Counts};
 use super::prefetch::prefetch;
 use blocks::{Block, Figures, Gate, NO_FIRST, Now, Rounding, Top, drift_now, drift_then};
 use epochs::Epochs;
@@ -279,6 +279,7 @@ impl Candidates {
         }
         let residents = &mut self.residents[block];
         residents.leaves[lane] = 0;
+        self.blocks[block].present &= !(1 << lane);
         residents.background_px[lane] = 0;
         residents.absent.0[lane] = f32::INFINITY;
         residents.along[lane] = i64::MAX;
@@ -304,19 +305,54 @@ impl Candidates {
         let place = self.place_of[leaf as usize];
         if place != NOWHERE {
             let block = place as usize / LANES;
-            prefetch(&self.residents, block);
             prefetch(&self.blocks, block);
-            for view in 0..self.view_count {
-                prefetch(&self.deltas, block * self.view_count + view);
-            }
+            prefetch(&self.blocks, block + 1);
+            prefetch(&self.gates, block);
         }
     }
 
-    /// Takes note of a leaf's new deltas; leaves that are gone are ignored.
-    pub(super) fn update(&mut self, counts: &Counts<'_>, leaf: u32) {
-        if self.place_of[leaf as usize] == NOWHERE {
+    /// Takes note that a leaf's deltas changed; leaves that are gone are ignored.
+    ///
+    /// Most changes are those of areas of leaves behind it, and small: then its
+    /// block's bounds give way, and the deltas are read when they do not suffice.
+    pub(super) fn note(&mut self, counts: &Counts<'_>, leaf: u32, change: Change) {
+        let place = self.place_of[leaf as usize];
+        if place == NOWHERE {
             return;
         }
+        let (index, lane) = (place as usize / LANES, place as usize % LANES);
+        let block = &mut self.blocks[index];
+        match change.of_others() {
+            Some(change) if block.present >> lane & 1 == 1 => {
+                block.outdate(lane, change);
+                self.gates[index] = block.gate();
+                self.tops[index] = block.top();
+            }
+            _ => self.update(counts, leaf),
+        }
+    }
+
+    /// Reads the deltas of a block's outdated leaves.
+    fn bring_up_to_date(&mut self, counts: &Counts<'_>, index: usize) {
+        let mut outdated = std::mem::take(&mut self.blocks[index].outdated);
+        if outdated == 0 {
+            return;
+        }
+        self.blocks[index].is_up_to_date();
+        while outdated != 0 {
+            let lane = outdated.trailing_zeros() as usize;
+            outdated &= outdated - 1;
+            let leaf = self.residents[index].leaves[lane];
+            if leaf != 0 {
+                self.enter(counts, leaf);
+            }
+        }
+        self.gates[index] = self.blocks[index].gate();
+        self.tops[index] = self.blocks[index].top();
+    }
+
+    /// Takes note of a leaf's new deltas.
+    fn update(&mut self, counts: &Counts<'_>, leaf: u32) {
         let rank = self.rank_of[leaf as usize];
         let (comes_forth, hides) = self.twins.set(rank, leaf, counts.silhouette(leaf));
         if let Some(other) = hides {
@@ -380,6 +416,7 @@ impl Candidates {
         self.tops[index] = block.top();
         let residents = &mut self.residents[index];
         residents.leaves[lane] = leaf;
+        block.present |= 1 << lane;
         residents.background_px[lane] = background_px;
         residents.drift.0[lane] = drift_then(counts.background_drift().revealed);
         residents.absent.0[lane] = 0.0;
@@ -414,6 +451,7 @@ impl Candidates {
 
     /// Evaluates a block's leaves against the current epoch.
     fn evaluate(&mut self, counts: &Counts<'_>, index: usize) -> Excesses {
+        self.bring_up_to_date(counts, index);
         let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
         let residents = &self.residents[index];
         let block = &mut self.blocks[index];
@@ -467,23 +505,36 @@ impl Candidates {
     pub(super) fn cheapest(&mut self, counts: &Counts<'_>) -> Cheapest {
         // Cost, rank, leaf.
         let mut best = (i64::MAX, u32::MAX, 0u32);
-        if let Some(&(rank, leaf)) = self.without_effect.first() {
-            best = (self.deviation_sum, rank, leaf);
-        }
         let mut runner_up = best;
+        self.consider_without_effect(&mut best, &mut runner_up);
         // Mostly near the least.
         if self.place_of[self.runner_up as usize] != NOWHERE {
             self.consider(counts, self.runner_up, &mut best, &mut runner_up);
         }
         let mut limit = self.excess(best.0);
-        for index in 0..self.blocks.len() {
+        for index in 0..self.gates.len() {
             let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
             let gate = &self.gates[index];
-            let floor_of_open = gate.floor_of_open(&now);
-            if gate.floor_of_solid(&now).min(floor_of_open) > limit {
+            let mut floor_of_open = gate.floor_of_open(&now);
+            if floor_of_open > limit && gate.floor_of_solid(&now) > limit {
                 continue;
             }
-            let knows_first = self.knows_first(index);
+            if self.blocks[index].outdated != 0 {
+                if !self.could_know_first(index) && self.blocks[index].floor(&now) > limit {
+                    continue;
+                }
+                self.bring_up_to_date(counts, index);
+                self.consider_without_effect(&mut best, &mut runner_up);
+                limit = self.excess(best.0);
+                let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
+                let gate = &self.gates[index];
+                floor_of_open = gate.floor_of_open(&now);
+                if floor_of_open > limit && gate.floor_of_solid(&now) > limit {
+                    continue;
+                }
+            }
+            let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
+            let knows_first = self.could_know_first(index);
             if knows_first {
                 let (along, rank, leaf) = self.blocks[index].first;
                 if leaf != 0 {
@@ -513,10 +564,17 @@ impl Candidates {
     }
 
     /// Whether the excesses of a block's solid leaves are what their deltas sum
-    /// to with the signs of the deviations, and that is known exactly.
-    fn knows_first(&self, index: usize) -> bool {
+    /// to with the signs of the deviations, and that is known exactly, but for
+    /// outdated ones.
+    fn could_know_first(&self, index: usize) -> bool {
         let block = &self.blocks[index];
         block.signs == self.signs && block.widest * (1.0 + 1e-6) < self.least_deviation
+    }
+
+    fn consider_without_effect(&self, best: &mut (i64, u32, u32), runner_up: &mut (i64, u32, u32)) {
+        if let Some(&(rank, leaf)) = self.without_effect.first() {
+            rank_in((self.deviation_sum, rank, leaf), best, runner_up);
+        }
     }
 
     fn consider(
@@ -552,6 +610,22 @@ impl Candidates {
                 }
             }
         }
+    }
+
+    /// The least cost with its leaf, and the largest, by looking at every leaf.
+    #[cfg(test)]
+    pub(super) fn exhaustively(&mut self, counts: &Counts<'_>) -> (Cheapest, i64) {
+        let left =
+            (1..self.place_of.len() as u32).filter(|l| self.place_of[*l as usize] != NOWHERE);
+        let left: Vec<u32> = left.collect();
+        let costs = left.into_iter().map(|leaf| {
+            let cost = self.cost(counts, leaf);
+            (cost, self.rank_of[leaf as usize], leaf)
+        });
+        let costs: Vec<_> = costs.collect();
+        let (cost, _, leaf) = *costs.iter().min().expect("a leaf is left");
+        let largest = costs.iter().map(|c| c.0).max().expect("a leaf is left");
+        (Cheapest { leaf, cost }, largest)
     }
 
     /// How far the excesses of a block's leaves in f32 may be off.
@@ -590,7 +664,11 @@ impl Candidates {
             }
         }
         self.last_largest = best.1;
-        best.0
+        match self.without_effect.is_empty() {
+            // Some of them may have been found out only now.
+            false => best.0.max(self.deviation_sum),
+            true => best.0,
+        }
     }
 
     fn scan_for_largest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32)) {

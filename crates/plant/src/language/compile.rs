@@ -1,0 +1,444 @@
+//! From the parse tree to [`Rules`].
+
+use std::collections::HashMap;
+
+use pest::Parser;
+use pest::iterators::{Pair, Pairs};
+
+use super::code::{Code, Op, Program};
+use super::commands::COMMANDS;
+use super::expression::{Expressions, Names};
+use super::rules::{Production, SymbolInfo, Template};
+use super::{Grammar, Place, Rule, Rules, RulesError, Settings, settings};
+
+/// The most parentheses within one another.
+const MAX_NESTING: usize = 24;
+/// The most symbols with their numbers of parameters.
+const MAX_SYMBOLS: usize = 10_000;
+/// The frame of an expression starts with these two.
+pub(super) const DETAIL: u16 = 0;
+pub(super) const ITERATION: u16 = 1;
+
+pub(super) fn place_of(pair: &Pair<'_, Rule>) -> Place {
+    let (line, column) = pair.line_col();
+    Place {
+        line: line as u32,
+        column: column as u32,
+    }
+}
+
+impl Rules {
+    /// Reads a rule file.
+    ///
+    /// # Errors
+    /// [`RulesError`] with line and column: what was expected there, a symbol or
+    /// name that is not known, a wrong number of parameters, brackets that do not
+    /// match, no axiom; a file of more than 1 MiB or with more than 24
+    /// parentheses within one another.
+    pub fn parse(text: &str) -> Result<Self, RulesError> {
+        check_size(text)?;
+        let mut files = Grammar::parse(Rule::file, text)
+            .map_err(|error| RulesError::of_syntax(&error, text))?;
+        let file = files.next().expect("the grammar starts with a file");
+        let mut compiler = Compiler::default();
+        compiler.declare(file.clone().into_inner())?;
+        compiler.compile(file.into_inner())
+    }
+}
+
+/// Refuses what would nest too deeply for the parser's own stack.
+fn check_size(text: &str) -> Result<(), RulesError> {
+    let start = Place { line: 1, column: 1 };
+    if text.len() > Rules::MAX_BYTES {
+        let message = format!("the file has more than {} bytes", Rules::MAX_BYTES);
+        return Err(RulesError::at(start, message));
+    }
+    let mut depth = 0usize;
+    for (line, number) in text.lines().zip(1..) {
+        let code = line.split('#').next().unwrap_or_default();
+        for (c, column) in code.chars().zip(1..) {
+            match c {
+                '(' => depth += 1,
+                ')' => depth = depth.saturating_sub(1),
+                ';' => depth = 0,
+                _ => {}
+            }
+            if depth > MAX_NESTING {
+                let place = Place {
+                    line: number,
+                    column,
+                };
+                let message = format!("more than {MAX_NESTING} parentheses within one another");
+                return Err(RulesError::at(place, message));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[derive(Default)]
+struct Compiler {
+    symbols: Vec<SymbolInfo>,
+    numbers: HashMap<(String, usize), u16>,
+    templates: Vec<Template>,
+    productions: Vec<Production>,
+    program: Program,
+    constants: Vec<Code>,
+    /// Constants that have been defined, by their slot.
+    names: Names,
+    ignored: Vec<u16>,
+    axiom: Option<std::ops::Range<u32>>,
+    iterations: Option<(Code, Place)>,
+    max_modules: Option<usize>,
+    settings: Settings,
+}
+
+impl Compiler {
+    /// Numbers the turtle's symbols and those that stand before an arrow or in a
+    /// declaration, wherever in the file they do.
+    fn declare(&mut self, statements: Pairs<'_, Rule>) -> Result<(), RulesError> {
+        for (name, parameters, _) in COMMANDS {
+            self.number(name, parameters);
+        }
+        for statement in statements {
+            if matches!(statement.as_rule(), Rule::production | Rule::declaration) {
+                let heads = statement.into_inner();
+                for head in heads.filter(|p| p.as_rule() == Rule::head) {
+                    let place = place_of(&head);
+                    let (symbol, names) = head_parts(head);
+                    self.number(symbol.as_str(), names.len());
+                    if self.symbols.len() > MAX_SYMBOLS {
+                        let message = format!("more than {MAX_SYMBOLS} symbols");
+                        return Err(RulesError::at(place, message));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn number(&mut self, name: &str, parameters: usize) -> u16 {
+        let key = (name.to_owned(), parameters);
+        if let Some(&known) = self.numbers.get(&key) {
+            return known;
+        }
+        let number = self.symbols.len() as u16;
+        self.symbols.push(SymbolInfo {
+            name: key.0.clone(),
+            parameters,
+        });
+        self.numbers.insert(key, number);
+        number
+    }
+
+    fn known(&self, symbol: &Pair<'_, Rule>, parameters: usize) -> Result<u16, RulesError> {
+        let name = symbol.as_str();
+        if let Some(&number) = self.numbers.get(&(name.to_owned(), parameters)) {
+            return Ok(number);
+        }
+        let namesakes = self.symbols.iter().filter(|info| info.name == name);
+        let mut counts: Vec<usize> = namesakes.map(|info| info.parameters).collect();
+        counts.sort_unstable();
+        let message = match counts.as_slice() {
+            [] => format!(
+                "unknown symbol `{name}`: the turtle does not know it and no production is for it \
+                 (to let it stand, write `symbol {name};`)"
+            ),
+            [1] => format!("`{name}` takes 1 parameter, not {parameters}"),
+            [count] => format!("`{name}` takes {count} parameters, not {parameters}"),
+            [most @ .., last] => {
+                let most: Vec<String> = most.iter().map(usize::to_string).collect();
+                let most = most.join(", ");
+                format!("`{name}` takes {most} or {last} parameters, not {parameters}")
+            }
+        };
+        Err(RulesError::at(place_of(symbol), message))
+    }
+
+    fn compile(mut self, statements: Pairs<'_, Rule>) -> Result<Rules, RulesError> {
+        self.names = Names::of_file();
+        let mut end = Place { line: 1, column: 1 };
+        for statement in statements {
+            let place = place_of(&statement);
+            let rule = statement.as_rule();
+            let inner = statement.into_inner();
+            match rule {
+                Rule::constant => self.constant(inner)?,
+                Rule::ignored => self.ignore(inner)?,
+                Rule::iterations => self.set_iterations(inner, place)?,
+                Rule::modules => self.set_modules(inner)?,
+                Rule::setting => self.set(inner)?,
+                Rule::axiom => self.set_axiom(inner, place)?,
+                Rule::production => self.production(inner, place)?,
+                _ => end = place,
+            }
+        }
+        let Some(axiom) = self.axiom else {
+            return Err(RulesError::at(
+                end,
+                "the file has no axiom: write `axiom: ...;`",
+            ));
+        };
+        let mut productions_of = vec![Vec::new(); self.symbols.len()];
+        for (production, index) in self.productions.iter().zip(0..) {
+            productions_of[usize::from(production.symbol)].push(index);
+        }
+        let mut ignored = vec![false; self.symbols.len()];
+        for symbol in self.ignored {
+            ignored[usize::from(symbol)] = true;
+        }
+        let whole = Code {
+            start: 0,
+            end: self.program.ops.len() as u32,
+        };
+        let uses = |slot| {
+            let found = self.program.contains(whole, |op| op == Op::Slot(slot));
+            found.is_some()
+        };
+        Ok(Rules {
+            uses_detail: uses(DETAIL),
+            asks_iteration: uses(ITERATION),
+            symbols: self.symbols,
+            templates: self.templates,
+            axiom,
+            productions: self.productions,
+            productions_of,
+            ignored,
+            constants: self.constants,
+            iterations: self.iterations,
+            max_modules: self.max_modules.unwrap_or(Rules::MAX_MODULES),
+            program: self.program,
+            settings: self.settings,
+        })
+    }
+
+    fn expression(&mut self, pair: Pair<'_, Rule>) -> Result<Code, RulesError> {
+        Expressions {
+            program: &mut self.program,
+            names: &self.names,
+        }
+        .compile(pair)
+    }
+
+    fn constant(&mut self, inner: Pairs<'_, Rule>) -> Result<(), RulesError> {
+        let [name, value] = name_and_value(inner);
+        let code = self.expression(value)?;
+        self.names.define(&name)?;
+        self.constants.push(code);
+        Ok(())
+    }
+
+    fn ignore(&mut self, inner: Pairs<'_, Rule>) -> Result<(), RulesError> {
+        for symbol in inner.filter(|p| p.as_rule() == Rule::symbol) {
+            let named = self.symbols.iter().zip(0u16..);
+            let numbers: Vec<u16> = named
+                .filter(|(info, _)| info.name == symbol.as_str())
+                .map(|(_, number)| number)
+                .collect();
+            if numbers.is_empty() {
+                self.known(&symbol, 0)?;
+            }
+            self.ignored.extend(numbers);
+        }
+        Ok(())
+    }
+
+    fn set_iterations(&mut self, inner: Pairs<'_, Rule>, at: Place) -> Result<(), RulesError> {
+        once(self.iterations.is_some(), at, "iterations")?;
+        let value = only(inner, Rule::expression);
+        self.iterations = Some((self.expression(value)?, at));
+        Ok(())
+    }
+
+    fn set_modules(&mut self, inner: Pairs<'_, Rule>) -> Result<(), RulesError> {
+        let value = only(inner, Rule::number);
+        let place = place_of(&value);
+        once(self.max_modules.is_some(), place, "modules")?;
+        let number: f64 = value.as_str().parse().unwrap_or(f64::INFINITY);
+        let most = Rules::MAX_MODULES;
+        if !(1.0..=most as f64).contains(&number) {
+            return Err(RulesError::at(
+                place,
+                format!("write a number from 1 to {most}"),
+            ));
+        }
+        self.max_modules = Some(number as usize);
+        Ok(())
+    }
+
+    fn set(&mut self, inner: Pairs<'_, Rule>) -> Result<(), RulesError> {
+        let mut name = None;
+        let mut values = Vec::new();
+        for pair in inner {
+            match pair.as_rule() {
+                Rule::name => name = Some(pair),
+                Rule::value => values.push(pair),
+                _ => {}
+            }
+        }
+        let name = name.expect("a setting has a name");
+        settings::set(&mut self.settings, &name, &values)
+    }
+
+    fn set_axiom(&mut self, inner: Pairs<'_, Rule>, at: Place) -> Result<(), RulesError> {
+        once(self.axiom.is_some(), at, "axiom")?;
+        let word = only(inner, Rule::word);
+        self.axiom = Some(self.word(word)?);
+        Ok(())
+    }
+
+    fn word(&mut self, word: Pair<'_, Rule>) -> Result<std::ops::Range<u32>, RulesError> {
+        let start = self.templates.len() as u32;
+        let mut open: Vec<Place> = Vec::new();
+        for item in word.into_inner() {
+            let place = place_of(&item);
+            let template = match item.as_rule() {
+                Rule::push => {
+                    open.push(place);
+                    self.bracket("[", place)
+                }
+                Rule::pop if open.pop().is_none() => {
+                    return Err(RulesError::at(place, "`]` without a `[` before it"));
+                }
+                Rule::pop => self.bracket("]", place),
+                _ => self.template(item, place)?,
+            };
+            self.templates.push(template);
+        }
+        match open.last() {
+            Some(&place) => Err(RulesError::at(place, "`[` without a `]` after it")),
+            None => Ok(start..self.templates.len() as u32),
+        }
+    }
+
+    fn bracket(&self, name: &str, place: Place) -> Template {
+        Template {
+            symbol: self.numbers[&(name.to_owned(), 0)],
+            arguments: Vec::new(),
+            place,
+        }
+    }
+
+    fn template(&mut self, module: Pair<'_, Rule>, place: Place) -> Result<Template, RulesError> {
+        let mut inner = module.into_inner();
+        let symbol = inner.next().expect("a module has a symbol");
+        let arguments: Vec<_> = inner.filter(|p| p.as_rule() == Rule::expression).collect();
+        let number = self.known(&symbol, arguments.len())?;
+        let arguments: Result<Vec<Code>, RulesError> = arguments
+            .into_iter()
+            .map(|argument| self.expression(argument))
+            .collect();
+        Ok(Template {
+            symbol: number,
+            arguments: arguments?,
+            place,
+        })
+    }
+
+    fn production(&mut self, inner: Pairs<'_, Rule>, place: Place) -> Result<(), RulesError> {
+        let file_names = self.names.clone();
+        self.names.enter_production();
+        let mut production = Production {
+            symbol: 0,
+            left: Vec::new(),
+            right: Vec::new(),
+            condition: None,
+            weight: None,
+            bindings: Vec::new(),
+            successor: 0..0,
+            may_match_later: false,
+            place,
+        };
+        for part in inner {
+            match part.as_rule() {
+                Rule::left_context => production.left = self.heads(part.into_inner())?,
+                Rule::right_context => production.right = self.heads(part.into_inner())?,
+                Rule::head => production.symbol = self.head(part)?,
+                Rule::condition => {
+                    production.condition = Some(self.certain(part, "a condition")?);
+                }
+                Rule::weight => production.weight = Some(self.certain(part, "a weight")?),
+                Rule::bindings => production.bindings = self.bindings(part.into_inner())?,
+                Rule::word => production.successor = self.word(part)?,
+                _ => {}
+            }
+        }
+        let asks = |code: Option<Code>| {
+            let code = code.unwrap_or_default();
+            let iteration = |op| op == Op::Slot(ITERATION);
+            self.program.contains(code, iteration).is_some()
+        };
+        production.may_match_later = !production.left.is_empty()
+            || !production.right.is_empty()
+            || asks(production.condition);
+        self.productions.push(production);
+        self.names = file_names;
+        Ok(())
+    }
+
+    fn heads(&mut self, inner: Pairs<'_, Rule>) -> Result<Vec<u16>, RulesError> {
+        let heads = inner.filter(|p| p.as_rule() == Rule::head);
+        heads.map(|head| self.head(head)).collect()
+    }
+
+    fn head(&mut self, head: Pair<'_, Rule>) -> Result<u16, RulesError> {
+        let (symbol, names) = head_parts(head);
+        let number = self.known(&symbol, names.len())?;
+        for name in &names {
+            self.names.define(name)?;
+        }
+        Ok(number)
+    }
+
+    fn bindings(&mut self, inner: Pairs<'_, Rule>) -> Result<Vec<Code>, RulesError> {
+        let mut codes = Vec::new();
+        for binding in inner.filter(|p| p.as_rule() == Rule::binding) {
+            let [name, value] = name_and_value(binding.into_inner());
+            codes.push(self.expression(value)?);
+            self.names.define(&name)?;
+        }
+        Ok(codes)
+    }
+
+    /// An expression that draws no lots.
+    fn certain(&mut self, part: Pair<'_, Rule>, what: &str) -> Result<Code, RulesError> {
+        let code = self.expression(only(part.into_inner(), Rule::expression))?;
+        let random = |op| matches!(op, Op::Call(function) if function.is_random());
+        match self.program.contains(code, random) {
+            Some(place) => {
+                let message = format!("{what} cannot draw lots: draw them in `with` or `let`");
+                Err(RulesError::at(place, message))
+            }
+            None => Ok(code),
+        }
+    }
+}
+
+fn once(is_there: bool, place: Place, what: &str) -> Result<(), RulesError> {
+    match is_there {
+        true => Err(RulesError::at(place, format!("`{what}` is given twice"))),
+        false => Ok(()),
+    }
+}
+
+/// The symbol of a head and the names of its parameters.
+fn head_parts(head: Pair<'_, Rule>) -> (Pair<'_, Rule>, Vec<Pair<'_, Rule>>) {
+    let mut inner = head.into_inner();
+    let symbol = inner.next().expect("a head has a symbol");
+    (
+        symbol,
+        inner.filter(|p| p.as_rule() == Rule::name).collect(),
+    )
+}
+
+fn only(inner: Pairs<'_, Rule>, rule: Rule) -> Pair<'_, Rule> {
+    let mut found = inner.filter(|p| p.as_rule() == rule);
+    found.next().expect("the grammar puts one there")
+}
+
+fn name_and_value(inner: Pairs<'_, Rule>) -> [Pair<'_, Rule>; 2] {
+    [
+        only(inner.clone(), Rule::name),
+        only(inner, Rule::expression),
+    ]
+}

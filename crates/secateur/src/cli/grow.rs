@@ -1,0 +1,199 @@
+//! `secateur grow`.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use glam::DVec3;
+use secateur::plant::{GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules};
+use secateur::{Plant, plant_to_glb};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use super::args::{self, Common, Format};
+use super::failure::Failure;
+use super::picture::{self, Exhibit};
+use super::print::Printed;
+use super::simplify::timed;
+use super::summary::{grouped, size};
+use super::{interrupt, machine, output, record};
+
+/// Grows, writes, reports.
+pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    check_outputs(args)?;
+    let mut stages = Vec::new();
+    let source = Source::of(args)?;
+    let name = &source.name;
+    let leaves = leaves(args, name)?;
+    let plant = timed(&mut stages, "grow", || {
+        tracing::info!("growing {name}");
+        grow_rules(&source.rules, name, leaves, args.seed).map_err(|e| source.failure(e))
+    })?;
+    interrupt::writing()?;
+    let bytes = timed(&mut stages, "write", || {
+        tracing::info!("writing {}", args.output.display());
+        let glb = plant_to_glb(&plant);
+        output::write_file(&args.output, &glb)?;
+        Ok(glb)
+    })?;
+    if let Some(path) = &args.picture {
+        timed(&mut stages, "picture", || {
+            output::write_file(path, &picture::sheet(&[exhibit(&plant)])?)
+        })?;
+    }
+    let size_m = extent_m(&plant);
+    // A second for a large file, so only where someone will see it.
+    let is_recorded = args.report.is_some() || common.format != Format::Pretty;
+    let total = start.elapsed().as_secs_f64();
+    let record = json!({
+        "species": name,
+        "output": args.output.display().to_string(),
+        "bytes": bytes.len(),
+        "sha256": is_recorded.then(|| sha256(&bytes)),
+        "leaves": plant.triangles_per_leaf.len(),
+        "triangles": {
+            "leaves": plant.leaves.triangles.len(),
+            "wood": plant.wood.triangles.len(),
+        },
+        "size_m": { "x": size_m.x, "y": size_m.y, "z": size_m.z },
+        "seed": args.seed,
+        "seconds": record::seconds(&stages, total),
+        "peak_rss_bytes": machine::peak_rss_bytes(),
+        "run": record::provenance("grow"),
+    });
+    record::write(args.report.as_deref(), &record)?;
+    let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
+    let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
+    let pretty = format!(
+        "{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
+         triangles  {} of leaves, {} of wood\n  \
+         file       {}, {}\n",
+        plant.name,
+        grouped(plant.triangles_per_leaf.len() as u64),
+        size_m.y,
+        grouped(plant.leaves.triangles.len() as u64),
+        grouped(plant.wood.triangles.len() as u64),
+        args.output.display(),
+        size(bytes.len() as u64),
+    );
+    Ok(Printed::single(pretty, record))
+}
+
+fn check_outputs(args: &args::Grow) -> Result<(), Failure> {
+    let inputs = [Path::new(&args.species)];
+    output::check_glb(&args.output, &inputs)?;
+    let mut outputs = vec![args.output.as_path()];
+    for file in [&args.report, &args.picture].into_iter().flatten() {
+        output::check_file(file, &inputs)?;
+        outputs.push(file);
+    }
+    output::check_distinct(&outputs)
+}
+
+/// Rules and what they are called.
+struct Source {
+    name: String,
+    rules: Cow<'static, Rules>,
+    /// The user's own file.
+    file: Option<PathBuf>,
+}
+
+impl Source {
+    /// A species, or else a file: what ends in .lsys or has a folder in its name.
+    fn of(args: &args::Grow) -> Result<Self, Failure> {
+        let path = Path::new(&args.species);
+        let is_file =
+            path.extension().is_some_and(|e| e == "lsys") || path.components().count() > 1;
+        if !is_file {
+            let species: Species = args.species.parse().map_err(|e: UnknownSpecies| {
+                Failure(format!("{e}; a rule file of your own ends in .lsys"))
+            })?;
+            return Ok(Self {
+                name: species.name().to_owned(),
+                rules: Cow::Borrowed(species.rules()),
+                file: None,
+            });
+        }
+        let text = read_text(path)?;
+        let rules =
+            Rules::parse(&text).map_err(|error| Failure(format!("{}: {error}", path.display())))?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            name: name.into_owned(),
+            rules: Cow::Owned(rules),
+            file: Some(path.to_owned()),
+        })
+    }
+
+    fn failure(&self, error: GrowError) -> Failure {
+        match (&self.file, error) {
+            (Some(path), GrowError::Rules { source, .. }) => {
+                Failure(format!("{}: {source}", path.display()))
+            }
+            (_, error) => Failure(error.to_string()),
+        }
+    }
+}
+
+/// The text of a rule file, of which no more is read than can be one.
+fn read_text(path: &Path) -> Result<String, Failure> {
+    let read = || {
+        let mut bytes = Vec::new();
+        let file = File::open(path)?;
+        file.take(Rules::MAX_BYTES as u64 + 1)
+            .read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    let bytes = read().map_err(|e: std::io::Error| Failure::of_file(path, "cannot be read", &e))?;
+    if bytes.len() > Rules::MAX_BYTES {
+        let most = Rules::MAX_BYTES;
+        return Err(Failure(format!(
+            "{}: a rule file has at most {most} bytes",
+            path.display()
+        )));
+    }
+    String::from_utf8(bytes)
+        .map_err(|_| Failure(format!("{}: the rules are not UTF-8 text", path.display())))
+}
+
+fn leaves(args: &args::Grow, name: &str) -> Result<Option<u32>, Failure> {
+    let in_range = |&leaves: &i64| (1..=i64::from(MAX_LEAVES)).contains(&leaves);
+    match args.leaves {
+        None => Ok(None),
+        Some(leaves) if in_range(&leaves) => Ok(Some(leaves as u32)),
+        Some(leaves) => Err(Failure(format!(
+            "cannot grow {name} with {leaves} leaves: ask for 1 to {MAX_LEAVES}"
+        ))),
+    }
+}
+
+fn exhibit(plant: &Plant) -> Exhibit {
+    let [leaves, triangles] = [
+        plant.triangles_per_leaf.len(),
+        plant.leaves.triangles.len() + plant.wood.triangles.len(),
+    ]
+    .map(|count| grouped(count as u64));
+    Exhibit {
+        title: plant.name.clone(),
+        subtitle: format!("{leaves} leaves\n{triangles} triangles"),
+        surfaces: vec![plant.wood.clone(), plant.leaves.clone()],
+    }
+}
+
+/// Width, height and depth.
+fn extent_m(plant: &Plant) -> DVec3 {
+    let mut positions = plant.wood.positions.iter().chain(&plant.leaves.positions);
+    let Some(&first) = positions.next() else {
+        return DVec3::ZERO;
+    };
+    let (low, high) = positions.fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    high - low
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    let hash = Sha256::digest(bytes);
+    hash.iter().map(|b| format!("{b:02x}")).collect()
+}

@@ -1,0 +1,128 @@
+//! Growing plants, as input to everything else.
+
+use crate::program::Bench;
+
+#[test]
+fn a_grown_tree_has_its_leaves_and_every_command_takes_it() {
+    let bench = Bench::new();
+    let grow = [
+        "grow", "oak", "-o", "tree.glb", "--leaves", "321", "--seed", "7",
+    ];
+    let more = ["--report", "grow.json", "--picture", "tree.png"];
+    let ran = bench.run(&[&grow[..], &more].concat()).succeeded();
+    assert!(ran.stdout.contains("oak with 321 leaves"), "{}", ran.stdout);
+    assert!(bench.read("tree.png").starts_with(b"\x89PNG"));
+    let report = bench.json("grow.json");
+    assert_eq!(report["leaves"], 321);
+    assert_eq!(report["bytes"], bench.read("tree.glb").len());
+    assert!(report["size_m"]["y"].as_f64().unwrap() > 5.0);
+
+    let inspected = bench.run(&["inspect", "tree.glb"]).succeeded().stdout;
+    assert!(inspected.contains("leaves       321 of"), "{inspected}");
+    bench
+        .simplify(&["tree.glb", "-o", "out.glb", "--leaves", "100"])
+        .succeeded();
+    let measured = bench
+        .run(&["measure", "tree.glb", "out.glb", "--format", "json"])
+        .succeeded();
+    assert!(measured.stdout.contains("\"simplified\": 100"));
+}
+
+#[test]
+fn equal_seeds_grow_equal_bytes_and_others_siblings() {
+    let bench = Bench::new();
+    for (name, seed) in [
+        ("a", "9"),
+        ("b", "9"),
+        ("c", "0"),
+        ("d", "18446744073709551615"),
+    ] {
+        let file = format!("{name}.glb");
+        let grow = [
+            "-q", "grow", "oak", "-o", &file, "--leaves", "60", "--seed", seed,
+        ];
+        assert_eq!(bench.run(&grow).succeeded().stdout, "");
+    }
+    let [a, b, c, d] = ["a.glb", "b.glb", "c.glb", "d.glb"].map(|name| bench.read(name));
+    assert_eq!(a, b);
+    assert!(a != c && c != d);
+}
+
+#[test]
+fn what_cannot_be_grown_is_said_in_one_sentence() {
+    let bench = Bench::new();
+    for count in ["0", "-1", "10000000", "4294967297"] {
+        let grow = ["grow", "oak", "-o", "out.glb", "--leaves", count];
+        let said = format!("cannot grow oak with {count} leaves: ask for 1 to 1000000");
+        bench.run(&grow).failed_saying(&[&said]);
+    }
+    bench
+        .run(&["grow", "yew", "-o", "out.glb"])
+        .failed_saying(&["no species is called 'yew': choose one of oak, carya, birch, alder, maple, rowan, pine, palmetto, willow, bush"]);
+    bench
+        .run(&["grow", "oak", "-o", "out.gltf"])
+        .failed_saying(&["out.gltf: cannot be written: its name must end in .glb"]);
+    bench
+        .run(&["grow", "oak", "-o", "no/out.glb"])
+        .failed_saying(&["its folder `no` does not exist"]);
+    let usage = bench.run(&["grow", "oak", "-o", "a.glb", "--seed", "-1"]);
+    assert_eq!(usage.code, Some(2));
+    assert_eq!(bench.names(), ["oak.glb"]);
+}
+
+#[test]
+fn a_rule_file_of_ones_own_grows() {
+    let bench = Bench::new();
+    let rules = "axiom: Stem(9); Stem(n) if n > 0 -> F(1) [ &(60) leaf(0.5) ] /(90) Stem(n - 1);";
+    bench.put("mine.lsys", rules.as_bytes());
+    let ran = bench.run(&["grow", "mine.lsys", "-o", "a.glb"]).succeeded();
+    assert!(
+        ran.stdout.contains("mine with 9 leaves, 9.3 m high"),
+        "{}",
+        ran.stdout
+    );
+    let three = ["grow", "./mine.lsys", "-o", "b.glb", "--leaves", "3"];
+    let ran = bench.run(&three).succeeded();
+    assert!(ran.stdout.contains("mine with 3 leaves"), "{}", ran.stdout);
+    bench
+        .run(&["grow", "mine.lsys", "-o", "c.glb", "--leaves", "10"])
+        .failed_saying(&["mine bears 9 leaves, not 10: use `detail` in its rules"]);
+}
+
+#[test]
+fn mistakes_in_a_rule_file_are_shown_with_line_and_column() {
+    let bench = Bench::new();
+    for (text, said) in [
+        (
+            &b"axiom: F(1);\nF(x) -> G;"[..],
+            "bad.lsys: line 2, column 9: unknown symbol `G`",
+        ),
+        (b"axiom: F(1", "bad.lsys: line 1, column 11: expected"),
+        (
+            b"axiom: F(1/0);",
+            "bad.lsys: line 1, column 11: division by zero",
+        ),
+        (
+            b"axiom: F(-1);",
+            "bad.lsys: line 1, column 8: a length cannot be negative",
+        ),
+        (
+            b"axiom: A; A -> A A;",
+            "bad.lsys: line 1, column 18: the rules make more than 24000000",
+        ),
+        (
+            b"axiom: sides(64) A(19); A(n) if n > 0 -> A(n - 1) A(n - 1); A(n) if n <= 0 -> F(0);",
+            "bad has more than 40000000 vertices: ask for fewer leaves, segments or sides",
+        ),
+        (b"\xff\xfe", "bad.lsys: the rules are not UTF-8 text"),
+    ] {
+        bench.put("bad.lsys", text);
+        bench
+            .run(&["grow", "bad.lsys", "-o", "out.glb"])
+            .failed_saying(&[said]);
+    }
+    bench
+        .run(&["grow", "none.lsys", "-o", "out.glb"])
+        .failed_saying(&["none.lsys: cannot be read: "]);
+    assert_eq!(bench.names(), ["bad.lsys", "oak.glb"]);
+}
