@@ -31,10 +31,10 @@ pub(crate) enum Command {
     Simplify(Box<Simplify>),
     /// Judge a simplified tree against its original, from views the simplifier never saw.
     Measure(Measure),
-    /// Grow a plant from rules: a species, or a file of your own.
-    Grow(Grow),
     /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
     Study(Study),
+    /// Grow a plant from rules: a species, or a file of your own.
+    Grow(Grow),
 }
 
 #[derive(Args, Debug)]
@@ -112,29 +112,6 @@ pub(crate) struct Measure {
 }
 
 #[derive(Args, Debug)]
-pub(crate) struct Grow {
-    /// What to grow: oak, carya, birch, alder, maple, rowan, pine, palmetto, willow, bush; or a
-    /// rule file of your own, FILE.lsys.
-    #[arg(value_name = "SPECIES")]
-    pub(crate) species: String,
-    /// The result, .glb.
-    #[arg(short, long, value_name = "OUT.glb")]
-    pub(crate) output: PathBuf,
-    /// How many leaves it has, exactly [default: as many as suit the species].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(crate) leaves: Option<i64>,
-    /// Which sibling; equal seeds grow equal plants.
-    #[arg(long, value_name = "S", default_value_t = 3)]
-    pub(crate) seed: u64,
-    /// Write the machine-readable record of the run to this file.
-    #[arg(long, value_name = "FILE.json")]
-    pub(crate) report: Option<PathBuf>,
-    /// Write a picture of the plant.
-    #[arg(long, value_name = "FILE.png")]
-    pub(crate) picture: Option<PathBuf>,
-}
-
-#[derive(Args, Debug)]
 pub(crate) struct Study {
     /// The trees, .glb or .gltf.
     #[arg(
@@ -183,6 +160,29 @@ fn level(text: &str) -> Result<f64, String> {
         Ok(level) if (0.0..=1.0).contains(&level) => Ok(level),
         _ => Err("write shares from 0 to 1 with commas between them".to_owned()),
     }
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Grow {
+    /// What to grow: oak, carya, birch, alder, maple, rowan, pine, palmetto, willow, bush; or a
+    /// rule file of your own, FILE.lsys.
+    #[arg(value_name = "SPECIES")]
+    pub(crate) species: String,
+    /// The result, .glb.
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// How many leaves it has, exactly [default: as many as suit the species].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) leaves: Option<i64>,
+    /// Which sibling; equal seeds grow equal plants.
+    #[arg(long, value_name = "S", default_value_t = 3)]
+    pub(crate) seed: u64,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write a picture of the plant.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) picture: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]

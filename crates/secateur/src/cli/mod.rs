@@ -54,8 +54,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Inspect(args) => inspect::run(args)?,
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
-        Command::Grow(args) => grow::run(args, &cli.common)?,
         Command::Study(args) => study::run(args, &cli.common)?,
+        Command::Grow(args) => grow::run(args, &cli.common)?,
     };
     if cli.common.quiet {
         return Ok(());
