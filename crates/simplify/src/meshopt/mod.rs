@@ -4,7 +4,7 @@
 //! crate `meshopt` is called as it is. It knows triangles, not leaves: a level
 //! is asked for as a share of the triangles, and how many leaves are left is
 //! what comes of it. Afterwards the border of what is left may be moved
-//! outwards to give back lost area ([`dilate`]).
+//! outwards to give back lost area (`dilate`).
 //!
 //! The order has one step: the foliage, and the level in its place.
 

@@ -22,8 +22,10 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::candidates::Silhouette;
+use super::changes::{BackgroundDrift, Change};
 use super::pixels::Ends;
 use super::prefetch::{prefetch, prefetch_range};
+use super::terms::{Target, add_revealed, add_term, move_term, replace_term};
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 const NONE: u32 = u32::MAX;
@@ -32,7 +34,7 @@ const NONE: u32 = u32::MAX;
 const SILHOUETTE_MAX: u32 = 16;
 
 /// Pixels by view, only those that are not zero.
-type Reveals = SmallVec<[(u32, u32); 3]>;
+pub(super) type Reveals = SmallVec<[(u32, u32); 3]>;
 
 #[repr(align(64))]
 struct Edge {
@@ -45,38 +47,6 @@ struct Edge {
     /// Where `touched_edges` holds it during a step.
     touched: u32,
     reveals: Reveals,
-}
-
-/// Grows by at least what a step changes at the background's term of a leaf,
-/// summed over the views without signs, for every pixel that the leaf would
-/// hand to the background, and for exact logarithms.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct BackgroundDrift {
-    /// In the views in which the leaf reveals it.
-    pub revealed: f64,
-    /// What its growing total takes away in every view.
-    pub rise: f64,
-}
-
-/// How the deltas of a leaf changed in a step: the sum of the changes over the
-/// views without signs; infinite where the leaf itself changed, or what is
-/// behind it, and negative where nothing did.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub(super) struct Change(f32);
-
-impl Change {
-    const NONE: Self = Self(-1.0);
-    const OF_ITSELF: Self = Self(f32::INFINITY);
-
-    /// The bound, if only the areas of leaves behind it changed.
-    pub(super) fn of_others(self) -> Option<f32> {
-        self.0.is_finite().then_some(self.0)
-    }
-
-    /// With so much more, rounded up.
-    fn add(&mut self, units: u64) {
-        self.0 = (self.0.max(0.0) + units as f32) * (1.0 + 4.0 * f32::EPSILON);
-    }
 }
 
 struct TouchedLeaf {
@@ -594,105 +564,5 @@ fn add_reveal(edge: &mut Edge, view: u32, by: i32) {
     *pixels = pixels.wrapping_add_signed(by);
     if *pixels == 0 {
         edge.reveals.swap_remove(at);
-    }
-}
-
-/// The leaf that an edge leads to, before or after a step.
-#[derive(Clone, Copy)]
-struct Target<'a> {
-    areas: &'a [u32],
-    total: u32,
-    lg_total: i64,
-}
-
-impl Target<'_> {
-    /// `lg (S + s) - lg S`, which is never negative and fits 32 bits: factors of
-    /// 32 bits are what vector instructions multiply.
-    #[inline]
-    fn rise(&self, lg_after: i64) -> u64 {
-        u64::from((lg_after - self.lg_total) as u32)
-    }
-}
-
-/// Adds `f(a + r, S + s) - f(a, S)` to each view.
-#[inline]
-fn add_term(table: &LgTable, deltas: &mut [i64], target: Target, s: u32, reveals: &Reveals) {
-    let lg_after = table.lg(target.total + s);
-    let rise = target.rise(lg_after);
-    for (delta, &a) in deltas.iter_mut().zip(target.areas) {
-        *delta -= (u64::from(a) * rise) as i64;
-    }
-    add_revealed(table, deltas, target, lg_after, reveals);
-}
-
-/// What [`add_term`] adds in the views in which the target is revealed.
-#[inline]
-fn add_revealed(
-    table: &LgTable,
-    deltas: &mut [i64],
-    target: Target,
-    lg_after: i64,
-    reveals: &Reveals,
-) {
-    for &(view, r) in reveals {
-        let a = target.areas[view as usize];
-        deltas[view as usize] += table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
-    }
-}
-
-/// Brings the term of an edge, which did not change itself, from what its target
-/// was to what it is; the sum over the views of the changes without signs, or
-/// more.
-#[inline]
-fn move_term(
-    table: &LgTable,
-    deltas: &mut [i64],
-    before: Target,
-    after: Target,
-    s: u32,
-    reveals: &Reveals,
-) -> u64 {
-    let lg_before = table.lg(before.total + s);
-    let lg_after = table.lg(after.total + s);
-    let (rise_before, rise_after) = (before.rise(lg_before), after.rise(lg_after));
-    let mut moved = 0;
-    for ((delta, &b), &a) in deltas.iter_mut().zip(before.areas).zip(after.areas) {
-        let change = (u64::from(b) * rise_before) as i64 - (u64::from(a) * rise_after) as i64;
-        *delta += change;
-        moved += change.unsigned_abs();
-    }
-    for &(view, r) in reveals {
-        let (b, a) = (before.areas[view as usize], after.areas[view as usize]);
-        let was = table.n_lg_n(b + r) - table.n_lg_n(b) - i64::from(r) * lg_before;
-        let is = table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
-        deltas[view as usize] += is - was;
-        moved += (is - was).unsigned_abs();
-    }
-    moved
-}
-
-/// Takes an edge's term away as it was and adds it as it is.
-#[inline]
-fn replace_term(
-    table: &LgTable,
-    deltas: &mut [i64],
-    (before, s_before, reveals_before): (Target, u32, &Reveals),
-    (after, s_after, reveals_after): (Target, u32, &Reveals),
-) {
-    let lg_before = table.lg(before.total + s_before);
-    let lg_after = table.lg(after.total + s_after);
-    let rise_before = before.rise(lg_before);
-    let rise_after = after.rise(lg_after);
-    for ((delta, &b), &a) in deltas.iter_mut().zip(before.areas).zip(after.areas) {
-        let (b, a) = (u64::from(b) * rise_before, u64::from(a) * rise_after);
-        *delta += b as i64 - a as i64;
-    }
-    for &(view, r) in reveals_before {
-        let a = before.areas[view as usize];
-        deltas[view as usize] -= table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_before;
-    }
-    for &(view, r) in reveals_after {
-        let a = after.areas[view as usize];
-        deltas[view as usize] += table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
     }
 }

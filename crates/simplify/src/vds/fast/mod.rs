@@ -9,10 +9,12 @@
 //! [`reference`](super::reference) bit for bit: order, growth and VMI.
 
 mod candidates;
+mod changes;
 mod counts;
 mod neighbours;
 mod pixels;
 mod prefetch;
+mod terms;
 #[cfg(test)]
 mod tests;
 

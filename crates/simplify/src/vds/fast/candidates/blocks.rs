@@ -1,6 +1,6 @@
 //! What bounds the costs of sixteen leaves at once.
 
-use super::super::counts::BackgroundDrift;
+use super::super::changes::BackgroundDrift;
 use super::epochs::{Epochs, Slot};
 use super::excess::Excesses;
 
