@@ -9,6 +9,8 @@
 //! - [`Rules`]: a rule file, read; [`language`] says what can be in it, and
 //!   [`Species::text`] gives examples.
 //! - [`draw`]: the turtle, from a derived [`Word`] to a [`Skeleton`].
+//! - [`Branches`], [`Chain`]: branches by what they matter, every prefix a plant;
+//!   [`write_chain`] and [`read_chain`] stream it.
 //! - [`ellipsoid_crown()`]: leaves without wood, for measuring.
 //! - [`Random`]: the generator behind every chance.
 //!
@@ -29,6 +31,9 @@
 extern crate alloc;
 
 mod bark_texture;
+mod branches;
+mod chain;
+mod chain_stream;
 mod derive;
 mod ellipsoid_crown;
 mod grow;
@@ -42,6 +47,9 @@ mod species;
 mod turtle;
 mod wood;
 
+pub use branches::{Branch, BranchIndex, Branches, Metric};
+pub use chain::{Chain, ChainError, Interpreter, Record};
+pub use chain_stream::{StreamError, read_chain, write_chain};
 pub use derive::Word;
 pub use ellipsoid_crown::{EllipsoidCrown, ellipsoid_crown};
 pub use grow::{

@@ -1,0 +1,391 @@
+//! The multiresolution chain: a skeleton's branches in order of what they
+//! matter, so that every prefix is a plant.
+//!
+//! Lluch et al. (Hybrid), section 4.1.3. A path leads from a branch that is not
+//! out yet to a tip, by the heaviest child at each fork; a level of detail is one
+//! path more. Each path starts from the root down the largest branching length
+//! that is still to come, which is what the paper's update of the lengths of
+//! branches that are out already is for. Equal weights go in the order drawn.
+//!
+//! The paper's branches fork at their ends; these fork along their length, so a
+//! state is saved at the segment that bears something, and a path restores one
+//! wherever it does not go on from the segment before.
+
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashMap};
+
+use crate::branches::{BranchIndex, Branches, Metric};
+use crate::{LeafPose, Segment, SegmentIndex, Skeleton};
+
+/// A module of the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Record {
+    /// A level of detail begins: the records up to the next one are its path.
+    Level,
+    /// SAVE: the turtle is at the end of a segment, and will come back.
+    Save(SegmentIndex),
+    /// RESTORE: the turtle goes back to where this was saved.
+    Restore(SegmentIndex),
+    /// A segment that grows where the turtle is; `parent` is the turtle's to say
+    /// and `None` here.
+    Segment(Segment),
+    /// The leaf of this number, from 0, in the original skeleton, which grows
+    /// where the turtle is; `segment` is the turtle's to say and `None` here.
+    Leaf(u32, LeafPose),
+}
+
+/// Why a chain cannot be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ChainError {
+    /// SAVE before any segment.
+    #[error("record {record} of the chain saves a state before there is one")]
+    NothingToSave {
+        /// Its place, from 0.
+        record: usize,
+    },
+    /// RESTORE of what was never saved.
+    #[error("record {record} of the chain restores a state that was not saved")]
+    NotSaved {
+        /// Its place, from 0.
+        record: usize,
+    },
+    /// A segment that cannot be: not finite, a negative radius, or sides
+    /// outside 3 to 64; or a leaf that is not finite or has a negative size.
+    #[error("record {record} of the chain has a number out of range")]
+    OutOfRange {
+        /// Its place, from 0.
+        record: usize,
+    },
+}
+
+/// A multiresolution chain.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chain {
+    records: Vec<Record>,
+    /// `records[..ends[k]]` are the levels up to and with k.
+    ends: Vec<usize>,
+    paths: Vec<Vec<BranchIndex>>,
+}
+
+impl Chain {
+    /// The chain of a skeleton by a metric.
+    ///
+    /// By [`Metric::BranchingLength`] weights fall as paths go out, as in the
+    /// paper; for the others it gives no such rule, and they stay.
+    ///
+    /// Time: branches times depth, times a logarithm.
+    pub fn of(skeleton: &Skeleton, metric: Metric) -> Self {
+        let branches = Branches::of(skeleton);
+        let paths = Extraction::new(&branches, metric).paths();
+        write_records(skeleton, &branches, paths)
+    }
+
+    /// How many levels there are: one for each tip.
+    pub fn levels(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// All records, the coarsest level first.
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// The records of the first `levels` levels (all if there are fewer).
+    pub fn prefix(&self, levels: usize) -> &[Record] {
+        let end = match levels.min(self.levels()) {
+            0 => 0,
+            levels => self.ends[levels - 1],
+        };
+        &self.records[..end]
+    }
+
+    /// The branches of each level, in the order of [`Branches::all`].
+    pub fn paths(&self) -> &[Vec<BranchIndex>] {
+        &self.paths
+    }
+
+    /// The plant of the first `levels` levels. Time in proportion to the records
+    /// of those levels, whatever follows them.
+    ///
+    /// # Panics
+    /// Never: a chain that was made from a skeleton can be drawn.
+    pub fn skeleton(&self, levels: usize) -> Skeleton {
+        let mut interpreter = Interpreter::default();
+        for record in self.prefix(levels) {
+            interpreter.obey(record).expect("a chain can be drawn");
+        }
+        interpreter.into_skeleton()
+    }
+}
+
+/// Draws a chain record by record: after each there is a plant.
+#[derive(Clone, Debug, Default)]
+pub struct Interpreter {
+    skeleton: Skeleton,
+    leaf_numbers: Vec<u32>,
+    at: Option<SegmentIndex>,
+    saved: HashMap<SegmentIndex, SegmentIndex>,
+    levels: usize,
+    obeyed: usize,
+}
+
+impl Interpreter {
+    /// Draws one record more.
+    ///
+    /// # Errors
+    /// [`ChainError`]; the plant stays as it was.
+    pub fn obey(&mut self, record: &Record) -> Result<(), ChainError> {
+        let place = self.obeyed;
+        match *record {
+            Record::Level => self.levels += 1,
+            Record::Save(id) => {
+                let at = self.at.ok_or(ChainError::NothingToSave { record: place })?;
+                self.saved.insert(id, at);
+            }
+            Record::Restore(id) => {
+                let at = self.saved.get(&id).copied();
+                self.at = Some(at.ok_or(ChainError::NotSaved { record: place })?);
+            }
+            Record::Segment(segment) => {
+                check(segment_is_sound(&segment), place)?;
+                let index = SegmentIndex::from_index(self.skeleton.segments.len());
+                self.skeleton.segments.push(Segment {
+                    parent: self.at,
+                    continues_parent: segment.continues_parent && self.at.is_some(),
+                    ..segment
+                });
+                self.at = Some(index);
+            }
+            Record::Leaf(number, pose) => {
+                check(leaf_is_sound(&pose), place)?;
+                self.leaf_numbers.push(number);
+                self.skeleton.leaves.push(LeafPose {
+                    segment: self.at,
+                    ..pose
+                });
+            }
+        }
+        self.obeyed += 1;
+        Ok(())
+    }
+
+    /// What has been drawn so far: a whole plant at any time.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// What has been drawn.
+    pub fn into_skeleton(self) -> Skeleton {
+        self.skeleton
+    }
+
+    /// For each leaf drawn its number in the original skeleton, from 0.
+    pub fn leaf_numbers(&self) -> &[u32] {
+        &self.leaf_numbers
+    }
+
+    /// How many levels have begun.
+    pub fn levels(&self) -> usize {
+        self.levels
+    }
+}
+
+fn check(is_sound: bool, record: usize) -> Result<(), ChainError> {
+    is_sound
+        .then_some(())
+        .ok_or(ChainError::OutOfRange { record })
+}
+
+fn segment_is_sound(segment: &Segment) -> bool {
+    let radius = |r: f64| r.is_finite() && r >= 0.0;
+    segment.start.is_finite()
+        && segment.end.is_finite()
+        && radius(segment.start_radius_m)
+        && radius(segment.end_radius_m)
+        && (3..=64).contains(&segment.sides)
+}
+
+fn leaf_is_sound(pose: &LeafPose) -> bool {
+    let finite = pose.base.is_finite() && pose.along.is_finite() && pose.facing.is_finite();
+    let size = |m: f64| m.is_finite() && m >= 0.0;
+    finite && size(pose.length_m) && size(pose.width_m)
+}
+
+/// A branch that waits at its fork: the heaviest comes first, then the earliest.
+struct Waiting {
+    weight: f64,
+    branch: BranchIndex,
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_weight = self.weight.total_cmp(&other.weight);
+        by_weight.then_with(|| other.branch.cmp(&self.branch))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Waiting {}
+
+struct Extraction<'a> {
+    branches: &'a Branches,
+    lengths_fall: bool,
+    weights: Vec<f64>,
+    is_out: Vec<bool>,
+    /// For each branch its children with something still to come.
+    waiting: Vec<BinaryHeap<Waiting>>,
+    roots: BinaryHeap<Waiting>,
+}
+
+impl<'a> Extraction<'a> {
+    fn new(branches: &'a Branches, metric: Metric) -> Self {
+        let weights = branches.weights(metric);
+        let waiting = |branch: BranchIndex| Waiting {
+            weight: weights[branch.index()],
+            branch,
+        };
+        let all = branches.all();
+        let roots = (0..all.len()).filter(|&b| all[b].parent.is_none());
+        Self {
+            branches,
+            lengths_fall: metric == Metric::BranchingLength,
+            is_out: vec![false; all.len()],
+            waiting: all
+                .iter()
+                .map(|b| b.children.iter().map(|&c| waiting(c)).collect())
+                .collect(),
+            roots: roots.map(|b| waiting(BranchIndex::from_index(b))).collect(),
+            weights,
+        }
+    }
+
+    fn paths(mut self) -> Vec<Vec<BranchIndex>> {
+        let mut paths = Vec::new();
+        while let Some(root) = self.roots.pop() {
+            let route = self.route(root.branch);
+            let path = self.put_out(&route);
+            self.wait_again(&route);
+            paths.push(path);
+        }
+        paths
+    }
+
+    /// Down from a root by the heaviest child at each fork, to a tip; those
+    /// passed are taken from their forks.
+    fn route(&mut self, root: BranchIndex) -> Vec<BranchIndex> {
+        let mut route = vec![root];
+        let mut at = root;
+        while let Some(next) = self.waiting[at.index()].pop() {
+            at = next.branch;
+            route.push(at);
+        }
+        route
+    }
+
+    /// Marks what is new on the route and takes its length from every weight
+    /// above it.
+    fn put_out(&mut self, route: &[BranchIndex]) -> Vec<BranchIndex> {
+        let mut length_m = 0.0;
+        for branch in route.iter().rev().map(|branch| branch.index()) {
+            if !self.is_out[branch] {
+                length_m += self.branches.all()[branch].length_m;
+            }
+            if self.lengths_fall {
+                self.weights[branch] -= length_m;
+            }
+        }
+        let is_out = &mut self.is_out;
+        let new = |branch: &&BranchIndex| !std::mem::replace(&mut is_out[branch.index()], true);
+        route.iter().filter(new).copied().collect()
+    }
+
+    /// Those of the route with something still to come go back to their forks.
+    fn wait_again(&mut self, route: &[BranchIndex]) {
+        for (depth, &branch) in route.iter().enumerate() {
+            if self.waiting[branch.index()].is_empty() && !self.returns(&route[depth + 1..]) {
+                continue;
+            }
+            let waiting = Waiting {
+                weight: self.weights[branch.index()],
+                branch,
+            };
+            match depth {
+                0 => self.roots.push(waiting),
+                _ => self.waiting[route[depth - 1].index()].push(waiting),
+            }
+        }
+    }
+
+    fn returns(&self, below: &[BranchIndex]) -> bool {
+        below.iter().any(|b| !self.waiting[b.index()].is_empty())
+    }
+}
+
+fn write_records(skeleton: &Skeleton, branches: &Branches, paths: Vec<Vec<BranchIndex>>) -> Chain {
+    let segments = &skeleton.segments;
+    let mut is_fork = vec![false; segments.len()];
+    for branch in branches.all() {
+        if let Some(parent) = segments[branch.segments[0].index()].parent {
+            is_fork[parent.index()] = true;
+        }
+    }
+    let mut leaves_of = vec![Vec::new(); segments.len()];
+    let mut loose = Vec::new();
+    for (number, leaf) in skeleton.leaves.iter().enumerate() {
+        let record = Record::Leaf(
+            number as u32,
+            LeafPose {
+                segment: None,
+                ..*leaf
+            },
+        );
+        match leaf.segment {
+            Some(segment) => leaves_of[segment.index()].push(record),
+            None => loose.push(record),
+        }
+    }
+    let mut chain = Chain::default();
+    let mut at = None;
+    if paths.is_empty() && !loose.is_empty() {
+        chain.records.push(Record::Level);
+        chain.records.append(&mut loose);
+        chain.ends.push(chain.records.len());
+        chain.paths.push(Vec::new());
+    }
+    for path in &paths {
+        chain.records.push(Record::Level);
+        chain.records.append(&mut loose);
+        for &index in path
+            .iter()
+            .flat_map(|b| &branches.all()[b.index()].segments)
+        {
+            let segment = segments[index.index()];
+            if let Some(parent) = segment.parent.filter(|_| segment.parent != at) {
+                chain.records.push(Record::Restore(parent));
+            }
+            chain.records.push(Record::Segment(Segment {
+                parent: None,
+                ..segment
+            }));
+            chain.records.append(&mut leaves_of[index.index()]);
+            if is_fork[index.index()] {
+                chain.records.push(Record::Save(index));
+            }
+            at = Some(index);
+        }
+        chain.ends.push(chain.records.len());
+    }
+    chain.paths.extend(paths);
+    chain
+}

@@ -1,0 +1,239 @@
+//! The multiresolution chain.
+
+use glam::DVec3;
+use secateur_plant::{
+    Branches, Chain, GrowOptions, Interpreter, Metric, Record, Segment, SegmentIndex, Skeleton,
+    Species, StreamError, grow_skeleton, read_chain, write_chain,
+};
+
+/// The tree of Hybrid's output chain (3), a segment of 1 m for each branch. The
+/// numbers are those of the paper; branches are found in the order they are drawn.
+const DRAWN: [u32; 16] = [1, 2, 3, 4, 5, 6, 7, 9, 11, 10, 8, 12, 13, 14, 15, 16];
+
+fn example() -> Skeleton {
+    let mut skeleton = Skeleton::default();
+    let (mut at, mut saved) = (None, Vec::new());
+    for letter in "F[F[F[F][F[F][F]]][F[F][F]][F]][F[F][F][F[F]]]".chars() {
+        match letter {
+            'F' => {
+                let start = at.map_or(DVec3::ZERO, |p: SegmentIndex| {
+                    skeleton.segments[p.index()].end
+                });
+                skeleton.segments.push(Segment {
+                    parent: at,
+                    continues_parent: false,
+                    start,
+                    end: start + DVec3::Y,
+                    start_radius_m: 0.01,
+                    end_radius_m: 0.01,
+                    sides: 3,
+                });
+                at = Some(SegmentIndex::from_index(skeleton.segments.len() - 1));
+            }
+            '[' => saved.push(at),
+            _ => at = saved.pop().expect("brackets match"),
+        }
+    }
+    skeleton
+}
+
+fn by_paper_number(weights: &[f64]) -> Vec<(u32, f64)> {
+    let mut named: Vec<(u32, f64)> = DRAWN.into_iter().zip(weights.iter().copied()).collect();
+    named.sort_by_key(|(number, _)| *number);
+    named
+}
+
+#[test]
+fn the_papers_tree_has_the_papers_metrics() {
+    let branches = Branches::of(&example());
+    let values = |metric| -> Vec<f64> {
+        let named = by_paper_number(&branches.weights(metric));
+        named.into_iter().map(|(_, value)| value).collect()
+    };
+    // C1 .. C16, by hand from section 4.1.1 on chain (3).
+    assert_eq!(
+        values(Metric::BranchingLength),
+        [
+            16., 10., 5., 1., 3., 1., 1., 1., 3., 1., 1., 5., 1., 1., 2., 1.
+        ]
+    );
+    assert_eq!(
+        values(Metric::Children),
+        [
+            2., 3., 2., 0., 2., 0., 0., 0., 2., 0., 0., 3., 0., 0., 1., 0.
+        ]
+    );
+    assert_eq!(
+        values(Metric::Descendants),
+        [
+            15., 9., 4., 0., 2., 0., 0., 0., 2., 0., 0., 4., 0., 0., 1., 0.
+        ]
+    );
+    assert_eq!(
+        values(Metric::LongestPath),
+        [
+            5., 4., 3., 1., 2., 1., 1., 1., 2., 1., 1., 3., 1., 1., 2., 1.
+        ]
+    );
+}
+
+#[test]
+fn the_papers_tree_gives_nine_paths_in_this_order() {
+    let chain = Chain::of(&example(), Metric::BranchingLength);
+    let name = |path: &Vec<secateur_plant::BranchIndex>| -> Vec<u32> {
+        path.iter().map(|branch| DRAWN[branch.index()]).collect()
+    };
+    let paths: Vec<Vec<u32>> = chain.paths().iter().map(name).collect();
+    // By hand from section 4.1.3. After the first path 6 m are left in C2 and 5
+    // in C12, so C2 comes first again, by C9; then C12 (5) before C2 (4).
+    assert_eq!(
+        paths,
+        [
+            vec![1, 2, 3, 5, 6],
+            vec![9, 11],
+            vec![12, 15, 16],
+            vec![4],
+            vec![7],
+            vec![10],
+            vec![13],
+            vec![8],
+            vec![14],
+        ]
+    );
+    // Each level but the first restores the state of its branch's parent.
+    let restored = chain.records().iter().filter_map(|record| match record {
+        Record::Restore(id) => Some(DRAWN[id.index()]),
+        _ => None,
+    });
+    assert_eq!(restored.collect::<Vec<_>>(), [2, 1, 3, 5, 9, 12, 2, 12]);
+}
+
+fn oak() -> Skeleton {
+    let options = GrowOptions {
+        leaves: 600,
+        seed: 4,
+    };
+    grow_skeleton(Species::Oak, &options).unwrap()
+}
+
+/// Every parent comes before its child, and a child starts where its parent ends.
+fn assert_is_plant(skeleton: &Skeleton) {
+    for (index, segment) in skeleton.segments.iter().enumerate() {
+        match segment.parent {
+            None => assert_eq!(index, 0, "only the trunk has no parent"),
+            Some(parent) => {
+                assert!(parent.index() < index);
+                assert_eq!(skeleton.segments[parent.index()].end, segment.start);
+            }
+        }
+    }
+    for leaf in &skeleton.leaves {
+        let segment = leaf.segment.expect("every oak leaf grows on wood");
+        assert_eq!(skeleton.segments[segment.index()].end, leaf.base);
+    }
+}
+
+fn sorted_ends(skeleton: &Skeleton) -> Vec<[u64; 6]> {
+    let ends = |s: &Segment| {
+        let [a, b] = [s.start, s.end].map(|p| p.to_array().map(f64::to_bits));
+        [a[0], a[1], a[2], b[0], b[1], b[2]]
+    };
+    let mut all: Vec<_> = skeleton.segments.iter().map(ends).collect();
+    all.sort_unstable();
+    all
+}
+
+#[test]
+fn every_prefix_is_a_plant_and_the_last_is_the_whole() {
+    let oak = oak();
+    for metric in [
+        Metric::BranchingLength,
+        Metric::Children,
+        Metric::Descendants,
+        Metric::LongestPath,
+    ] {
+        let chain = Chain::of(&oak, metric);
+        let mut before = 0;
+        for levels in [0, 1, 2, 5, 20, chain.levels() / 2, chain.levels()] {
+            let skeleton = chain.skeleton(levels);
+            assert_is_plant(&skeleton);
+            assert!(skeleton.segments.len() >= before);
+            before = skeleton.segments.len();
+        }
+        let whole = chain.skeleton(usize::MAX);
+        assert_eq!(sorted_ends(&whole), sorted_ends(&oak));
+        assert_eq!(whole.leaves.len(), oak.leaves.len());
+    }
+}
+
+#[test]
+fn a_stream_cut_after_any_record_is_a_plant() {
+    let chain = Chain::of(&oak(), Metric::BranchingLength);
+    let mut bytes = Vec::new();
+    write_chain(chain.records(), &mut bytes).unwrap();
+    let read = |bytes: &[u8]| read_chain(&mut &*bytes, &mut |_| true);
+    assert_eq!(
+        read(&bytes).unwrap().into_skeleton(),
+        chain.skeleton(chain.levels())
+    );
+    for records in (0..chain.records().len()).step_by(97) {
+        let mut cut = Vec::new();
+        write_chain(&chain.records()[..records], &mut cut).unwrap();
+        assert!(bytes.starts_with(&cut));
+        let drawn = read(&cut).unwrap().into_skeleton();
+        assert_is_plant(&drawn);
+    }
+    let mut shown = 0;
+    let cut = read_chain(&mut &bytes[..bytes.len() - 1], &mut |_| {
+        shown += 1;
+        true
+    });
+    // All that came whole was drawn before the cut was met.
+    assert!(matches!(cut, Err(StreamError::Truncated { .. })));
+    assert_eq!(shown, chain.records().len() - 1);
+}
+
+#[test]
+fn broken_streams_are_refused_in_a_sentence() {
+    let say = |tail: &[u8]| {
+        let mut bytes = b"secateur chain 1".to_vec();
+        bytes.extend_from_slice(tail);
+        let read = read_chain(&mut &*bytes, &mut |_| true);
+        read.map(|_| ()).unwrap_err().to_string()
+    };
+    assert_eq!(
+        say(&[0, 9]),
+        "byte 17 of the chain starts a record of the unknown kind 9"
+    );
+    assert_eq!(
+        say(&[2, 7, 0, 0, 0]),
+        "record 0 of the chain restores a state that was not saved"
+    );
+    assert_eq!(
+        say(&[1, 7, 0, 0, 0]),
+        "record 0 of the chain saves a state before there is one"
+    );
+    let mut flat = vec![3, 0, 2, 0, 0, 0];
+    flat.resize(70, 0);
+    assert_eq!(
+        say(&flat),
+        "record 0 of the chain has a number out of range"
+    );
+    let none = read_chain(&mut &b"glTF"[..], &mut |_| true);
+    assert!(matches!(none, Err(StreamError::NoChain)));
+}
+
+#[test]
+fn a_skeleton_without_wood_keeps_its_leaves() {
+    let mut skeleton = oak();
+    skeleton.segments.clear();
+    skeleton.leaves.truncate(2);
+    skeleton
+        .leaves
+        .iter_mut()
+        .for_each(|leaf| leaf.segment = None);
+    let chain = Chain::of(&skeleton, Metric::default());
+    assert_eq!(chain.levels(), 1);
+    assert_eq!(chain.skeleton(1), skeleton);
+    assert_eq!(Interpreter::default().into_skeleton(), Skeleton::default());
+}

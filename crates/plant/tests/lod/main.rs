@@ -1,0 +1,3 @@
+//! Levels of detail of skeletons.
+
+mod chain;
