@@ -157,6 +157,22 @@ impl Epochs {
     }
 
     fn stand_against(&mut self, now: &[i64]) {
+        #[cfg(target_arch = "x86_64")]
+        if std::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { self.stand_against_by_avx2(now) };
+        }
+        self.stand_against_plainly(now);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn stand_against_by_avx2(&mut self, now: &[i64]) {
+        self.stand_against_plainly(now);
+    }
+
+    #[inline(always)]
+    fn stand_against_plainly(&mut self, now: &[i64]) {
         // Whole vectors.
         let first = self.first_class / 8 * 8;
         let end = self.end_class.next_multiple_of(8);
