@@ -61,10 +61,17 @@ pub enum StreamError {
 /// Writes records to a stream, such as [`Chain::prefix`](crate::Chain::prefix).
 ///
 /// # Errors
-/// What `to` says.
+/// What `to` says; [`io::ErrorKind::InvalidInput`] for a leaf whose blade is not
+/// of 2 to 18 triangles, an even number.
 pub fn write_chain(records: &[Record], to: &mut impl Write) -> io::Result<()> {
     to.write_all(MAGIC)?;
     for record in records {
+        if let Record::Leaf(number, leaf) = record
+            && kind_of(kind_byte(leaf.kind)) != Some(leaf.kind)
+        {
+            let why = format!("leaf {number} is a {:?}, which no chain holds", leaf.kind);
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+        }
         to.write_all(&bytes_of(record))?;
     }
     Ok(())
@@ -115,8 +122,8 @@ fn kind_of(byte: u8) -> Option<LeafKind> {
         2 => Some(LeafKind::Needle),
         blade => {
             let triangles = blade.checked_sub(128)?;
-            let is_known = (2..=18).contains(&triangles) && triangles % 2 == 0;
-            is_known.then_some(LeafKind::Blade { triangles })
+            let is_blade = (2..=18).contains(&triangles) && triangles.is_multiple_of(2);
+            is_blade.then_some(LeafKind::Blade { triangles })
         }
     }
 }

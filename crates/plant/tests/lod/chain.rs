@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use secateur_plant::{
-    Branches, Chain, GrowOptions, Interpreter, Metric, Record, Segment, SegmentIndex, Skeleton,
-    Species, StreamError, grow_skeleton, read_chain, write_chain,
+    Branches, Chain, GrowOptions, Interpreter, LeafPose, Metric, Record, Segment, SegmentIndex,
+    Skeleton, Species, StreamError, grow_skeleton, read_chain, write_chain,
 };
 
 /// The tree of Hybrid's output chain (3), a segment of 1 m for each branch. The
@@ -133,12 +133,22 @@ fn assert_is_plant(skeleton: &Skeleton) {
     }
 }
 
-fn sorted_ends(skeleton: &Skeleton) -> Vec<[u64; 6]> {
-    let ends = |s: &Segment| {
-        let [a, b] = [s.start, s.end].map(|p| p.to_array().map(f64::to_bits));
-        [a[0], a[1], a[2], b[0], b[1], b[2]]
+/// All that a skeleton is made of but who bears what, in an order of its own.
+fn parts(skeleton: &Skeleton) -> Vec<String> {
+    let segment = |s: &Segment| {
+        let places = [s.start, s.end].map(|p| p.to_array().map(f64::to_bits));
+        let radii = [s.start_radius_m, s.end_radius_m].map(f64::to_bits);
+        format!("{places:?} {radii:?} {} {}", s.sides, s.continues_parent)
     };
-    let mut all: Vec<_> = skeleton.segments.iter().map(ends).collect();
+    let leaf = |leaf: &LeafPose| {
+        let bare = LeafPose {
+            segment: None,
+            ..*leaf
+        };
+        format!("{bare:?}")
+    };
+    let segments = skeleton.segments.iter().map(segment);
+    let mut all: Vec<_> = segments.chain(skeleton.leaves.iter().map(leaf)).collect();
     all.sort_unstable();
     all
 }
@@ -154,15 +164,27 @@ fn every_prefix_is_a_plant_and_the_last_is_the_whole() {
     ] {
         let chain = Chain::of(&oak, metric);
         let mut before = 0;
-        for levels in [0, 1, 2, 5, 20, chain.levels() / 2, chain.levels()] {
+        for levels in 0..=chain.levels() {
             let skeleton = chain.skeleton(levels);
             assert_is_plant(&skeleton);
             assert!(skeleton.segments.len() >= before);
             before = skeleton.segments.len();
         }
         let whole = chain.skeleton(usize::MAX);
-        assert_eq!(sorted_ends(&whole), sorted_ends(&oak));
-        assert_eq!(whole.leaves.len(), oak.leaves.len());
+        assert_eq!(parts(&whole), parts(&oak));
+    }
+}
+
+/// A level is made of its own records, each obeyed once: two a segment, one a
+/// leaf and two a fork at most.
+#[test]
+fn a_level_costs_what_it_holds() {
+    let chain = Chain::of(&oak(), Metric::BranchingLength);
+    for levels in 1..chain.levels() {
+        let skeleton = chain.skeleton(levels);
+        let held = 3 * skeleton.segments.len() + skeleton.leaves.len() + levels;
+        assert!(chain.prefix(levels).len() <= held, "{levels}");
+        assert!(chain.prefix(levels).len() < chain.records().len());
     }
 }
 
@@ -180,8 +202,14 @@ fn a_stream_cut_after_any_record_is_a_plant() {
         let mut cut = Vec::new();
         write_chain(&chain.records()[..records], &mut cut).unwrap();
         assert!(bytes.starts_with(&cut));
-        let drawn = read(&cut).unwrap().into_skeleton();
-        assert_is_plant(&drawn);
+        let drawn = read(&cut).unwrap();
+        let mut prefix = Interpreter::default();
+        for record in &chain.records()[..records] {
+            prefix.obey(record).unwrap();
+        }
+        assert_eq!(drawn.skeleton(), prefix.skeleton());
+        assert_eq!(drawn.leaf_numbers(), prefix.leaf_numbers());
+        assert_is_plant(drawn.skeleton());
     }
     let mut shown = 0;
     let cut = read_chain(&mut &bytes[..bytes.len() - 1], &mut |_| {
@@ -218,6 +246,13 @@ fn broken_streams_are_refused_in_a_sentence() {
     assert_eq!(
         say(&flat),
         "record 0 of the chain has a number out of range"
+    );
+    let mut leaf = vec![4];
+    leaf.resize(94, 0);
+    leaf[93] = 9;
+    assert_eq!(
+        say(&leaf),
+        "byte 16 of the chain starts a leaf of the unknown kind 9"
     );
     let none = read_chain(&mut &b"glTF"[..], &mut |_| true);
     assert!(matches!(none, Err(StreamError::NoChain)));
