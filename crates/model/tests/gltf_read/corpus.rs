@@ -104,14 +104,19 @@ fn no_mutation_of_a_seed_panics() {
     }
 }
 
-/// Writes the seeds anew; to be run by hand when there is a new encoding:
-/// `cargo test -p secateur-model --test gltf_read -- --ignored write_the_seeds`.
+/// The fuzzer starts from the very files that these tests make. When there is a
+/// new encoding, run this with `SECATEUR_WRITE_SEEDS=1` to write them.
 #[test]
-#[ignore = "writes into the repository"]
-fn write_the_seeds() {
+fn the_fuzzers_seeds_are_these() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/gltf_loader");
-    std::fs::create_dir_all(&folder).unwrap();
+    let writes = std::env::var_os("SECATEUR_WRITE_SEEDS").is_some();
     for (name, bytes) in crate::seeds::all() {
-        std::fs::write(folder.join(name), bytes).unwrap();
+        let path = folder.join(name);
+        if writes {
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(&path, &bytes).unwrap();
+        }
+        let kept = std::fs::read(&path).unwrap_or_default();
+        assert!(kept == bytes, "{} is not what is made now", path.display());
     }
 }
