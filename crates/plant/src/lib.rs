@@ -57,6 +57,7 @@ pub use grow::{
 };
 pub use language::{Rules, RulesError};
 pub use random::Random;
-pub use skeleton::{LeafKind, LeafPose, Segment, SegmentIndex, Skeleton};
+pub use secateur_model::{PlantSkeleton, Segment, SegmentIndex};
+pub use skeleton::{LeafKind, LeafPose, Skeleton};
 pub use species::{Species, UnknownSpecies};
 pub use turtle::draw;
