@@ -20,7 +20,7 @@ use super::args::{self, Common};
 use super::failure::Failure;
 use super::print::Printed;
 use super::summary::grouped;
-use super::{interrupt, output, record};
+use super::{interrupt, output, record, simplify};
 use judge::{Judge, Ran};
 use plan::Case;
 use rows::RowFile;
@@ -178,7 +178,8 @@ fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
 
 fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
     let coarsest = levels.iter().copied().fold(1.0, f64::min);
-    let settings = job.case.settings(coarsest, job.seed)?;
+    let mut settings = job.case.settings(coarsest, job.seed)?;
+    settings.skeleton = simplify::skeleton(tree, &settings)?;
     let changed = job.case.perturbation.apply(tree.foliage(), &settings);
     let count = tree.foliage().leaves().len();
     let steps: Vec<usize> = levels
