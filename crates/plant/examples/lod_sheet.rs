@@ -42,8 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut above = Vec::new();
     for share in [1.0, 0.25, 0.05, 0.01] {
         let levels = (share * chain.levels() as f64).ceil() as usize;
-        let title = format!("chain {levels} of {}", chain.levels());
-        above.push(panel(title, chain.skeleton(levels))?);
+        above.push(panel(format!("{levels} levels"), chain.skeleton(levels))?);
     }
     let mut below = Vec::new();
     let scheme = Scheme::halving();

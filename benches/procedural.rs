@@ -1,0 +1,229 @@
+//! Levels of detail by a plant's own branches: whether they keep what they
+//! promise, beside VDS on the same tree; and how long a level of a chain takes.
+//!
+//! `cargo bench --bench procedural [-- PART]`; PART is `goals`, `methods` or
+//! `chain`.
+
+mod rows;
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use rows::{Row, Rows, repeats};
+use secateur::plant::{
+    Chain, ClusterSize, GrowOptions, Metric, Scheme, Skeleton, Species, grow_skeleton,
+    merge_levels, plant_of,
+};
+use secateur::{
+    Document, Method, Resolution, Simplify, Target, Tree, measure, plant_to_glb, simplify,
+};
+use std::sync::Arc;
+
+const SEED: u64 = 7;
+
+fn main() {
+    let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
+    let wanted = |name: &str| part.as_ref().is_none_or(|part| part == name);
+    let mut rows = Rows::create("procedural");
+    if wanted("goals") {
+        for species in [Species::Oak, Species::Birch, Species::Palmetto] {
+            goals(&mut rows, species, 5000);
+        }
+    }
+    if wanted("methods") {
+        for species in [Species::Oak, Species::Birch] {
+            methods(&mut rows, species, 5000);
+        }
+    }
+    if wanted("chain") {
+        extraction(&mut rows);
+    }
+}
+
+fn note(rows: &mut Rows, case: &str, quantity: &str, unit: &str, value: f64) {
+    rows.add(&Row {
+        case,
+        quantity,
+        unit,
+        value,
+        repeat: 0,
+        adapter: "cpu",
+        command: "cargo bench --bench procedural",
+    });
+}
+
+fn skeleton(species: Species, leaves: u32) -> Skeleton {
+    let options = GrowOptions { leaves, seed: SEED };
+    grow_skeleton(species, &options).expect("a species grows")
+}
+
+/// As a file would be read, with its wood triangles and its height in metres,
+/// leaves included.
+fn read_back(skeleton: Skeleton, species: Species) -> (Tree, f64) {
+    let plant = plant_of(skeleton, species.rules(), species.name(), SEED);
+    let plant = plant.expect("a plant of a species");
+    let positions = plant.wood.positions.iter().chain(&plant.leaves.positions);
+    let top_m = positions.map(|p| p.y).fold(0.0, f64::max);
+    let document = Document::from_bytes(species.name(), plant_to_glb(&plant), None);
+    let leaves = format!("material:{} leaf", species.name());
+    let leaves = leaves.parse().expect("a selector");
+    let tree = document.and_then(|document| document.into_tree(&[leaves]));
+    (tree.expect("a grown plant is a tree"), top_m)
+}
+
+fn wood_top_m(skeleton: &Skeleton) -> f64 {
+    skeleton
+        .segments
+        .iter()
+        .map(|s| s.end.y)
+        .fold(0.0, f64::max)
+}
+
+/// L-plants, section IV: polygons fall, the height and the coverage are kept.
+fn goals(rows: &mut Rows, species: Species, leaves: u32) {
+    let whole = skeleton(species, leaves);
+    let wood_m = wood_top_m(&whole);
+    let (original, top_m) = read_back(whole.clone(), species);
+    for (name, scheme) in [
+        ("50-25-12.5-12.5", Scheme::halving()),
+        ("25-25-25-25", Scheme::even()),
+    ] {
+        for (k, level) in merge_levels(&whole, &scheme, ClusterSize::Paper)
+            .into_iter()
+            .enumerate()
+        {
+            let case = format!("{species} {leaves}, merge {name}, level {}", k + 1);
+            let wood_kept = wood_top_m(&level.skeleton) / wood_m;
+            judged(rows, &case, level.skeleton, species, &original, top_m);
+            note(rows, &case, "wood height kept", "", wood_kept);
+        }
+    }
+    let chain = Chain::of(&whole, Metric::BranchingLength);
+    for share in [0.5, 0.25, 0.125, 0.02] {
+        let levels = (share * chain.levels() as f64).ceil() as usize;
+        let case = format!(
+            "{species} {leaves}, chain, {} % of its levels",
+            100.0 * share
+        );
+        let level = chain.skeleton(levels);
+        let wood_kept = wood_top_m(&level) / wood_m;
+        judged(rows, &case, level, species, &original, top_m);
+        note(rows, &case, "wood height kept", "", wood_kept);
+    }
+}
+
+fn judged(
+    rows: &mut Rows,
+    case: &str,
+    level: Skeleton,
+    species: Species,
+    original: &Tree,
+    top_m: f64,
+) {
+    let (tree, now_m) = read_back(level, species);
+    let triangles = tree.triangle_count() as f64 / original.triangle_count() as f64;
+    note(rows, case, "triangles kept", "", triangles);
+    note(
+        rows,
+        case,
+        "leaves",
+        "",
+        tree.foliage().leaves().len() as f64,
+    );
+    note(rows, case, "height kept", "", now_m / top_m);
+    scores(rows, case, original, &tree);
+}
+
+fn scores(rows: &mut Rows, case: &str, original: &Tree, simplified: &Tree) {
+    let measured = measure(original.foliage(), simplified.foliage());
+    let measured = measured.expect("a crown in range");
+    for (metric, value) in measured.overall.iter() {
+        if ["vmi_error_percent", "silhouette_iou", "coverage_ratio"].contains(&metric.key) {
+            note(rows, case, metric.key, metric.unit, value);
+        }
+    }
+}
+
+/// The same leaves taken away by rules and by what the views show.
+fn methods(rows: &mut Rows, species: Species, leaves: u32) {
+    let (tree, _) = read_back(skeleton(species, leaves), species);
+    let skeleton = tree.skeleton().expect("a sound skeleton").map(Arc::new);
+    for ratio in [0.5, 0.25, 0.1] {
+        for method in [
+            Method::Chain,
+            Method::Merge,
+            Method::Vds,
+            Method::Stochastic,
+        ] {
+            let case = format!(
+                "{species} {leaves} to {} %, {}",
+                100.0 * ratio,
+                method.name()
+            );
+            let mut settings = Simplify::to(Target::Ratio(ratio));
+            settings.method = method;
+            settings.skeleton = skeleton.clone();
+            settings.resolution = Resolution::Pixels(256);
+            settings.audit = false;
+            let run = simplify(
+                tree.foliage(),
+                &settings,
+                &mut |_| ControlFlow::Continue(()),
+            );
+            let run = run.expect("a crown that can be simplified");
+            let seconds = run.seconds.iter().find(|(stage, _)| *stage == "simplify");
+            note(
+                rows,
+                &case,
+                "seconds",
+                "s",
+                seconds.map_or(f64::NAN, |s| s.1),
+            );
+            let bytes = tree.lod_to_bytes(&run.lod).expect("a level can be written");
+            let document = Document::from_bytes("level", bytes, None);
+            let selector = format!("material:{} leaf", species.name());
+            let level = document
+                .and_then(|d| d.into_tree(&[selector.parse().expect("a selector")]))
+                .expect("and read");
+            scores(rows, &case, &tree, &level);
+        }
+    }
+}
+
+/// Hybrid, section 4.1: level K in time proportional to K.
+fn extraction(rows: &mut Rows) {
+    let oak = skeleton(Species::Oak, 105_688);
+    let chain = Chain::of(&oak, Metric::BranchingLength);
+    let mut points = Vec::new();
+    for k in 1..=8 {
+        let levels = chain.levels() * k / 8;
+        let mut least = f64::INFINITY;
+        for _ in 0..repeats().max(5) {
+            let start = Instant::now();
+            let level = chain.skeleton(levels);
+            least = least.min(start.elapsed().as_secs_f64());
+            drop(level);
+        }
+        let case = format!("chain of oak 105688, level {levels}");
+        let records = chain.prefix(levels).len();
+        note(rows, &case, "records", "", records as f64);
+        note(rows, &case, "extraction", "s", least);
+        points.push((records as f64, least, levels as f64));
+    }
+    let case = "chain of oak 105688, extraction";
+    let by_records = exponent(points.iter().map(|p| (p.0, p.1)));
+    let by_levels = exponent(points.iter().map(|p| (p.2, p.1)));
+    note(rows, case, "exponent over records", "", by_records);
+    note(rows, case, "exponent over levels", "", by_levels);
+}
+
+/// Of a power law, by least squares of the logarithms.
+fn exponent(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = points.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    covariance / variance
+}
