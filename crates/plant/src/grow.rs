@@ -126,7 +126,7 @@ pub fn grow_rules(
 ) -> Result<Plant, GrowError> {
     let skeleton = rules_skeleton(rules, name, leaves, seed)?;
     check_size(&skeleton, name)?;
-    Ok(surfaces(&skeleton, rules, name, seed))
+    Ok(surfaces(skeleton, rules, name, seed))
 }
 
 /// The branches and leaves of the plant that [`grow_rules`] gives a surface.
@@ -179,7 +179,7 @@ fn check_size(skeleton: &Skeleton, name: &str) -> Result<(), GrowError> {
 }
 
 /// The surface of a skeleton that these rules drew.
-pub(crate) fn surfaces(skeleton: &Skeleton, rules: &Rules, name: &str, seed: u64) -> Plant {
+pub(crate) fn surfaces(skeleton: Skeleton, rules: &Rules, name: &str, seed: u64) -> Plant {
     let settings = rules.settings();
     let mut tints = Random::new(!seed);
     let leaf_texture = leaf_texture(settings);
@@ -204,9 +204,10 @@ pub(crate) fn surfaces(skeleton: &Skeleton, rules: &Rules, name: &str, seed: u64
     let triangles = skeleton.leaves.iter().map(|leaf| leaf.kind.triangles());
     Plant {
         name: name.into(),
-        wood: wood_surface(skeleton, bark_material),
+        wood: wood_surface(&skeleton, bark_material),
         leaves: leaf_surface(&skeleton.leaves, settings, leaf_material, &mut tints),
         triangles_per_leaf: triangles.collect(),
+        skeleton: Some(skeleton.into_plant_skeleton()),
     }
 }
 

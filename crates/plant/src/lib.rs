@@ -40,6 +40,7 @@ mod grow;
 pub mod language;
 mod leaf_surface;
 mod leaf_texture;
+mod merge;
 mod outline;
 mod random;
 mod skeleton;
@@ -56,7 +57,11 @@ pub use grow::{
     GrowError, GrowOptions, MAX_LEAVES, grow, grow_rules, grow_skeleton, rules_skeleton,
 };
 pub use language::{Rules, RulesError};
+pub use merge::{
+    MergedLevel, Scheme, SchemeError, height_over_radius, merge_at, merge_levels, merge_order,
+};
 pub use random::Random;
-pub use skeleton::{LeafKind, LeafPose, Segment, SegmentIndex, Skeleton};
+pub use secateur_model::{PlantSkeleton, Segment, SegmentIndex};
+pub use skeleton::{LeafKind, LeafPose, Skeleton};
 pub use species::{Species, UnknownSpecies};
 pub use turtle::draw;
