@@ -125,6 +125,19 @@ pub fn grow_rules(
     seed: u64,
 ) -> Result<Plant, GrowError> {
     let skeleton = rules_skeleton(rules, name, leaves, seed)?;
+    plant_of(skeleton, rules, name, seed)
+}
+
+/// The plant of a skeleton that these rules drew, or of a level of detail of one.
+///
+/// # Errors
+/// [`GrowError::TooLarge`].
+pub fn plant_of(
+    skeleton: Skeleton,
+    rules: &Rules,
+    name: &str,
+    seed: u64,
+) -> Result<Plant, GrowError> {
     check_size(&skeleton, name)?;
     Ok(surfaces(skeleton, rules, name, seed))
 }

@@ -1,6 +1,6 @@
 //! Levels of a whole plant, wood and leaves.
 
-use super::clusters::{Card, Disc};
+use super::clusters::{Card, ClusterSize, Disc};
 use super::merging::Merging;
 use super::scheme::Scheme;
 use super::sticks::{in_order, replaced_below, thresholds};
@@ -26,11 +26,11 @@ pub struct MergedLevel {
 ///
 /// # Panics
 /// If a segment's parent is not an earlier one.
-pub fn merge_levels(skeleton: &Skeleton, scheme: &Scheme) -> Vec<MergedLevel> {
+pub fn merge_levels(skeleton: &Skeleton, scheme: &Scheme, size: ClusterSize) -> Vec<MergedLevel> {
     let sticks = in_order(&replaced_below(&skeleton.segments));
     let shares = scheme.shares_gone();
     let thresholds = thresholds(&sticks, skeleton.segments.len(), &shares);
-    levels(skeleton, &sticks, &thresholds)
+    levels(skeleton, &sticks, &thresholds, size)
 }
 
 /// The levels of a plant at thresholds of HR of one's own.
@@ -38,20 +38,26 @@ pub fn merge_levels(skeleton: &Skeleton, scheme: &Scheme) -> Vec<MergedLevel> {
 /// # Panics
 /// If the thresholds rise or one is NaN, or a segment's parent is not an earlier
 /// one.
-pub fn merge_at(skeleton: &Skeleton, thresholds: &[f64]) -> Vec<MergedLevel> {
+pub fn merge_at(skeleton: &Skeleton, thresholds: &[f64], size: ClusterSize) -> Vec<MergedLevel> {
     let fall = thresholds.is_sorted_by(|a, b| a >= b);
     assert!(
         fall && !thresholds.iter().any(|t| t.is_nan()),
         "thresholds fall"
     );
     let sticks = in_order(&replaced_below(&skeleton.segments));
-    levels(skeleton, &sticks, thresholds)
+    levels(skeleton, &sticks, thresholds, size)
 }
 
-fn levels(skeleton: &Skeleton, sticks: &[(f64, u32)], thresholds: &[f64]) -> Vec<MergedLevel> {
-    let discs = skeleton.leaves.iter().map(disc_of).collect();
+fn levels(
+    skeleton: &Skeleton,
+    sticks: &[(f64, u32)],
+    thresholds: &[f64],
+    size: ClusterSize,
+) -> Vec<MergedLevel> {
+    let disc = |leaf: &LeafPose| disc_of(leaf, &skeleton.segments);
+    let discs = skeleton.leaves.iter().map(disc).collect();
     let leaf_sticks = skeleton.leaves.iter().map(|leaf| leaf.segment);
-    let mut merging = Merging::new(&skeleton.segments, discs, leaf_sticks);
+    let mut merging = Merging::new(&skeleton.segments, discs, size, leaf_sticks);
     let mut levels = Vec::new();
     let mut replaced = 0;
     for &threshold in thresholds {
@@ -68,8 +74,9 @@ fn levels(skeleton: &Skeleton, sticks: &[(f64, u32)], thresholds: &[f64]) -> Vec
     levels
 }
 
-fn disc_of(leaf: &LeafPose) -> Disc {
+fn disc_of(leaf: &LeafPose, sticks: &[Segment]) -> Disc {
     Disc {
+        anchor: leaf.segment.map_or(leaf.base, |s| sticks[s.index()].end),
         centre: leaf.base + leaf.along * (0.5 * leaf.length_m),
         radius_m: radius_of(leaf),
     }
@@ -85,8 +92,9 @@ fn left(skeleton: &Skeleton, merging: &Merging<'_>) -> Skeleton {
     let mut new_places = vec![None; skeleton.segments.len()];
     let mut is_single = vec![false; skeleton.leaves.len()];
     let mut clusters = Vec::new();
-    for index in 0..skeleton.segments.len() {
+    for (index, segment) in skeleton.segments.iter().enumerate() {
         if !merging.is_kept(index) {
+            new_places[index] = segment.parent.and_then(|p| new_places[p.index()]);
             continue;
         }
         let place = SegmentIndex::from_index(level.segments.len());
@@ -96,7 +104,7 @@ fn left(skeleton: &Skeleton, merging: &Merging<'_>) -> Skeleton {
             parent: stick.parent.and_then(|parent| new_places[parent.index()]),
             ..stick
         });
-        for &leaf in merging.own(index) {
+        for leaf in merging.single(index) {
             is_single[leaf as usize] = true;
         }
         clusters.extend(merging.card(index as u32).map(|card| (place, card)));
@@ -118,7 +126,7 @@ fn left(skeleton: &Skeleton, merging: &Merging<'_>) -> Skeleton {
     level
 }
 
-/// The donor with its middle at the cluster's centre and its corners at R0.
+/// The donor with its middle at the cluster's centre and its corners at its radius.
 fn clustered(donor: &LeafPose, place: SegmentIndex, card: &Card) -> LeafPose {
     let radius_m = radius_of(donor);
     let scale = match radius_m > 0.0 {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::clusters::{Card, Disc, Gathered};
+use super::clusters::{Card, ClusterSize, Disc, Gathered};
 use crate::{Segment, SegmentIndex};
 
 const NONE: u32 = u32::MAX;
@@ -20,6 +20,7 @@ pub(super) enum Part {
 pub(super) struct Merging<'a> {
     sticks: &'a [Segment],
     discs: Vec<Disc>,
+    size: ClusterSize,
     /// The y of the plant's highest end.
     height_m: f64,
     /// The latest child of a stick, and for each the one before it.
@@ -32,7 +33,8 @@ pub(super) struct Merging<'a> {
     tops: Vec<Top>,
     /// The single leaves of each stick.
     own: Vec<Vec<u32>>,
-    /// The original leaves of the cluster on top of each stick; none, no cluster.
+    /// The original leaves of the cluster on top of each stick: none, no cluster; one
+    /// stays where it stands.
     clusters: Vec<Vec<u32>>,
 }
 
@@ -53,12 +55,14 @@ impl<'a> Merging<'a> {
     pub(super) fn new(
         sticks: &'a [Segment],
         discs: Vec<Disc>,
+        size: ClusterSize,
         leaf_sticks: impl Iterator<Item = Option<SegmentIndex>>,
     ) -> Self {
         let count = sticks.len();
         let mut merging = Self {
             sticks,
             discs,
+            size,
             height_m: sticks
                 .iter()
                 .map(|stick| stick.end.y)
@@ -150,7 +154,7 @@ impl<'a> Merging<'a> {
                     leaves.extend(more);
                 }
             }
-            part_seen(gathered.card());
+            part_seen(gathered.card(self.size));
         }
         self.own[s] = Vec::new();
         if self.kept_children[parent] == 0 {
@@ -181,24 +185,27 @@ impl<'a> Merging<'a> {
         self.tops[parent] = top;
     }
 
-    /// The cluster on top of a stick, if there is one.
+    /// The cluster on top of a stick, if there is one of more than one leaf.
     pub(super) fn card(&self, stick: u32) -> Option<Card> {
         let leaves = &self.clusters[stick as usize];
-        if leaves.is_empty() {
+        if leaves.len() < 2 {
             return None;
         }
         let mut gathered = Gathered::at(self.tops[stick as usize].end);
         gathered.add(leaves, &self.discs);
-        Some(gathered.card())
+        Some(gathered.card(self.size))
     }
 
     pub(super) fn is_kept(&self, stick: usize) -> bool {
         self.is_kept[stick]
     }
 
-    /// The single leaves of a stick.
-    pub(super) fn own(&self, stick: usize) -> &[u32] {
-        &self.own[stick]
+    /// The leaves of a stick that stand as they did: its own, and one of what it
+    /// replaced if that is all.
+    pub(super) fn single(&self, stick: usize) -> impl Iterator<Item = u32> + '_ {
+        let lone = Some(&self.clusters[stick]).filter(|leaves| leaves.len() == 1);
+        let lone = lone.into_iter().flatten();
+        self.own[stick].iter().chain(lone).copied()
     }
 
     /// A stick as it is now, its parent as it was.

@@ -13,7 +13,10 @@
 //! R0 = mean distance of its leaves from there + mean radius of its leaves
 //! ```
 //!
-//! always of the original leaves, so that nothing adds up from level to level.
+//! always of the original leaves, so that nothing adds up from level to level;
+//! distances are between the tops of sticks. On a plant whose leaves stand far
+//! apart, cards of that radius cover more than the leaves did: [`ClusterSize`] can
+//! bound their area by that of the leaves.
 //!
 //! Where the paper is silent:
 //! - A stick is extended along its own direction, as far as the farthest end that
@@ -21,6 +24,7 @@
 //!   that continues it stays. So that the height is kept, the stick that stands for
 //!   the plant's highest end turns to it if it would stay below and bears nothing.
 //! - Its own leaves join the cluster once nothing grows on it any more.
+//! - A leaf alone is no cluster: it stays where it stands.
 //! - The radius of a leaf is from its centre to its farthest corner; a cluster
 //!   looks like that of its leaves which is nearest to its centre, larger.
 //! - Roots stay: the last level of a tree is a pole with one cluster.
@@ -32,6 +36,7 @@ mod order;
 mod scheme;
 mod sticks;
 
+pub use clusters::ClusterSize;
 pub use levels::{MergedLevel, merge_at, merge_levels};
 pub use order::merge_order;
 pub use scheme::{Scheme, SchemeError};

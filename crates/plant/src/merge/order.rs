@@ -5,7 +5,7 @@ use secateur_model::{
     Foliage, LeafId, NewCorner, NewLeaf, Place, PlantSkeleton, RemovalOrder, Step,
 };
 
-use super::clusters::{Card, Disc};
+use super::clusters::{Card, ClusterSize, Disc};
 use super::merging::{Merging, Part};
 use super::sticks::{in_order, replaced_below};
 
@@ -21,9 +21,14 @@ use super::sticks::{in_order, replaced_below};
 ///
 /// # Panics
 /// If the skeleton does not pass its check for this foliage.
-pub fn merge_order(foliage: &Foliage, skeleton: &PlantSkeleton, leaves: usize) -> RemovalOrder {
+pub fn merge_order(
+    foliage: &Foliage,
+    skeleton: &PlantSkeleton,
+    size: ClusterSize,
+    leaves: usize,
+) -> RemovalOrder {
     let sticks = in_order(&replaced_below(&skeleton.segments));
-    let mut builder = Builder::new(foliage, skeleton);
+    let mut builder = Builder::new(foliage, skeleton, size);
     // To the end, whatever the target: where the last step leaves its clusters
     // depends on what moves after it.
     for (_, stick) in sticks {
@@ -57,16 +62,16 @@ struct LastStep {
 }
 
 impl<'a> Builder<'a> {
-    fn new(foliage: &'a Foliage, skeleton: &'a PlantSkeleton) -> Self {
+    fn new(foliage: &'a Foliage, skeleton: &'a PlantSkeleton, size: ClusterSize) -> Self {
         let count = foliage.leaves().len();
         skeleton.check(count).expect("a skeleton of this foliage");
         let discs: Vec<Disc> = (0..count)
-            .map(|leaf| disc_of(foliage, LeafId::from_index(leaf)))
+            .map(|leaf| disc_of(foliage, skeleton, LeafId::from_index(leaf)))
             .collect();
         let leaf_sticks = skeleton.leaf_segments.iter().copied();
         Self {
             foliage,
-            merging: Merging::new(&skeleton.segments, discs.clone(), leaf_sticks),
+            merging: Merging::new(&skeleton.segments, discs.clone(), size, leaf_sticks),
             discs,
             order: RemovalOrder::new(count as u32),
             names: vec![None; skeleton.segments.len()],
@@ -158,7 +163,7 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// The donor's triangles about the card's centre, its farthest corner at R0.
+    /// The donor's triangles about the card's centre, its farthest corner at its radius.
     fn leaf_of(&self, card: &Card) -> NewLeaf {
         let donor = LeafId::from_index(card.donor as usize);
         let disc = &self.discs[card.donor as usize];
@@ -203,11 +208,13 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn disc_of(foliage: &Foliage, leaf: LeafId) -> Disc {
+fn disc_of(foliage: &Foliage, skeleton: &PlantSkeleton, leaf: LeafId) -> Disc {
     let centre = foliage.leaf(leaf).centre();
+    let stick = skeleton.leaf_segments[leaf.index()];
     let corners = foliage.triangles_of(leaf).iter().flat_map(|t| t.corners);
     let distances_m = corners.map(|corner| (corner - centre).length());
     Disc {
+        anchor: stick.map_or(centre, |s| skeleton.segments[s.index()].end),
         centre,
         radius_m: distances_m.fold(0.0, f64::max),
     }

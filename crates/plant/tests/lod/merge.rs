@@ -4,8 +4,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod, PlantSkeleton};
 use secateur_plant::{
-    GrowOptions, LeafKind, LeafPose, MergedLevel, Scheme, Segment, SegmentIndex, Skeleton, Species,
-    grow_skeleton, height_over_radius, merge_at, merge_levels, merge_order,
+    ClusterSize, GrowOptions, LeafKind, LeafPose, MergedLevel, Scheme, Segment, SegmentIndex,
+    Skeleton, Species, grow_skeleton, height_over_radius, merge_at, merge_levels, merge_order,
 };
 
 fn stick(parent: Option<usize>, start: DVec3, end: DVec3, radius_m: f64) -> Segment {
@@ -84,7 +84,7 @@ fn height_is_above_the_ground_and_radius_at_the_foot_of_the_stick() {
 #[test]
 fn what_bears_something_below_the_threshold_stays() {
     let plant = figure_4();
-    let [one, two] = &merge_at(&plant, &[30.0, 15.0])[..] else {
+    let [one, two] = &merge_at(&plant, &[30.0, 15.0], ClusterSize::Paper)[..] else {
         panic!("two levels");
     };
     // S3,4 to S3,7 are above 30, but S4,14 and S4,15 are not: so S3,7 stays.
@@ -106,7 +106,7 @@ fn what_bears_something_below_the_threshold_stays() {
 #[test]
 fn parents_are_extended_and_their_leaves_become_clusters() {
     let plant = figure_4();
-    let levels = merge_at(&plant, &[30.0, f64::NEG_INFINITY]);
+    let levels = merge_at(&plant, &[30.0, f64::NEG_INFINITY], ClusterSize::Paper);
     let level = &levels[0].skeleton;
     // S2,2 points along (-2, 1) from (0, 1). Of its two ends (-3, 3) is farther, at
     // sqrt(13), and both are at 3, which it would reach after 2 sqrt(5) only: so it
@@ -115,18 +115,17 @@ fn parents_are_extended_and_their_leaves_become_clusters() {
     assert_near(level.segments[1].end, top);
     // S2,3 has lost S3,6, whose end is at (1, 3): sqrt(5), as long as it is.
     assert_near(level.segments[2].end, DVec3::new(2.0, 2.0, 0.0));
-    // The single leaves of S4,14 and S4,15 come first, then the clusters of S2,2
-    // and S2,3, of two leaves and of one.
+    // The leaves of S4,14 and S4,15 stay, and so does the only one that S2,3 stands
+    // for, which is on S2,3 now; then comes the cluster of S2,2.
     assert_eq!(level.leaves.len(), 4);
     let places = |leaves: &[LeafPose]| leaves.iter().map(|l| l.base).collect::<Vec<_>>();
-    assert_eq!(places(&level.leaves[..2]), places(&plant.leaves[3..]));
-    let (both, one) = (&level.leaves[2], &level.leaves[3]);
+    assert_eq!(places(&level.leaves[..3]), places(&plant.leaves[2..]));
+    assert_eq!(level.leaves[0].segment, Some(SegmentIndex::from_index(2)));
+    let both = &level.leaves[3];
     assert_near(middle(both), top);
     let distances = [DVec3::new(-3., 3., 0.), DVec3::new(-1., 3., 0.)].map(|p| p.distance(top));
     let expected = 0.5 * (distances[0] + distances[1]) + 0.5;
     assert!((radius_m(both) - expected).abs() < 1e-12);
-    assert_near(middle(one), DVec3::new(2.0, 2.0, 0.0));
-    assert!((radius_m(one) - (2f64.sqrt() + 0.5)).abs() < 1e-12);
 
     // The last level is the trunk, as high as the plant, with one cluster of all.
     let last = &levels[1].skeleton;
@@ -149,14 +148,31 @@ fn a_stick_that_goes_on_is_not_extended() {
         ],
         leaves: vec![leaf(0, at(0., 1.), 0.1), leaf(2, at(0.5, 4.), 0.1)],
     };
-    let end = |plant: &Skeleton| merge_at(plant, &[50.0])[0].skeleton.segments[0].end;
+    let end = |plant: &Skeleton| {
+        merge_at(plant, &[50.0], ClusterSize::Paper)[0]
+            .skeleton
+            .segments[0]
+            .end
+    };
     // The end at (0.5, 4) is a little more than 4 m away, and 4 m high.
     assert_near(end(&plant), at(0.0, 4.0));
     plant.segments[1].continues_parent = true;
     assert_eq!(end(&plant), at(0.0, 1.0));
     // Its own leaf stays single while something grows on it.
-    assert_eq!(merge_at(&plant, &[50.0])[0].skeleton.leaves.len(), 2);
-    assert_eq!(merge_at(&plant, &[-1.0])[0].skeleton.leaves.len(), 1);
+    assert_eq!(
+        merge_at(&plant, &[50.0], ClusterSize::Paper)[0]
+            .skeleton
+            .leaves
+            .len(),
+        2
+    );
+    assert_eq!(
+        merge_at(&plant, &[-1.0], ClusterSize::Paper)[0]
+            .skeleton
+            .leaves
+            .len(),
+        1
+    );
 }
 
 #[test]
@@ -166,7 +182,7 @@ fn schemes_take_their_shares_of_the_sticks() {
         (Scheme::halving(), [0.5, 0.75, 0.875, 1.0]),
         (Scheme::even(), [0.25, 0.5, 0.75, 1.0]),
     ] {
-        let levels = merge_levels(&plant, &scheme);
+        let levels = merge_levels(&plant, &scheme, ClusterSize::Paper);
         let count = plant.segments.len() as f64;
         for (level, share) in levels.iter().zip(shares) {
             let gone = level.replaced as f64 / count;
@@ -200,7 +216,7 @@ fn every_species_loses_polygons_and_keeps_its_height() {
         let plant = grown(species);
         for scheme in [Scheme::halving(), Scheme::even()] {
             let mut before = polygons(&plant);
-            for level in merge_levels(&plant, &scheme) {
+            for level in merge_levels(&plant, &scheme, ClusterSize::Paper) {
                 let (now, top) = (polygons(&level.skeleton), wood_top_m(&level.skeleton));
                 assert!(now < before, "{species}: {now} of {before} polygons");
                 before = now;
@@ -234,7 +250,8 @@ fn as_read(plant: &Skeleton) -> (Foliage, PlantSkeleton) {
 
 /// Every step is one leaf less, and names only what is there.
 fn assert_is_order(foliage: &Foliage, skeleton: &PlantSkeleton) {
-    let order = merge_order(foliage, skeleton, 0);
+    let size = ClusterSize::Area;
+    let order = merge_order(foliage, skeleton, size, 0);
     let count = foliage.leaves().len();
     assert_eq!(order.len(), count);
     let mut is_there = vec![true; count];
@@ -250,7 +267,7 @@ fn assert_is_order(foliage: &Foliage, skeleton: &PlantSkeleton) {
     for leaves in [count / 2, count / 10] {
         let mut prefix = order.clone();
         prefix.truncate(count - leaves);
-        assert_eq!(merge_order(foliage, skeleton, leaves), prefix);
+        assert_eq!(merge_order(foliage, skeleton, size, leaves), prefix);
     }
     assert_eq!(Lod::after(&order, count).leaf_count(), 0);
 }
@@ -269,9 +286,9 @@ fn an_order_ends_in_the_clusters_of_the_last_level() {
     for species in [Species::Oak, Species::Bush, Species::Palmetto] {
         let plant = grown(species);
         let (foliage, skeleton) = as_read(&plant);
-        let last = &merge_at(&plant, &[f64::NEG_INFINITY])[0].skeleton;
+        let last = &merge_at(&plant, &[f64::NEG_INFINITY], ClusterSize::Paper)[0].skeleton;
         let kept = last.leaves.len();
-        let order = merge_order(&foliage, &skeleton, kept);
+        let order = merge_order(&foliage, &skeleton, ClusterSize::Paper, kept);
         let lod = Lod::after(&order, order.len());
         assert_eq!(lod.leaf_count(), kept, "{species}");
         let left = lod.foliage(&foliage);
@@ -331,7 +348,7 @@ proptest! {
     fn levels_of_any_plant_are_plants(plant in any_plant()) {
         let mut before = polygons(&plant);
         let top = wood_top_m(&plant);
-        for level in merge_levels(&plant, &Scheme::even()) {
+        for level in merge_levels(&plant, &Scheme::even(), ClusterSize::Area) {
             let now = level.skeleton;
             let skeleton = now.clone().into_plant_skeleton();
             prop_assert_eq!(skeleton.check(now.leaves.len()), Ok(()));
