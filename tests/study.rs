@@ -37,6 +37,11 @@ fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
         assert!(!row["commit"].as_str().unwrap().is_empty());
         let picture = bench.read(&format!("s/{}", row["picture"].as_str().unwrap()));
         assert!(picture.starts_with(&[0xFF, 0xD8]), "a JPEG");
+        let difference = bench.read(&format!("s/{}", row["difference"].as_str().unwrap()));
+        assert!(difference.starts_with(&[0xFF, 0xD8]) && difference != picture);
+        if cfg!(target_os = "linux") {
+            assert!(row["peak_rss_bytes"].as_u64().unwrap() > 1 << 20);
+        }
     }
     // Killed within the second row.
     let text = bench.read("s/rows.jsonl");
@@ -103,4 +108,26 @@ fn lots_are_drawn_for_every_seed() {
     let found: Vec<Value> = rows(&bench);
     assert_eq!(found.iter().map(seed).collect::<Vec<_>>(), [0, 1]);
     assert_ne!(found[0]["values"], found[1]["values"]);
+}
+
+/// Views change nothing for a method that has none, so all leaves are shared;
+/// another seed keeps others.
+#[test]
+fn kept_leaves_are_held_against_the_first_case_of_a_method() {
+    let bench = Bench::new();
+    let cases = ["fsa", "stochastic", "fsa --views 6", "stochastic --seed 7"];
+    let cases: Vec<&str> = cases.iter().flat_map(|case| ["--case", case]).collect();
+    study(&bench, &cases[..4]).succeeded();
+    // Taken up: the first cases are there already.
+    study(&bench, &cases).succeeded();
+    let found = rows(&bench);
+    let overlap = |row: &Value| row["kept_overlap"].as_f64();
+    assert_eq!(
+        found.iter().map(overlap).take(3).collect::<Vec<_>>(),
+        [None, None, Some(1.0)]
+    );
+    assert_eq!(found[2]["overlap_with"], "fsa");
+    let lots = overlap(&found[3]).unwrap();
+    // Two draws of 60 of 240 share 15 of 105 on average.
+    assert!((0.02..0.4).contains(&lots), "{lots}");
 }

@@ -29,6 +29,6 @@ mod visibility;
 
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
-pub use measure::{Judging, MeasureError, Measurement, measure, measure_lod};
+pub use measure::{Judging, MeasureError, Measurement, Original, measure, measure_lod};
 pub use pictures::{PictureMeasurement, Pictures};
 pub use render::{RenderOptions, render};

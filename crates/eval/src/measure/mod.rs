@@ -12,6 +12,7 @@ pub use metric::{
     VMI_ERROR_PERCENT,
 };
 pub use scores::{Measurement, Scores};
+use seen::Drawn;
 pub use seen::SeenView;
 
 use secateur_model::{Foliage, Lod};
@@ -76,32 +77,86 @@ pub enum MeasureError {
     TooManyPixels(u64),
 }
 
-/// Measures a simplified foliage against its original. Leaf numbers need not
-/// correspond: each foliage is drawn and counted on its own.
-///
-/// Draws on rayon's current thread pool, both foliages once in each view; holds
-/// two images a thread.
+/// An original foliage, drawn once for any number of measurements against it.
+#[derive(Clone, Debug)]
+pub struct Original<'f> {
+    foliage: &'f Foliage,
+    judging: Judging,
+    drawn: Drawn,
+}
+
+impl<'f> Original<'f> {
+    /// Draws it on rayon's current thread pool, once in each view; keeps a bit a
+    /// pixel.
+    ///
+    /// # Errors
+    /// [`MeasureError`] if the judging has no view or a resolution out of range.
+    pub fn new(foliage: &'f Foliage, judging: Judging) -> Result<Self, MeasureError> {
+        judging.check()?;
+        let all = Lod::original(foliage.leaves().len());
+        let drawn = seen::draw(&scene(foliage, &all, &judging));
+        Ok(Self {
+            foliage,
+            judging,
+            drawn,
+        })
+    }
+
+    /// From where, and how finely, it is judged.
+    pub fn judging(&self) -> &Judging {
+        &self.judging
+    }
+
+    /// Measures a simplified foliage against it. Leaf numbers need not
+    /// correspond: each foliage is drawn and counted on its own.
+    pub fn measure(&self, simplified: &Foliage) -> Measurement {
+        let all = Lod::original(simplified.leaves().len());
+        self.measure_scene(simplified, &all)
+    }
+
+    /// Measures a level of detail of it against the whole.
+    ///
+    /// # Panics
+    /// If the level is one of another foliage.
+    pub fn measure_lod(&self, lod: &Lod) -> Measurement {
+        match lod.is_of_originals() {
+            true => self.measure_scene(self.foliage, lod),
+            false => self.measure(&lod.foliage(self.foliage)),
+        }
+    }
+
+    fn measure_scene(&self, foliage: &Foliage, lod: &Lod) -> Measurement {
+        let drawn = seen::draw(&scene(foliage, lod, &self.judging));
+        let seen = seen::compare(&self.drawn, &drawn);
+        Measurement::of(&seen, self.judging.resolution)
+    }
+}
+
+fn scene<'a>(foliage: &'a Foliage, lod: &'a Lod, judging: &'a Judging) -> Scene<'a> {
+    Scene {
+        foliage,
+        lod,
+        views: &judging.views,
+        resolution: judging.resolution,
+    }
+}
+
+/// [`Original::measure`] for one measurement alone.
 ///
 /// # Errors
-/// [`MeasureError`] if the judging has no view or a resolution out of range.
+/// As [`Original::new`].
 pub fn measure(
     original: &Foliage,
     simplified: &Foliage,
     judging: &Judging,
 ) -> Result<Measurement, MeasureError> {
-    let all = |foliage: &Foliage| Lod::original(foliage.leaves().len());
-    compare(
-        (original, &all(original)),
-        (simplified, &all(simplified)),
-        judging,
-    )
+    Ok(Original::new(original, judging.clone())?.measure(simplified))
 }
 
-/// Measures a level of detail of a foliage against the whole foliage, as
-/// [`measure`] does.
+/// [`Original::measure_lod`] for one measurement alone.
 ///
 /// # Errors
-/// As [`measure`].
+/// As [`Original::new`].
 ///
 /// # Panics
 /// If the level is one of another foliage.
@@ -110,27 +165,7 @@ pub fn measure_lod(
     lod: &Lod,
     judging: &Judging,
 ) -> Result<Measurement, MeasureError> {
-    if !lod.is_of_originals() {
-        return measure(foliage, &lod.foliage(foliage), judging);
-    }
-    let original = Lod::original(foliage.leaves().len());
-    compare((foliage, &original), (foliage, lod), judging)
-}
-
-fn compare(
-    original: (&Foliage, &Lod),
-    simplified: (&Foliage, &Lod),
-    judging: &Judging,
-) -> Result<Measurement, MeasureError> {
-    judging.check()?;
-    let [original, simplified] = [original, simplified].map(|(foliage, lod)| Scene {
-        foliage,
-        lod,
-        views: &judging.views,
-        resolution: judging.resolution,
-    });
-    let seen = seen::see(&original, &simplified);
-    Ok(Measurement::of(&seen, judging.resolution))
+    Ok(Original::new(foliage, judging.clone())?.measure_lod(lod))
 }
 
 #[cfg(test)]

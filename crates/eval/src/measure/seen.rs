@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::Vmi;
-use secateur_raster::{AreaTable, Scene, View, cpu};
+use secateur_raster::{AreaTable, Scene, cpu};
 
 /// One view of the original and of the simplified foliage, counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,48 +20,60 @@ pub struct SeenView {
     pub simplified_vmi_scaled: i64,
 }
 
-/// Draws both scenes, which share views and resolution, once in every view.
-pub(super) fn see(original: &Scene<'_>, simplified: &Scene<'_>) -> Vec<SeenView> {
-    let views = original.views.views().par_iter();
-    let counted: Vec<Counts> = views.map(|v| count(original, simplified, v)).collect();
-    let table = LgTable::new();
-    let vmi = |scene: &Scene<'_>, row: fn(&Counts) -> &Vec<u32>| {
-        let rows: Vec<u32> = counted.iter().flat_map(row).copied().collect();
-        Vmi::of(
-            &AreaTable::from_rows(scene.foliage.leaves().len(), rows),
-            &table,
-        )
-    };
-    let original_vmi = vmi(original, |c| &c.original_area_px);
-    let simplified_vmi = vmi(simplified, |c| &c.simplified_area_px);
-    let vmis = original_vmi.scaled().iter().zip(simplified_vmi.scaled());
-    let seen = counted.iter().zip(vmis);
-    seen.map(
-        |(counts, (&original_vmi_scaled, &simplified_vmi_scaled))| SeenView {
-            original_px: counts.original_area_px[1..].iter().sum(),
-            simplified_px: counts.simplified_area_px[1..].iter().sum(),
-            shared_px: counts.shared_px,
-            original_vmi_scaled,
-            simplified_vmi_scaled,
-        },
-    )
-    .collect()
+/// A scene as all its views see it, as far as it is judged.
+#[derive(Clone, Debug)]
+pub(super) struct Drawn {
+    vmi: Vmi,
+    views: Vec<DrawnView>,
 }
 
-/// Rows of the two area tables, and the pixels that are foliage in both.
-struct Counts {
-    original_area_px: Vec<u32>,
-    simplified_area_px: Vec<u32>,
-    shared_px: u32,
+#[derive(Clone, Debug)]
+struct DrawnView {
+    foliage_px: u32,
+    /// A bit a pixel, row by row.
+    is_foliage: Vec<u64>,
 }
 
-fn count(original: &Scene<'_>, simplified: &Scene<'_>, view: &View) -> Counts {
-    let [a, b] = [original, simplified].map(|scene| cpu::draw_leaf_ids(scene, view));
-    let pixels = a.leaf_ids.iter().zip(&b.leaf_ids);
-    let shared = pixels.filter(|(a, b)| **a != 0 && **b != 0);
-    Counts {
-        shared_px: shared.count() as u32,
-        original_area_px: cpu::histogram(&a, original.foliage.leaves().len()),
-        simplified_area_px: cpu::histogram(&b, simplified.foliage.leaves().len()),
+/// Draws a scene once in every view.
+pub(super) fn draw(scene: &Scene<'_>) -> Drawn {
+    let leaf_count = scene.foliage.leaves().len();
+    let views = scene.views.views().par_iter();
+    let drawn: Vec<(Vec<u32>, DrawnView)> = views
+        .map(|view| {
+            let image = cpu::draw_leaf_ids(scene, view);
+            let area_px = cpu::histogram(&image, leaf_count);
+            let words = image.leaf_ids.chunks(64).map(|pixels| {
+                let bits = pixels.iter().enumerate();
+                bits.fold(0, |word, (bit, id)| word | (u64::from(*id != 0) << bit))
+            });
+            let view = DrawnView {
+                foliage_px: area_px[1..].iter().sum(),
+                is_foliage: words.collect(),
+            };
+            (area_px, view)
+        })
+        .collect();
+    let (rows, views): (Vec<Vec<u32>>, Vec<DrawnView>) = drawn.into_iter().unzip();
+    let table = AreaTable::from_rows(leaf_count, rows.concat());
+    Drawn {
+        vmi: Vmi::of(&table, &LgTable::new()),
+        views,
     }
+}
+
+/// Holds two scenes of the same views and resolution against each other.
+pub(super) fn compare(original: &Drawn, simplified: &Drawn) -> Vec<SeenView> {
+    let vmis = original.vmi.scaled().iter().zip(simplified.vmi.scaled());
+    let views = original.views.iter().zip(&simplified.views);
+    let seen = views.zip(vmis).map(|((a, b), vmis)| {
+        let both = a.is_foliage.iter().zip(&b.is_foliage);
+        SeenView {
+            original_px: a.foliage_px,
+            simplified_px: b.foliage_px,
+            shared_px: both.map(|(a, b)| (a & b).count_ones()).sum(),
+            original_vmi_scaled: *vmis.0,
+            simplified_vmi_scaled: *vmis.1,
+        }
+    });
+    seen.collect()
 }

@@ -9,8 +9,10 @@ mod ssim;
 
 use std::borrow::Borrow;
 
-use image::RgbaImage;
-use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
+use image::{RgbImage, RgbaImage};
+use nv_flip::{
+    DEFAULT_PIXELS_PER_DEGREE, FlipImageFloat, FlipImageRgb8, FlipPool, flip, magma_lut,
+};
 use rayon::prelude::*;
 use secateur_model::Surface;
 use secateur_raster::{View, ViewSet};
@@ -54,17 +56,33 @@ pub const FLIP_MEAN: PictureMetric = PictureMetric {
     unit: "",
     direction: Direction::Lower,
     of: |original, other| {
-        let [a, b] = [original, other].map(|picture| {
-            let rgb: Vec<u8> = picture
-                .pixels()
-                .flat_map(|p| [p.0[0], p.0[1], p.0[2]])
-                .collect();
-            FlipImageRgb8::with_data(picture.width(), picture.height(), &rgb)
-        });
-        let errors = flip(a, b, DEFAULT_PIXELS_PER_DEGREE);
+        let errors = flip_errors(original, other);
         f64::from(FlipPool::from_image(&errors).mean())
     },
 };
+
+fn flip_errors(original: &RgbaImage, other: &RgbaImage) -> FlipImageFloat {
+    let [a, b] = [original, other].map(|picture| {
+        let rgb: Vec<u8> = picture
+            .pixels()
+            .flat_map(|p| [p.0[0], p.0[1], p.0[2]])
+            .collect();
+        FlipImageRgb8::with_data(picture.width(), picture.height(), &rgb)
+    });
+    flip(a, b, DEFAULT_PIXELS_PER_DEGREE)
+}
+
+/// Where two pictures differ: the FLIP error of every pixel on the magma colour
+/// map, from black (none) through purple and orange to pale yellow (1).
+///
+/// # Panics
+/// If the sizes differ or are zero.
+pub fn difference(original: &RgbaImage, other: &RgbaImage) -> RgbImage {
+    assert_eq!(original.dimensions(), other.dimensions(), "one size");
+    let (width, height) = original.dimensions();
+    let colored = flip_errors(original, other).apply_color_lut(&magma_lut());
+    RgbImage::from_raw(width, height, colored.to_vec()).expect("three bytes a pixel")
+}
 
 /// A value for each of [`PICTURE_METRICS`]. Serialises as a map from their keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,6 +224,30 @@ mod tests {
         assert!((0.9..=1.0).contains(&most), "{most}");
         let little = of(&flat([100; 3]), &flat([104; 3]));
         assert!(little > 0.0 && little < 0.1, "{little}");
+    }
+
+    /// Black where nothing changed, bright where black became white; the picture
+    /// keeps its orientation.
+    #[test]
+    fn a_difference_is_bright_where_pictures_differ() {
+        let original = flat([0; 3]);
+        let mut other = original.clone();
+        for (x, y) in (0..32).flat_map(|x| (0..16).map(move |y| (x, y))) {
+            other.put_pixel(x, y, Rgba([255; 4]));
+        }
+        let shown = difference(&original, &other);
+        let light = |x, y| {
+            shown
+                .get_pixel(x, y)
+                .0
+                .iter()
+                .map(|b| u32::from(*b))
+                .sum::<u32>()
+        };
+        assert_eq!(shown.dimensions(), (64, 64));
+        assert!(light(60, 60) < 20, "{}", light(60, 60));
+        assert!(light(10, 5) > 400, "{}", light(10, 5));
+        assert!(light(5, 40) < 20, "{}", light(5, 40));
     }
 
     #[test]

@@ -14,4 +14,4 @@ pub use chart::chart;
 pub use columns::{COLUMNS, Column};
 pub use report::{Picture, report};
 pub use rows::{Row, RowKey, Values, read_rows, to_csv, to_line};
-pub use summary::{Group, Point, Spread, groups, pareto, spread, summarise};
+pub use summary::{Group, Point, Spread, groups, overlap, pareto, spread, summarise};

@@ -33,8 +33,19 @@ pub struct Row {
     pub triangles_final: u64,
     /// Wall time of the method alone to this level.
     pub seconds: f64,
+    /// The largest resident set of the process while the method ran to this
+    /// level, where the system tells; the tree and what judges it included.
+    #[serde(default)]
+    pub peak_rss_bytes: Option<u64>,
     /// Image side in pixels that the method was driven at; 0 if it sees none.
     pub resolution: u32,
+    /// Overlap (Jaccard: shared by both / in one of them) of the original leaves
+    /// that are left with those of another run, 0 to 1.
+    #[serde(default)]
+    pub kept_overlap: Option<f64>,
+    /// The label of that run; empty for none.
+    #[serde(default)]
+    pub overlap_with: String,
     /// Over all views.
     pub values: Values,
     /// Of the worst view for each metric.
@@ -55,6 +66,9 @@ pub struct Row {
     pub command: String,
     /// The picture of it, a path from the study's folder.
     pub picture: String,
+    /// The picture's difference from the original's, likewise; empty for none.
+    #[serde(default)]
+    pub difference: String,
 }
 
 /// What tells rows apart: tree, method, setting, change, seed, and level in
@@ -118,7 +132,7 @@ pub fn read_rows(text: &str) -> Result<Vec<Row>, (usize, String)> {
 
 /// Rows as CSV: a line of names, a line each; no per-view values.
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,resolution".to_owned();
+    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with".to_owned();
     for prefix in ["", "worst_"] {
         for column in COLUMNS.iter() {
             text += &format!(",{prefix}{}", column.key);
@@ -138,7 +152,10 @@ pub fn to_csv(rows: &[Row]) -> String {
             row.leaves_final.to_string(),
             row.triangles_final.to_string(),
             row.seconds.to_string(),
+            row.peak_rss_bytes.map_or(String::new(), |b| b.to_string()),
             row.resolution.to_string(),
+            row.kept_overlap.map_or(String::new(), |o| o.to_string()),
+            quoted(&row.overlap_with),
         ];
         for values in [&row.values, &row.worst] {
             let cell = |c: &super::Column| values.get(c.key).copied().flatten();
@@ -182,7 +199,10 @@ pub(super) mod tests {
             leaves_final: (100.0 * level) as u64,
             triangles_final: 7,
             seconds,
+            peak_rss_bytes: Some(50 << 20),
             resolution: 256,
+            kept_overlap: None,
+            overlap_with: String::new(),
             worst: values.clone(),
             per_view: vec![values.clone()],
             values,
@@ -193,6 +213,7 @@ pub(super) mod tests {
             machine: "a \"machine\"".into(),
             command: "secateur".into(),
             picture: String::new(),
+            difference: String::new(),
         }
     }
 
@@ -219,7 +240,7 @@ pub(super) mod tests {
         let csv = to_csv(&[row]);
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines.len(), 2);
-        assert!(lines[1].contains(",256,,0.5,"), "{}", lines[1]);
+        assert!(lines[1].contains(",256,,\"\",,0.5,"), "{}", lines[1]);
         assert!(lines[1].contains("\"a \"\"machine\"\"\""));
     }
 }

@@ -19,6 +19,10 @@ pub struct Point {
     pub worst: f64,
     /// How many rows it stands for.
     pub rows: usize,
+    /// The most memory of any tree and seed, where a system told.
+    pub peak_rss_bytes: Option<u64>,
+    /// Mean of the overlaps of kept leaves, where there are any.
+    pub kept_overlap: Option<f64>,
 }
 
 /// A point for each method and setting at a level, in the order of first rows.
@@ -48,10 +52,20 @@ pub fn summarise(rows: &[&Row], column: &Column) -> Vec<Point> {
                 .max_by(|a, b| badness(a).total_cmp(&badness(b)))
                 .unwrap_or(f64::NAN),
             rows: rows.len(),
+            peak_rss_bytes: rows.iter().filter_map(|r| r.peak_rss_bytes).max(),
+            kept_overlap: overlap(rows).map(|(mean, _)| mean),
             label,
         }
     };
     labels.into_iter().map(point).collect()
+}
+
+/// Mean and least overlap of kept leaves, where there are any.
+pub fn overlap(rows: &[&Row]) -> Option<(f64, f64)> {
+    let overlaps: Vec<f64> = rows.iter().filter_map(|r| r.kept_overlap).collect();
+    let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
+    let least = overlaps.into_iter().min_by(f64::total_cmp)?;
+    Some((mean, least))
 }
 
 /// The points that no other beats: none is at least as fast and better, or
@@ -142,6 +156,8 @@ mod tests {
         let a = row("a", 0.5, 1.0, 2.0);
         let mut b = row("a", 0.5, 4.0, 6.0);
         b.tree = "pine".into();
+        b.peak_rss_bytes = Some(80 << 20);
+        b.kept_overlap = Some(0.25);
         let points = summarise(&[&a, &b], &COLUMNS[0]);
         assert_eq!(points.len(), 1);
         assert!((points[0].seconds - 2.0).abs() < 1e-12);
@@ -149,6 +165,16 @@ mod tests {
             (points[0].mean, points[0].worst, points[0].rows),
             (4.0, 6.0, 2)
         );
+        assert_eq!(points[0].peak_rss_bytes, Some(80 << 20));
+        assert_eq!(points[0].kept_overlap, Some(0.25), "of those that have one");
+    }
+
+    #[test]
+    fn overlaps_are_pooled_where_there_are_any() {
+        let mut rows = [0.2, 0.6, 1.0].map(|_| row("a", 0.5, 1.0, 1.0));
+        assert_eq!(overlap(&rows.each_ref()), None);
+        (rows[0].kept_overlap, rows[2].kept_overlap) = (Some(0.5), Some(1.0));
+        assert_eq!(overlap(&rows.each_ref()), Some((0.75, 0.5)));
     }
 
     /// (1 s, 9), (2 s, 5), (3 s, 7), (4 s, 5), (5 s, 1): the third is slower and

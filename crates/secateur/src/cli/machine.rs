@@ -11,6 +11,12 @@ pub(crate) fn peak_rss_bytes() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
+/// Lets [`peak_rss_bytes`] count anew from now, where the system can.
+pub(crate) fn forget_peak_rss() {
+    // Linux: proc(5), "5 (since Linux 4.0): reset the peak resident set size".
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
 /// Processor, cores and system.
 pub(crate) fn describe() -> Value {
     json!({

@@ -63,7 +63,8 @@ fn pictures(folder: &Path, rows: &[Row]) -> Vec<Picture> {
     let originals = rows
         .iter()
         .map(|r| format!("pictures/{}-original.jpg", r.tree));
-    let mut paths: Vec<String> = rows.iter().map(|r| r.picture.clone()).collect();
+    let own = rows.iter().flat_map(|r| [&r.picture, &r.difference]);
+    let mut paths: Vec<String> = own.cloned().collect();
     paths.extend(originals);
     paths.sort();
     paths.dedup();

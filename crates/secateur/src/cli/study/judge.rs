@@ -4,20 +4,23 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use image::codecs::jpeg::JpegEncoder;
-use image::{DynamicImage, ImageEncoder};
+use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur::eval::measure::Scores;
-use secateur::eval::pictures::{PictureScores, Pictures};
+use secateur::eval::pictures::{PictureScores, Pictures, difference};
 use secateur::eval::study::{Row, Values};
-use secateur::eval::{Camera, Judging, RenderOptions, framing, measure_lod, render};
+use secateur::eval::{Camera, Judging, Original, RenderOptions, framing, render};
 use secateur::{Document, Lod, Surface, Tree, sphere_of};
 
 use super::super::failure::Failure;
 use super::super::{machine, output};
+use super::kept::Kept;
 use super::plan::Case;
 
 const PICTURE_WIDTH: u32 = 280;
 const PICTURE_HEIGHT: u32 = 320;
 const JPEG_QUALITY: u8 = 85;
+/// Differences are smooth.
+const DIFFERENCE_QUALITY: u8 = 70;
 
 /// A level that a method reached.
 pub(super) struct Ran {
@@ -25,6 +28,8 @@ pub(super) struct Ran {
     pub(super) lod: Lod,
     /// Of the method alone.
     pub(super) seconds: f64,
+    /// Of the process while the method ran.
+    pub(super) peak_rss_bytes: Option<u64>,
     /// 0 for methods that see no pixels.
     pub(super) resolution: u32,
     pub(super) engine: String,
@@ -37,9 +42,26 @@ pub(super) struct Judge<'a> {
     path: &'a Path,
     tree: &'a Tree,
     folder: &'a Path,
-    judging: Judging,
+    original: Original<'a>,
     pictures: Pictures,
     camera: Camera,
+    portrait: RgbaImage,
+}
+
+/// A run of a study: what is judged, and which run's leaves its own are held
+/// against.
+#[derive(Clone, Copy)]
+pub(super) struct Run<'a> {
+    pub(super) case: &'a Case,
+    pub(super) seed: Option<u64>,
+    /// The method's first case of the study, with seed 0.
+    pub(super) reference: &'a Case,
+}
+
+impl Run<'_> {
+    fn is_reference(&self) -> bool {
+        std::ptr::eq(self.case, self.reference) && self.seed.unwrap_or(0) == 0
+    }
 }
 
 impl<'a> Judge<'a> {
@@ -53,32 +75,37 @@ impl<'a> Judge<'a> {
         sphere_of(tree.foliage()).map_err(Failure::about(path))?;
         let judging = Judging::held_out(tree.foliage()).map_err(secateur::Error::from)?;
         let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
+        let camera = framing(
+            &surfaces,
+            f64::from(PICTURE_WIDTH) / f64::from(PICTURE_HEIGHT),
+        );
         let judge = Self {
             name,
             path,
             tree,
             folder,
             pictures: Pictures::of(&surfaces, &judging.views),
-            camera: framing(
-                &surfaces,
-                f64::from(PICTURE_WIDTH) / f64::from(PICTURE_HEIGHT),
-            ),
-            judging,
+            portrait: portrait(&surfaces, &camera),
+            camera,
+            original: Original::new(tree.foliage(), judging).map_err(secateur::Error::from)?,
         };
-        output::make_folder(&folder.join("pictures"))?;
-        judge.write_picture(&surfaces, &format!("pictures/{name}-original.jpg"))?;
+        for subfolder in ["pictures", "kept"] {
+            output::make_folder(&folder.join(subfolder))?;
+        }
+        let path = format!("pictures/{name}-original.jpg");
+        judge.write_picture(opaque(&judge.portrait), JPEG_QUALITY, &path)?;
         Ok(judge)
     }
 
-    /// The row of a level, its picture written.
-    pub(super) fn row(&self, case: &Case, seed: Option<u64>, ran: &Ran) -> Result<Row, Failure> {
+    /// The row of a level, its pictures written.
+    pub(super) fn row(&self, run: Run<'_>, ran: &Ran) -> Result<Row, Failure> {
+        let Run { case, seed, .. } = run;
         let foliage = self.tree.foliage();
-        let measured =
-            measure_lod(foliage, &ran.lod, &self.judging).map_err(secateur::Error::from)?;
+        let measured = self.original.measure_lod(&ran.lod);
         let surfaces = self.surfaces(&ran.lod)?;
-        let pictured = self
-            .pictures
-            .measure(&Pictures::of(&surfaces, &self.judging.views));
+        let views = &self.original.judging().views;
+        let pictured = self.pictures.measure(&Pictures::of(&surfaces, views));
+        let (kept_overlap, overlap_with) = self.overlap(run, ran)?;
         let joined = |counted: &Scores, pictured: &PictureScores| {
             let finite = |value: f64| value.is_finite().then_some(value);
             let counted = counted.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
@@ -97,7 +124,10 @@ impl<'a> Judge<'a> {
             leaves_final: left.leaves().len() as u64,
             triangles_final: left.triangles().len() as u64,
             seconds: ran.seconds,
+            peak_rss_bytes: ran.peak_rss_bytes,
             resolution: ran.resolution,
+            kept_overlap,
+            overlap_with,
             values: joined(&measured.overall, &pictured.overall),
             worst: joined(&measured.worst, &pictured.worst),
             per_view: (measured.per_view.iter().zip(&pictured.per_view))
@@ -110,10 +140,32 @@ impl<'a> Judge<'a> {
             machine: machine::name(),
             command: case.command(self.path, ran.level, seed),
             picture: String::new(),
+            difference: String::new(),
         };
-        row.picture = picture_path(&row);
-        self.write_picture(&surfaces, &row.picture)?;
+        let name = file_name(self.name, &row.label(), row.seed, row.level);
+        row.picture = format!("pictures/{name}.jpg");
+        row.difference = format!("pictures/{name}-difference.jpg");
+        let picture = portrait(&surfaces, &self.camera);
+        let difference = difference(&self.portrait, &picture);
+        self.write_picture(opaque(&picture), JPEG_QUALITY, &row.picture)?;
+        self.write_picture(difference, DIFFERENCE_QUALITY, &row.difference)?;
         Ok(row)
+    }
+
+    /// How many leaves a level shares with the reference, and its label. The
+    /// reference's own are written for those to come.
+    fn overlap(&self, run: Run<'_>, ran: &Ran) -> Result<(Option<f64>, String), Failure> {
+        let label = run.reference.label();
+        let name = file_name(self.name, &label, 0, ran.level);
+        let path = self.folder.join(format!("kept/{name}.bits"));
+        let own = Kept::of(&ran.lod);
+        if run.is_reference() {
+            own.write(&path)?;
+            return Ok((None, String::new()));
+        }
+        let overlap = Kept::read(&path).and_then(|other| own.overlap(&other));
+        let label = overlap.map_or(String::new(), |_| label);
+        Ok((overlap, label))
     }
 
     fn surfaces(&self, lod: &Lod) -> Result<Vec<Surface>, Failure> {
@@ -127,15 +179,9 @@ impl<'a> Judge<'a> {
         Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
     }
 
-    fn write_picture(&self, surfaces: &[Surface], path: &str) -> Result<(), Failure> {
-        // Shadows would cost more than all of the judging.
-        let options = RenderOptions {
-            shadows: false,
-            ..RenderOptions::panel(PICTURE_WIDTH, PICTURE_HEIGHT)
-        };
-        let picture = DynamicImage::from(render(surfaces, &self.camera, &options)).to_rgb8();
+    fn write_picture(&self, picture: RgbImage, quality: u8, path: &str) -> Result<(), Failure> {
         let mut bytes = Cursor::new(Vec::new());
-        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
+        JpegEncoder::new_with_quality(&mut bytes, quality)
             .write_image(
                 picture.as_raw(),
                 picture.width(),
@@ -148,23 +194,25 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// A file name of all that tells the row apart.
-fn picture_path(row: &Row) -> String {
-    let slug = |text: &str| {
-        let plain = |c: char| {
-            if c.is_ascii_alphanumeric() || c == '.' {
-                c
-            } else {
-                '-'
-            }
-        };
-        text.chars().map(plain).collect::<String>()
+fn portrait(surfaces: &[Surface], camera: &Camera) -> RgbaImage {
+    // Shadows would cost more than all of the judging.
+    let options = RenderOptions {
+        shadows: false,
+        ..RenderOptions::panel(PICTURE_WIDTH, PICTURE_HEIGHT)
     };
-    format!(
-        "pictures/{}-{}-{}-{}.jpg",
-        row.tree,
-        slug(&row.label()),
-        row.seed,
-        row.level
-    )
+    render(surfaces, camera, &options)
+}
+
+fn opaque(picture: &RgbaImage) -> RgbImage {
+    DynamicImage::from(picture.clone()).to_rgb8()
+}
+
+/// A file name of all that tells a row apart.
+fn file_name(tree: &str, label: &str, seed: u64, level: f64) -> String {
+    let plain = |c: char| match c.is_ascii_alphanumeric() || c == '.' {
+        true => c,
+        false => '-',
+    };
+    let label: String = label.chars().map(plain).collect();
+    format!("{tree}-{label}-{seed}-{level}")
 }

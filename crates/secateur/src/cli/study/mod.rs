@@ -3,6 +3,7 @@
 
 mod draw;
 mod judge;
+mod kept;
 mod perturb;
 mod plan;
 mod rows;
@@ -13,15 +14,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use secateur::{Lod, Progress, RemovalOrder, Simplified, Tree};
+use secateur::{Lod, Method, Progress, Resolution, Simplify, Tree};
 use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
 use super::print::Printed;
 use super::summary::grouped;
-use super::{interrupt, output, record, simplify};
-use judge::{Judge, Ran};
+use super::{interrupt, machine, output, record, simplify};
+use judge::{Judge, Ran, Run};
 use plan::Case;
 use rows::RowFile;
 
@@ -107,9 +108,15 @@ fn run_all(
                 job.case.method,
                 job.case.setting()
             ));
+            let of_method = |case: &&Case| case.method == job.case.method;
+            let run = Run {
+                case: job.case,
+                seed: job.seed,
+                reference: cases.iter().find(of_method).unwrap_or(job.case),
+            };
             for ran in runs(&tree, &job).map_err(|e| about(path, e))? {
                 interrupt::check()?;
-                file.append(&judge.row(job.case, job.seed, &ran)?)?;
+                file.append(&judge.row(run, &ran)?)?;
                 bar.inc(1);
             }
         }
@@ -179,6 +186,10 @@ fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
 fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
     let coarsest = levels.iter().copied().fold(1.0, f64::min);
     let mut settings = job.case.settings(coarsest, job.seed)?;
+    if !is_vds(&settings) {
+        // A method that sees no pixels does not have to choose how many.
+        settings.resolution = Resolution::Pixels(1);
+    }
     settings.skeleton = simplify::skeleton(tree, &settings)?;
     let changed = job.case.perturbation.apply(tree.foliage(), &settings);
     let count = tree.foliage().leaves().len();
@@ -186,15 +197,19 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
         .iter()
         .map(|level| count - (level * count as f64).round() as usize)
         .collect();
-    let mut reached: Vec<Option<f64>> = vec![None; levels.len()];
+    let mut reached: Vec<Option<Reached>> = vec![None; levels.len()];
+    let mut end = None;
     let mut begun = Instant::now();
+    machine::forget_peak_rss();
     let result = secateur::simplify(&changed.foliage, &changed.settings, &mut |progress| {
         match progress {
             Progress::Stage("simplify") => begun = Instant::now(),
+            // All that comes after is no part of the method.
+            Progress::Stage("areas") => end = Some(Reached::now(begun)),
             Progress::Step { done, .. } => {
                 for (at, steps) in reached.iter_mut().zip(&steps) {
                     if done == *steps {
-                        *at = Some(begun.elapsed().as_secs_f64());
+                        *at = Some(Reached::now(begun));
                     }
                 }
             }
@@ -205,34 +220,49 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
             Err(_) => ControlFlow::Break(()),
         }
     })?;
-    Ok(levels
-        .iter()
-        .zip(steps.iter().zip(reached))
-        .map(|(level, (steps, reached))| ran(*level, *steps, reached, &changed, &result))
-        .collect())
-}
-
-fn ran(
-    level: f64,
-    steps: usize,
-    reached: Option<f64>,
-    changed: &perturb::Changed,
-    result: &Simplified,
-) -> Ran {
-    let order: RemovalOrder = changed.order_of_tree(&result.order);
-    let is_vds = !result.costs_scaled.is_empty() || result.order.is_empty();
+    let order = changed.order_of_tree(&result.order);
     let of_stage = |name: &str| {
         let stage = result.seconds.iter().find(|(stage, _)| *stage == name);
         stage.map_or(0.0, |(_, seconds)| *seconds)
     };
-    // A method that sees no pixels does not have to choose how many.
+    let is_vds = is_vds(&settings);
     let choosing = if is_vds { of_stage("resolution") } else { 0.0 };
-    Ran {
-        level,
-        lod: Lod::after(&order, steps.min(order.len())),
-        seconds: choosing + reached.unwrap_or_else(|| of_stage("simplify")),
-        resolution: if is_vds { result.resolution } else { 0 },
-        engine: result.engine.to_owned(),
-        adapter: result.adapter.clone(),
+    let whole = Reached {
+        seconds: of_stage("simplify"),
+        peak_rss_bytes: machine::peak_rss_bytes(),
+    };
+    let ran = |(level, (steps, reached)): (&f64, (&usize, Option<Reached>))| {
+        let reached = reached.or(end).unwrap_or(whole);
+        Ran {
+            level: *level,
+            lod: Lod::after(&order, (*steps).min(order.len())),
+            seconds: choosing + reached.seconds,
+            peak_rss_bytes: reached.peak_rss_bytes,
+            resolution: if is_vds { result.resolution } else { 0 },
+            engine: result.engine.to_owned(),
+            adapter: result.adapter.clone(),
+        }
+    };
+    let levels = levels.iter().zip(steps.iter().zip(reached));
+    Ok(levels.map(ran).collect())
+}
+
+/// What it took to get to a level.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    seconds: f64,
+    peak_rss_bytes: Option<u64>,
+}
+
+impl Reached {
+    fn now(begun: Instant) -> Self {
+        Self {
+            seconds: begun.elapsed().as_secs_f64(),
+            peak_rss_bytes: machine::peak_rss_bytes(),
+        }
     }
+}
+
+fn is_vds(settings: &Simplify) -> bool {
+    matches!(settings.method, Method::Vds | Method::VdsReference)
 }

@@ -110,6 +110,17 @@ impl Case {
         self.options.join(" ").replace("--", "")
     }
 
+    /// Method, setting and change, as [`Row::label`](secateur::eval::study::Row::label).
+    pub(super) fn label(&self) -> String {
+        let change = self.perturbation.name();
+        let variant = [self.setting(), change];
+        let variant: Vec<String> = variant.into_iter().filter(|v| !v.is_empty()).collect();
+        match variant.is_empty() {
+            true => self.method.clone(),
+            false => format!("{} {}", self.method, variant.join(", ")),
+        }
+    }
+
     /// The arguments of `simplify` for one level.
     fn arguments(&self, tree: &Path, level: f64, seed: Option<u64>) -> Vec<String> {
         let mut words: Vec<String> = ["secateur", "simplify"].map(str::to_owned).to_vec();

@@ -1,5 +1,8 @@
 //! One self-contained HTML page from rows and pictures.
 
+mod pictures;
+mod stability;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
@@ -7,7 +10,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::chart::{chart, escaped};
-use super::{COLUMNS, Column, Point, Row, groups, spread, summarise};
+use super::{COLUMNS, Column, Point, Row, summarise};
 use crate::measure::Direction;
 
 /// A picture that rows name: its path, and its bytes as JPEG.
@@ -29,7 +32,7 @@ pub fn report(rows: &[Row], pictures: &[Picture]) -> String {
     };
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Foliage simplification study</title>\n<style>\n{}</style>\n</head>\n<body>\n<h1>Foliage simplification study</h1>\n",
-        include_str!("report.css")
+        include_str!("page.css")
     );
     page.summary(&mut html);
     page.charts(&mut html);
@@ -40,7 +43,7 @@ pub fn report(rows: &[Row], pictures: &[Picture]) -> String {
     let _ = write!(
         html,
         "<script>\n{}</script>\n</body>\n</html>\n",
-        include_str!("report.js")
+        include_str!("page.js")
     );
     html
 }
@@ -73,6 +76,14 @@ fn duration(seconds: f64) -> String {
     }
 }
 
+fn memory(bytes: Option<u64>) -> String {
+    bytes.map_or("unknown".to_owned(), |b| format!("{} MiB", b >> 20))
+}
+
+fn overlap_of(overlap: Option<f64>) -> String {
+    overlap.map_or(String::new(), |share| format!("{share:.3}"))
+}
+
 struct Page<'a> {
     rows: &'a [Row],
     /// Base64 by path.
@@ -95,9 +106,11 @@ impl Page<'_> {
         trees
     }
 
+    /// Of trees as they are.
     fn labels(&self) -> Vec<String> {
         let mut labels = Vec::new();
-        for label in self.rows.iter().map(Row::label) {
+        let plain = self.rows.iter().filter(|row| row.change.is_empty());
+        for label in plain.map(Row::label) {
             if !labels.contains(&label) {
                 labels.push(label);
             }
@@ -108,7 +121,7 @@ impl Page<'_> {
     fn summary(&self, html: &mut String) {
         let _ = write!(
             html,
-            "<h2>Summary</h2>\n<p>Means over {} trees ({}) from views that drove no method; the best of each column is marked. Times are geometric means of the method alone.</p>\n",
+            "<h2>Summary</h2>\n<p>Means over {} trees ({}) from views that drove no method; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
             self.trees_of().len(),
             escaped(&self.trees_of().join(", "))
         );
@@ -123,7 +136,7 @@ impl Page<'_> {
             };
             let _ = write!(
                 html,
-                "<h3>{} of the leaves</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>time</th>",
+                "<h3>{} of the leaves</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>time</th><th>memory</th><th title=\"of the leaves left, with the method's first setting\">shared leaves</th>",
                 percent(level)
             );
             for column in COLUMNS.iter() {
@@ -143,9 +156,11 @@ impl Page<'_> {
             for (k, point) in first.iter().enumerate() {
                 let _ = write!(
                     html,
-                    "<tr><td>{}</td><td>{}</td>",
+                    "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
                     escaped(&point.label),
-                    duration(point.seconds)
+                    duration(point.seconds),
+                    memory(point.peak_rss_bytes),
+                    overlap_of(point.kept_overlap)
                 );
                 for (column, points) in COLUMNS.iter().zip(&by_column) {
                     let class = if is_best(points, k, column) {
@@ -183,95 +198,6 @@ impl Page<'_> {
         }
     }
 
-    fn stability(&self, html: &mut String) {
-        let groups = groups(self.rows);
-        if groups.is_empty() {
-            return;
-        }
-        *html += "<h2>Stability</h2>\n<p>Mean and standard deviation over seeds and over changes that should not matter, the worst of them in brackets.</p>\n<div class=\"wide\"><table><thead><tr><th>tree</th><th>method</th><th>leaves</th><th>runs</th>";
-        for column in COLUMNS.iter() {
-            let _ = write!(html, "<th>{}</th>", column.title);
-        }
-        *html += "</tr></thead><tbody>\n";
-        for ((tree, method, setting, level), rows) in &groups {
-            let level = percent(*level as f64 / 1e6);
-            let _ = write!(
-                html,
-                "<tr><td>{}</td><td>{} {}</td><td>{level}</td><td>{}</td>",
-                escaped(tree),
-                escaped(method),
-                escaped(setting),
-                rows.len()
-            );
-            for column in COLUMNS.iter() {
-                let found = spread(rows, column);
-                let [mean, deviation, worst] =
-                    [found.mean, found.deviation, found.worst].map(|v| number(v, column));
-                let _ = write!(html, "<td>{mean} ± {deviation} ({worst})</td>");
-            }
-            *html += "</tr>\n";
-        }
-        *html += "</tbody></table></div>\n";
-    }
-
-    fn image(&self, path: &str, text: &str) -> String {
-        match self.images.get(path) {
-            Some(data) => format!(
-                "<img alt=\"{}\" src=\"data:image/jpeg;base64,{data}\">",
-                escaped(text)
-            ),
-            None => String::new(),
-        }
-    }
-
-    fn trees(&self, html: &mut String) {
-        *html += "<h2>Pictures</h2>\n";
-        let labels = self.labels();
-        for tree in self.trees_of() {
-            let original = self.image(
-                &format!("pictures/{tree}-original.jpg"),
-                &format!("{tree}, original"),
-            );
-            let options: String = labels
-                .iter()
-                .enumerate()
-                .map(|(k, label)| format!("<option value=\"{k}\">{}</option>", escaped(label)))
-                .collect();
-            let names: Vec<String> = self.levels.iter().map(|l| percent(*l)).collect();
-            let _ = write!(
-                html,
-                "<section class=\"tree\">\n<h3>{0}</h3>\n<div class=\"controls\"><label>method <select>{options}</select></label><label>leaves <input type=\"range\" min=\"0\" max=\"{1}\" value=\"0\" data-names=\"{2}\"> <output></output></label></div>\n<div class=\"pair\"><figure>{original}<figcaption>original</figcaption></figure><figure class=\"shown\"><img alt=\"the chosen level\" src=\"data:,\"><figcaption></figcaption></figure></div>\n<details><summary>All methods and levels</summary><div class=\"wide\"><table class=\"sheet\"><tbody>\n",
-                escaped(tree),
-                self.levels.len().saturating_sub(1),
-                names.join("|")
-            );
-            for (k, label) in labels.iter().enumerate() {
-                *html += "<tr>";
-                for (l, level) in self.levels.iter().enumerate() {
-                    let row = self
-                        .rows
-                        .iter()
-                        .find(|r| r.tree == tree && r.level == *level && r.label() == *label);
-                    let Some(row) = row else {
-                        *html += "<td></td>";
-                        continue;
-                    };
-                    let _ = write!(
-                        html,
-                        "<td data-method=\"{k}\" data-level=\"{l}\"><figure>{}<figcaption>{}</figcaption></figure></td>",
-                        self.image(
-                            &row.picture,
-                            &format!("{tree}, {label}, {}", percent(*level))
-                        ),
-                        escaped(&caption(row))
-                    );
-                }
-                *html += "</tr>\n";
-            }
-            *html += "</tbody></table></div></details>\n</section>\n";
-        }
-    }
-
     fn per_view(&self, html: &mut String) {
         *html += "<h2>Each view</h2>\n";
         for tree in self.trees_of() {
@@ -284,7 +210,11 @@ impl Page<'_> {
                 let _ = write!(html, "<th>{}</th>", column.title);
             }
             *html += "</tr></thead><tbody>\n";
-            for row in self.rows.iter().filter(|row| row.tree == tree) {
+            for row in self
+                .rows
+                .iter()
+                .filter(|row| row.tree == tree && row.change.is_empty())
+            {
                 for (values, view) in row.per_view.iter().zip(1..) {
                     let _ = write!(
                         html,
@@ -329,25 +259,6 @@ impl Page<'_> {
     }
 }
 
-fn caption(row: &Row) -> String {
-    let value = |key: &str| {
-        row.values
-            .get(key)
-            .copied()
-            .flatten()
-            .unwrap_or(f64::INFINITY)
-    };
-    format!(
-        "{}, {}: {} leaves, VMI error {:.1} %, IoU {:.3}, {}",
-        row.label(),
-        percent(row.level),
-        row.leaves_final,
-        value("vmi_error_percent"),
-        value("silhouette_iou"),
-        duration(row.seconds)
-    )
-}
-
 fn is_best(points: &[Point], index: usize, column: &Column) -> bool {
     let badness = |p: &Point| match column.direction {
         Direction::NearerToOne => (p.mean - 1.0).abs(),
@@ -390,6 +301,26 @@ mod tests {
             html.matches("http://www.w3.org/2000/svg").count()
         );
         assert!(!html.contains("<oak>"));
+    }
+
+    /// Three jittered runs of 4 %, 9 % and 6 % beside one of 3 %: the second is
+    /// shown, and none of them is among the methods' own pictures.
+    #[test]
+    fn the_worst_change_is_shown_beside_the_first_run() {
+        let mut rows = [3.0, 4.0, 9.0, 6.0].map(|error| row("vds", 0.5, 1.0, error));
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.picture = format!("pictures/{k}.jpg");
+            if k > 0 {
+                row.change = format!("jitter {k}");
+                row.kept_overlap = Some(0.5 + 0.1 * k as f64);
+            }
+        }
+        let pictures = [0, 1, 2, 3].map(|k| (format!("pictures/{k}.jpg"), vec![0, 0, k]));
+        let html = report(&rows, &pictures);
+        let shown = |base64: &str| html.matches(&format!("base64,{base64}")).count();
+        // In the sheet and as the first run; as the worst.
+        assert_eq!(["AAAA", "AAAB", "AAAC", "AAAD"].map(shown), [2, 0, 1, 0]);
+        assert!(html.contains("0.700 (0.600)"), "overlaps of 0.6, 0.7, 0.8");
     }
 
     #[test]

@@ -1,0 +1,68 @@
+//! Which original leaves runs keep, and how much of that they share.
+
+use std::fs;
+use std::path::Path;
+
+use secateur::Lod;
+
+use super::super::failure::Failure;
+use super::super::output;
+
+/// A bit for each original leaf, leaf 1 first: whether it is left.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Kept(Vec<u8>);
+
+impl Kept {
+    pub(super) fn of(lod: &Lod) -> Self {
+        let mut bits = vec![0; lod.area_scales().len().div_ceil(8)];
+        for (leaf, _) in lod.leaves() {
+            bits[leaf.index() / 8] |= 1 << (leaf.index() % 8);
+        }
+        Self(bits)
+    }
+
+    /// Jaccard's index: leaves that both keep / leaves that one of them keeps,
+    /// 0 to 1; nothing where neither keeps any, or they are of different trees.
+    pub(super) fn overlap(&self, other: &Self) -> Option<f64> {
+        let count = |of: fn(u8, u8) -> u8| -> u32 {
+            let pairs = self.0.iter().zip(&other.0);
+            pairs.map(|(a, b)| of(*a, *b).count_ones()).sum()
+        };
+        let (both, either) = (count(|a, b| a & b), count(|a, b| a | b));
+        (self.0.len() == other.0.len() && either > 0).then(|| f64::from(both) / f64::from(either))
+    }
+
+    pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
+        output::write_file(path, &self.0)
+    }
+
+    /// Nothing where there is no such file.
+    pub(super) fn read(path: &Path) -> Option<Self> {
+        fs::read(path).ok().map(Self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur::{LeafId, Lod};
+
+    /// Of ten leaves one run keeps 1 to 4, the other 3 to 8: two of eight.
+    #[test]
+    fn overlaps_are_shared_leaves_of_all_that_are_kept() {
+        let keeping = |left: std::ops::RangeInclusive<u32>| {
+            let mut lod = Lod::original(10);
+            for leaf in (1..=10).filter(|leaf| !left.contains(leaf)) {
+                lod.remove(LeafId::from_index(leaf as usize - 1));
+            }
+            Kept::of(&lod)
+        };
+        assert_eq!(keeping(1..=4).overlap(&keeping(3..=8)), Some(0.25));
+        assert_eq!(keeping(9..=10).overlap(&keeping(9..=10)), Some(1.0));
+        assert_eq!(keeping(1..=2).overlap(&keeping(9..=10)), Some(0.0));
+        let none = keeping(11..=11);
+        assert_eq!(none.overlap(&none), None);
+        let of_other = Kept::of(&Lod::original(20));
+        assert_eq!(none.overlap(&of_other), None);
+    }
+}
