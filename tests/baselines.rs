@@ -9,7 +9,10 @@ fn number(record: &Value, pointer: &str) -> f64 {
     record.pointer(pointer).and_then(Value::as_f64).unwrap()
 }
 
-const METHODS: [&[&str]; 5] = [
+const METHODS: [&[&str]; 8] = [
+    &["chain"],
+    &["merge"],
+    &["merge", "--cluster-size", "area"],
     &["fsa"],
     &["stochastic"],
     &["meshopt"],
@@ -66,7 +69,7 @@ fn the_same_seed_draws_the_same_lots() {
 #[test]
 fn an_error_is_not_exceeded_and_one_more_step_would() {
     let bench = Bench::new();
-    for method in ["fsa", "stochastic"] {
+    for method in ["fsa", "stochastic", "chain"] {
         let run = |target: [&str; 2]| {
             let files = [
                 "oak.glb", "-o", "out.glb", "--report", "r.json", "--method", method,
@@ -105,4 +108,64 @@ fn weights_out_of_range_are_one_sentence() {
         run.failed_saying(&[value, says]);
     }
     assert_eq!(bench.names(), ["oak.glb"]);
+}
+
+/// Branches go whole, so levels of the chain that have been simplified before
+/// give the same as those of the grown tree.
+#[test]
+fn a_simplified_tree_keeps_its_skeleton() {
+    let bench = Bench::new();
+    let run = |from: &str, to: &str, leaves: &str| {
+        let rest = ["--leaves", leaves, "--method", "chain", "--no-audit"];
+        let ran = bench.simplify(&[&[from, "-o", to], &rest[..]].concat());
+        ran.succeeded();
+        Tree::open(&bench.path(to), &[]).unwrap()
+    };
+    run("oak.glb", "half.glb", "120");
+    let twice = run("half.glb", "twice.glb", "60");
+    let once = run("oak.glb", "once.glb", "60");
+    assert_eq!(twice.foliage().triangles(), once.foliage().triangles());
+    assert_eq!(twice.skeleton().unwrap(), once.skeleton().unwrap());
+}
+
+#[test]
+fn a_tree_without_skeleton_is_refused_in_one_sentence() {
+    let bench = Bench::new();
+    let oak = secateur::plant::GrowOptions {
+        leaves: 20,
+        seed: 1,
+    };
+    let mut plant = secateur::plant::grow(secateur::plant::Species::Oak, &oak).unwrap();
+    plant.skeleton = None;
+    bench.put("bare.glb", &secateur::plant_to_glb(&plant));
+    for method in ["chain", "merge"] {
+        let rest = ["-o", "out.glb", "--ratio", "0.5", "--method", method];
+        let said = format!(
+            "bare.glb: the method {method} needs a tree with a skeleton, which this one has not: \
+             `secateur grow` writes one"
+        );
+        bench
+            .simplify(&[&["bare.glb"], &rest[..]].concat())
+            .failed_saying(&[&said]);
+    }
+    assert!(!bench.path("out.glb").exists());
+}
+
+#[test]
+fn a_damaged_skeleton_matters_only_where_it_is_needed() {
+    let bench = Bench::new();
+    let glb = bench.read("oak.glb");
+    let name = b"\"segment_sides\"";
+    let at = glb.windows(name.len()).position(|w| w == name).unwrap();
+    let mut damaged = glb;
+    damaged[at + 1] = b'S';
+    bench.put("damaged.glb", &damaged);
+    let run = |method| {
+        let rest = ["--ratio", "0.5", "--method", method];
+        bench.simplify(&[&["damaged.glb", "-o", "out.glb"], &rest[..]].concat())
+    };
+    run("merge").failed_saying(&[
+        "damaged.glb: extras.secateur_skeleton.accessors: has no `segment_sides`",
+    ]);
+    run("stochastic").succeeded();
 }

@@ -126,3 +126,46 @@ fn mistakes_in_a_rule_file_are_shown_with_line_and_column() {
         .failed_saying(&["none.lsys: cannot be read: "]);
     assert_eq!(bench.names(), ["bad.lsys", "oak.glb"]);
 }
+
+#[test]
+fn levels_of_detail_are_trees_with_fewer_branches() {
+    let bench = Bench::new();
+    let level = |lod: &[&str]| {
+        let grow = ["grow", "oak", "-o", "lod.glb", "--leaves", "300"];
+        let rest = ["--report", "r.json", "--lod"];
+        bench.run(&[&grow[..], &rest, lod].concat()).succeeded();
+        secateur::Tree::open(&bench.path("lod.glb"), &[]).unwrap();
+        crate::validator::assert_valid(&[bench.path("lod.glb")]);
+        let report = bench.json("r.json");
+        let number = |pointer: &str| report.pointer(pointer).unwrap().as_u64().unwrap();
+        assert_eq!(number("/lod/leaves_original"), 300);
+        [
+            number("/lod/level"),
+            number("/leaves"),
+            number("/triangles/wood"),
+        ]
+    };
+    let [first, leaves, wood] = level(&["9"]);
+    assert_eq!(first, 9);
+    let [levels, share, more_wood] = level(&["0.5"]);
+    assert!(leaves < share && wood < more_wood && levels > 9);
+    assert!((130..=150).contains(&share), "{share}");
+    let scheme = ["--lod-method", "merge", "--scheme", "25-25-25-25"];
+    let [two, merged, merged_wood] = level(&[&["2"], &scheme[..]].concat());
+    assert_eq!(two, 2);
+    let [_, last, last_wood] = level(&[&["4"], &scheme[..]].concat());
+    assert!(last < merged && last_wood < merged_wood);
+    assert_eq!(last, 1);
+}
+
+#[test]
+fn levels_that_there_are_not_are_refused() {
+    let bench = Bench::new();
+    let grow = ["grow", "oak", "-o", "lod.glb", "--leaves", "300", "--lod"];
+    bench
+        .run(&[&grow[..], &["5", "--lod-method", "merge"]].concat())
+        .failed_saying(&["oak has 4 levels of detail, not 5"]);
+    let many = bench.run(&[&grow[..], &["1000000"]].concat());
+    many.failed_saying(&["levels of detail, not 1000000"]);
+    assert_eq!(bench.names(), ["oak.glb"]);
+}

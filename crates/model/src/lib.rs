@@ -6,7 +6,7 @@
 //! - [`RemovalOrder`]: what a simplification method decided, step by step.
 //! - [`Lod`]: which leaves are left, and how large, after some of those steps.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
-//!   plant made of two of them.
+//!   plant made of two of them, and its [`PlantSkeleton`].
 //!
 //! [`gltf`] reads trees from files.
 //!
@@ -20,6 +20,7 @@ mod lod;
 mod new_leaf;
 mod plant;
 mod removal_order;
+mod skeleton;
 mod surface;
 
 pub use cutout::{Cutout, Wrap};
@@ -29,4 +30,5 @@ pub use lod::Lod;
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
 pub use plant::Plant;
 pub use removal_order::{Growth, RemovalOrder, Step};
+pub use skeleton::{PlantSkeleton, Segment, SegmentIndex, SkeletonError};
 pub use surface::{AlphaMode, Material, Surface, Texture};

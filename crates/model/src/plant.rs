@@ -1,6 +1,6 @@
 //! A plant that was grown rather than read.
 
-use crate::Surface;
+use crate::{PlantSkeleton, Surface};
 
 /// A grown plant: wood and leaves apart, ready to be written as glTF.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,4 +13,6 @@ pub struct Plant {
     pub leaves: Surface,
     /// How many triangles each leaf has, in order of `leaves.triangles`.
     pub triangles_per_leaf: Vec<u32>,
+    /// What it grew on, for methods that follow branches.
+    pub skeleton: Option<PlantSkeleton>,
 }

@@ -2,7 +2,7 @@
 //!
 //! Lluch et al. (Hybrid): section 4.1.1 for the metrics, 4.1.2 for the tree.
 
-use crate::{SegmentIndex, Skeleton};
+use crate::{Segment, SegmentIndex, Skeleton};
 
 /// The place of a branch in [`Branches`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -60,9 +60,17 @@ impl Branches {
     /// # Panics
     /// If a segment's parent is not an earlier one.
     pub fn of(skeleton: &Skeleton) -> Self {
+        Self::of_segments(&skeleton.segments)
+    }
+
+    /// [`of`](Self::of) a skeleton with these segments.
+    ///
+    /// # Panics
+    /// If a segment's parent is not an earlier one.
+    pub fn of_segments(segments: &[Segment]) -> Self {
         let mut branches: Vec<Branch> = Vec::new();
-        let mut branch_of: Vec<BranchIndex> = Vec::with_capacity(skeleton.segments.len());
-        for (index, segment) in skeleton.segments.iter().enumerate() {
+        let mut branch_of: Vec<BranchIndex> = Vec::with_capacity(segments.len());
+        for (index, segment) in segments.iter().enumerate() {
             let this = SegmentIndex::from_index(index);
             let parent = segment.parent.map(|p| (p, branch_of[p.index()]));
             let continued = parent.filter(|(segment_before, branch)| {

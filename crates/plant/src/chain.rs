@@ -76,7 +76,7 @@ impl Chain {
     /// Time: branches times depth, times a logarithm.
     pub fn of(skeleton: &Skeleton, metric: Metric) -> Self {
         let branches = Branches::of(skeleton);
-        let paths = Extraction::new(&branches, metric).paths();
+        let paths = paths(&branches, metric);
         write_records(skeleton, &branches, paths)
     }
 
@@ -116,6 +116,11 @@ impl Chain {
         }
         interpreter.into_skeleton()
     }
+}
+
+/// The branches that each level adds, the coarsest level first.
+pub(crate) fn paths(branches: &Branches, metric: Metric) -> Vec<Vec<BranchIndex>> {
+    Extraction::new(branches, metric).paths()
 }
 
 /// Draws a chain record by record: after each there is a plant.

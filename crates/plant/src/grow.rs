@@ -125,8 +125,21 @@ pub fn grow_rules(
     seed: u64,
 ) -> Result<Plant, GrowError> {
     let skeleton = rules_skeleton(rules, name, leaves, seed)?;
+    plant_of(skeleton, rules, name, seed)
+}
+
+/// The plant of a skeleton that these rules drew, or of a level of detail of one.
+///
+/// # Errors
+/// [`GrowError::TooLarge`].
+pub fn plant_of(
+    skeleton: Skeleton,
+    rules: &Rules,
+    name: &str,
+    seed: u64,
+) -> Result<Plant, GrowError> {
     check_size(&skeleton, name)?;
-    Ok(surfaces(&skeleton, rules, name, seed))
+    Ok(surfaces(skeleton, rules, name, seed))
 }
 
 /// The branches and leaves of the plant that [`grow_rules`] gives a surface.
@@ -179,7 +192,7 @@ fn check_size(skeleton: &Skeleton, name: &str) -> Result<(), GrowError> {
 }
 
 /// The surface of a skeleton that these rules drew.
-pub(crate) fn surfaces(skeleton: &Skeleton, rules: &Rules, name: &str, seed: u64) -> Plant {
+pub(crate) fn surfaces(skeleton: Skeleton, rules: &Rules, name: &str, seed: u64) -> Plant {
     let settings = rules.settings();
     let mut tints = Random::new(!seed);
     let leaf_texture = leaf_texture(settings);
@@ -204,9 +217,10 @@ pub(crate) fn surfaces(skeleton: &Skeleton, rules: &Rules, name: &str, seed: u64
     let triangles = skeleton.leaves.iter().map(|leaf| leaf.kind.triangles());
     Plant {
         name: name.into(),
-        wood: wood_surface(skeleton, bark_material),
+        wood: wood_surface(&skeleton, bark_material),
         leaves: leaf_surface(&skeleton.leaves, settings, leaf_material, &mut tints),
         triangles_per_leaf: triangles.collect(),
+        skeleton: Some(skeleton.into_plant_skeleton()),
     }
 }
 

@@ -246,6 +246,7 @@ mod tests {
                 },
                 triangles_per_leaf: vec![kind.triangles()],
                 leaves: leaf,
+                skeleton: None,
             });
             let document = secateur_model::gltf::Document::from_bytes("leaf.glb", glb, None);
             let all = ["mesh:*".parse().unwrap()];

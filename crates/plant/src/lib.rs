@@ -11,6 +11,9 @@
 //! - [`draw`]: the turtle, from a derived [`Word`] to a [`Skeleton`].
 //! - [`Branches`], [`Chain`]: branches by what they matter, every prefix a plant;
 //!   [`write_chain`] and [`read_chain`] stream it.
+//! - [`merge_levels`]: sticks and leaf clusters merged, levels of a whole plant.
+//! - [`chain_order`], [`merge_order`]: the same two as orders in which any foliage
+//!   with a skeleton loses its leaves.
 //! - [`ellipsoid_crown()`]: leaves without wood, for measuring.
 //! - [`Random`]: the generator behind every chance.
 //!
@@ -33,6 +36,7 @@ extern crate alloc;
 mod bark_texture;
 mod branches;
 mod chain;
+mod chain_order;
 mod chain_stream;
 mod derive;
 mod ellipsoid_crown;
@@ -40,6 +44,7 @@ mod grow;
 pub mod language;
 mod leaf_surface;
 mod leaf_texture;
+mod merge;
 mod outline;
 mod random;
 mod skeleton;
@@ -49,14 +54,20 @@ mod wood;
 
 pub use branches::{Branch, BranchIndex, Branches, Metric};
 pub use chain::{Chain, ChainError, Interpreter, Record};
+pub use chain_order::chain_order;
 pub use chain_stream::{StreamError, read_chain, write_chain};
 pub use derive::Word;
 pub use ellipsoid_crown::{EllipsoidCrown, ellipsoid_crown};
 pub use grow::{
-    GrowError, GrowOptions, MAX_LEAVES, grow, grow_rules, grow_skeleton, rules_skeleton,
+    GrowError, GrowOptions, MAX_LEAVES, grow, grow_rules, grow_skeleton, plant_of, rules_skeleton,
 };
 pub use language::{Rules, RulesError};
+pub use merge::{
+    ClusterSize, MergedLevel, Scheme, SchemeError, height_over_radius, merge_at, merge_levels,
+    merge_order,
+};
 pub use random::Random;
-pub use skeleton::{LeafKind, LeafPose, Segment, SegmentIndex, Skeleton};
+pub use secateur_model::{PlantSkeleton, Segment, SegmentIndex};
+pub use skeleton::{LeafKind, LeafPose, Skeleton};
 pub use species::{Species, UnknownSpecies};
 pub use turtle::draw;

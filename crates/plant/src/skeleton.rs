@@ -1,44 +1,7 @@
 //! What a turtle leaves behind: segments of wood and the places of leaves.
 
 use glam::DVec3;
-
-/// The place of a segment in [`Skeleton::segments`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct SegmentIndex(u32);
-
-impl SegmentIndex {
-    /// The segment at this place, from 0.
-    ///
-    /// # Panics
-    /// If it does not fit 32 bits.
-    pub fn from_index(index: usize) -> Self {
-        Self(u32::try_from(index).expect("a segment index fits 32 bits"))
-    }
-
-    /// Its place, from 0.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// A tapered piece of wood.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
-    /// The segment it grows from; always an earlier one.
-    pub parent: Option<SegmentIndex>,
-    /// Whether it goes on where its parent ends, as the same branch.
-    pub continues_parent: bool,
-    /// Where it starts, in metres.
-    pub start: DVec3,
-    /// Where it ends, in metres.
-    pub end: DVec3,
-    /// The radius at its start, in metres.
-    pub start_radius_m: f64,
-    /// The radius at its end, in metres; 0 for a tip.
-    pub end_radius_m: f64,
-    /// How many sides it has, at least 3.
-    pub sides: u32,
-}
+use secateur_model::{PlantSkeleton, Segment, SegmentIndex};
 
 /// What a leaf is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -95,4 +58,14 @@ pub struct Skeleton {
     pub segments: Vec<Segment>,
     /// Leaves, in the order they were drawn.
     pub leaves: Vec<LeafPose>,
+}
+
+impl Skeleton {
+    /// What a file keeps of it: segments as they are, and for each leaf its own.
+    pub fn into_plant_skeleton(self) -> PlantSkeleton {
+        PlantSkeleton {
+            leaf_segments: self.leaves.iter().map(|leaf| leaf.segment).collect(),
+            segments: self.segments,
+        }
+    }
 }

@@ -3,7 +3,8 @@
 
 use std::ops::ControlFlow;
 
-use secateur_model::{Foliage, Lod, RemovalOrder};
+use secateur_model::{Foliage, Lod, PlantSkeleton, RemovalOrder};
+use secateur_plant::{Metric, chain_order, merge_order};
 use secateur_raster::{Rasteriser, Scene, ViewSet};
 use secateur_simplify::lg::LgTable;
 use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan};
@@ -37,12 +38,37 @@ pub(crate) fn order(
         Method::Fsa => fsa::simplify(foliage, leaves, &settings.fsa, &mut |steps| {
             progress(steps, at_most)
         }),
+        Method::Chain => {
+            let skeleton = skeleton_of(foliage, settings)?;
+            let metric = Metric::BranchingLength;
+            Some(chain_order(foliage, skeleton, metric, leaves))
+        }
+        Method::Merge => {
+            let skeleton = skeleton_of(foliage, settings)?;
+            Some(merge_order(
+                foliage,
+                skeleton,
+                settings.cluster_size,
+                leaves,
+            ))
+        }
     };
     order.map(Some).ok_or(Error::Stopped)
 }
 
-/// Weights that are out of range.
-pub(crate) fn check(settings: &Simplify) -> Result<(), Error> {
+fn skeleton_of<'a>(foliage: &Foliage, settings: &'a Simplify) -> Result<&'a PlantSkeleton, Error> {
+    let method = settings.method.name();
+    let skeleton = settings.skeleton.as_deref();
+    let skeleton = skeleton.ok_or(Error::NoSkeleton { method })?;
+    skeleton.check(foliage.leaves().len())?;
+    Ok(skeleton)
+}
+
+/// Weights that are out of range, and a skeleton that is missing or another's.
+pub(crate) fn check(foliage: &Foliage, settings: &Simplify) -> Result<(), Error> {
+    if settings.method.needs_skeleton() {
+        skeleton_of(foliage, settings)?;
+    }
     let refuse = |name: &str, value: f64, range| {
         Err(Error::Setting(format!("the {name} of {value}"), range))
     };

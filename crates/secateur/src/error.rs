@@ -1,6 +1,7 @@
 //! What can keep a run from its end, in one sentence each.
 
 use secateur_eval::MeasureError;
+use secateur_model::SkeletonError;
 use secateur_model::gltf::GltfError;
 use secateur_simplify::vds::VdsError;
 
@@ -28,6 +29,18 @@ pub enum Error {
     /// The target is no number of leaves, share or error.
     #[error("the target of {0} must be {1}")]
     Target(String, &'static str),
+    /// A method that follows branches, and a plant whose branches are not known.
+    #[error(
+        "the method {method} needs a tree with a skeleton, which this one has not: `secateur grow` \
+         writes one"
+    )]
+    NoSkeleton {
+        /// The method's name.
+        method: &'static str,
+    },
+    /// The skeleton is none, or one of another foliage.
+    #[error(transparent)]
+    Skeleton(#[from] SkeletonError),
     /// A weight is out of range.
     #[error("{0} must be a number {1}")]
     Setting(String, &'static str),

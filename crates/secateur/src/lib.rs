@@ -74,6 +74,7 @@
 //! | judging | [`measure()`], [`measure_pictures`], [`eval`] |
 //! | one stage alone | [`raster`], [`vds`], [`vmi`] |
 //! | other methods | [`Method`], [`fsa`], [`stochastic`], [`meshopt`](mod@meshopt) |
+//! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`plant::chain_order`], [`plant::merge_order`] |
 //! | trees without files | [`plant`] |
 //!
 //! # Features
@@ -103,8 +104,8 @@ pub use secateur_model::gltf::{
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CornerRef, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId,
-    LeafTriangle, Lod, Material, NewCorner, NewLeaf, Place, Plant, RemovalOrder, Step, Surface,
-    Texture, Wrap,
+    LeafTriangle, Lod, Material, NewCorner, NewLeaf, Place, Plant, PlantSkeleton, RemovalOrder,
+    Segment, SegmentIndex, SkeletonError, Step, Surface, Texture, Wrap,
 };
 pub use secateur_simplify::vds::{Reference, Resize, Stopped, Ties};
 

@@ -129,7 +129,7 @@ pub fn simplify_on(
     let sphere = sphere_of(&foliage)?;
     let leaf_count = foliage.leaves().len();
     let (leaves, max_error_percent) = settings.target.resolve(leaf_count)?;
-    baseline::check(settings)?;
+    baseline::check(&foliage, settings)?;
     let mut clock = Clock::new(progress);
 
     clock.begin("resolution")?;

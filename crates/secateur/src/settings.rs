@@ -1,6 +1,9 @@
 //! What can be chosen about a run.
 
-use secateur_model::{BoundingSphere, Foliage};
+use std::sync::Arc;
+
+use secateur_model::{BoundingSphere, Foliage, PlantSkeleton};
+use secateur_plant::ClusterSize;
 use secateur_raster::ViewSet;
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::MeshoptOptions;
@@ -27,6 +30,12 @@ pub enum Method {
     /// The mesh simplifier of meshoptimizer on the mesh of all leaves
     /// ([`meshopt`](crate::meshopt)).
     Meshopt,
+    /// The multiresolution chain: branches go, the least branching length first.
+    /// For plants with a skeleton ([`chain_order`](crate::plant::chain_order)).
+    Chain,
+    /// Sticks and leaf clusters merge, the thinnest and highest first. For plants
+    /// with a skeleton ([`merge_order`](crate::plant::merge_order)).
+    Merge,
 }
 
 impl Method {
@@ -38,7 +47,14 @@ impl Method {
             Self::Fsa => "fsa",
             Self::Stochastic => "stochastic",
             Self::Meshopt => "meshopt",
+            Self::Chain => "chain",
+            Self::Merge => "merge",
         }
+    }
+
+    /// Whether it follows branches, and so needs [`Simplify::skeleton`].
+    pub fn needs_skeleton(self) -> bool {
+        matches!(self, Self::Chain | Self::Merge)
     }
 }
 
@@ -204,6 +220,11 @@ pub struct Simplify {
     pub fsa: FsaOptions,
     /// [`Method::Meshopt`]: which simplifier, and whether area is given back.
     pub meshopt: MeshoptOptions,
+    /// [`Method::Chain`] and [`Method::Merge`]: what the foliage has grown on, as
+    /// [`Tree::skeleton`](crate::Tree::skeleton) reads it.
+    pub skeleton: Option<Arc<PlantSkeleton>>,
+    /// [`Method::Merge`]: how large clusters of leaves are.
+    pub cluster_size: ClusterSize,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -227,6 +248,8 @@ impl Simplify {
             area_weight: 1.0,
             fsa: FsaOptions::default(),
             meshopt: MeshoptOptions::default(),
+            skeleton: None,
+            cluster_size: ClusterSize::default(),
             audit: cfg!(debug_assertions),
         }
     }

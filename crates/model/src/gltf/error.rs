@@ -291,6 +291,9 @@ pub enum Problem {
     /// The output cannot be written.
     #[error("{0}")]
     Write(#[from] super::write::WriteProblem),
+    /// The skeleton is none, or one of another foliage.
+    #[error("{0}")]
+    Skeleton(crate::SkeletonError),
     /// The triangles are no foliage.
     #[error("{0}")]
     Foliage(#[from] crate::FoliageError),

@@ -39,6 +39,7 @@ mod property;
 mod report;
 mod selector;
 mod shape_evidence;
+mod skeleton;
 mod sparse;
 mod surfaces;
 mod survey;

@@ -1,9 +1,10 @@
 //! The multiresolution chain.
 
 use glam::DVec3;
+use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
 use secateur_plant::{
     Branches, Chain, GrowOptions, Interpreter, LeafPose, Metric, Record, Segment, SegmentIndex,
-    Skeleton, Species, StreamError, grow_skeleton, read_chain, write_chain,
+    Skeleton, Species, StreamError, chain_order, grow_skeleton, read_chain, write_chain,
 };
 
 /// The tree of Hybrid's output chain (3), a segment of 1 m for each branch. The
@@ -271,4 +272,38 @@ fn a_skeleton_without_wood_keeps_its_leaves() {
     assert_eq!(chain.levels(), 1);
     assert_eq!(chain.skeleton(1), skeleton);
     assert_eq!(Interpreter::default().into_skeleton(), Skeleton::default());
+}
+
+/// The leaves that an order keeps, at the end of each level, are the level's.
+#[test]
+fn an_order_takes_the_levels_away_from_the_last() {
+    let oak = oak();
+    let chain = Chain::of(&oak, Metric::BranchingLength);
+    let mut foliage = Foliage::default();
+    for leaf in &oak.leaves {
+        let corners = [leaf.base, leaf.base + DVec3::X, leaf.base + DVec3::Y];
+        foliage
+            .push_leaf(&[LeafTriangle::plain(corners)], None)
+            .unwrap();
+    }
+    let skeleton = oak.clone().into_plant_skeleton();
+    let metric = Metric::BranchingLength;
+    let order = chain_order(&foliage, &skeleton, metric, 0);
+    assert_eq!(order.len(), oak.leaves.len());
+    for levels in [1, 2, 10, chain.levels()] {
+        let numbers = chain
+            .prefix(levels)
+            .iter()
+            .filter_map(|record| match record {
+                Record::Leaf(number, _) => Some(LeafId::from_index(*number as usize)),
+                _ => None,
+            });
+        let mut drawn: Vec<LeafId> = numbers.collect();
+        drawn.sort_unstable();
+        let kept = Lod::after(&order, oak.leaves.len() - drawn.len());
+        let kept: Vec<LeafId> = kept.leaves().map(|(leaf, _)| leaf).collect();
+        assert_eq!(kept, drawn);
+        let alone = chain_order(&foliage, &skeleton, metric, drawn.len());
+        assert_eq!(alone.removed(), &order.removed()[..alone.len()]);
+    }
 }

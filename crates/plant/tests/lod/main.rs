@@ -1,3 +1,4 @@
 //! Levels of detail of skeletons.
 
 mod chain;
+mod merge;

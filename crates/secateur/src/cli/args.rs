@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use secateur::meshopt::Mode;
+use secateur::plant::{ClusterSize, Scheme};
 use secateur::{Alpha, Engine, Method, Reference, Resize, Resolution, Selector, Target, Ties};
+
+use super::grow_lod::Amount;
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
 #[derive(Debug, Parser)]
@@ -184,12 +187,40 @@ pub(crate) struct Grow {
     /// Which sibling; equal seeds grow equal plants.
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
+    /// Only a level of detail of the plant: K for the first K paths of its chain of branches, or
+    /// a share of the leaves such as 0.25 for as many paths as bear no more; with `--lod-method
+    /// merge`, K for level K of the scheme.
+    #[arg(long, value_name = "K|R", allow_negative_numbers = true)]
+    pub(crate) lod: Option<Amount>,
+    /// How levels of detail are made.
+    #[arg(long, value_enum, default_value_t = LodMethod::Chain, requires = "lod")]
+    pub(crate) lod_method: LodMethod,
+    /// merge: which share of the sticks each level takes away, in per cent.
+    #[arg(
+        long,
+        value_name = "P-P-...",
+        default_value = "50-25-12.5-12.5",
+        requires = "lod"
+    )]
+    pub(crate) scheme: Scheme,
+    /// merge: how large clusters of leaves are.
+    #[arg(long, value_enum, default_value_t = ClusterSizeName::Paper, requires = "lod")]
+    pub(crate) cluster_size: ClusterSizeName,
     /// Write the machine-readable record of the run to this file.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
     /// Write a picture of the plant.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) picture: Option<PathBuf>,
+}
+
+/// How `grow` makes levels of detail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LodMethod {
+    /// Paths of branches, the longest branching first; every prefix is a plant
+    Chain,
+    /// Sticks and leaf clusters merged from the twigs down, by a scheme
+    Merge,
 }
 
 #[derive(Args, Debug)]
@@ -275,6 +306,9 @@ pub(crate) struct Simplify {
     /// meshopt: move the borders of what is left outwards, to give back lost area.
     #[arg(long)]
     pub(crate) preserve_area: bool,
+    /// merge: how large clusters of leaves are.
+    #[arg(long, value_enum, default_value_t = ClusterSizeName::Paper)]
+    pub(crate) cluster_size: ClusterSizeName,
     /// Rasterise the result from scratch another way and compare [default: in debug builds].
     #[arg(long, overrides_with = "no_audit")]
     pub(crate) audit: bool,
@@ -370,6 +404,10 @@ names!(MethodName => Method {
     Stochastic,
     /// The mesh simplifier of meshoptimizer: triangles to the share that is asked for, not leaves
     Meshopt,
+    /// Whole branches go, the shortest first; for trees with a skeleton, as `grow` writes them
+    Chain,
+    /// Sticks and leaf clusters merge from the twigs down; for trees with a skeleton
+    Merge,
 });
 names!(EngineName => Engine {
     /// A hardware GPU if there is one and the tree is large, else the CPU
@@ -404,6 +442,12 @@ names!(MeshoptModeName => Mode {
     Plain,
     /// simplify_sloppy: joins what shares a cell of a grid
     Sloppy,
+});
+names!(ClusterSizeName => ClusterSize {
+    /// The paper's radius: the mean distance and the mean radius of the leaves
+    Paper,
+    /// That, but of no more area than the leaves
+    Area,
 });
 names!(TiesName => Ties { Order, Spread });
 names!(AlphaName => Alpha {

@@ -18,9 +18,9 @@ impl Failure {
     pub(crate) fn about(path: &Path) -> impl Fn(secateur::Error) -> Self {
         let path = path.to_owned();
         move |error| match error {
-            secateur::Error::NoLeaf | secateur::Error::OutOfRange { .. } => {
-                Self(format!("{}: {error}", path.display()))
-            }
+            secateur::Error::NoLeaf
+            | secateur::Error::NoSkeleton { .. }
+            | secateur::Error::OutOfRange { .. } => Self(format!("{}: {error}", path.display())),
             other => Self(other.to_string()),
         }
     }

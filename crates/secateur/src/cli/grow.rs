@@ -7,9 +7,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
-use secateur::plant::{GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules};
+use secateur::plant::{
+    GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
+};
 use secateur::{Plant, plant_to_glb};
-use serde_json::json;
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use super::args::{self, Common, Format};
@@ -18,7 +20,7 @@ use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::simplify::timed;
 use super::summary::{grouped, size};
-use super::{interrupt, machine, output, record};
+use super::{grow_lod, interrupt, machine, output, record};
 
 /// Grows, writes, reports.
 pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
@@ -28,9 +30,9 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     let source = Source::of(args)?;
     let name = &source.name;
     let leaves = leaves(args, name)?;
-    let plant = timed(&mut stages, "grow", || {
+    let (plant, lod) = timed(&mut stages, "grow", || {
         tracing::info!("growing {name}");
-        grow_rules(&source.rules, name, leaves, args.seed).map_err(|e| source.failure(e))
+        grown(&source, leaves, args)
     })?;
     interrupt::writing()?;
     let bytes = timed(&mut stages, "write", || {
@@ -60,6 +62,7 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         },
         "size_m": { "x": size_m.x, "y": size_m.y, "z": size_m.z },
         "seed": args.seed,
+        "lod": lod.as_ref().map(|lod| &lod.record),
         "seconds": record::seconds(&stages, total),
         "peak_rss_bytes": machine::peak_rss_bytes(),
         "run": record::provenance("grow"),
@@ -67,8 +70,9 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     record::write(args.report.as_deref(), &record)?;
     let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
     let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
+    let of_lod = lod.map_or_else(String::new, |lod| format!("{} of ", lod.name));
     let pretty = format!(
-        "{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
+        "{of_lod}{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
          triangles  {} of leaves, {} of wood\n  \
          file       {}, {}\n",
         plant.name,
@@ -80,6 +84,32 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         size(bytes.len() as u64),
     );
     Ok(Printed::single(pretty, record))
+}
+
+/// What is said of a level of detail.
+struct Lod {
+    name: String,
+    record: Value,
+}
+
+fn grown(
+    source: &Source,
+    leaves: Option<u32>,
+    args: &args::Grow,
+) -> Result<(Plant, Option<Lod>), Failure> {
+    let (rules, name, seed) = (&*source.rules, &*source.name, args.seed);
+    let Some(amount) = args.lod else {
+        let plant = grow_rules(rules, name, leaves, seed);
+        return Ok((plant.map_err(|e| source.failure(e))?, None));
+    };
+    let skeleton = rules_skeleton(rules, name, leaves, seed).map_err(|e| source.failure(e))?;
+    let level = grow_lod::level(name, &skeleton, amount, args)?;
+    let plant = plant_of(level.skeleton, rules, name, seed).map_err(|e| source.failure(e))?;
+    let lod = Lod {
+        name: level.name,
+        record: level.record,
+    };
+    Ok((plant, Some(lod)))
 }
 
 fn check_outputs(args: &args::Grow) -> Result<(), Failure> {

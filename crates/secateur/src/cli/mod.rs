@@ -4,6 +4,7 @@ mod args;
 mod demo;
 mod failure;
 mod grow;
+mod grow_lod;
 mod inspect;
 mod interrupt;
 mod log;

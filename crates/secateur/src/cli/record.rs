@@ -107,6 +107,7 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "planarity_weight": args.planarity_weight,
         "meshopt_mode": args.meshopt_mode.text(),
         "preserve_area": args.preserve_area,
+        "cluster_size": args.cluster_size.text(),
     })
 }
 

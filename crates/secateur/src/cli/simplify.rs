@@ -1,11 +1,13 @@
 //! `secateur simplify`.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use secateur::raster::ViewSet;
 use secateur::{
-    Document, Error, Lod, Resolution, Simplified, Simplify, Tree, Views, Written, read_cameras,
+    Document, Error, Lod, PlantSkeleton, Resolution, Simplified, Simplify, Tree, Views, Written,
+    read_cameras,
 };
 
 use super::args::{self, Common};
@@ -21,7 +23,7 @@ use super::{interrupt, machine, output};
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     check_outputs(args)?;
-    let settings = settings(args)?;
+    let mut settings = settings(args)?;
     let mut stages = Vec::new();
 
     let tree = timed(&mut stages, "load", || {
@@ -32,6 +34,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     warn_all(&warnings);
     interrupt::check()?;
 
+    settings.skeleton = skeleton(&tree, &settings)?;
     let result = simplified(&tree, &settings, args, common)?;
     warn_all(&result.warnings);
     warnings.extend(result.warnings.iter().cloned());
@@ -99,8 +102,20 @@ pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.fsa.planarity_weight = args.planarity_weight;
     settings.meshopt.mode = args.meshopt_mode.into();
     settings.meshopt.preserve_area = args.preserve_area;
+    settings.cluster_size = args.cluster_size.into();
     settings.audit = args.audit || (settings.audit && !args.no_audit);
     Ok(settings)
+}
+
+/// The skeleton of a tree, where the method needs one.
+pub(crate) fn skeleton(
+    tree: &Tree,
+    settings: &Simplify,
+) -> Result<Option<Arc<PlantSkeleton>>, Failure> {
+    if !settings.method.needs_skeleton() {
+        return Ok(None);
+    }
+    Ok(tree.skeleton()?.map(Arc::new))
 }
 
 fn views(name: &str) -> Result<Views, Error> {

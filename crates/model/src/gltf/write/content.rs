@@ -11,6 +11,7 @@ use super::leftover::drop_unused_vertices;
 use super::meshes::rewrite_meshes;
 use super::packing::{ViewBytes, pack};
 use super::references::{items, len};
+use super::skeleton::rewrite_skeleton;
 use super::tidy::{References, drop_extension, drop_meshes, remove_field, tidy};
 use crate::Lod;
 use crate::gltf::Document;
@@ -47,6 +48,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     let before = References::of(&mut draft.root);
     let empty = rewrite_meshes(&mut draft, tree, &fates)?;
     drop_meshes(&mut draft, &empty);
+    rewrite_skeleton(&mut draft, tree, lod)?;
     drop_unused_vertices(&mut draft, &before)?;
     let thinned = tidy(&mut draft, &before);
 

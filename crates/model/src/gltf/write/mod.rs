@@ -19,6 +19,7 @@ mod plant;
 mod primitive;
 mod problem;
 mod references;
+mod skeleton;
 mod solitary;
 #[cfg(test)]
 mod tests;

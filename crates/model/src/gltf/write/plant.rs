@@ -8,8 +8,14 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Map, Value, json};
 
 use super::container::glb_around;
-use crate::{AlphaMode, Material, Plant, Surface, Texture, Wrap};
+use crate::gltf::skeleton::{
+    EXTRAS_NAME, LEAF_SEGMENT, SEGMENT_CONTINUES, SEGMENT_END, SEGMENT_PARENT, SEGMENT_RADIUS,
+    SEGMENT_SIDES, SEGMENT_START, VERSION, number_of,
+};
+use crate::{AlphaMode, Material, Plant, PlantSkeleton, Surface, Texture, Wrap};
 
+const UNSIGNED_BYTE: u32 = 5121;
+const UNSIGNED_SHORT: u32 = 5123;
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
@@ -19,7 +25,8 @@ const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 
 /// A grown plant as the bytes of a GLB file: a scene named after the plant, its
 /// node "Tree" with the children "Branches" and "Leaves", a mesh and a material
-/// each, textures embedded as PNG.
+/// each, textures embedded as PNG; and its skeleton, if it has one, which
+/// [`Tree::skeleton`](crate::gltf::Tree::skeleton) reads.
 ///
 /// Positions are rounded to f32; normals are made unit length, colours and
 /// factors are held to 0..1, as glTF asks. A surface without triangles gets a
@@ -29,7 +36,7 @@ const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 /// If a surface is broken: a corner that names no position, a list of normals,
 /// texture coordinates or colours that is neither empty nor as long as the
 /// positions, a texture whose bytes do not fit its size, a position beyond the
-/// range of f32, or a file beyond 4 GiB.
+/// range of f32, a skeleton that does not pass its check, or a file beyond 4 GiB.
 pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
     let mut file = PlantFile::default();
     file.buffer.reserve_exact(expected_bytes(plant));
@@ -39,7 +46,16 @@ pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
         "nodes",
         json!({"name": "Tree", "children": [branches, leaves]}),
     );
-    let root = file.finish(&plant.name, leaves + 1);
+    let skeleton = plant.skeleton.as_ref().filter(|s| !s.segments.is_empty());
+    let skeleton = skeleton.map(|skeleton| {
+        let checked = skeleton.check(plant.triangles_per_leaf.len());
+        checked.expect("a plant has the skeleton of its own leaves");
+        file.push_skeleton(skeleton)
+    });
+    let mut root = file.finish(&plant.name, leaves + 1);
+    if let Some(skeleton) = skeleton {
+        root["extras"] = json!({ EXTRAS_NAME: skeleton });
+    }
     glb_around(&root, file.buffer).expect("a plant fits into 4 GiB")
 }
 
@@ -48,7 +64,9 @@ pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
 fn expected_bytes(plant: &Plant) -> usize {
     let of_surface =
         |surface: &Surface| 48 * surface.positions.len() + 12 * surface.triangles.len();
-    of_surface(&plant.wood) + of_surface(&plant.leaves) + (1 << 17)
+    let of_skeleton = |s: &PlantSkeleton| 40 * s.segments.len() + 4 * s.leaf_segments.len();
+    let skeleton = plant.skeleton.as_ref().map_or(0, of_skeleton);
+    of_surface(&plant.wood) + of_surface(&plant.leaves) + skeleton + (1 << 17)
 }
 
 #[derive(Default)]
@@ -143,8 +161,17 @@ impl PlantFile {
         kind: &str,
         vectors: impl ExactSizeIterator<Item = [f32; N]>,
     ) -> usize {
+        self.push_elements(Some(ARRAY_BUFFER), kind, vectors)
+    }
+
+    fn push_elements<const N: usize>(
+        &mut self,
+        target: Option<u32>,
+        kind: &str,
+        vectors: impl ExactSizeIterator<Item = [f32; N]>,
+    ) -> usize {
         let count = vectors.len();
-        let view = self.push_view(Some(ARRAY_BUFFER), |buffer| {
+        let view = self.push_view(target, |buffer| {
             for number in vectors.flatten() {
                 buffer.extend_from_slice(&number.to_le_bytes());
             }
@@ -170,6 +197,54 @@ impl PlantFile {
         self.push(
             "accessors",
             json!({"bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR"}),
+        )
+    }
+
+    /// See `gltf::skeleton` for what it holds. There is at least one segment.
+    fn push_skeleton(&mut self, skeleton: &PlantSkeleton) -> Value {
+        let segments = &skeleton.segments;
+        let mut accessors = Map::new();
+        let mut put = |name: &str, accessor: usize| accessors.insert(name.into(), accessor.into());
+        let parents = segments.iter().map(|s| number_of(s.parent));
+        put(SEGMENT_PARENT, self.push_numbers(parents));
+        let continues = segments.iter().map(|s| u8::from(s.continues_parent));
+        put(SEGMENT_CONTINUES, self.push_bytes(continues));
+        let sides = segments.iter().map(|s| s.sides as u8);
+        put(SEGMENT_SIDES, self.push_bytes(sides));
+        let starts = segments.iter().map(|s| s.start.as_vec3().to_array());
+        put(SEGMENT_START, self.push_elements(None, "VEC3", starts));
+        let ends = segments.iter().map(|s| s.end.as_vec3().to_array());
+        put(SEGMENT_END, self.push_elements(None, "VEC3", ends));
+        let radii = segments
+            .iter()
+            .map(|s| [s.start_radius_m as f32, s.end_radius_m as f32]);
+        put(SEGMENT_RADIUS, self.push_elements(None, "VEC2", radii));
+        if !skeleton.leaf_segments.is_empty() {
+            let of_leaves = skeleton.leaf_segments.iter().map(|s| number_of(*s));
+            put(LEAF_SEGMENT, self.push_numbers(of_leaves));
+        }
+        json!({"version": VERSION, "accessors": accessors})
+    }
+
+    fn push_numbers(&mut self, numbers: impl ExactSizeIterator<Item = [u16; 2]>) -> usize {
+        let count = numbers.len();
+        let view = self.push_view(None, |buffer| {
+            for half in numbers.flatten() {
+                buffer.extend_from_slice(&half.to_le_bytes());
+            }
+        });
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": "VEC2"}),
+        )
+    }
+
+    fn push_bytes(&mut self, bytes: impl ExactSizeIterator<Item = u8>) -> usize {
+        let count = bytes.len();
+        let view = self.push_view(None, |buffer| buffer.extend(bytes));
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": UNSIGNED_BYTE, "count": count, "type": "SCALAR"}),
         )
     }
 

@@ -7,6 +7,8 @@
 
 use serde_json::Value;
 
+use crate::gltf::skeleton::ACCESSORS_POINTER;
+
 /// A walk over all numbers of one kind.
 pub(super) type VisitNumbers = fn(&mut Value, &mut dyn FnMut(&mut Value));
 
@@ -34,6 +36,7 @@ pub(super) fn visit_accessor_numbers(root: &mut Value, visit: &mut dyn FnMut(&mu
         let attributes = node.pointer_mut("/extensions/EXT_mesh_gpu_instancing/attributes");
         visit_values(attributes, visit);
     }
+    visit_values(root.pointer_mut(ACCESSORS_POINTER), visit);
 }
 
 /// Calls `visit` with each buffer view number.
@@ -148,14 +151,15 @@ mod tests {
             "animations": [{"channels": [{"sampler": 9}], "samplers": [{"input": 6, "output": 7}]}],
             "nodes": [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing":
                 {"attributes": {"TRANSLATION": 8, "_ID": 9}}}}],
+            "extras": {"secateur_skeleton": {"version": 1, "accessors": {"leaf_segment": 10}}},
             "accessors": [
                 {"bufferView": 0, "sparse": {"count": 9, "indices": {"bufferView": 1}, "values": {"bufferView": 2}}},
                 {"count": 9}],
             "images": [{"bufferView": 3}, {"uri": "bark.png"}],
         });
         assert_eq!(
-            count_references(&mut root, 10, visit_accessor_numbers),
-            [1; 10]
+            count_references(&mut root, 11, visit_accessor_numbers),
+            [1; 11]
         );
         assert_eq!(count_references(&mut root, 4, visit_view_numbers), [1; 4]);
         assert_eq!(count_references(&mut root, 1, visit_mesh_numbers), [1]);

@@ -25,7 +25,7 @@ use super::args::{self, Common};
 use super::failure::Failure;
 use super::print::Printed;
 use super::summary::grouped;
-use super::{interrupt, machine, output, record};
+use super::{interrupt, machine, output, record, simplify};
 use judge::{Judge, Ran, Run};
 use plan::Case;
 use rows::RowFile;
@@ -178,6 +178,7 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
         // A method that sees no pixels does not have to choose how many.
         settings.resolution = Resolution::Pixels(1);
     }
+    settings.skeleton = simplify::skeleton(tree, &settings)?;
     let changed = job.case.perturbation.apply(tree.foliage(), &settings);
     let count = tree.foliage().leaves().len();
     let steps: Vec<usize> = levels

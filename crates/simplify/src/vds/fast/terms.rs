@@ -1,6 +1,6 @@
 //! The terms of reveal edges: what pixels handed to a leaf do to the measure.
 
-use super::counts::Reveals;
+use super::edges::Reveals;
 use crate::lg::LgTable;
 
 /// The leaf that an edge leads to, before or after a step.

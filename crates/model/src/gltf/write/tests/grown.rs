@@ -34,7 +34,7 @@ fn surface(squares: usize, material: Arc<Material>) -> Surface {
     }
 }
 
-fn plant(leaves: usize) -> Plant {
+pub(super) fn plant(leaves: usize) -> Plant {
     let texture = Arc::new(Texture {
         width: 2,
         height: 1,
@@ -52,6 +52,7 @@ fn plant(leaves: usize) -> Plant {
             material("leaf", AlphaMode::Mask(0.5), Some(texture)),
         ),
         triangles_per_leaf: vec![2; leaves],
+        skeleton: None,
     }
 }
 

@@ -10,6 +10,7 @@ mod made;
 mod on_disk;
 mod particulars;
 mod real_trees;
+mod skeleton;
 #[allow(unreachable_pub, reason = "integration tests include this file too")]
 #[path = "../../../../../../tests/validator/validator.rs"]
 mod validator;

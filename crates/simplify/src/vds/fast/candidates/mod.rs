@@ -24,6 +24,9 @@
 //! away in all views, which is added as it is now. What decides in the end are
 //! exact costs: bounds may be loose but never wrong.
 //!
+//! Each shard has candidates of its own, and lets the others know what it has
+//! found ([`Limits`]).
+//!
 //! A leaf whose deltas are all zero costs `sum |D|`. Those wait, ordered by
 //! rank, outside the blocks: mostly leaves that no view sees. So do leaves for
 //! which a [twin](twins) stands.
@@ -31,19 +34,22 @@
 mod blocks;
 mod epochs;
 mod excess;
+mod limits;
 mod search;
 mod twins;
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::changes::{BackgroundDrift, Change};
-use super::counts::Counts;
+use super::deltas::Sight;
 use super::prefetch::prefetch;
 use blocks::{Block, Figures, Gate, NO_FIRST, Rounding, Top, drift_then};
 use epochs::Epochs;
 use excess::{Excesses, LANES, Lanes, ViewNow, excesses};
 use twins::Twins;
 
+pub(super) use limits::Limits;
 pub(super) use twins::Silhouette;
 
 const NOWHERE: u32 = u32::MAX;
@@ -69,16 +75,25 @@ struct Residents {
     along: [i64; LANES],
 }
 
-/// The leaf that a step prunes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Cheapest {
-    pub leaf: u32,
+/// A leaf and its cost; of equals the least rank comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Found {
     pub cost: i64,
+    pub rank: u32,
+    pub leaf: u32,
+}
+
+impl Found {
+    pub(super) const NONE: Self = Self {
+        cost: i64::MAX,
+        rank: u32::MAX,
+        leaf: 0,
+    };
 }
 
 pub(super) struct Candidates {
     view_count: usize,
-    rank_of: Vec<u32>,
+    rank_of: Arc<[u32]>,
     /// By rank, then leaf number: leaves whose deltas are all zero.
     without_effect: BTreeSet<(u32, u32)>,
     twins: Twins,
@@ -114,8 +129,8 @@ pub(super) struct Candidates {
     rounding: Rounding,
     /// The leaf of the largest cost of the last step that asked.
     last_largest: u32,
-    /// The leaf of the second least cost of the last step.
-    runner_up: u32,
+    /// The leaves of the two least costs of the last step.
+    seeds: [u32; 2],
     row: Vec<i64>,
 }
 
@@ -123,13 +138,13 @@ impl Candidates {
     /// `leaves` are the numbers of the leaves that are there, neighbours close
     /// together; `rank_of` their ranks among equals, by leaf number.
     pub(super) fn new(
-        counts: &Counts<'_>,
+        sight: Sight<'_>,
         leaves: Vec<u32>,
-        rank_of: Vec<u32>,
+        rank_of: Arc<[u32]>,
         pixels_per_view: usize,
         deviations: &[i64],
     ) -> Self {
-        let views = counts.view_count();
+        let views = sight.counts.view_count();
         let mut candidates = Self {
             view_count: views,
             place_of: vec![NOWHERE; rank_of.len()],
@@ -151,41 +166,38 @@ impl Candidates {
             signs: 0,
             signs_age: 0,
             least_deviation: 0.0,
-            drift: counts.background_drift(),
-            drift_at_rebuild: counts.background_drift(),
-            background_jumps: counts.background_jumps(),
+            drift: sight.counts.background_drift(),
+            drift_at_rebuild: sight.counts.background_drift(),
+            background_jumps: sight.counts.background_jumps(),
             rounding: Rounding::new(views, pixels_per_view),
             last_largest: 0,
-            runner_up: 0,
+            seeds: [0; 2],
             row: vec![0; views],
         };
         for leaf in candidates.order.clone() {
             let rank = candidates.rank_of[leaf as usize];
-            candidates.twins.set(rank, leaf, counts.silhouette(leaf));
+            candidates
+                .twins
+                .set(rank, leaf, sight.counts.silhouette(leaf));
         }
-        candidates.epochs.background_is(counts.areas(0));
-        candidates.look(counts, deviations);
-        candidates.build(counts);
+        candidates.epochs.background_is(sight.counts.areas(0));
+        candidates.look(sight, deviations);
+        candidates.build(sight);
         candidates
     }
 
-    /// How many leaves the foliage had.
-    pub(super) fn leaf_count(&self) -> usize {
-        self.rank_of.len() - 1
-    }
-
-    fn build(&mut self, counts: &Counts<'_>) {
+    fn build(&mut self, sight: Sight<'_>) {
         self.without_effect.clear();
         self.epochs.forget_classes();
         let mut order = std::mem::take(&mut self.order);
         // Who need not be looked at last; by n to within a quarter; by what
         // would go to the background; among those, neighbours stay together.
         order.sort_by_cached_key(|&leaf| {
-            counts.deltas(leaf, &mut self.row);
+            sight.deltas(leaf, &mut self.row);
             let n: u64 = self.row.iter().map(|d| d.unsigned_abs()).sum();
             let exponent = n.max(4).ilog2();
             let waits = n == 0 || self.twins.is_hidden(self.rank_of[leaf as usize], leaf);
-            let background_px = counts.deltas_but_rise(leaf, &mut self.row);
+            let background_px = sight.deltas_but_rise(leaf, &mut self.row);
             (waits, exponent, n >> (exponent - 2), background_px.min(16))
         });
         let block_count = order.len().div_ceil(LANES);
@@ -196,7 +208,7 @@ impl Candidates {
             absent: Lanes([f32::INFINITY; LANES]),
             along: [i64::MAX; LANES],
         };
-        self.drift_at_rebuild = counts.background_drift();
+        self.drift_at_rebuild = sight.counts.background_drift();
         let empty = Block::empty(self.epochs.current(), self.drift_at_rebuild, self.signs);
         self.gates = vec![empty.gate(); block_count];
         self.tops = vec![empty.top(); block_count];
@@ -207,34 +219,34 @@ impl Candidates {
             self.place_of[leaf as usize] = place as u32;
         }
         for &leaf in &order {
-            self.enter(counts, leaf);
+            self.enter(sight, leaf);
         }
         self.order = order;
     }
 
     /// Begins a step: `deviations` are those that costs are measured with.
-    pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
-        self.epochs.begin(deviations, counts.areas(0));
-        self.look(counts, deviations);
-        let has_jumped = counts.background_jumps() != self.background_jumps;
-        self.background_jumps = counts.background_jumps();
+    pub(super) fn begin_step(&mut self, sight: Sight<'_>, deviations: &[i64]) {
+        self.epochs.begin(deviations, sight.counts.areas(0));
+        self.look(sight, deviations);
+        let has_jumped = sight.counts.background_jumps() != self.background_jumps;
+        self.background_jumps = sight.counts.background_jumps();
         if has_jumped || self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
-            self.build(counts);
+            self.build(sight);
         } else {
             // Their epoch is forgotten now.
             let renewed = self.epochs.current();
             for index in 0..self.blocks.len() {
                 if self.blocks[index].slot.epoch() == renewed {
-                    self.evaluate(counts, index);
+                    self.evaluate(sight, index);
                 }
             }
         }
     }
 
     /// Notes how things stand at the beginning of a step.
-    fn look(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
-        self.drift = counts.background_drift();
+    fn look(&mut self, sight: Sight<'_>, deviations: &[i64]) {
+        self.drift = sight.counts.background_drift();
         self.signs_age += 1;
         let is_negative = |d: &i64| *d < 0;
         if deviations
@@ -249,7 +261,7 @@ impl Candidates {
         self.least_deviation = least.unwrap_or(0) as f32;
         self.deviations.copy_from_slice(deviations);
         self.deviation_sum = deviations.iter().map(|d| d.abs()).sum();
-        let now = deviations.iter().zip(counts.areas(0));
+        let now = deviations.iter().zip(sight.counts.areas(0));
         self.views.clear();
         self.views.extend(now.map(|(d, &area)| ViewNow {
             twice_deviation: 2.0 * d.abs() as f32,
@@ -257,19 +269,22 @@ impl Candidates {
             background_px: area as f32,
         }));
         self.rises.clear();
-        let rises = (0..RISES as u32).map(|px| counts.background_rise(px) as f32);
+        let rises = (0..RISES as u32).map(|px| sight.counts.background_rise(px) as f32);
         self.rises.extend(rises);
     }
 
-    /// Takes a leaf out for good.
-    pub(super) fn remove(&mut self, counts: &Counts<'_>, leaf: u32) {
+    /// Takes a leaf out for good, if it is one of these.
+    pub(super) fn remove(&mut self, sight: Sight<'_>, leaf: u32) {
+        if self.place_of[leaf as usize] == NOWHERE {
+            return;
+        }
         self.left -= 1;
         self.leave(leaf);
         self.place_of[leaf as usize] = NOWHERE;
         let rank = self.rank_of[leaf as usize];
         self.without_effect.remove(&(rank, leaf));
         if let Some(twin) = self.twins.leave(rank, leaf) {
-            self.enter(counts, twin);
+            self.enter(sight, twin);
         }
     }
 
@@ -317,7 +332,7 @@ impl Candidates {
     ///
     /// Most changes are those of areas of leaves behind it, and small: then its
     /// block's bounds give way, and the deltas are read when they do not suffice.
-    pub(super) fn note(&mut self, counts: &Counts<'_>, leaf: u32, change: Change) {
+    pub(super) fn note(&mut self, sight: Sight<'_>, leaf: u32, change: Change) {
         let place = self.place_of[leaf as usize];
         if place == NOWHERE {
             return;
@@ -330,12 +345,12 @@ impl Candidates {
                 self.gates[index] = block.gate();
                 self.tops[index] = block.top();
             }
-            _ => self.update(counts, leaf),
+            _ => self.update(sight, leaf),
         }
     }
 
     /// Reads the deltas of a block's outdated leaves.
-    fn bring_up_to_date(&mut self, counts: &Counts<'_>, index: usize) {
+    fn bring_up_to_date(&mut self, sight: Sight<'_>, index: usize) {
         let mut outdated = std::mem::take(&mut self.blocks[index].outdated);
         if outdated == 0 {
             return;
@@ -346,7 +361,7 @@ impl Candidates {
             outdated &= outdated - 1;
             let leaf = self.residents[index].leaves[lane];
             if leaf != 0 {
-                self.enter(counts, leaf);
+                self.enter(sight, leaf);
             }
         }
         self.gates[index] = self.blocks[index].gate();
@@ -354,20 +369,20 @@ impl Candidates {
     }
 
     /// Takes note of a leaf's new deltas.
-    fn update(&mut self, counts: &Counts<'_>, leaf: u32) {
+    fn update(&mut self, sight: Sight<'_>, leaf: u32) {
         let rank = self.rank_of[leaf as usize];
-        let (comes_forth, hides) = self.twins.set(rank, leaf, counts.silhouette(leaf));
+        let (comes_forth, hides) = self.twins.set(rank, leaf, sight.counts.silhouette(leaf));
         if let Some(other) = hides {
             self.leave(other);
         }
-        self.enter(counts, leaf);
+        self.enter(sight, leaf);
         if let Some(other) = comes_forth {
-            self.enter(counts, other);
+            self.enter(sight, other);
         }
     }
 
     /// Puts a leaf where its deltas say, unless a twin stands for it.
-    fn enter(&mut self, counts: &Counts<'_>, leaf: u32) {
+    fn enter(&mut self, sight: Sight<'_>, leaf: u32) {
         let place = self.place_of[leaf as usize] as usize;
         let rank = self.rank_of[leaf as usize];
         if self.twins.is_hidden(rank, leaf) {
@@ -376,7 +391,7 @@ impl Candidates {
             return;
         }
         let (index, lane) = (place / LANES, place % LANES);
-        let background_px = counts.deltas_but_rise(leaf, &mut self.row);
+        let background_px = sight.deltas_but_rise(leaf, &mut self.row);
         if background_px == 0 && self.row.iter().all(|d| *d == 0) {
             self.leave(leaf);
             self.without_effect.insert((rank, leaf));
@@ -385,13 +400,13 @@ impl Candidates {
         if self.residents[index].leaves[lane] == 0 {
             self.without_effect.remove(&(rank, leaf));
         }
-        let rise = counts.background_rise(background_px);
+        let rise = sight.counts.background_rise(background_px);
         let block = &mut self.blocks[index];
         let then = self.epochs.deviations(block.slot.epoch());
         let (mut along, mut excess, mut n, mut magnitude, mut widest) = (0, 0, 0, 0, 0);
         let mut along_now = 0;
         let rows = &mut self.deltas[index * self.view_count..][..self.view_count];
-        let background = counts.areas(0);
+        let background = sight.counts.areas(0);
         for (view, (row, d)) in rows.iter_mut().zip(&self.row).enumerate() {
             row.0[lane] = *d as f32;
             let e = then[view];
@@ -420,7 +435,7 @@ impl Candidates {
         residents.leaves[lane] = leaf;
         block.present |= 1 << lane;
         residents.background_px[lane] = background_px;
-        residents.drift.0[lane] = drift_then(counts.background_drift().revealed);
+        residents.drift.0[lane] = drift_then(sight.counts.background_drift().revealed);
         residents.absent.0[lane] = 0.0;
         let was_first = block.first.2 == leaf;
         residents.along[lane] = match background_px == 0 && block.signs == self.signs {
@@ -437,11 +452,11 @@ impl Candidates {
 
     /// The exact sums of a block's deltas with the signs that the deviations
     /// have now.
-    fn renew_firsts(&mut self, counts: &Counts<'_>, index: usize) {
+    fn renew_firsts(&mut self, sight: Sight<'_>, index: usize) {
         for lane in 0..LANES {
             let leaf = self.residents[index].leaves[lane];
             if leaf != 0 && self.residents[index].background_px[lane] == 0 {
-                counts.deltas_but_rise(leaf, &mut self.row);
+                sight.deltas_but_rise(leaf, &mut self.row);
                 let terms = self.row.iter().zip(&self.deviations);
                 let along = terms.map(|(d, e)| if *e < 0 { -d } else { *d }).sum();
                 self.residents[index].along[lane] = along;
@@ -452,8 +467,8 @@ impl Candidates {
     }
 
     /// Evaluates a block's leaves against the current epoch.
-    fn evaluate(&mut self, counts: &Counts<'_>, index: usize) -> Excesses {
-        self.bring_up_to_date(counts, index);
+    fn evaluate(&mut self, sight: Sight<'_>, index: usize) -> Excesses {
+        self.bring_up_to_date(sight, index);
         let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
         let residents = &self.residents[index];
         let block = &mut self.blocks[index];
@@ -464,7 +479,7 @@ impl Candidates {
                 if px > 0 {
                     rises.0[lane] = match self.rises.get(px as usize) {
                         Some(rise) => *rise,
-                        None => counts.background_rise(px) as f32,
+                        None => sight.counts.background_rise(px) as f32,
                     };
                     drift = drift.min(f64::from(residents.drift.0[lane]));
                 }

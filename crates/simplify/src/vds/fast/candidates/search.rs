@@ -1,12 +1,14 @@
 //! The search itself: through the gates, then the blocks, then the leaves.
 
+use super::super::deltas::Sight;
 use super::blocks::{Now, drift_now, drift_then};
 use super::excess::{LANES, Lanes};
-use super::{Candidates, Cheapest, Counts, NOWHERE, STEADY};
+use super::limits::Limits;
+use super::{Candidates, Found, NOWHERE, STEADY};
 
 impl Candidates {
-    fn cost(&mut self, counts: &Counts<'_>, leaf: u32) -> i64 {
-        counts.deltas(leaf, &mut self.row);
+    fn cost(&mut self, sight: Sight<'_>, leaf: u32) -> i64 {
+        sight.deltas(leaf, &mut self.row);
         let terms = self.row.iter().zip(&self.deviations);
         terms.map(|(d, deviation)| (d + deviation).abs()).sum()
     }
@@ -22,20 +24,19 @@ impl Candidates {
         }
     }
 
-    /// The leaf of least cost; of equals that of the lowest rank.
-    ///
-    /// # Panics
-    /// If no leaf is left.
-    pub(in super::super) fn cheapest(&mut self, counts: &Counts<'_>) -> Cheapest {
-        // Cost, rank, leaf.
-        let mut best = (i64::MAX, u32::MAX, 0u32);
+    /// The leaf of least cost; of equals that of the lowest rank. If all of them
+    /// cost more than a leaf of another shard, any or [`Found::NONE`].
+    pub(in super::super) fn cheapest(&mut self, sight: Sight<'_>, limits: &Limits) -> Found {
+        let mut best = Found::NONE;
         let mut runner_up = best;
         self.consider_without_effect(&mut best, &mut runner_up);
         // Mostly near the least.
-        if self.place_of[self.runner_up as usize] != NOWHERE {
-            self.consider(counts, self.runner_up, &mut best, &mut runner_up);
+        for leaf in self.seeds {
+            if self.place_of[leaf as usize] != NOWHERE {
+                self.consider(sight, leaf, &mut best, &mut runner_up);
+            }
         }
-        let mut limit = self.excess(best.0);
+        let mut limit = self.least_excess(best, limits);
         for index in 0..self.gates.len() {
             let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
             let gate = &self.gates[index];
@@ -43,13 +44,14 @@ impl Candidates {
             if floor_of_open > limit && gate.floor_of_solid(&now) > limit {
                 continue;
             }
+            limit = self.least_excess(best, limits);
             if self.blocks[index].outdated != 0 {
                 if !self.could_know_first(index) && self.blocks[index].floor(&now) > limit {
                     continue;
                 }
-                self.bring_up_to_date(counts, index);
+                self.bring_up_to_date(sight, index);
                 self.consider_without_effect(&mut best, &mut runner_up);
-                limit = self.excess(best.0);
+                limit = self.least_excess(best, limits);
                 let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
                 let gate = &self.gates[index];
                 floor_of_open = gate.floor_of_open(&now);
@@ -62,10 +64,10 @@ impl Candidates {
             if knows_first {
                 let (along, rank, leaf) = self.blocks[index].first;
                 if leaf != 0 {
-                    let first = (self.deviation_sum + along, rank, leaf);
-                    rank_in(first, &mut best, &mut runner_up);
+                    let cost = self.deviation_sum + along;
+                    rank_in(Found { cost, rank, leaf }, &mut best, &mut runner_up);
                 }
-                limit = self.excess(best.0);
+                limit = self.least_excess(best, limits);
                 if leaf == 0 || self.excess(self.deviation_sum + along) > limit {
                     self.blocks[index].know_solid(along);
                     self.gates[index] = self.blocks[index].gate();
@@ -76,15 +78,17 @@ impl Candidates {
             } else if self.blocks[index].floor(&now) > limit {
                 continue;
             }
-            self.scan_for_cheapest(counts, index, knows_first, &mut best, &mut runner_up);
-            limit = self.excess(best.0);
+            self.scan_for_cheapest(sight, index, knows_first, limits, &mut best, &mut runner_up);
+            limit = self.least_excess(best, limits);
         }
-        self.runner_up = runner_up.2;
-        assert!(best.2 != 0, "a leaf is left");
-        Cheapest {
-            leaf: best.2,
-            cost: best.0,
-        }
+        self.seeds = [best.leaf, runner_up.leaf];
+        best
+    }
+
+    /// The excess that no leaf need be looked at above.
+    #[inline]
+    fn least_excess(&self, best: Found, limits: &Limits) -> f32 {
+        self.excess(limits.lower_least(best.cost))
     }
 
     /// Whether the excesses of a block's solid leaves are what their deltas sum
@@ -95,42 +99,39 @@ impl Candidates {
         block.signs == self.signs && block.widest * (1.0 + 1e-6) < self.least_deviation
     }
 
-    fn consider_without_effect(&self, best: &mut (i64, u32, u32), runner_up: &mut (i64, u32, u32)) {
+    fn consider_without_effect(&self, best: &mut Found, runner_up: &mut Found) {
         if let Some(&(rank, leaf)) = self.without_effect.first() {
-            rank_in((self.deviation_sum, rank, leaf), best, runner_up);
+            let cost = self.deviation_sum;
+            rank_in(Found { cost, rank, leaf }, best, runner_up);
         }
     }
 
-    fn consider(
-        &mut self,
-        counts: &Counts<'_>,
-        leaf: u32,
-        best: &mut (i64, u32, u32),
-        runner_up: &mut (i64, u32, u32),
-    ) {
-        let cost = self.cost(counts, leaf);
-        rank_in((cost, self.rank_of[leaf as usize], leaf), best, runner_up);
+    fn consider(&mut self, sight: Sight<'_>, leaf: u32, best: &mut Found, runner_up: &mut Found) {
+        let cost = self.cost(sight, leaf);
+        let rank = self.rank_of[leaf as usize];
+        rank_in(Found { cost, rank, leaf }, best, runner_up);
     }
 
     fn scan_for_cheapest(
         &mut self,
-        counts: &Counts<'_>,
+        sight: Sight<'_>,
         index: usize,
         without_solid: bool,
-        best: &mut (i64, u32, u32),
-        runner_up: &mut (i64, u32, u32),
+        limits: &Limits,
+        best: &mut Found,
+        runner_up: &mut Found,
     ) {
-        let found = self.evaluate(counts, index);
+        let found = self.evaluate(sight, index);
         if self.blocks[index].signs != self.signs && self.signs_age >= STEADY {
-            self.renew_firsts(counts, index);
+            self.renew_firsts(sight, index);
         }
         let margins = self.lane_margins(index);
         for lane in 0..LANES {
-            if found.excess.0[lane] - margins.0[lane] <= self.excess(best.0) {
+            if found.excess.0[lane] - margins.0[lane] <= self.least_excess(*best, limits) {
                 let residents = &self.residents[index];
                 let leaf = residents.leaves[lane];
                 if leaf != 0 && !(without_solid && residents.background_px[lane] == 0) {
-                    self.consider(counts, leaf, best, runner_up);
+                    self.consider(sight, leaf, best, runner_up);
                 }
             }
         }
@@ -138,18 +139,18 @@ impl Candidates {
 
     /// The least cost with its leaf, and the largest, by looking at every leaf.
     #[cfg(test)]
-    pub(in super::super) fn exhaustively(&mut self, counts: &Counts<'_>) -> (Cheapest, i64) {
+    pub(in super::super) fn exhaustively(&mut self, sight: Sight<'_>) -> (Found, i64) {
         let left =
             (1..self.place_of.len() as u32).filter(|l| self.place_of[*l as usize] != NOWHERE);
         let left: Vec<u32> = left.collect();
-        let costs = left.into_iter().map(|leaf| {
-            let cost = self.cost(counts, leaf);
-            (cost, self.rank_of[leaf as usize], leaf)
+        let found = left.into_iter().map(|leaf| Found {
+            cost: self.cost(sight, leaf),
+            rank: self.rank_of[leaf as usize],
+            leaf,
         });
-        let costs: Vec<_> = costs.collect();
-        let (cost, _, leaf) = *costs.iter().min().expect("a leaf is left");
-        let largest = costs.iter().map(|c| c.0).max().expect("a leaf is left");
-        (Cheapest { leaf, cost }, largest)
+        let found: Vec<Found> = found.collect();
+        let largest = found.iter().map(|f| f.cost).max().unwrap_or(i64::MIN);
+        (found.into_iter().min().unwrap_or(Found::NONE), largest)
     }
 
     /// How far the excesses of a block's leaves in f32 may be off.
@@ -164,30 +165,33 @@ impl Candidates {
         }))
     }
 
-    /// The largest cost of a leaf that is left.
-    pub(in super::super) fn largest_cost(&mut self, counts: &Counts<'_>) -> i64 {
+    /// The largest cost of a leaf that is left; if all of them cost less than a
+    /// leaf of another shard, any cost that one has, or MIN.
+    pub(in super::super) fn largest_cost(&mut self, sight: Sight<'_>, limits: &Limits) -> i64 {
         let mut best = (i64::MIN, 0);
         if !self.without_effect.is_empty() {
             best.0 = self.deviation_sum;
         }
         // Mostly the same leaf as in the step before.
         if self.place_of[self.last_largest as usize] != NOWHERE {
-            let cost = self.cost(counts, self.last_largest);
+            let cost = self.cost(sight, self.last_largest);
             best = best.max((cost, self.last_largest));
         }
         let drift = drift_now(self.drift.rise + self.drift.revealed)
             - drift_then(self.drift_at_rebuild.rise + self.drift_at_rebuild.revealed);
-        let mut limit = self.excess(best.0);
+        let mut limit = self.excess(limits.raise_largest(best.0));
         for index in 0..self.blocks.len() {
             if self.tops[index].ceiling(drift) > limit {
                 let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
                 if self.blocks[index].ceiling(&now) > limit {
-                    self.scan_for_largest(counts, index, &mut best);
-                    limit = self.excess(best.0);
+                    self.scan_for_largest(sight, index, &mut best);
                 }
+                limit = self.excess(limits.raise_largest(best.0));
             }
         }
-        self.last_largest = best.1;
+        if best.1 != 0 {
+            self.last_largest = best.1;
+        }
         match self.without_effect.is_empty() {
             // Some of them may have been found out only now.
             false => best.0.max(self.deviation_sum),
@@ -195,24 +199,24 @@ impl Candidates {
         }
     }
 
-    fn scan_for_largest(&mut self, counts: &Counts<'_>, index: usize, best: &mut (i64, u32)) {
-        let found = self.evaluate(counts, index);
+    fn scan_for_largest(&mut self, sight: Sight<'_>, index: usize, best: &mut (i64, u32)) {
+        let found = self.evaluate(sight, index);
         let margins = self.lane_margins(index);
         for lane in 0..LANES {
             let leaf = self.residents[index].leaves[lane];
             let ceiling = found.excess.0[lane] + margins.0[lane];
             if leaf != 0 && ceiling > self.excess(best.0) {
-                *best = (*best).max((self.cost(counts, leaf), leaf));
+                *best = (*best).max((self.cost(sight, leaf), leaf));
             }
         }
     }
 }
 
-/// Keeps the best two: cost, rank, leaf.
-fn rank_in(found: (i64, u32, u32), best: &mut (i64, u32, u32), runner_up: &mut (i64, u32, u32)) {
+/// Keeps the best two.
+fn rank_in(found: Found, best: &mut Found, runner_up: &mut Found) {
     if found < *best {
         *runner_up = std::mem::replace(best, found);
-    } else if found < *runner_up && found.2 != best.2 {
+    } else if found < *runner_up && found.leaf != best.leaf {
         *runner_up = found;
     }
 }

@@ -1,0 +1,199 @@
+//! What pruning each leaf of a shard would change, kept up to date.
+//!
+//! When a step changes some areas and edges, the terms they enter are
+//! subtracted as they were and added as they are; integers make that equal to
+//! computing anew.
+
+use super::changes::Change;
+use super::counts::{ChangedArea, Counts};
+use super::prefetch::{prefetch, prefetch_range};
+use super::split::Split;
+use super::terms::{add_revealed, add_term, move_term, replace_term};
+
+/// P times the change of VMI in each view if a leaf went, without the term of
+/// the background, for the leaves of one shard.
+pub(super) struct Deltas {
+    split: Split,
+    shard: usize,
+    view_count: usize,
+    /// By row of the leaf, then view.
+    rows: Vec<i64>,
+    /// Leaves changed by the step.
+    changed: Vec<u32>,
+    /// By row, while the leaf is among the changed.
+    change: Vec<Change>,
+}
+
+impl Deltas {
+    pub(super) fn new(counts: &Counts<'_>, split: Split, shard: usize) -> Self {
+        let view_count = counts.view_count();
+        let row_count = split.rows(counts.leaf_count());
+        let mut deltas = Self {
+            split,
+            shard,
+            view_count,
+            rows: vec![0; row_count * view_count],
+            changed: Vec::new(),
+            change: vec![Change::NONE; row_count],
+        };
+        for leaf in 1..=counts.leaf_count() as u32 {
+            if split.shard(leaf) == shard {
+                let own = counts.target(leaf);
+                for (delta, &area) in deltas.row_mut(leaf).iter_mut().zip(own.areas) {
+                    *delta = -counts.table.term(area, own.lg_total);
+                }
+            }
+        }
+        for edge in counts.edges.all() {
+            if edge.to != 0 && split.shard(edge.from) == shard {
+                let target = counts.target(edge.to);
+                let row = deltas.row_mut(edge.from);
+                add_term(counts.table, row, target, edge.total, &edge.reveals);
+            }
+        }
+        deltas
+    }
+
+    #[inline(always)]
+    fn row(&self, leaf: u32) -> &[i64] {
+        &self.rows[self.split.row(leaf) * self.view_count..][..self.view_count]
+    }
+
+    #[inline(always)]
+    fn row_mut(&mut self, leaf: u32) -> &mut [i64] {
+        &mut self.rows[self.split.row(leaf) * self.view_count..][..self.view_count]
+    }
+
+    #[inline(always)]
+    fn prefetch_row(&self, leaf: u32) {
+        let start = self.split.row(leaf) * self.view_count;
+        prefetch_range(&self.rows, start, self.view_count);
+    }
+
+    /// Brings the deltas up to date with what a step [settled](Counts::settle).
+    pub(super) fn follow(&mut self, counts: &Counts<'_>) {
+        for area in counts.changed_areas() {
+            self.change_own_term(area);
+            self.move_incoming(counts, area);
+        }
+        for touched in counts.edges.touched(self.shard) {
+            let edge = counts.edges.get(touched.edge);
+            if edge.to != 0 {
+                let before = counts.target_before(edge.to);
+                let after = counts.target(edge.to);
+                replace_term(
+                    counts.table,
+                    self.row_mut(edge.from),
+                    (before, touched.total_before, &touched.reveals_before),
+                    (after, edge.total, &edge.reveals),
+                );
+            }
+            self.mark_changed(edge.from);
+        }
+    }
+
+    fn mark_changed(&mut self, leaf: u32) {
+        let change = &mut self.change[self.split.row(leaf)];
+        if std::mem::replace(change, Change::OF_ITSELF) == Change::NONE {
+            self.changed.push(leaf);
+        }
+    }
+
+    fn change_own_term(&mut self, area: ChangedArea<'_>) {
+        if area.leaf == 0 || self.split.shard(area.leaf) != self.shard {
+            return;
+        }
+        for (delta, change) in self.row_mut(area.leaf).iter_mut().zip(area.own_term) {
+            *delta -= change;
+        }
+        self.mark_changed(area.leaf);
+    }
+
+    /// Terms of the edges that lead to a changed leaf and did not change
+    /// themselves.
+    fn move_incoming(&mut self, counts: &Counts<'_>, area: ChangedArea<'_>) {
+        let incoming = counts.edges.incoming(area.leaf, self.shard);
+        for &index in incoming.iter().take(8) {
+            prefetch(counts.edges.all(), index as usize);
+        }
+        for (k, &index) in incoming.iter().enumerate() {
+            if let Some(&ahead) = incoming.get(k + 8) {
+                prefetch(counts.edges.all(), ahead as usize);
+            }
+            if let Some(&ahead) = incoming.get(k + 3) {
+                self.prefetch_row(counts.edges.get(ahead).from);
+            }
+            let edge = counts.edges.get(index);
+            if edge.is_touched() {
+                continue;
+            }
+            let row = self.row_mut(edge.from);
+            let moved = move_term(
+                counts.table,
+                row,
+                area.before,
+                area.after,
+                edge.total,
+                &edge.reveals,
+            );
+            let change = &mut self.change[self.split.row(edge.from)];
+            if *change == Change::NONE {
+                self.changed.push(edge.from);
+            }
+            change.add(moved);
+        }
+    }
+
+    /// Calls `changed` with each leaf whose deltas changed or may have since the
+    /// last call, once, and with a leaf that will soon follow.
+    pub(super) fn for_each_changed(
+        &mut self,
+        mut changed: impl FnMut(&Self, u32, Change, Option<u32>),
+    ) {
+        let leaves = std::mem::take(&mut self.changed);
+        for (k, &leaf) in leaves.iter().enumerate() {
+            if let Some(&ahead) = leaves.get(k + 4) {
+                self.prefetch_row(ahead);
+            }
+            let change = &mut self.change[self.split.row(leaf)];
+            let change = std::mem::replace(change, Change::NONE);
+            changed(self, leaf, change, leaves.get(k + 2).copied());
+        }
+        self.changed = leaves;
+        self.changed.clear();
+    }
+}
+
+/// Everything there is to know about a shard's leaves.
+#[derive(Clone, Copy)]
+pub(super) struct Sight<'a> {
+    pub counts: &'a Counts<'a>,
+    pub deltas: &'a Deltas,
+}
+
+impl Sight<'_> {
+    /// P times the change of VMI in each view if the leaf went.
+    #[inline]
+    pub(super) fn deltas(&self, leaf: u32, out: &mut [i64]) {
+        let px = self.deltas_but_rise(leaf, out);
+        let rise = self.counts.background_rise(px);
+        for (delta, &a) in out.iter_mut().zip(self.counts.areas(0)) {
+            *delta -= (u64::from(a) * rise) as i64;
+        }
+    }
+
+    /// [`deltas`](Self::deltas) but for what the growing total of the background
+    /// takes away in every view: its area there times
+    /// [`background_rise`](Counts::background_rise) of the pixels returned.
+    #[inline]
+    pub(super) fn deltas_but_rise(&self, leaf: u32, out: &mut [i64]) -> u32 {
+        out.copy_from_slice(self.deltas.row(leaf));
+        let Some(edge) = self.counts.edges.to_background(leaf) else {
+            return 0;
+        };
+        let background = self.counts.target(0);
+        let lg_after = self.counts.table.lg(background.total + edge.total);
+        add_revealed(self.counts.table, out, background, lg_after, &edge.reveals);
+        edge.total
+    }
+}

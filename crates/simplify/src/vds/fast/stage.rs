@@ -1,0 +1,282 @@
+//! The loop under one view set.
+
+use secateur_model::{Foliage, Growth, LeafId, Lod};
+use secateur_raster::{AreaTable, ViewSet};
+
+use super::candidates::Found;
+use super::counts::Counts;
+use super::crew::Crew;
+use super::neighbours::Neighbours;
+use super::pixels::PixelLists;
+use super::shard::{Finds, Shard};
+use super::shared::{Job, Shared};
+use super::split::Split;
+use super::{Run, leaf_id};
+use crate::vds::outcome::{Progress, Stopped, VdsError};
+use crate::vds::resize::{Pruned, growths};
+use crate::vds::{Reference, Resize, VdsOptions};
+use crate::vmi::{Vmi, error_percent};
+
+/// The engine's state for one view set.
+pub(super) struct Stage<'a> {
+    pub views: &'a ViewSet,
+    pub vmi_original: Vmi,
+    shared: Shared<'a>,
+    crew: Crew,
+    lead: Lead,
+}
+
+/// What one core does alone.
+struct Lead {
+    pixels: PixelLists,
+    neighbours: Neighbours,
+    /// The fragments of a leaf that grows.
+    drawn: Vec<(u32, u32)>,
+    /// The leaf that the last step pruned.
+    pruned: Option<u32>,
+}
+
+impl<'a> Stage<'a> {
+    pub(super) fn new<'r: 'a>(
+        run: &Run<'r>,
+        views: &'a ViewSet,
+        cores: usize,
+    ) -> Result<Self, VdsError> {
+        let foliage = run.foliage;
+        let leaf_count = foliage.leaves().len();
+        let fragments = run.rasteriser.fragments(&run.scene(&run.lod, views));
+        let fragments = fragments.map_err(VdsError::from_raster)?;
+        let pixels_per_view = fragments.pixels_per_view();
+        let pixels = PixelLists::new(fragments, leaf_count);
+        let split = Split::over(cores);
+        let mut counts = Counts::new(pixels.ends(), pixels_per_view, leaf_count, run.table, split);
+        let vmi_now = Vmi::of(&area_table(&counts), run.table);
+        let vmi_original = if run.order.is_empty() {
+            vmi_now.clone()
+        } else {
+            let original = Lod::original(leaf_count);
+            Vmi::of(&run.areas(&original, views)?, run.table)
+        };
+        let pairs = vmi_now.scaled().iter().zip(vmi_original.scaled());
+        counts.set_deviations(pairs.map(|(now, then)| now - then).collect());
+        let ranks = (0..=leaf_count as u32)
+            .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
+        let ranks = ranks.collect();
+        let leaves = leaves_by_place(foliage, &run.lod);
+        let deviations = cost_deviations(run.options, &counts);
+        let shards = Shard::all(
+            &counts,
+            split,
+            &leaves,
+            &ranks,
+            pixels_per_view,
+            &deviations,
+        );
+        let shared = Shared::new(
+            foliage,
+            views,
+            run.options.resolution,
+            counts,
+            shards,
+            cores,
+        );
+        Ok(Self {
+            views,
+            vmi_original,
+            crew: Crew::new(cores, shared.most_parts()),
+            shared,
+            lead: Lead {
+                pixels,
+                neighbours: Neighbours::new(foliage, &run.lod),
+                drawn: Vec::new(),
+                pruned: None,
+            },
+        })
+    }
+
+    pub(super) fn prune_down_to(
+        &mut self,
+        run: &mut Run<'_>,
+        leaves: usize,
+    ) -> Result<Stopped, VdsError> {
+        let Self {
+            vmi_original,
+            shared,
+            crew,
+            lead,
+            ..
+        } = self;
+        let shared: &Shared<'_> = shared;
+        let mut left = run.lod.leaf_count();
+        crew.run(
+            |part| shared.do_part(part),
+            || {
+                while left > leaves {
+                    let finds = lead.pick(run.options, shared, crew);
+                    let grown = lead.grow(run, shared, finds);
+                    lead.apply(run, shared, crew, finds.cheapest.leaf, &grown);
+                    if error_is_over(run.options, shared, vmi_original) {
+                        return Ok(Stopped::AtMaxError);
+                    }
+                    run.record(finds.cheapest, &grown);
+                    left -= 1;
+                    let progress = Progress {
+                        steps: run.order.len(),
+                        steps_at_most: run.steps_at_most,
+                    };
+                    if (run.progress)(progress).is_break() {
+                        return Err(VdsError::Cancelled);
+                    }
+                }
+                Ok(Stopped::AtLeafCount)
+            },
+        )
+    }
+
+    pub(super) fn areas(&self) -> AreaTable {
+        area_table(&self.shared.counts())
+    }
+
+    /// One step in which every leaf is looked at, for what should be found.
+    #[cfg(test)]
+    pub(super) fn step_and_exhaustively(&mut self, run: &mut Run<'_>) -> (Finds, Finds) {
+        let Self {
+            shared, crew, lead, ..
+        } = self;
+        let finds = lead.pick(run.options, shared, crew);
+        let counts = shared.counts();
+        let expected = shared
+            .shards
+            .iter()
+            .map(|s| s.lock().unwrap().exhaustively(&counts));
+        let expected = expected.fold(Finds::NONE, Finds::and);
+        drop(counts);
+        let grown = lead.grow(run, shared, finds);
+        lead.apply(run, shared, crew, finds.cheapest.leaf, &grown);
+        run.record(finds.cheapest, &grown);
+        (finds, expected)
+    }
+}
+
+impl Lead {
+    /// Has all shards follow the last step and look for their cheapest leaves.
+    fn pick(&mut self, options: &VdsOptions, shared: &Shared<'_>, crew: &Crew) -> Finds {
+        let job = Job::Search {
+            pruned: self.pruned.take(),
+            deviations: cost_deviations(options, &shared.counts()),
+            wants_largest: options.resize == Resize::Normalised,
+        };
+        shared.do_together(crew, job, || ());
+        shared.counts_mut().forget_step();
+        let finds = shared.finds();
+        assert!(finds.cheapest != Found::NONE, "a leaf is left");
+        finds
+    }
+
+    /// The leaves that fill the gap of the cheapest, and how large they become.
+    fn grow(&mut self, run: &Run<'_>, shared: &Shared<'_>, finds: Finds) -> Vec<Growth> {
+        let leaf = leaf_id(finds.cheapest.leaf);
+        let deviation = match run.options.resize {
+            Resize::Deficit => shared.deviation_without(finds.cheapest.leaf),
+            _ => 0,
+        };
+        let pruned = Pruned {
+            leaf,
+            cost: finds.cheapest.cost,
+            deviation,
+        };
+        let pixels_per_view = run.options.resolution * run.options.resolution;
+        let share = run
+            .options
+            .resize
+            .share(pruned, pixels_per_view, || finds.largest);
+        self.neighbours.remove(run.foliage, leaf);
+        if share == 0.0 {
+            return Vec::new();
+        }
+        let count = run.options.neighbours;
+        let nearest = self.neighbours.nearest(run.foliage, leaf, count);
+        growths(run.foliage, &run.lod, leaf, share, &nearest)
+    }
+
+    fn apply(
+        &mut self,
+        run: &Run<'_>,
+        shared: &Shared<'_>,
+        crew: &Crew,
+        leaf: u32,
+        grown: &[Growth],
+    ) {
+        let Self { pixels, drawn, .. } = self;
+        let per_view = run.options.resolution * run.options.resolution;
+        let view_of = |pixel: u32| (pixel / per_view) as usize;
+        let mut prune = || {
+            let mut counts = shared.counts_mut();
+            pixels.remove(leaf, |pixel, before, after| {
+                counts.record(view_of(pixel), pixel, before, after);
+            });
+        };
+        match grown.first() {
+            Some(growth) => shared.do_together(crew, Job::Draw(*growth), prune),
+            None => prune(),
+        }
+        for (k, growth) in grown.iter().enumerate() {
+            if k > 0 {
+                shared.do_together(crew, Job::Draw(*growth), || ());
+            }
+            shared.take_drawn(drawn);
+            let mut counts = shared.counts_mut();
+            pixels.replace(growth.leaf.get(), drawn, |pixel, before, after| {
+                counts.record(view_of(pixel), pixel, before, after);
+            });
+        }
+        shared.counts_mut().settle();
+        self.pruned = Some(leaf);
+    }
+}
+
+fn error_is_over(options: &VdsOptions, shared: &Shared<'_>, vmi_original: &Vmi) -> bool {
+    let Some(max) = options.stop.max_error_percent else {
+        return false;
+    };
+    let deviation = shared.counts().deviations().iter().map(|d| d.abs()).sum();
+    error_percent(deviation, vmi_original.scaled().iter().sum()) > max
+}
+
+/// The deviations that costs are measured with: none against the previous
+/// foliage.
+fn cost_deviations(options: &VdsOptions, counts: &Counts<'_>) -> Vec<i64> {
+    match options.reference {
+        Reference::Original => counts.deviations().to_vec(),
+        Reference::Previous => vec![0; counts.view_count()],
+    }
+}
+
+fn area_table(counts: &Counts<'_>) -> AreaTable {
+    let views = 0..counts.view_count();
+    let leaf_count = counts.leaf_count();
+    let row = |view: usize| (0..=leaf_count as u32).map(move |leaf| counts.areas(leaf)[view]);
+    AreaTable::from_rows(leaf_count, views.flat_map(row).collect())
+}
+
+/// The leaves that are left along a space-filling curve: leaves near each other
+/// are seen from the same views.
+fn leaves_by_place(foliage: &Foliage, lod: &Lod) -> Vec<u32> {
+    let Some(sphere) = foliage.bounding_sphere() else {
+        return Vec::new();
+    };
+    let cell = |x: f64| ((x / sphere.radius.max(f64::MIN_POSITIVE) + 1.0) * 511.0) as u64;
+    let key = |leaf: LeafId| {
+        let [x, y, z] = (foliage.leaf(leaf).centre() - sphere.centre)
+            .to_array()
+            .map(cell);
+        (0..10).fold(0u64, |key, bit| {
+            key | (x >> bit & 1) << (3 * bit)
+                | (y >> bit & 1) << (3 * bit + 1)
+                | (z >> bit & 1) << (3 * bit + 2)
+        })
+    };
+    let mut keyed: Vec<(u64, u32)> = lod.leaves().map(|(l, _)| (key(l), l.get())).collect();
+    keyed.sort_unstable();
+    keyed.into_iter().map(|(_, leaf)| leaf).collect()
+}
