@@ -231,6 +231,7 @@ impl Scene {
             wood: trunk(),
             leaves: crown.leaves,
             triangles_per_leaf: vec![2; leaves],
+            skeleton: None,
         }
     }
 }
