@@ -2,6 +2,8 @@
 
 mod bad_input;
 mod baselines;
+#[path = "browser/browser.rs"]
+mod browser;
 mod demo;
 mod engines;
 mod formats;
@@ -11,6 +13,7 @@ mod main_job;
 mod measure;
 mod odd_trees;
 mod program;
+mod report_page;
 mod shared_trees;
 mod small_files;
 mod study;

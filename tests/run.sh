@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Passes the tests, all of them. Where the machine has no Vulkan driver that
 # computes correctly, installs lavapipe, a software one, through the system's
-# package manager; where node is there, fetches the Khronos glTF validator.
+# package manager, and Chromium likewise where there is no browser to open
+# reports with; where node is there, fetches the Khronos glTF validator.
 # Further arguments go to `cargo test --workspace`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -55,6 +56,35 @@ if ! adapter=$(find_adapter); then
 fi
 say "GPU tests run on $adapter"
 export SECATEUR_REQUIRE_GPU=1
+
+find_browser() {
+  local name
+  for name in "${SECATEUR_BROWSER:-}" chromium chromium-browser google-chrome google-chrome-stable; do
+    if [ -n "$name" ] && "$name" --version > /dev/null 2>&1; then return; fi
+  done
+  return 1
+}
+
+install_chromium() {
+  if command -v apt-get > /dev/null; then
+    root apt-get update -qq
+    root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium
+  elif command -v dnf > /dev/null; then root dnf install -y chromium
+  elif command -v pacman > /dev/null; then root pacman -S --noconfirm chromium
+  elif command -v zypper > /dev/null; then root zypper install -y chromium
+  elif command -v apk > /dev/null; then root apk add chromium
+  else
+    say "no package manager known here: install Chromium, and run this again"
+    return 1
+  fi
+}
+
+if ! find_browser; then
+  say "no browser: installing Chromium"
+  install_chromium > /tmp/secateur-chromium.log 2>&1 || { cat /tmp/secateur-chromium.log; exit 1; }
+  find_browser || { say "Chromium was installed and does not run"; exit 1; }
+fi
+export SECATEUR_REQUIRE_BROWSER=1
 
 if [ ! -d tests/validator/node_modules ]; then
   if command -v npm > /dev/null; then

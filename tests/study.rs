@@ -54,6 +54,7 @@ fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
 
     let drawn = [
         "s/report.html",
+        "s/README.md",
         "s/rows.csv",
         "s/charts/silhouette_iou-25.svg",
     ];
@@ -93,6 +94,9 @@ fn what_cannot_be_studied_is_one_sentence() {
     run(&["no.glb"]).failed_saying(&["no.glb: is not glTF"]);
     run(&["oak.glb", "--case", "nonsense"]).failed_saying(&["`nonsense", "no method"]);
     run(&["--redraw"]).failed_saying(&["no rows"]);
+    run(&["--plan", "methods"]).failed_saying(&["no tree was given"]);
+    run(&["oak.glb", "--only", "elm"]).failed_saying(&["no tree", "elm"]);
+    run(&["oak.glb", "--plan", "failures"]).failed_saying(&["add methods"]);
     run(&["oak.glb", "./oak.glb"]).failed_saying(&["both be called oak"]);
     std::fs::create_dir_all(bench.path("s")).unwrap();
     bench.put("s/rows.jsonl", b"{\"tree\":1}\n");
@@ -130,4 +134,62 @@ fn kept_leaves_are_held_against_the_first_case_of_a_method() {
     let lots = overlap(&found[3]).unwrap();
     // Two draws of 60 of 240 share 15 of 105 on average.
     assert!((0.02..0.4).contains(&lots), "{lots}");
+}
+
+/// Scenes made for a failure run with all that is tried on them, and the report
+/// says what to do about each.
+#[test]
+fn scenes_made_for_failures_have_a_verdict_each() {
+    let bench = Bench::new();
+    let run = ["study", "--plan", "failures", "-o", "s", "--levels", "0.1"];
+    let only = ["--only", "scene-interior", "--only", "scene-sparse"];
+    bench.run(&[&run[..], &only].concat()).succeeded();
+    let found = rows(&bench);
+    let near = |row: &&Value| row["setting"] == "views near";
+    let near = found.iter().find(near).unwrap();
+    assert_eq!(near["tree"], "scene-interior");
+    let command = near["command"].as_str().unwrap();
+    let words: Vec<&str> = command.split(' ').skip(1).collect();
+    bench.run(&words).succeeded();
+    for page in ["s/report.html", "s/README.md"] {
+        let page = String::from_utf8(bench.read(page)).unwrap();
+        assert!(page.contains("Where methods fail"));
+        for scene in ["An interior seen from near", "A sparse crown"] {
+            assert!(page.contains(scene), "{scene}");
+        }
+        assert!(!page.contains("Thin needles"), "did not run");
+        assert!(page.contains("At 10 % of the leaves"));
+    }
+}
+
+/// Nobody edits a result: what is committed is what its rows say.
+#[test]
+fn committed_studies_say_what_their_rows_say() {
+    let results = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
+    let folders = std::fs::read_dir(results).unwrap();
+    let studies = folders.map(|entry| entry.unwrap().path().join("study"));
+    let mut checked = 0;
+    for study in studies.filter(|study| study.join("rows.jsonl").is_file()) {
+        let bench = Bench::new();
+        std::fs::create_dir(bench.path("s")).unwrap();
+        bench.put(
+            "s/rows.jsonl",
+            &std::fs::read(study.join("rows.jsonl")).unwrap(),
+        );
+        bench.run(&["study", "--redraw", "-o", "s"]).succeeded();
+        for name in ["README.md", "rows.csv"] {
+            let [drawn, committed] = [bench.path("s"), study.clone()]
+                .map(|folder| std::fs::read_to_string(folder.join(name)).unwrap());
+            let shown = study.join(name);
+            let same = drawn == committed.replace("\r\n", "\n");
+            assert!(
+                same,
+                "{}: secateur study --redraw -o {}",
+                shown.display(),
+                study.display()
+            );
+        }
+        checked += 1;
+    }
+    assert!(checked > 0, "a study is committed");
 }

@@ -6,12 +6,20 @@
 
 mod chart;
 mod columns;
+mod published;
+mod readme;
 mod report;
 mod rows;
 mod summary;
+mod table;
+mod trial;
+mod words;
 
 pub use chart::chart;
 pub use columns::{COLUMNS, Column};
-pub use report::{Picture, report};
+pub use published::{Paper, Published};
+pub use readme::readme;
+pub use report::{Picture, Study, report};
 pub use rows::{Row, RowKey, Values, read_rows, to_csv, to_line};
 pub use summary::{Group, Point, Spread, groups, overlap, pareto, spread, summarise};
+pub use trial::Trial;

@@ -46,6 +46,9 @@ pub struct Row {
     /// The label of that run; empty for none.
     #[serde(default)]
     pub overlap_with: String,
+    /// The largest area of a leaf as a multiple of its original one.
+    #[serde(default)]
+    pub max_area_scale: Option<f64>,
     /// Over all views.
     pub values: Values,
     /// Of the worst view for each metric.
@@ -132,7 +135,7 @@ pub fn read_rows(text: &str) -> Result<Vec<Row>, (usize, String)> {
 
 /// Rows as CSV: a line of names, a line each; no per-view values.
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with".to_owned();
+    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with,max_area_scale".to_owned();
     for prefix in ["", "worst_"] {
         for column in COLUMNS.iter() {
             text += &format!(",{prefix}{}", column.key);
@@ -156,6 +159,7 @@ pub fn to_csv(rows: &[Row]) -> String {
             row.resolution.to_string(),
             row.kept_overlap.map_or(String::new(), |o| o.to_string()),
             quoted(&row.overlap_with),
+            row.max_area_scale.map_or(String::new(), |s| s.to_string()),
         ];
         for values in [&row.values, &row.worst] {
             let cell = |c: &super::Column| values.get(c.key).copied().flatten();
@@ -203,6 +207,7 @@ pub(super) mod tests {
             resolution: 256,
             kept_overlap: None,
             overlap_with: String::new(),
+            max_area_scale: None,
             worst: values.clone(),
             per_view: vec![values.clone()],
             values,
@@ -240,7 +245,7 @@ pub(super) mod tests {
         let csv = to_csv(&[row]);
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines.len(), 2);
-        assert!(lines[1].contains(",256,,\"\",,0.5,"), "{}", lines[1]);
+        assert!(lines[1].contains(",256,,\"\",,,0.5,"), "{}", lines[1]);
         assert!(lines[1].contains("\"a \"\"machine\"\"\""));
     }
 }

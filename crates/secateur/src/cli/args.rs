@@ -116,10 +116,10 @@ pub(crate) struct Measure {
 
 #[derive(Args, Debug)]
 pub(crate) struct Study {
-    /// The trees, .glb or .gltf.
+    /// The trees, .glb or .gltf; the plans failures and paper make their own too.
     #[arg(
         value_name = "TREE.glb",
-        required_unless_present = "redraw",
+        required_unless_present_any = ["redraw", "plan"],
         conflicts_with = "redraw"
     )]
     pub(crate) trees: Vec<PathBuf>,
@@ -129,16 +129,19 @@ pub(crate) struct Study {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
-    /// What is run.
-    #[arg(long, value_enum, default_value_t = PlanName::Methods)]
-    pub(crate) plan: PlanName,
-    /// Instead of a plan: a method and options of `simplify`, such as 'vds --views 8'; can be given
+    /// What is run; several with commas between them.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "methods")]
+    pub(crate) plan: Vec<PlanName>,
+    /// Instead of plans: a method and options of `simplify`, such as 'vds --views 8'; can be given
     /// several times.
     #[arg(long, value_name = "CASE")]
     pub(crate) case: Vec<String>,
-    /// Shares of the leaves, 0 to 1.
-    #[arg(long, value_name = "R,R", value_delimiter = ',', default_value = "0.5,0.25,0.1,0.01", value_parser = level)]
+    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1].
+    #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
     pub(crate) levels: Vec<f64>,
+    /// Of all these trees, study only the one of this name; can be given several times.
+    #[arg(long, value_name = "NAME", conflicts_with = "redraw")]
+    pub(crate) only: Vec<String>,
     /// How many seeds of methods that draw lots.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) seeds: u32,
@@ -156,6 +159,10 @@ pub(crate) enum PlanName {
     Speed,
     /// Methods under turned views, jittered corners, shuffled leaves and other settings
     Stability,
+    /// Small scenes made for one failure each, and what to do about it
+    Failures,
+    /// The paper's studies: its figures beside those of plants with as many leaves
+    Paper,
 }
 
 fn level(text: &str) -> Result<f64, String> {

@@ -1,5 +1,7 @@
 //! One self-contained HTML page from rows and pictures.
 
+mod failures;
+mod paper;
 mod pictures;
 mod stability;
 
@@ -10,33 +12,69 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::chart::{chart, escaped};
-use super::{COLUMNS, Column, Point, Row, summarise};
+use super::words::{duration, memory, number, overlap_of, percent};
+use super::{COLUMNS, Column, Paper, Point, Row, Trial, summarise};
 use crate::measure::Direction;
 
 /// A picture that rows name: its path, and its bytes as JPEG.
 pub type Picture = (String, Vec<u8>);
 
+/// All that a study's pages are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// The rows, in the order of running.
+    pub rows: &'a [Row],
+    /// Scenes made for failures; those that did not run are left out.
+    pub trials: &'a [Trial],
+    /// The paper to stand beside the rows; figures without rows are left out.
+    pub paper: Option<&'a Paper>,
+}
+
+impl Study<'_> {
+    /// Rows of trees that are neither scenes made for failures nor stand for a
+    /// paper's models: all methods ran on these, so that means can be compared.
+    pub fn given_rows(&self) -> Vec<Row> {
+        let figures = self.paper.map_or(&[][..], |paper| &paper.figures);
+        let mut rows = self.plain_rows();
+        rows.retain(|row| !figures.iter().any(|figure| figure.tree == row.tree));
+        rows
+    }
+
+    /// Rows of trees that are no scenes made for failures.
+    pub(super) fn plain_rows(&self) -> Vec<Row> {
+        let is_plain = |row: &&Row| !self.trials.iter().any(|t| t.tree == row.tree);
+        self.rows.iter().filter(is_plain).cloned().collect()
+    }
+}
+
 /// The report of a study: a summary, charts, pictures, tables and how to get
 /// every figure again. Needs nothing from a network; the picture of a tree's
 /// original is at `pictures/TREE-original.jpg`. Pictures that are missing are
 /// left out.
-pub fn report(rows: &[Row], pictures: &[Picture]) -> String {
+pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     let images: BTreeMap<&str, String> = pictures
         .iter()
         .map(|(path, bytes)| (path.as_str(), STANDARD.encode(bytes)))
         .collect();
+    let (plain, given) = (study.plain_rows(), study.given_rows());
     let page = Page {
-        rows,
+        rows: &plain,
+        given: &given,
+        study,
         images,
-        levels: levels(rows),
+        levels: levels(&plain),
     };
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Foliage simplification study</title>\n<style>\n{}</style>\n</head>\n<body>\n<h1>Foliage simplification study</h1>\n",
         include_str!("page.css")
     );
-    page.summary(&mut html);
-    page.charts(&mut html);
+    if !given.is_empty() {
+        page.summary(&mut html);
+        page.charts(&mut html);
+    }
     page.stability(&mut html);
+    page.failures(&mut html);
+    page.paper(&mut html);
     page.trees(&mut html);
     page.per_view(&mut html);
     page.provenance(&mut html);
@@ -56,36 +94,23 @@ fn levels(rows: &[Row]) -> Vec<f64> {
     levels
 }
 
-/// "10 %".
-fn percent(level: f64) -> String {
-    format!("{} %", (1e4 * level).round() / 100.0)
-}
-
-fn number(value: f64, column: &Column) -> String {
-    match column.unit {
-        _ if !value.is_finite() => "endless".to_owned(),
-        "%" => format!("{value:.2}"),
-        _ => format!("{value:.4}"),
+/// Names in the order of running.
+fn trees_of(rows: &[Row]) -> Vec<&str> {
+    let mut trees: Vec<&str> = Vec::new();
+    for row in rows {
+        if !trees.contains(&row.tree.as_str()) {
+            trees.push(&row.tree);
+        }
     }
-}
-
-fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 0.1 => format!("{:.2} ms", 1e3 * s),
-        s => format!("{s:.2} s"),
-    }
-}
-
-fn memory(bytes: Option<u64>) -> String {
-    bytes.map_or("unknown".to_owned(), |b| format!("{} MiB", b >> 20))
-}
-
-fn overlap_of(overlap: Option<f64>) -> String {
-    overlap.map_or(String::new(), |share| format!("{share:.3}"))
+    trees
 }
 
 struct Page<'a> {
+    /// Of trees that are no scenes made for failures.
     rows: &'a [Row],
+    /// Of trees that all methods ran on: for means.
+    given: &'a [Row],
+    study: &'a Study<'a>,
     /// Base64 by path.
     images: BTreeMap<&'a str, String>,
     levels: Vec<f64>,
@@ -93,17 +118,11 @@ struct Page<'a> {
 
 impl Page<'_> {
     fn at(&self, level: f64) -> Vec<&Row> {
-        self.rows.iter().filter(|r| r.level == level).collect()
+        self.given.iter().filter(|r| r.level == level).collect()
     }
 
     fn trees_of(&self) -> Vec<&str> {
-        let mut trees: Vec<&str> = Vec::new();
-        for row in self.rows {
-            if !trees.contains(&row.tree.as_str()) {
-                trees.push(&row.tree);
-            }
-        }
-        trees
+        trees_of(self.rows)
     }
 
     /// Of trees as they are.
@@ -122,10 +141,10 @@ impl Page<'_> {
         let _ = write!(
             html,
             "<h2>Summary</h2>\n<p>Means over {} trees ({}) from views that drove no method; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
-            self.trees_of().len(),
-            escaped(&self.trees_of().join(", "))
+            trees_of(self.given).len(),
+            escaped(&trees_of(self.given).join(", "))
         );
-        for &level in &self.levels {
+        for level in levels(self.given) {
             let rows = self.at(level);
             let by_column: Vec<Vec<Point>> = COLUMNS
                 .iter()
@@ -183,7 +202,7 @@ impl Page<'_> {
 
     fn charts(&self, html: &mut String) {
         *html += "<h2>Time against error</h2>\n<p>A mark is a method with a setting, its time and its error means over the trees. What nothing beats in both is joined by the dashed line.</p>\n";
-        for &level in &self.levels {
+        for level in levels(self.given) {
             let rows = self.at(level);
             let _ = write!(
                 html,
@@ -240,7 +259,7 @@ impl Page<'_> {
     fn provenance(&self, html: &mut String) {
         *html += "<h2>How to get it again</h2>\n";
         let of = |what: fn(&Row) -> String| {
-            let all: BTreeSet<String> = self.rows.iter().map(what).collect();
+            let all: BTreeSet<String> = self.study.rows.iter().map(what).collect();
             escaped(&all.into_iter().collect::<Vec<_>>().join("; "))
         };
         let _ = write!(
@@ -251,7 +270,7 @@ impl Page<'_> {
             of(|row| row.machine.clone()),
             of(|row| row.adapter.clone().unwrap_or_else(|| row.engine.clone()))
         );
-        for row in self.rows {
+        for row in self.study.rows {
             *html += &escaped(&row.command);
             html.push('\n');
         }
@@ -273,6 +292,14 @@ mod tests {
     use super::super::rows::tests::row;
     use super::*;
 
+    fn of(rows: &[Row]) -> Study<'_> {
+        Study {
+            rows,
+            trials: &[],
+            paper: None,
+        }
+    }
+
     #[test]
     fn a_report_has_every_level_and_method_and_asks_no_network() {
         let mut rows = vec![
@@ -283,7 +310,7 @@ mod tests {
         rows[0].picture = "pictures/a.jpg".into();
         rows[1].tree = "<oak>".into();
         let pictures = [("pictures/a.jpg".to_owned(), vec![1, 2, 3])];
-        let html = report(&rows, &pictures);
+        let html = report(&of(&rows), &pictures);
         for part in [
             "50 % of the leaves",
             "1 % of the leaves",
@@ -316,15 +343,75 @@ mod tests {
             }
         }
         let pictures = [0, 1, 2, 3].map(|k| (format!("pictures/{k}.jpg"), vec![0, 0, k]));
-        let html = report(&rows, &pictures);
+        let html = report(&of(&rows), &pictures);
         let shown = |base64: &str| html.matches(&format!("base64,{base64}")).count();
         // In the sheet and as the first run; as the worst.
         assert_eq!(["AAAA", "AAAB", "AAAC", "AAAD"].map(shown), [2, 0, 1, 0]);
         assert!(html.contains("0.700 (0.600)"), "overlaps of 0.6, 0.7, 0.8");
     }
 
+    /// A scene has its verdict and pictures, and is no part of the means.
+    #[test]
+    fn scenes_made_for_failures_stand_apart() {
+        let mut rows = [20.0, 8.0, 4.0].map(|error| row("vds", 0.5, 1.0, error));
+        rows[0].tree = "scene".into();
+        rows[0].setting = "resolution 64".into();
+        rows[1].tree = "scene".into();
+        rows[0].picture = "pictures/0.jpg".into();
+        let trials = [Trial {
+            tree: "scene".into(),
+            title: "Small <leaves>".into(),
+            about: "Too small.".into(),
+            suspect: "vds resolution 64".into(),
+        }];
+        let study = Study {
+            trials: &trials,
+            ..of(&rows)
+        };
+        let html = report(&study, &[("pictures/0.jpg".into(), vec![1, 2, 3])]);
+        for part in [
+            "Small &lt;leaves&gt;",
+            "vds (VMI error 8.0 %, IoU 0.500) is better",
+            "AQID",
+        ] {
+            assert!(html.contains(part), "{part}");
+        }
+        assert!(html.contains("Means over 1 trees (oak)"));
+        assert_eq!(html.matches("class=\"tree\"").count(), 1);
+    }
+
+    /// Fewer methods run on a paper's models: their rows would bend means.
+    #[test]
+    fn trees_that_stand_for_a_papers_models_are_no_part_of_means() {
+        let mut rows = [2.0, 40.0].map(|error| row("vds", 0.5, 1.0, error));
+        rows[1].tree = "grown".into();
+        let figure = crate::study::Published {
+            source: "Table 1".into(),
+            model: "Oak".into(),
+            tree: "grown".into(),
+            label: "vds".into(),
+            level: 0.5,
+            error_percent: 3.0,
+            seconds: 9.0,
+        };
+        let paper = Paper {
+            about: "What compares.".into(),
+            figures: vec![figure],
+            comparisons: vec![("m".into(), vec!["vds".into()])],
+        };
+        let study = Study {
+            paper: Some(&paper),
+            ..of(&rows)
+        };
+        assert_eq!(study.given_rows().len(), 1);
+        let html = report(&study, &[]);
+        assert!(html.contains("Means over 1 trees (oak)"));
+        assert!(html.contains("<td>3.00 %</td><td>40.00 %</td>"));
+        assert!(html.contains("What compares."));
+    }
+
     #[test]
     fn nothing_is_a_report_too() {
-        assert!(report(&[], &[]).ends_with("</html>\n"));
+        assert!(report(&of(&[]), &[]).ends_with("</html>\n"));
     }
 }

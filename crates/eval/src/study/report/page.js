@@ -10,7 +10,8 @@ for (const tree of document.querySelectorAll(".tree")) {
     for (const [figure, image] of [[shown, images[0]], [differs, images[1]]]) {
       const at = figure.querySelector("img");
       at.hidden = !image;
-      at.src = image ? image.src : "data:,";
+      if (image) at.src = image.src;
+      else at.removeAttribute("src");
     }
     differs.hidden = !images[1];
     shown.querySelector("figcaption").textContent = cell ? cell.textContent : "not in this study";

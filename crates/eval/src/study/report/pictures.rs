@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 
 use super::super::Row;
 use super::super::chart::escaped;
-use super::{Page, duration, percent};
+use super::super::words::{duration, percent};
+use super::Page;
 
 impl Page<'_> {
     pub(super) fn image(&self, path: &str, text: &str) -> String {
@@ -51,7 +52,7 @@ impl Page<'_> {
         let names: Vec<String> = self.levels.iter().map(|l| percent(*l)).collect();
         let _ = write!(
             html,
-            "<section class=\"tree\">\n<h3>{0}</h3>\n<div class=\"controls\"><label>method <select>{options}</select></label><label>leaves <input type=\"range\" min=\"0\" max=\"{1}\" value=\"0\" data-names=\"{2}\"> <output></output></label></div>\n<div class=\"pair\"><figure>{original}<figcaption>original</figcaption></figure><figure class=\"shown\"><img alt=\"the chosen level\" src=\"data:,\"><figcaption></figcaption></figure><figure class=\"differs\"><img alt=\"its difference from the original\" src=\"data:,\"><figcaption>difference</figcaption></figure></div>\n<details><summary>All methods and levels</summary><div class=\"wide\"><table class=\"sheet\"><tbody>\n",
+            "<section class=\"tree\">\n<h3>{0}</h3>\n<div class=\"controls\"><label>method <select>{options}</select></label><label>leaves <input type=\"range\" min=\"0\" max=\"{1}\" value=\"0\" data-names=\"{2}\"> <output></output></label></div>\n<div class=\"pair\"><figure>{original}<figcaption>original</figcaption></figure><figure class=\"shown\"><img alt=\"the chosen level\"><figcaption></figcaption></figure><figure class=\"differs\"><img alt=\"its difference from the original\"><figcaption>difference</figcaption></figure></div>\n<details><summary>All methods and levels</summary><div class=\"wide\"><table class=\"sheet\"><tbody>\n",
             escaped(tree),
             self.levels.len().saturating_sub(1),
             names.join("|")

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::super::chart::escaped;
+use super::super::words::{number, percent};
 use super::super::{COLUMNS, Row, groups, overlap, spread};
+use super::Page;
 use super::pictures::caption;
-use super::{Page, number, percent};
 
 /// Decides which run was the worst.
 const MEASURE: &str = "vmi_error_percent";

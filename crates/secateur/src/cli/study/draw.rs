@@ -3,10 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use secateur::eval::study::{COLUMNS, Picture, Row, chart, report, summarise, to_csv};
+use secateur::eval::study::{
+    COLUMNS, Picture, Row, Study, chart, readme, report, summarise, to_csv,
+};
 
 use super::super::failure::Failure;
 use super::super::output;
+use super::{paper, scenes};
 
 /// What was written.
 pub(super) struct Drawn {
@@ -28,9 +31,19 @@ pub(super) fn draw(folder: &Path, rows: &[Row]) -> Result<Drawn, Failure> {
     }
     let csv = folder.join("rows.csv");
     output::write_file(&csv, to_csv(rows).as_bytes())?;
-    let charts = write_charts(&folder.join("charts"), rows)?;
+    let trials = scenes::trials();
+    let paper = paper::paper();
+    let study = Study {
+        rows,
+        trials: &trials,
+        paper: Some(&paper),
+    };
+    let given = study.given_rows();
+    let given: Vec<&Row> = given.iter().collect();
+    let charts = write_charts(&folder.join("charts"), &given)?;
+    output::write_file(&folder.join("README.md"), readme(&study).as_bytes())?;
     let path = folder.join("report.html");
-    output::write_file(&path, report(rows, &pictures(folder, rows)).as_bytes())?;
+    output::write_file(&path, report(&study, &pictures(folder, rows)).as_bytes())?;
     Ok(Drawn {
         report: path,
         csv,
@@ -38,14 +51,18 @@ pub(super) fn draw(folder: &Path, rows: &[Row]) -> Result<Drawn, Failure> {
     })
 }
 
-fn write_charts(folder: &Path, rows: &[Row]) -> Result<Vec<PathBuf>, Failure> {
+fn write_charts(folder: &Path, rows: &[&Row]) -> Result<Vec<PathBuf>, Failure> {
     output::make_folder(folder)?;
     let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
     let mut written = Vec::new();
     for level in levels {
-        let at: Vec<&Row> = rows.iter().filter(|row| row.level == level).collect();
+        let at: Vec<&Row> = rows
+            .iter()
+            .copied()
+            .filter(|row| row.level == level)
+            .collect();
         let percent = (1e4 * level).round() / 100.0;
         for column in COLUMNS.iter() {
             let title = format!("{} at {percent} % of the leaves", column.title);

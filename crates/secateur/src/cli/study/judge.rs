@@ -15,6 +15,8 @@ use super::super::failure::Failure;
 use super::super::{machine, output};
 use super::kept::Kept;
 use super::plan::Case;
+use super::scenes::views_from;
+use super::subjects::Subject;
 
 const PICTURE_WIDTH: u32 = 280;
 const PICTURE_HEIGHT: u32 = 320;
@@ -67,13 +69,16 @@ impl Run<'_> {
 impl<'a> Judge<'a> {
     /// Draws the original, and writes its picture.
     pub(super) fn new(
-        name: &'a str,
-        path: &'a Path,
+        subject: &'a Subject,
         tree: &'a Tree,
         folder: &'a Path,
     ) -> Result<Self, Failure> {
-        sphere_of(tree.foliage()).map_err(Failure::about(path))?;
-        let judging = Judging::held_out(tree.foliage()).map_err(secateur::Error::from)?;
+        let (name, path) = (subject.name.as_str(), subject.path.as_path());
+        let sphere = sphere_of(tree.foliage()).map_err(Failure::about(path))?;
+        let mut judging = Judging::held_out(tree.foliage()).map_err(secateur::Error::from)?;
+        if let Some(radii) = subject.judged_from_radii {
+            judging.views = views_from(&judging.views, sphere, radii);
+        }
         let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
         let camera = framing(
             &surfaces,
@@ -128,6 +133,7 @@ impl<'a> Judge<'a> {
             resolution: ran.resolution,
             kept_overlap,
             overlap_with,
+            max_area_scale: Some(ran.lod.max_area_scale()),
             values: joined(&measured.overall, &pictured.overall),
             worst: joined(&measured.worst, &pictured.worst),
             per_view: (measured.per_view.iter().zip(&pictured.per_view))

@@ -4,13 +4,17 @@
 mod draw;
 mod judge;
 mod kept;
+mod lots;
+mod paper;
 mod perturb;
 mod plan;
 mod rows;
+mod scenes;
+mod subjects;
 
 use std::io::{IsTerminal, stderr};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -25,16 +29,16 @@ use super::{interrupt, machine, output, record, simplify};
 use judge::{Judge, Ran, Run};
 use plan::Case;
 use rows::RowFile;
+use subjects::{Subject, subjects};
 
 /// Runs what is missing, then draws everything from the rows.
 pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     output::check_folder(&args.output)?;
     if !args.redraw {
-        let cases = plan::cases(args.plan, &args.case)?;
-        let trees = named(&args.trees)?;
+        let subjects = subjects(args)?;
         output::make_folder(&args.output)?;
-        run_all(args, common, &cases, &trees)?;
+        run_all(args, common, &subjects)?;
     }
     let rows = rows::read(&args.output)?;
     let files = draw::draw(&args.output, &rows)?;
@@ -59,23 +63,6 @@ pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failur
     Ok(Printed::single(pretty, record))
 }
 
-/// Trees by their file names without ending, which must differ.
-fn named(paths: &[PathBuf]) -> Result<Vec<(String, &Path)>, Failure> {
-    let mut trees: Vec<(String, &Path)> = Vec::new();
-    for path in paths {
-        let name = path.file_stem().unwrap_or(path.as_os_str());
-        let name = name.to_string_lossy().into_owned();
-        if let Some((_, other)) = trees.iter().find(|(known, _)| *known == name) {
-            let (a, b) = (other.display(), path.display());
-            return Err(Failure(format!(
-                "{a} and {b} would both be called {name}: rename one"
-            )));
-        }
-        trees.push((name, path));
-    }
-    Ok(trees)
-}
-
 /// One method with one seed on one tree: what is still to be done of it.
 struct Job<'a> {
     case: &'a Case,
@@ -83,25 +70,23 @@ struct Job<'a> {
     levels: Vec<f64>,
 }
 
-fn run_all(
-    args: &args::Study,
-    common: &Common,
-    cases: &[Case],
-    trees: &[(String, &Path)],
-) -> Result<(), Failure> {
+fn run_all(args: &args::Study, common: &Common, subjects: &[Subject]) -> Result<(), Failure> {
     let mut file = RowFile::open(&args.output)?;
     let mut todo: Vec<Vec<Job>> = Vec::new();
-    for (name, _) in trees {
-        todo.push(jobs(args, cases, name, &file)?);
+    for subject in subjects {
+        todo.push(jobs(args, subject, &file)?);
     }
     let rows: usize = todo.iter().flatten().map(|job| job.levels.len()).sum();
     let bar = bar(common, rows);
-    for ((name, path), jobs) in trees.iter().zip(todo) {
+    for (subject, jobs) in subjects.iter().zip(todo) {
         if jobs.is_empty() {
             continue;
         }
-        let tree = Tree::open(path, &args.foliage.foliage)?;
-        let judge = Judge::new(name, path, &tree, &args.output)?;
+        let (name, path, cases) = (&subject.name, &subject.path, &subject.cases);
+        subject.prepare()?;
+        let selectors = subject.selectors(&args.foliage.foliage);
+        let tree = Tree::open(path, selectors)?;
+        let judge = Judge::new(subject, &tree, &args.output)?;
         for job in jobs {
             bar.set_message(format!(
                 "{name}: {} {}",
@@ -134,20 +119,23 @@ fn about(path: &Path, failure: Failure) -> Failure {
 
 fn jobs<'a>(
     args: &args::Study,
-    cases: &'a [Case],
-    tree: &str,
+    subject: &'a Subject,
     file: &RowFile,
 ) -> Result<Vec<Job<'a>>, Failure> {
     let mut jobs = Vec::new();
-    for case in cases {
-        let draws_lots = Case::draws_lots(&case.settings(1.0, None)?);
+    let tree = &subject.name;
+    for case in &subject.cases {
+        let draws_lots = case.draws_lots();
         let own_seed = case.options.iter().any(|word| word.starts_with("--seed"));
         let seeds: Vec<Option<u64>> = match draws_lots && !own_seed {
             true => (0..u64::from(args.seeds)).map(Some).collect(),
             false => vec![None],
         };
         for seed in seeds {
-            let mut levels = args.levels.clone();
+            let mut levels = match args.levels.is_empty() {
+                true => subject.levels().to_vec(),
+                false => args.levels.clone(),
+            };
             levels.retain(|level| !file.has(&rows::key(tree, case, seed, *level)));
             if !levels.is_empty() {
                 jobs.push(Job { case, seed, levels });

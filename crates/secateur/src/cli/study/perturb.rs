@@ -7,6 +7,8 @@ use secateur::{
     CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Place, RemovalOrder, Simplify, Step, Views,
 };
 
+use super::lots::Lots;
+
 /// A change of a tree, or of where it is looked at from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Perturbation {
@@ -160,30 +162,6 @@ fn jittered(triangles: &[LeafTriangle], reach: f64, lots: &mut Lots) -> Vec<Leaf
         }
     }
     moved
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Lots(u64);
-
-impl Lots {
-    fn new(seed: u64) -> Self {
-        let mut lots = Self(seed.wrapping_mul(0xD134_2543_DE82_EF95));
-        lots.draw();
-        lots
-    }
-
-    fn draw(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// -1 to 1.
-    fn signed(&mut self) -> f64 {
-        (self.draw() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }
 
 #[cfg(test)]

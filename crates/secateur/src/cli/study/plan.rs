@@ -1,7 +1,7 @@
 //! What a study runs: methods with settings, each written as it would be on the
 //! command line of `simplify`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use secateur::{Method, Simplify};
@@ -9,6 +9,7 @@ use secateur::{Method, Simplify};
 use super::super::args::{Cli, Command, PlanName};
 use super::super::failure::Failure;
 use super::super::simplify;
+use super::paper;
 use super::perturb::Perturbation;
 
 /// A method with settings, on a tree as it is or changed a little.
@@ -19,6 +20,8 @@ pub(super) struct Case {
     /// Its options, as they are written.
     pub(super) options: Vec<String>,
     pub(super) perturbation: Perturbation,
+    /// A word of the options that stands for this file of cameras.
+    cameras: Option<(String, PathBuf)>,
 }
 
 /// All methods, one setting each, and the variants that explain them.
@@ -66,31 +69,49 @@ const STABILITY_SETTINGS: [&str; 9] = [
     "stochastic --seed 2",
 ];
 
-/// The cases of a study, those given by hand or else those of its plan.
+/// What is run on trees of the user's: cases given by hand, or else those of
+/// plans, each once.
 ///
 /// # Errors
 /// [`Failure`] if one is no method with options.
-pub(super) fn cases(plan: PlanName, by_hand: &[String]) -> Result<Vec<Case>, Failure> {
-    let plain = |text: &&str| Case::parse(text, Perturbation::None);
+pub(super) fn cases(plans: &[PlanName], by_hand: &[String]) -> Result<Vec<Case>, Failure> {
     if !by_hand.is_empty() {
-        return by_hand.iter().map(|text| plain(&text.as_str())).collect();
+        let texts: Vec<&str> = by_hand.iter().map(String::as_str).collect();
+        return parsed(&texts);
     }
-    match plan {
-        PlanName::Methods => METHODS.iter().map(plain).collect(),
-        PlanName::Speed => SPEED.iter().map(plain).collect(),
-        PlanName::Stability => {
-            let mut cases = Vec::new();
-            for text in STABILITY {
-                for perturbation in Perturbation::ALL {
-                    cases.push(Case::parse(text, perturbation)?);
-                }
+    let mut cases: Vec<Case> = Vec::new();
+    for plan in plans {
+        let planned = match plan {
+            PlanName::Methods => parsed(&METHODS)?,
+            PlanName::Speed => parsed(&SPEED)?,
+            PlanName::Stability => stability()?,
+            PlanName::Failures => Vec::new(),
+            PlanName::Paper => parsed(&[&paper::CASES[..], &paper::FEWER_VIEWS].concat())?,
+        };
+        for case in planned {
+            if !cases.iter().any(|known| known.label() == case.label()) {
+                cases.push(case);
             }
-            let settings: Result<Vec<Case>, Failure> =
-                STABILITY_SETTINGS.iter().map(plain).collect();
-            cases.extend(settings?);
-            Ok(cases)
         }
     }
+    Ok(cases)
+}
+
+fn stability() -> Result<Vec<Case>, Failure> {
+    let mut cases = Vec::new();
+    for text in STABILITY {
+        for perturbation in Perturbation::ALL {
+            cases.push(Case::parse(text, perturbation)?);
+        }
+    }
+    cases.extend(parsed(&STABILITY_SETTINGS)?);
+    Ok(cases)
+}
+
+/// Cases as they are written, on trees as they are.
+pub(super) fn parsed(texts: &[&str]) -> Result<Vec<Case>, Failure> {
+    let plain = |text: &&str| Case::parse(text, Perturbation::None);
+    texts.iter().map(plain).collect()
 }
 
 impl Case {
@@ -100,14 +121,32 @@ impl Case {
             method: words.next().unwrap_or_default(),
             options: words.collect(),
             perturbation,
+            cameras: None,
         };
         case.settings(1.0, None)?;
         Ok(case)
     }
 
+    /// A case one word of which stands for a file of cameras, which need not be
+    /// there yet.
+    pub(super) fn with_cameras(text: &str, word: &str, file: &Path) -> Result<Self, Failure> {
+        let has_word = text.split_whitespace().any(|w| w == word);
+        // Checked as if it were another set of views.
+        let mut case = Self::parse(&text.replace(word, "12"), Perturbation::None)?;
+        if has_word {
+            case.options = text.split_whitespace().skip(1).map(str::to_owned).collect();
+            case.cameras = Some((word.to_owned(), file.to_owned()));
+        }
+        Ok(case)
+    }
+
     /// What is not the method's default, in words.
     pub(super) fn setting(&self) -> String {
-        self.options.join(" ").replace("--", "")
+        let setting = self.options.join(" ").replace("--", "");
+        match &self.cameras {
+            Some((word, _)) => setting.replace(word, "near"),
+            None => setting,
+        }
     }
 
     /// Method, setting and change, as [`Row::label`](secateur::eval::study::Row::label).
@@ -129,7 +168,10 @@ impl Case {
         words.push(level.to_string());
         words.extend(["--no-audit", "--method"].map(str::to_owned));
         words.push(self.method.clone());
-        words.extend(self.options.iter().cloned());
+        words.extend(self.options.iter().map(|option| match &self.cameras {
+            Some((word, file)) if word == option => file.display().to_string(),
+            _ => option.clone(),
+        }));
         if let Some(seed) = seed {
             words.extend(["--seed".to_owned(), seed.to_string()]);
         }
@@ -176,8 +218,8 @@ impl Case {
     }
 
     /// Whether it gives something else for another seed.
-    pub(super) fn draws_lots(settings: &Simplify) -> bool {
-        settings.method == Method::Stochastic
+    pub(super) fn draws_lots(&self) -> bool {
+        self.method == Method::Stochastic.name()
     }
 }
 
@@ -188,15 +230,21 @@ mod tests {
 
     #[test]
     fn every_plan_is_of_cases_that_can_be_run_and_told_apart() {
-        for plan in [PlanName::Methods, PlanName::Speed, PlanName::Stability] {
-            let cases = cases(plan, &[]).unwrap();
+        let all = [
+            PlanName::Methods,
+            PlanName::Speed,
+            PlanName::Stability,
+            PlanName::Paper,
+        ];
+        for plans in [&all[..1], &all[1..2], &all[2..3], &all[3..], &all] {
+            let cases = cases(plans, &[]).unwrap();
             let mut names: Vec<[String; 3]> = cases
                 .iter()
                 .map(|c| [c.method.clone(), c.setting(), c.perturbation.name()])
                 .collect();
             names.sort();
             names.dedup();
-            assert_eq!(names.len(), cases.len(), "{plan:?}");
+            assert_eq!(names.len(), cases.len(), "{plans:?}");
         }
     }
 
