@@ -100,7 +100,7 @@ pub use settings::{Alpha, Engine, Method, Resolution, Simplify, Target, Views};
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_model::gltf::{
     Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
-    SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_to_glb,
+    SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CornerRef, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId,

@@ -10,7 +10,7 @@ use glam::DVec3;
 use secateur::plant::{
     GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
 };
-use secateur::{Plant, plant_to_glb};
+use secateur::{Plant, plant_into_glb};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
@@ -34,19 +34,22 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         tracing::info!("growing {name}");
         grown(&source, leaves, args)
     })?;
+    let size_m = extent_m(&plant);
+    let leaf_count = plant.triangles_per_leaf.len();
+    let triangles = [&plant.leaves, &plant.wood].map(|surface| surface.triangles.len());
+    let title = plant.name.clone();
     interrupt::writing()?;
-    let bytes = timed(&mut stages, "write", || {
-        tracing::info!("writing {}", args.output.display());
-        let glb = plant_to_glb(&plant);
-        output::write_file(&args.output, &glb)?;
-        Ok(glb)
-    })?;
     if let Some(path) = &args.picture {
         timed(&mut stages, "picture", || {
             output::write_file(path, &picture::sheet(&[exhibit(&plant)])?)
         })?;
     }
-    let size_m = extent_m(&plant);
+    let bytes = timed(&mut stages, "write", || {
+        tracing::info!("writing {}", args.output.display());
+        let glb = plant_into_glb(plant);
+        output::write_file(&args.output, &glb)?;
+        Ok(glb)
+    })?;
     // A second for a large file, so only where someone will see it.
     let is_recorded = args.report.is_some() || common.format != Format::Pretty;
     let total = start.elapsed().as_secs_f64();
@@ -55,10 +58,10 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         "output": args.output.display().to_string(),
         "bytes": bytes.len(),
         "sha256": is_recorded.then(|| sha256(&bytes)),
-        "leaves": plant.triangles_per_leaf.len(),
+        "leaves": leaf_count,
         "triangles": {
-            "leaves": plant.leaves.triangles.len(),
-            "wood": plant.wood.triangles.len(),
+            "leaves": triangles[0],
+            "wood": triangles[1],
         },
         "size_m": { "x": size_m.x, "y": size_m.y, "z": size_m.z },
         "seed": args.seed,
@@ -75,11 +78,11 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         "{of_lod}{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
          triangles  {} of leaves, {} of wood\n  \
          file       {}, {}\n",
-        plant.name,
-        grouped(plant.triangles_per_leaf.len() as u64),
+        title,
+        grouped(leaf_count as u64),
         size_m.y,
-        grouped(plant.leaves.triangles.len() as u64),
-        grouped(plant.wood.triangles.len() as u64),
+        grouped(triangles[0] as u64),
+        grouped(triangles[1] as u64),
         args.output.display(),
         size(bytes.len() as u64),
     );

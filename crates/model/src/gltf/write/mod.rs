@@ -27,5 +27,5 @@ mod tidy;
 mod vertices;
 
 pub use files::Written;
-pub use plant::plant_to_glb;
+pub use plant::{plant_into_glb, plant_to_glb};
 pub use problem::WriteProblem;

@@ -1,9 +1,10 @@
 //! A grown plant as a GLB.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::sync::Arc;
 
-use glam::{Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Map, Value, json};
 
@@ -38,10 +39,64 @@ const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 /// positions, a texture whose bytes do not fit its size, a position beyond the
 /// range of f32, a skeleton that does not pass its check, or a file beyond 4 GiB.
 pub fn plant_to_glb(plant: &Plant) -> Vec<u8> {
+    let expected_bytes = expected_bytes(plant);
+    let wood = Columns::borrowed(&plant.wood);
+    write(
+        plant,
+        wood,
+        Columns::borrowed(&plant.leaves),
+        expected_bytes,
+    )
+}
+
+/// [`plant_to_glb`] that gives the plant's memory back while it writes: a large
+/// plant and its file are never there together.
+///
+/// # Panics
+/// As [`plant_to_glb`].
+pub fn plant_into_glb(mut plant: Plant) -> Vec<u8> {
+    let expected_bytes = expected_bytes(&plant);
+    let wood = Columns::taken(&mut plant.wood);
+    let leaves = Columns::taken(&mut plant.leaves);
+    write(&plant, wood, leaves, expected_bytes)
+}
+
+/// The lists of a surface, each of which goes when it is written.
+struct Columns<'a> {
+    positions: Cow<'a, [DVec3]>,
+    normals: Cow<'a, [Vec3]>,
+    uvs: Cow<'a, [Vec2]>,
+    colors: Cow<'a, [Vec4]>,
+    triangles: Cow<'a, [[u32; 3]]>,
+}
+
+impl<'a> Columns<'a> {
+    fn borrowed(surface: &'a Surface) -> Self {
+        Self {
+            positions: Cow::Borrowed(&surface.positions),
+            normals: Cow::Borrowed(&surface.normals),
+            uvs: Cow::Borrowed(&surface.uvs),
+            colors: Cow::Borrowed(&surface.colors),
+            triangles: Cow::Borrowed(&surface.triangles),
+        }
+    }
+
+    fn taken(surface: &mut Surface) -> Self {
+        Self {
+            positions: Cow::Owned(std::mem::take(&mut surface.positions)),
+            normals: Cow::Owned(std::mem::take(&mut surface.normals)),
+            uvs: Cow::Owned(std::mem::take(&mut surface.uvs)),
+            colors: Cow::Owned(std::mem::take(&mut surface.colors)),
+            triangles: Cow::Owned(std::mem::take(&mut surface.triangles)),
+        }
+    }
+}
+
+fn write(plant: &Plant, wood: Columns<'_>, leaves: Columns<'_>, expected_bytes: usize) -> Vec<u8> {
     let mut file = PlantFile::default();
-    file.buffer.reserve_exact(expected_bytes(plant));
-    let branches = file.push_node("Branches", &plant.wood);
-    let leaves = file.push_node("Leaves", &plant.leaves);
+    file.buffer.reserve_exact(expected_bytes);
+    let branches = file.push_node("Branches", wood, &plant.wood.material);
+    let leaves = file.push_node("Leaves", leaves, &plant.leaves.material);
     file.push(
         "nodes",
         json!({"name": "Tree", "children": [branches, leaves]}),
@@ -102,17 +157,17 @@ impl PlantFile {
         root
     }
 
-    fn push_node(&mut self, name: &str, surface: &Surface) -> usize {
+    fn push_node(&mut self, name: &str, surface: Columns<'_>, material: &Material) -> usize {
         if surface.triangles.is_empty() {
             return self.push("nodes", json!({"name": name}));
         }
-        let material = self.push_material(&surface.material);
+        let material = self.push_material(material);
         let primitive = self.push_primitive(surface, material);
         let mesh = self.push("meshes", json!({"name": name, "primitives": [primitive]}));
         self.push("nodes", json!({"name": name, "mesh": mesh}))
     }
 
-    fn push_primitive(&mut self, surface: &Surface, material: usize) -> Value {
+    fn push_primitive(&mut self, surface: Columns<'_>, material: usize) -> Value {
         let count = surface.positions.len();
         let of_every_position = |len: usize, what: &str| {
             assert!(
@@ -122,27 +177,33 @@ impl PlantFile {
             len > 0
         };
         let mut attributes = Map::new();
-        attributes.insert("POSITION".into(), self.push_positions(surface).into());
+        attributes.insert(
+            "POSITION".into(),
+            self.push_positions(&surface.positions).into(),
+        );
+        drop(surface.positions);
         if of_every_position(surface.normals.len(), "normals") {
             let unit = |n: &Vec3| n.normalize_or(Vec3::Z).to_array();
             let normals = self.push_floats("VEC3", surface.normals.iter().map(unit));
             attributes.insert("NORMAL".into(), normals.into());
         }
+        drop(surface.normals);
         if of_every_position(surface.uvs.len(), "texture coordinates") {
             let uvs = self.push_floats("VEC2", surface.uvs.iter().map(|uv| uv.to_array()));
             attributes.insert("TEXCOORD_0".into(), uvs.into());
         }
+        drop(surface.uvs);
         if of_every_position(surface.colors.len(), "colours") {
             let held = |c: &Vec4| c.clamp(Vec4::ZERO, Vec4::ONE).to_array();
             let colors = self.push_floats("VEC4", surface.colors.iter().map(held));
             attributes.insert("COLOR_0".into(), colors.into());
         }
-        let indices = self.push_indices(surface);
+        let indices = self.push_indices(&surface.triangles, count);
         json!({"attributes": attributes, "indices": indices, "material": material})
     }
 
-    fn push_positions(&mut self, surface: &Surface) -> usize {
-        let positions = || surface.positions.iter().map(|p| p.as_vec3());
+    fn push_positions(&mut self, positions: &[DVec3]) -> usize {
+        let positions = || positions.iter().map(|p| p.as_vec3());
         assert!(
             positions().all(|p| p.is_finite()),
             "a position does not fit f32"
@@ -182,10 +243,10 @@ impl PlantFile {
         )
     }
 
-    fn push_indices(&mut self, surface: &Surface) -> usize {
-        let corners = || surface.triangles.iter().flatten();
+    fn push_indices(&mut self, triangles: &[[u32; 3]], positions: usize) -> usize {
+        let corners = || triangles.iter().flatten();
         assert!(
-            corners().all(|&corner| (corner as usize) < surface.positions.len()),
+            corners().all(|&corner| (corner as usize) < positions),
             "a triangle names a position that is not there"
         );
         let view = self.push_view(Some(ELEMENT_ARRAY_BUFFER), |buffer| {
@@ -193,7 +254,7 @@ impl PlantFile {
                 buffer.extend_from_slice(&corner.to_le_bytes());
             }
         });
-        let count = 3 * surface.triangles.len();
+        let count = 3 * triangles.len();
         self.push(
             "accessors",
             json!({"bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR"}),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::validator::assert_valid;
-use crate::gltf::{Document, Selector, plant_to_glb};
+use crate::gltf::{Document, Selector, plant_into_glb, plant_to_glb};
 use crate::{AlphaMode, Material, Plant, Surface, Texture, Wrap};
 
 fn material(name: &str, alpha_mode: AlphaMode, texture: Option<Arc<Texture>>) -> Arc<Material> {
@@ -92,6 +92,7 @@ fn a_grown_plant_can_be_read_back() {
 #[test]
 fn the_same_plant_gives_the_same_bytes() {
     assert_eq!(plant_to_glb(&plant(2)), plant_to_glb(&plant(2)));
+    assert_eq!(plant_to_glb(&plant(2)), plant_into_glb(plant(2)));
 }
 
 #[test]
