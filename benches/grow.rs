@@ -13,7 +13,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use glam::DVec3;
-use rows::{Row, Rows, repeats, shared_tree};
+use rows::{Row, Rows, Wanted, exponent, repeats, shared_tree};
 use secateur_model::gltf::{Document, Tree, plant_to_glb};
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{GrowOptions, Species, grow, grow_skeleton};
@@ -38,11 +38,7 @@ const BOTANY: [(Species, &str, &str); 10] = [
 ];
 
 fn main() {
-    let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
-    let wanted = |case: &str| {
-        part.as_ref()
-            .is_none_or(|part| case.contains(part.as_str()))
-    };
+    let wanted = Wanted::from_command_line();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut bench = Bench {
         rows: Rows::create("grow"),
@@ -50,15 +46,15 @@ fn main() {
     };
     for leaves in [20_376, 105_688, 1_000_000] {
         for species in [Species::Oak, Species::Rowan, Species::Pine] {
-            if wanted(&format!("time {species} {leaves}")) {
+            if wanted.has(&format!("time {species} {leaves}")) {
                 bench.timed(species, leaves);
             }
         }
     }
-    if wanted("growth") {
+    if wanted.has("growth") {
         bench.growth();
     }
-    if wanted("species") {
+    if wanted.has("species") {
         bench.species();
     }
 }
@@ -132,35 +128,19 @@ impl Bench {
                 ("modules", "", modules as f64),
                 ("derive and draw", "s", least),
             ] {
-                self.note(&case, quantity, unit, value, "derive, draw; seed 7");
+                self.rows
+                    .note(&case, quantity, unit, value, "derive, draw; seed 7");
             }
-            points.push(((modules as f64).ln(), least.ln()));
+            points.push((modules as f64, least));
         }
-        let n = points.len() as f64;
-        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-        let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
         let fit = "log-log fit of the least times above";
-        self.note(
+        self.rows.note(
             "growth of time with modules",
             "exponent",
             "",
-            covariance / variance,
+            exponent(points.into_iter()),
             fit,
         );
-    }
-
-    fn note(&mut self, case: &str, quantity: &str, unit: &str, value: f64, command: &str) {
-        self.rows.add(&Row {
-            case,
-            quantity,
-            unit,
-            value,
-            repeat: 0,
-            adapter: "cpu",
-            command,
-        });
     }
 
     /// Every species at its own number of leaves, seed 3, and the real trees.
@@ -216,7 +196,7 @@ impl Bench {
         let figures = Figures::of(tree, leaf_length);
         let named = figures.named();
         for (quantity, unit, value) in named.into_iter().filter(|(.., value)| value.is_finite()) {
-            self.note(case, quantity, unit, value, command);
+            self.rows.note(case, quantity, unit, value, command);
         }
         let _ = writeln!(
             table,

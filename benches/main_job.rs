@@ -10,23 +10,19 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rows::{Row, Rows, repeats, shared_tree};
+use rows::{Row, Rows, Wanted, exponent, repeats, shared_tree};
 use secateur_model::gltf::plant_to_glb;
 use secateur_model::{AlphaMode, Material, Plant, Surface};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 
 fn main() {
-    let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
-    let wanted = |case: &str| {
-        part.as_ref()
-            .is_none_or(|part| case.contains(part.as_str()))
-    };
+    let wanted = Wanted::from_command_line();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut bench = Bench {
         rows: Rows::create("main_job"),
         folder: folder.path().to_owned(),
     };
-    if wanted("ez_oak_20k")
+    if wanted.has("ez_oak_20k")
         && let Some(tree) = shared_tree("ez_oak_20k.glb")
     {
         bench.case(
@@ -35,7 +31,7 @@ fn main() {
             &["--leaves", "2016", "--resolution", "256"],
         );
     }
-    if wanted("sap_pine")
+    if wanted.has("sap_pine")
         && let Some(tree) = shared_tree("sap_pine_needles_48k.glb")
     {
         bench.case("sap_pine to 4861, auto", &tree, &["--leaves", "4861"]);
@@ -45,7 +41,7 @@ fn main() {
             &["--leaves", "4861", "--resolution", "256"],
         );
     }
-    if wanted("crown_105688") {
+    if wanted.has("crown_105688") {
         let tree = bench.crown(105_688);
         bench.case(
             "crown_105688 to 1057 at 256",
@@ -54,7 +50,7 @@ fn main() {
         );
         bench.case("crown_105688 to 1057, auto", &tree, &["--leaves", "1057"]);
     }
-    if wanted("growth") {
+    if wanted.has("growth") {
         bench.growth();
     }
 }
@@ -167,22 +163,15 @@ impl Bench {
                 let tree = self.crown(leaves);
                 let case = format!("growth: crown_{leaves} to 10 % at 256");
                 let seconds = self.case(&case, &tree, &["--ratio", "0.1", "--resolution", "256"]);
-                (f64::from(leaves).ln(), seconds.ln())
+                (f64::from(leaves), seconds)
             })
             .collect();
-        let n = points.len() as f64;
-        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-        let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-        self.rows.add(&Row {
-            case: "growth of time with leaves",
-            quantity: "exponent",
-            unit: "",
-            value: covariance / variance,
-            repeat: 0,
-            adapter: "cpu",
-            command: "log-log fit of the least wall times above",
-        });
+        self.rows.note(
+            "growth of time with leaves",
+            "exponent",
+            "",
+            exponent(points.into_iter()),
+            "log-log fit of the least wall times above",
+        );
     }
 }

@@ -9,7 +9,7 @@ mod rows;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use rows::{Row, Rows, repeats};
+use rows::{Rows, Wanted, exponent, repeats};
 use secateur::plant::{
     Chain, ClusterSize, GrowOptions, Metric, Scheme, Skeleton, Species, grow_skeleton,
     merge_levels, plant_of,
@@ -22,35 +22,24 @@ use std::sync::Arc;
 const SEED: u64 = 7;
 
 fn main() {
-    let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
-    let wanted = |name: &str| part.as_ref().is_none_or(|part| part == name);
+    let wanted = Wanted::from_command_line();
     let mut rows = Rows::create("procedural");
-    if wanted("goals") {
+    if wanted.has("goals") {
         for species in [Species::Oak, Species::Birch, Species::Palmetto] {
             goals(&mut rows, species, 5000);
         }
     }
-    if wanted("methods") {
+    if wanted.has("methods") {
         for species in [Species::Oak, Species::Birch] {
             methods(&mut rows, species, 5000);
         }
     }
-    if wanted("chain") {
+    if wanted.has("chain") {
         extraction(&mut rows);
     }
 }
 
-fn note(rows: &mut Rows, case: &str, quantity: &str, unit: &str, value: f64) {
-    rows.add(&Row {
-        case,
-        quantity,
-        unit,
-        value,
-        repeat: 0,
-        adapter: "cpu",
-        command: "cargo bench --bench procedural",
-    });
-}
+const COMMAND: &str = "cargo bench --bench procedural";
 
 fn skeleton(species: Species, leaves: u32) -> Skeleton {
     let options = GrowOptions { leaves, seed: SEED };
@@ -95,7 +84,7 @@ fn goals(rows: &mut Rows, species: Species, leaves: u32) {
             let case = format!("{species} {leaves}, merge {name}, level {}", k + 1);
             let wood_kept = wood_top_m(&level.skeleton) / wood_m;
             judged(rows, &case, level.skeleton, species, &original, top_m);
-            note(rows, &case, "wood height kept", "", wood_kept);
+            rows.note(&case, "wood height kept", "", wood_kept, COMMAND);
         }
     }
     let chain = Chain::of(&whole, Metric::BranchingLength);
@@ -108,7 +97,7 @@ fn goals(rows: &mut Rows, species: Species, leaves: u32) {
         let level = chain.skeleton(levels);
         let wood_kept = wood_top_m(&level) / wood_m;
         judged(rows, &case, level, species, &original, top_m);
-        note(rows, &case, "wood height kept", "", wood_kept);
+        rows.note(&case, "wood height kept", "", wood_kept, COMMAND);
     }
 }
 
@@ -122,15 +111,15 @@ fn judged(
 ) {
     let (tree, now_m) = read_back(level, species);
     let triangles = tree.triangle_count() as f64 / original.triangle_count() as f64;
-    note(rows, case, "triangles kept", "", triangles);
-    note(
-        rows,
+    rows.note(case, "triangles kept", "", triangles, COMMAND);
+    rows.note(
         case,
         "leaves",
         "",
         tree.foliage().leaves().len() as f64,
+        COMMAND,
     );
-    note(rows, case, "height kept", "", now_m / top_m);
+    rows.note(case, "height kept", "", now_m / top_m, COMMAND);
     scores(rows, case, original, &tree);
 }
 
@@ -139,7 +128,7 @@ fn scores(rows: &mut Rows, case: &str, original: &Tree, simplified: &Tree) {
     let measured = measured.expect("a crown in range");
     for (metric, value) in measured.overall.iter() {
         if ["vmi_error_percent", "silhouette_iou", "coverage_ratio"].contains(&metric.key) {
-            note(rows, case, metric.key, metric.unit, value);
+            rows.note(case, metric.key, metric.unit, value, COMMAND);
         }
     }
 }
@@ -172,12 +161,12 @@ fn methods(rows: &mut Rows, species: Species, leaves: u32) {
             );
             let run = run.expect("a crown that can be simplified");
             let seconds = run.seconds.iter().find(|(stage, _)| *stage == "simplify");
-            note(
-                rows,
+            rows.note(
                 &case,
                 "seconds",
                 "s",
                 seconds.map_or(f64::NAN, |s| s.1),
+                COMMAND,
             );
             let bytes = tree.lod_to_bytes(&run.lod).expect("a level can be written");
             let document = Document::from_bytes("level", bytes, None);
@@ -206,24 +195,13 @@ fn extraction(rows: &mut Rows) {
         }
         let case = format!("chain of oak 105688, level {levels}");
         let records = chain.prefix(levels).len();
-        note(rows, &case, "records", "", records as f64);
-        note(rows, &case, "extraction", "s", least);
+        rows.note(&case, "records", "", records as f64, COMMAND);
+        rows.note(&case, "extraction", "s", least, COMMAND);
         points.push((records as f64, least, levels as f64));
     }
     let case = "chain of oak 105688, extraction";
     let by_records = exponent(points.iter().map(|p| (p.0, p.1)));
     let by_levels = exponent(points.iter().map(|p| (p.2, p.1)));
-    note(rows, case, "exponent over records", "", by_records);
-    note(rows, case, "exponent over levels", "", by_levels);
-}
-
-/// Of a power law, by least squares of the logarithms.
-fn exponent(points: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
-    let n = points.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    covariance / variance
+    rows.note(case, "exponent over records", "", by_records, COMMAND);
+    rows.note(case, "exponent over levels", "", by_levels, COMMAND);
 }

@@ -77,6 +77,27 @@ impl Rows {
         )
         .expect("the rows can be written");
     }
+
+    /// A figure of the processor that was taken once.
+    #[allow(dead_code, reason = "not every bench takes such figures")]
+    pub(crate) fn note(
+        &mut self,
+        case: &str,
+        quantity: &str,
+        unit: &str,
+        value: f64,
+        command: &str,
+    ) {
+        self.add(&Row {
+            case,
+            quantity,
+            unit,
+            value,
+            repeat: 0,
+            adapter: "cpu",
+            command,
+        });
+    }
 }
 
 pub(crate) fn repository() -> PathBuf {
@@ -92,6 +113,34 @@ pub(crate) fn shared_tree(name: &str) -> Option<PathBuf> {
     }
     eprintln!("SKIPPED: {name} is not beside the repository");
     None
+}
+
+/// The part of the bench that the command line asks for: all without.
+#[allow(dead_code, reason = "not every bench has parts")]
+pub(crate) struct Wanted(Option<String>);
+
+#[allow(dead_code, reason = "not every bench has parts")]
+impl Wanted {
+    pub(crate) fn from_command_line() -> Self {
+        Self(std::env::args().skip(1).find(|a| !a.starts_with('-')))
+    }
+
+    pub(crate) fn has(&self, case: &str) -> bool {
+        self.0.as_ref().is_none_or(|part| case.contains(part))
+    }
+}
+
+/// Of a power law y = c x^e through points (x, y), by least squares of the
+/// logarithms.
+#[allow(dead_code, reason = "not every bench fits")]
+pub(crate) fn exponent(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = points.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    covariance / variance
 }
 
 /// How often each case is measured.

@@ -38,7 +38,13 @@ pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failur
     if !args.redraw {
         let subjects = subjects(args)?;
         output::make_folder(&args.output)?;
-        run_all(args, common, &subjects)?;
+        run_all(args, common, &subjects).map_err(|failure| match interrupt::check() {
+            Ok(()) => failure,
+            Err(_) => Failure(format!(
+                "stopped; the finished rows are kept in {}, and the same command goes on from there",
+                args.output.display()
+            )),
+        })?;
     }
     let rows = rows::read(&args.output)?;
     let files = draw::draw(&args.output, &rows)?;
