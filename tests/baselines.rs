@@ -69,7 +69,7 @@ fn the_same_seed_draws_the_same_lots() {
 #[test]
 fn an_error_is_not_exceeded_and_one_more_step_would() {
     let bench = Bench::new();
-    for method in ["fsa", "stochastic", "chain"] {
+    for method in ["fsa", "stochastic", "chain", "merge"] {
         let run = |target: [&str; 2]| {
             let files = [
                 "oak.glb", "-o", "out.glb", "--report", "r.json", "--method", method,

@@ -69,6 +69,20 @@ fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
     assert!(html.contains("data:image/jpeg;base64,") && html.contains("<svg"));
 }
 
+/// One run to the coarsest level gives the finer ones too.
+#[test]
+fn levels_by_branches_are_rows_beside_others() {
+    let bench = Bench::new();
+    let files = ["study", "oak.glb", "-o", "s", "--levels", "0.5,0.25"];
+    let cases = ["--case", "chain", "--case", "merge"];
+    bench.run(&[&files[..], &cases].concat()).succeeded();
+    let found = rows(&bench);
+    let of = |row: &Value| (row["method"].clone(), row["leaves_final"].as_u64());
+    let expected = [("chain", 120), ("chain", 60), ("merge", 120), ("merge", 60)];
+    let expected = expected.map(|(method, leaves)| (Value::from(method), Some(leaves)));
+    assert_eq!(found.iter().map(of).collect::<Vec<_>>(), expected);
+}
+
 #[test]
 fn a_row_says_how_to_get_it_again() {
     let bench = Bench::new();

@@ -62,6 +62,13 @@ impl Tree {
 }
 
 impl Document {
+    /// Whether the file says that it has a skeleton, sound or not: enough to know
+    /// before its leaves are found.
+    pub fn has_skeleton(&self) -> bool {
+        let extras = self.root.get("extras");
+        extras.is_some_and(|extras| extras.get(EXTRAS_NAME).is_some())
+    }
+
     fn read_skeleton(&self, leaves: usize) -> Result<Option<PlantSkeleton>, Fault> {
         let Some(json) = self.root.get("extras").and_then(|e| e.get(EXTRAS_NAME)) else {
             return Ok(None);

@@ -1,10 +1,13 @@
 //! Small changes that should not matter: how much a method's result depends on
 //! accidents of its input.
 
+use std::sync::Arc;
+
 use secateur::glam::{DMat3, DVec3};
 use secateur::raster::{View, ViewSet};
 use secateur::{
-    CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Place, RemovalOrder, Simplify, Step, Views,
+    CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Place, PlantSkeleton, RemovalOrder,
+    Simplify, Step, Views,
 };
 
 use super::lots::Lots;
@@ -69,6 +72,8 @@ impl Perturbation {
                     names.iter().map(|leaf| (lots.draw(), *leaf)).collect();
                 keyed.sort_unstable();
                 names = keyed.into_iter().map(|(_, leaf)| leaf).collect();
+                let skeleton = settings.skeleton.take();
+                settings.skeleton = skeleton.map(|s| Arc::new(with_leaves_in(&s, &names)));
             }
         }
         let radius = foliage.bounding_sphere().map_or(0.0, |s| s.radius);
@@ -133,6 +138,18 @@ fn renamed(leaf: &NewLeaf, name: &impl Fn(LeafId) -> LeafId) -> NewLeaf {
     own
 }
 
+/// The skeleton of a foliage with its leaves in this order.
+///
+/// A skeleton of another number of leaves stays as it is, for the method to refuse.
+fn with_leaves_in(skeleton: &PlantSkeleton, names: &[LeafId]) -> PlantSkeleton {
+    let mut own = skeleton.clone();
+    if own.leaf_segments.len() == names.len() {
+        let segment_of = |leaf: &LeafId| skeleton.leaf_segments[leaf.index()];
+        own.leaf_segments = names.iter().map(segment_of).collect();
+    }
+    own
+}
+
 fn turned(views: &ViewSet, centre: DVec3, lots: &mut Lots) -> ViewSet {
     let axis = DVec3::new(lots.signed(), lots.signed(), lots.signed()).normalize_or(DVec3::Y);
     let turn = DMat3::from_axis_angle(axis, std::f64::consts::PI * lots.signed());
@@ -169,7 +186,8 @@ mod tests {
     use super::*;
     use secateur::plant::{EllipsoidCrown, ellipsoid_crown};
     use secateur::stochastic::{StochasticOptions, simplify};
-    use secateur::{Lod, Target};
+    use secateur::{Lod, Method, Resolution, Segment, SegmentIndex, Target};
+    use std::ops::ControlFlow;
 
     fn settings() -> Simplify {
         Simplify::to(Target::Ratio(0.5))
@@ -191,6 +209,64 @@ mod tests {
             centres
         };
         assert_eq!(left(&own, &foliage), left(&order, &changed.foliage));
+    }
+
+    /// Leaf k grows k m up the stem, on a segment of its own.
+    fn by_the_stem(leaves: usize) -> (Foliage, PlantSkeleton) {
+        let mut foliage = Foliage::default();
+        let mut skeleton = PlantSkeleton::default();
+        for leaf in 0..leaves {
+            let at = DVec3::Y * leaf as f64;
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Z].map(|p| at + p);
+            foliage
+                .push_leaf(&[LeafTriangle::plain(corners)], None)
+                .unwrap();
+            skeleton.segments.push(Segment {
+                parent: leaf.checked_sub(1).map(SegmentIndex::from_index),
+                continues_parent: leaf > 0,
+                start: at - DVec3::Y,
+                end: at,
+                start_radius_m: 0.1,
+                end_radius_m: 0.1,
+                sides: 3,
+            });
+            let segment = SegmentIndex::from_index(leaf);
+            skeleton.leaf_segments.push(Some(segment));
+        }
+        (foliage, skeleton)
+    }
+
+    /// The chain takes the stem from its tip, however its leaves are numbered; and
+    /// merging joins the same neighbours.
+    #[test]
+    fn shuffled_leaves_keep_their_segments() {
+        let (foliage, skeleton) = by_the_stem(40);
+        for method in [Method::Chain, Method::Merge] {
+            let plain = Simplify {
+                method,
+                resolution: Resolution::Pixels(1),
+                skeleton: Some(Arc::new(skeleton.clone())),
+                ..settings()
+            };
+            let run = |change: Perturbation| {
+                let changed = change.apply(&foliage, &plain);
+                let result = secateur::simplify(&changed.foliage, &changed.settings, &mut |_| {
+                    ControlFlow::Continue(())
+                });
+                let order = changed.order_of_tree(&result.unwrap().order);
+                assert_eq!(order.len(), 20);
+                let left = Lod::after(&order, 20).foliage(&foliage);
+                let mut centres: Vec<[u64; 3]> = (left.leaves().iter())
+                    .map(|leaf| leaf.centre().to_array().map(f64::to_bits))
+                    .collect();
+                centres.sort_unstable();
+                centres
+            };
+            let original = run(Perturbation::None);
+            for seed in [1, 2] {
+                assert_eq!(run(Perturbation::Shuffled(seed)), original, "{method:?}");
+            }
+        }
     }
 
     #[test]

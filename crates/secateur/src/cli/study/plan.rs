@@ -36,6 +36,10 @@ const METHODS: [&str; 8] = [
     "meshopt --preserve-area",
 ];
 
+/// What trees that know their branches get beside those, in every plan that
+/// compares methods.
+const BY_BRANCHES: [&str; 3] = ["chain", "merge", "merge --cluster-size area"];
+
 /// How time buys accuracy.
 const SPEED: [&str; 13] = [
     "vds",
@@ -70,11 +74,20 @@ const STABILITY_SETTINGS: [&str; 9] = [
 ];
 
 /// What is run on trees of the user's: cases given by hand, or else those of
-/// plans, each once.
+/// plans, each once. `knows_branches`: whether the tree has a skeleton, so that the
+/// plans' methods that need one can be run on it.
 ///
 /// # Errors
 /// [`Failure`] if one is no method with options.
-pub(super) fn cases(plans: &[PlanName], by_hand: &[String]) -> Result<Vec<Case>, Failure> {
+pub(super) fn cases(
+    plans: &[PlanName],
+    by_hand: &[String],
+    knows_branches: bool,
+) -> Result<Vec<Case>, Failure> {
+    let by_branches = match knows_branches {
+        true => &BY_BRANCHES[..],
+        false => &[],
+    };
     if !by_hand.is_empty() {
         let texts: Vec<&str> = by_hand.iter().map(String::as_str).collect();
         return parsed(&texts);
@@ -82,9 +95,9 @@ pub(super) fn cases(plans: &[PlanName], by_hand: &[String]) -> Result<Vec<Case>,
     let mut cases: Vec<Case> = Vec::new();
     for plan in plans {
         let planned = match plan {
-            PlanName::Methods => parsed(&METHODS)?,
-            PlanName::Speed => parsed(&SPEED)?,
-            PlanName::Stability => stability()?,
+            PlanName::Methods => parsed(&[&METHODS[..], by_branches].concat())?,
+            PlanName::Speed => parsed(&[&SPEED[..], by_branches].concat())?,
+            PlanName::Stability => stability(by_branches)?,
             PlanName::Failures => Vec::new(),
             PlanName::Paper => parsed(&[&paper::CASES[..], &paper::FEWER_VIEWS].concat())?,
         };
@@ -97,9 +110,9 @@ pub(super) fn cases(plans: &[PlanName], by_hand: &[String]) -> Result<Vec<Case>,
     Ok(cases)
 }
 
-fn stability() -> Result<Vec<Case>, Failure> {
+fn stability(by_branches: &[&str]) -> Result<Vec<Case>, Failure> {
     let mut cases = Vec::new();
-    for text in STABILITY {
+    for text in STABILITY.iter().chain(by_branches) {
         for perturbation in Perturbation::ALL {
             cases.push(Case::parse(text, perturbation)?);
         }
@@ -237,15 +250,49 @@ mod tests {
             PlanName::Paper,
         ];
         for plans in [&all[..1], &all[1..2], &all[2..3], &all[3..], &all] {
-            let cases = cases(plans, &[]).unwrap();
-            let mut names: Vec<[String; 3]> = cases
+            let [without, with] = [false, true].map(|b| cases(plans, &[], b).unwrap());
+            let mut names: Vec<[String; 3]> = with
                 .iter()
                 .map(|c| [c.method.clone(), c.setting(), c.perturbation.name()])
                 .collect();
             names.sort();
             names.dedup();
-            assert_eq!(names.len(), cases.len(), "{plans:?}");
+            assert_eq!(names.len(), with.len(), "{plans:?}");
+            assert!(without.len() <= with.len());
         }
+    }
+
+    #[test]
+    fn methods_by_branches_are_for_trees_that_know_them() {
+        let by_branches = |case: &&Case| case.settings(0.5, None).unwrap().method.needs_skeleton();
+        let count = |plan, knows_branches| {
+            let cases = cases(&[plan], &[], knows_branches).unwrap();
+            cases.iter().filter(by_branches).count()
+        };
+        for (plan, expected) in [
+            (PlanName::Methods, BY_BRANCHES.len()),
+            (PlanName::Speed, BY_BRANCHES.len()),
+            (
+                PlanName::Stability,
+                BY_BRANCHES.len() * Perturbation::ALL.len(),
+            ),
+        ] {
+            assert_eq!(count(plan, false), 0, "{plan:?}");
+            assert_eq!(count(plan, true), expected, "{plan:?}");
+        }
+    }
+
+    /// What the study takes for one run to the coarsest level is cut where each
+    /// run of its own ends.
+    #[test]
+    fn methods_by_branches_have_prefixes_and_draw_no_lots() {
+        for text in BY_BRANCHES {
+            let case = Case::parse(text, Perturbation::None).unwrap();
+            assert!(Case::has_prefixes(&case.settings(0.5, None).unwrap()));
+            assert!(!case.draws_lots());
+        }
+        let meshopt = Case::parse("meshopt", Perturbation::None).unwrap();
+        assert!(!Case::has_prefixes(&meshopt.settings(0.5, None).unwrap()));
     }
 
     #[test]

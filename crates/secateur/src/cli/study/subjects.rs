@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use secateur::plant::{GrowOptions, grow};
-use secateur::{BoundingSphere, Plant, Selector, plant_to_glb};
+use secateur::{BoundingSphere, Document, Plant, Selector, plant_to_glb};
 
 use super::super::args::{self, PlanName};
 use super::super::failure::Failure;
@@ -43,7 +43,8 @@ enum Made {
 pub(super) fn subjects(args: &args::Study) -> Result<Vec<Subject>, Failure> {
     let mut subjects = Vec::new();
     let has = |plan: PlanName| args.case.is_empty() && args.plan.contains(&plan);
-    let cases = plan::cases(&args.plan, &args.case)?;
+    let cases = plan::cases(&args.plan, &args.case, false)?;
+    let with_branches = plan::cases(&args.plan, &args.case, true)?;
     if cases.is_empty() && !args.trees.is_empty() {
         return Err(Failure(
             "no plan for trees of one's own was asked for: add methods, speed, stability or paper to --plan".to_owned(),
@@ -54,7 +55,10 @@ pub(super) fn subjects(args: &args::Study) -> Result<Vec<Subject>, Failure> {
         subjects.push(Subject {
             name: name.to_string_lossy().into_owned(),
             path: path.clone(),
-            cases: cases.clone(),
+            cases: match knows_branches(path, &args.foliage.foliage) {
+                true => with_branches.clone(),
+                false => cases.clone(),
+            },
             judged_from_radii: None,
             made: Made::ByOthers,
         });
@@ -104,6 +108,19 @@ pub(super) fn subjects(args: &args::Study) -> Result<Vec<Subject>, Failure> {
     }
     subjects.retain(|s| args.only.is_empty() || args.only.contains(&s.name));
     Ok(subjects)
+}
+
+/// Whether a tree has a sound skeleton. What else may be wrong with it is said when
+/// it is its turn.
+fn knows_branches(path: &Path, selectors: &[Selector]) -> bool {
+    let Some(document) = Document::open(path).ok().filter(Document::has_skeleton) else {
+        return false;
+    };
+    let skeleton = document.into_tree(selectors).and_then(|t| t.skeleton());
+    if let Err(error) = &skeleton {
+        tracing::warn!("{error}: methods that need a skeleton are left out");
+    }
+    skeleton.is_ok_and(|skeleton| skeleton.is_some())
 }
 
 fn check_names(subjects: &[Subject]) -> Result<(), Failure> {
@@ -178,5 +195,58 @@ fn sphere_of_leaves(plant: &Plant) -> BoundingSphere {
     BoundingSphere {
         centre,
         radius: places.iter().map(reach).fold(0.0, f64::max),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::args::{Cli, Command};
+    use super::*;
+    use clap::Parser;
+    use secateur::plant::Species;
+
+    /// A tree that has lost its skeleton does without rule-based levels, in the same
+    /// study as one that has them beside the other methods.
+    #[test]
+    fn a_plan_has_methods_by_branches_where_there_are_branches() {
+        let options = GrowOptions {
+            leaves: 12,
+            seed: 1,
+        };
+        let whole = grow(Species::Oak, &options).unwrap();
+        let bare = Plant {
+            skeleton: None,
+            ..whole.clone()
+        };
+        let glb = plant_to_glb(&whole);
+        let mut damaged = glb.clone();
+        let name = b"segment_sides";
+        let at = glb.windows(name.len()).position(|w| w == name).unwrap();
+        damaged[at] = b'S';
+        let folder = tempfile::tempdir().unwrap();
+        let bare = plant_to_glb(&bare);
+        let files = [("whole", glb), ("bare", bare), ("damaged", damaged)];
+        let paths = files.map(|(name, bytes)| {
+            let path = folder.path().join(format!("{name}.glb"));
+            std::fs::write(&path, bytes).unwrap();
+            path.display().to_string()
+        });
+        let study = ["secateur", "study", "-o", "s"].map(str::to_owned);
+        let words = study.into_iter().chain(paths);
+        let Command::Study(args) = Cli::try_parse_from(words).unwrap().command else {
+            panic!("a study");
+        };
+        let subjects = subjects(&args).unwrap();
+        let by_branches = subjects.iter().map(|subject| {
+            let methods = subject.cases.iter().map(|case| case.method.as_str());
+            let found: Vec<&str> = methods.filter(|m| ["chain", "merge"].contains(m)).collect();
+            (subject.name.as_str(), found)
+        });
+        let expected = [
+            ("whole", vec!["chain", "merge", "merge"]),
+            ("bare", vec![]),
+            ("damaged", vec![]),
+        ];
+        assert_eq!(by_branches.collect::<Vec<_>>(), expected);
     }
 }

@@ -57,6 +57,9 @@ fn a_skeleton_is_read_as_it_was_written() {
     );
     let bare = tree(plant_to_glb(&super::grown::plant(6)));
     assert_eq!(bare.skeleton().unwrap(), None);
+    let says = |plant| Document::from_bytes("larch.glb", plant_to_glb(plant), None);
+    assert!(says(&plant).unwrap().has_skeleton());
+    assert!(!says(&super::grown::plant(6)).unwrap().has_skeleton());
 }
 
 #[test]
