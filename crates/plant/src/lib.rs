@@ -38,6 +38,7 @@ mod branches;
 mod chain;
 mod chain_order;
 mod chain_stream;
+mod depth;
 mod derive;
 mod ellipsoid_crown;
 mod grow;
@@ -56,6 +57,7 @@ pub use branches::{Branch, BranchIndex, Branches, Metric};
 pub use chain::{Chain, ChainError, Interpreter, Record};
 pub use chain_order::chain_order;
 pub use chain_stream::{StreamError, read_chain, write_chain};
+pub use depth::{MAX_DEPTH, TooDeep, check_depth};
 pub use derive::Word;
 pub use ellipsoid_crown::{EllipsoidCrown, ellipsoid_crown};
 pub use grow::{

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use secateur_model::{Foliage, Lod, PlantSkeleton, RemovalOrder};
-use secateur_plant::{Metric, chain_order, merge_order};
+use secateur_plant::{Metric, chain_order, check_depth, merge_order};
 use secateur_raster::{Rasteriser, Scene, ViewSet};
 use secateur_simplify::lg::LgTable;
 use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan};
@@ -61,6 +61,7 @@ fn skeleton_of<'a>(foliage: &Foliage, settings: &'a Simplify) -> Result<&'a Plan
     let skeleton = settings.skeleton.as_deref();
     let skeleton = skeleton.ok_or(Error::NoSkeleton { method })?;
     skeleton.check(foliage.leaves().len())?;
+    check_depth(&skeleton.segments)?;
     Ok(skeleton)
 }
 

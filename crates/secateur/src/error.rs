@@ -3,6 +3,7 @@
 use secateur_eval::MeasureError;
 use secateur_model::SkeletonError;
 use secateur_model::gltf::GltfError;
+use secateur_plant::TooDeep;
 use secateur_simplify::vds::VdsError;
 
 /// Why a tree could not be simplified or measured.
@@ -41,6 +42,9 @@ pub enum Error {
     /// The skeleton is none, or one of another foliage.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
+    /// The skeleton is too deep for methods that follow branches.
+    #[error(transparent)]
+    TooDeep(#[from] TooDeep),
     /// A weight is out of range.
     #[error("{0} must be a number {1}")]
     Setting(String, &'static str),

@@ -7,5 +7,6 @@ mod encodings;
 mod placing;
 mod real_trees;
 mod seeds;
+mod skeletons;
 mod small_tree;
 mod textures;

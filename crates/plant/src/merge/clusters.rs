@@ -101,7 +101,8 @@ mod tests {
     fn disc(anchor: DVec3, radius_m: f64) -> Disc {
         Disc {
             anchor,
-            centre: anchor,
+            // Distances are not to where the leaf is.
+            centre: anchor + DVec3::splat(7.0),
             radius_m,
         }
     }
@@ -129,7 +130,7 @@ mod tests {
     fn of_leaves_equally_near_the_first_lends_its_look() {
         let discs = [2.0, -1.0, 1.0].map(|x| disc(DVec3::X * x, 0.0));
         let mut gathered = Gathered::at(DVec3::ZERO);
-        gathered.add(&[2, 0, 1], &discs);
+        gathered.add(&[2, 1, 0], &discs);
         assert_eq!(gathered.card(ClusterSize::Paper).donor, 1);
     }
 }

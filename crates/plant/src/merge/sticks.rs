@@ -65,3 +65,23 @@ pub(super) fn thresholds(in_order: &[(f64, u32)], count: usize, shares: &[f64]) 
     };
     shares.iter().map(threshold).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// HRs 40, 40, 40, 20, 20 and 10, of seven sticks with the root.
+    #[test]
+    fn equal_sticks_go_together_to_the_nearer_count() {
+        let values = [40.0, 40.0, 40.0, 20.0, 20.0, 10.0];
+        let in_order: Vec<(f64, u32)> = values.into_iter().zip(1..).collect();
+        let gone = |wanted: f64| {
+            let threshold = thresholds(&in_order, 7, &[wanted / 7.0])[0];
+            in_order.iter().filter(|stick| stick.0 > threshold).count()
+        };
+        let expected = [0, 0, 3, 3, 3, 5, 6, 6];
+        for (wanted, expected) in expected.into_iter().enumerate() {
+            assert_eq!(gone(wanted as f64), expected, "{wanted}");
+        }
+    }
+}

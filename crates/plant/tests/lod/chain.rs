@@ -286,10 +286,16 @@ fn an_order_takes_the_levels_away_from_the_last() {
             .push_leaf(&[LeafTriangle::plain(corners)], None)
             .unwrap();
     }
-    let skeleton = oak.clone().into_plant_skeleton();
+    let mut skeleton = oak.clone().into_plant_skeleton();
     let metric = Metric::BranchingLength;
     let order = chain_order(&foliage, &skeleton, metric, 0);
     assert_eq!(order.len(), oak.leaves.len());
+    // What grows on nothing is in every level: the first one has it.
+    let first = order.removed()[0];
+    skeleton.leaf_segments[first.index()] = None;
+    let stray = chain_order(&foliage, &skeleton, metric, 0);
+    assert_eq!(stray.removed().last(), Some(&first));
+    skeleton = oak.clone().into_plant_skeleton();
     for levels in [1, 2, 10, chain.levels()] {
         let numbers = chain
             .prefix(levels)

@@ -1,4 +1,5 @@
 //! Levels of detail of skeletons.
 
 mod chain;
+mod corpus;
 mod merge;

@@ -103,6 +103,24 @@ fn what_bears_something_below_the_threshold_stays() {
     assert_eq!(parents.collect::<Vec<_>>(), [None, root, root]);
 }
 
+/// Only larger HRs go; and the ground is where the plant stands, wherever that is.
+#[test]
+fn a_threshold_is_above_the_ground_and_lets_its_equals_stay() {
+    let mut plant = figure_4();
+    let replaced = |plant: &Skeleton, threshold: f64| {
+        merge_at(plant, &[threshold], ClusterSize::Paper)[0].replaced
+    };
+    let at_s34 = height_over_radius(&plant.segments[3], 0.0);
+    assert_eq!(replaced(&plant, at_s34), 0);
+    assert_eq!(replaced(&plant, at_s34 - 1e-9), 3);
+    for segment in &mut plant.segments {
+        segment.start.y += 8.0;
+        segment.end.y += 8.0;
+    }
+    assert_eq!(replaced(&plant, at_s34), 0);
+    assert_eq!(replaced(&plant, at_s34 - 1e-9), 3);
+}
+
 #[test]
 fn parents_are_extended_and_their_leaves_become_clusters() {
     let plant = figure_4();
@@ -113,6 +131,8 @@ fn parents_are_extended_and_their_leaves_become_clusters() {
     // gets sqrt(13) long.
     let top = DVec3::Y + DVec3::new(-2.0, 1.0, 0.0).normalize() * 13f64.sqrt();
     assert_near(level.segments[1].end, top);
+    // As thick there as the thinnest end that it replaces.
+    assert_eq!(level.segments[1].end_radius_m, 0.025);
     // S2,3 has lost S3,6, whose end is at (1, 3): sqrt(5), as long as it is.
     assert_near(level.segments[2].end, DVec3::new(2.0, 2.0, 0.0));
     // The leaves of S4,14 and S4,15 stay, and so does the only one that S2,3 stands
@@ -352,6 +372,8 @@ proptest! {
             let now = level.skeleton;
             let skeleton = now.clone().into_plant_skeleton();
             prop_assert_eq!(skeleton.check(now.leaves.len()), Ok(()));
+            let strays = now.leaves.iter().filter(|leaf| leaf.segment.is_none());
+            prop_assert_eq!(strays.collect::<Vec<_>>(), [&plant.leaves[0]]);
             prop_assert!(polygons(&now) <= before);
             prop_assert!(wood_top_m(&now) <= top + 1e-9);
             // A stick still starts on its parent's axis, within its length.

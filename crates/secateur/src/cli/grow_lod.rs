@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use secateur::plant::{Chain, Metric, Record, Skeleton, merge_levels};
+use secateur::plant::{Chain, Metric, Record, Skeleton, check_depth, merge_levels};
 use serde_json::{Value, json};
 
 use super::args::{self, LodMethod};
@@ -43,6 +43,7 @@ pub(crate) fn level(
     amount: Amount,
     args: &args::Grow,
 ) -> Result<Level, Failure> {
+    check_depth(&skeleton.segments).map_err(|e| Failure(format!("{name}: {e}")))?;
     match args.lod_method {
         LodMethod::Chain => of_chain(name, skeleton, amount),
         LodMethod::Merge => of_scheme(name, skeleton, amount, args),
