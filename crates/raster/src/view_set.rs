@@ -45,6 +45,32 @@ impl ViewSet {
         Self::around(sphere, &directions)
     }
 
+    /// 92 views: the vertices of another icosahedron, the thirds of its edges and
+    /// the centres of its faces, which are the 20 of
+    /// [`dodecahedron`](Self::dodecahedron). None is among the judging set.
+    pub fn geodesic(sphere: BoundingSphere) -> Self {
+        let mut corners = Vec::with_capacity(12);
+        for (a, b) in signs2(GOLDEN, 1.0) {
+            corners.push(DVec3::new(0.0, a, b));
+            corners.push(DVec3::new(a, b, 0.0));
+            corners.push(DVec3::new(b, 0.0, a));
+        }
+        let edge = |a: DVec3, b: DVec3| a.dot(b) > 0.0;
+        let mut directions = corners.clone();
+        for (i, &a) in corners.iter().enumerate() {
+            for (j, &b) in corners.iter().enumerate().skip(i + 1) {
+                if !edge(a, b) {
+                    continue;
+                }
+                directions.extend([2.0 * a + b, a + 2.0 * b]);
+                let third = corners.iter().skip(j + 1);
+                let faces = third.filter(|c| edge(a, **c) && edge(b, **c));
+                directions.extend(faces.map(|&c| a + b + c));
+            }
+        }
+        Self::around(sphere, &directions)
+    }
+
     /// The 8 corners of a cube.
     pub fn cube(sphere: BoundingSphere) -> Self {
         Self::around(sphere, &cube())
@@ -152,6 +178,27 @@ mod tests {
             assert_eq!(set.len(), count);
             assert_eq!(nearest_angles(&set), vec![cosine; count]);
         }
+    }
+
+    #[test]
+    fn many_views_hold_the_driving_set_and_spare_the_judging_one() {
+        let directions = |set: ViewSet| set.views().iter().map(|v| v.forward()).collect::<Vec<_>>();
+        let many = directions(ViewSet::geodesic(SPHERE));
+        assert_eq!(many.len(), 92);
+        let to_nearest = |d: DVec3| many.iter().map(|e| d.dot(*e)).fold(-1.0, f64::max);
+        for d in directions(ViewSet::dodecahedron(SPHERE)) {
+            assert!(to_nearest(d) > 1.0 - 1e-12);
+        }
+        for d in directions(ViewSet::icosahedron(SPHERE)) {
+            // 8 degrees.
+            assert!(to_nearest(d) < 0.99, "{}", to_nearest(d));
+        }
+        // Spread evenly: 15 to 26 degrees between neighbours.
+        let nearest = nearest_angles(&ViewSet::geodesic(SPHERE));
+        assert!(
+            nearest.iter().all(|c| (900..970).contains(c)),
+            "{nearest:?}"
+        );
     }
 
     #[test]

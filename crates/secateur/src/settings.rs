@@ -80,6 +80,8 @@ pub enum Views {
     /// The 12 vertices of an icosahedron: also the set that
     /// [`measure`](crate::measure) judges by.
     Icosahedron,
+    /// 92 views all around, those of the dodecahedron among them.
+    Geodesic,
     /// The 8 corners of a cube.
     Cube,
     /// The 6 corners of an octahedron.
@@ -97,6 +99,7 @@ impl Views {
         match self {
             Self::Dodecahedron => "dodecahedron",
             Self::Icosahedron => "icosahedron",
+            Self::Geodesic => "92",
             Self::Cube => "8",
             Self::Octahedron => "6",
             Self::Variable => "vnc",
@@ -110,6 +113,7 @@ impl Views {
         match self {
             Self::Dodecahedron | Self::Variable => ViewSet::dodecahedron(sphere),
             Self::Icosahedron => ViewSet::icosahedron(sphere),
+            Self::Geodesic => ViewSet::geodesic(sphere),
             Self::Cube => ViewSet::cube(sphere),
             Self::Octahedron => ViewSet::octahedron(sphere),
             Self::Cameras(views) => views.clone(),

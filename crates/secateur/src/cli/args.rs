@@ -249,8 +249,9 @@ pub(crate) struct Simplify {
     /// Where to rasterise; results are the same.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
-    /// Where to look from: dodecahedron (20 views), icosahedron (12), 8, 6, vnc (20 views, later
-    /// 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
+    /// Where to look from: dodecahedron (20 views), icosahedron (12, those that `measure`
+    /// judges by), 92, 8, 6, vnc (20 views,
+    /// later 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
     /// "fov_y_degrees", "near"}]}.
     #[arg(long, value_name = "VIEWS", default_value = "dodecahedron")]
     pub(crate) views: String,

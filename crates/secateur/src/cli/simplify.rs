@@ -122,6 +122,7 @@ fn views(name: &str) -> Result<Views, Error> {
     Ok(match name {
         "dodecahedron" | "20" => Views::Dodecahedron,
         "icosahedron" | "12" => Views::Icosahedron,
+        "92" => Views::Geodesic,
         "cube" | "8" => Views::Cube,
         "octahedron" | "6" => Views::Octahedron,
         "vnc" => Views::Variable,
@@ -136,7 +137,7 @@ fn or_a_name(name: &str) -> impl Fn(Error) -> Error {
         Error::Cameras { file, reason } if !is_there => Error::Cameras {
             file,
             reason: format!(
-                "{reason}; `--views` takes dodecahedron, icosahedron, 8, 6, vnc or a JSON file"
+                "{reason}; `--views` takes dodecahedron, icosahedron, 92, 8, 6, vnc or a JSON file"
             ),
         },
         other => other,

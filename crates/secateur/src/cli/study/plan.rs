@@ -61,12 +61,13 @@ const SPEED: [&str; 13] = [
 const STABILITY: [&str; 4] = ["vds", "fsa", "stochastic", "meshopt --preserve-area"];
 
 /// Settings whose spread is looked at beside the perturbations.
-const STABILITY_SETTINGS: [&str; 9] = [
+const STABILITY_SETTINGS: [&str; 10] = [
     "vds --resolution 64",
     "vds --resolution 256",
     "vds --resolution 1024",
     "vds --views 6",
     "vds --views 12",
+    "vds --views 92",
     "vds --ties spread",
     "vds --alpha ignore",
     "stochastic --seed 1",
