@@ -179,25 +179,36 @@ fn methods(rows: &mut Rows, species: Species, leaves: u32) {
     }
 }
 
-/// Hybrid, section 4.1: level K in time proportional to K.
+/// Hybrid, section 4.1: level K in time proportional to K. Drawing alone: the chain
+/// is there, and a level is given back after the clock has stopped.
 fn extraction(rows: &mut Rows) {
+    const POINTS: i32 = 13;
     let oak = skeleton(Species::Oak, 105_688);
     let chain = Chain::of(&oak, Metric::BranchingLength);
-    let mut points = Vec::new();
-    for k in 1..=8 {
-        let levels = chain.levels() * k / 8;
-        let mut least = f64::INFINITY;
-        for _ in 0..repeats().max(5) {
+    let all = chain.levels();
+    // From a sixty-fourth of the levels to all, each the root of two times the last.
+    let share = |k: i32| 0.5f64.powf(0.5 * f64::from(POINTS - 1 - k));
+    let levels: Vec<usize> = (0..POINTS)
+        .map(|k| (all as f64 * share(k)).round() as usize)
+        .collect();
+    let mut least = vec![f64::INFINITY; levels.len()];
+    // Round after round over all points, so that a slow moment is no one's alone.
+    for _ in 0..repeats().max(40) {
+        for (levels, least) in levels.iter().zip(&mut least) {
             let start = Instant::now();
-            let level = chain.skeleton(levels);
-            least = least.min(start.elapsed().as_secs_f64());
+            let level = chain.skeleton(*levels);
+            *least = least.min(start.elapsed().as_secs_f64());
             drop(level);
         }
+    }
+    let mut points = Vec::new();
+    for (levels, least) in levels.into_iter().zip(least) {
         let case = format!("chain of oak 105688, level {levels}");
-        let records = chain.prefix(levels).len();
-        rows.note(&case, "records", "", records as f64, COMMAND);
+        let records = chain.prefix(levels).len() as f64;
+        rows.note(&case, "records", "", records, COMMAND);
         rows.note(&case, "extraction", "s", least, COMMAND);
-        points.push((records as f64, least, levels as f64));
+        rows.note(&case, "per record", "ns", 1e9 * least / records, COMMAND);
+        points.push((records, least, levels as f64));
     }
     let case = "chain of oak 105688, extraction";
     let by_records = exponent(points.iter().map(|p| (p.0, p.1)));

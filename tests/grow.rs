@@ -169,3 +169,27 @@ fn levels_that_there_are_not_are_refused() {
     many.failed_saying(&["levels of detail, not 1000000"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }
+
+/// What takes the time of leaves times depth is not begun where depth has no end.
+#[test]
+fn a_stem_without_end_has_no_levels_by_branches() {
+    let bench = Bench::new();
+    let rules = "axiom: A(14) leaf(0.1); A(n) if n > 0 -> A(n - 1) A(n - 1); \
+                 A(n) if n <= 0 -> F(0.001);";
+    bench.put("deep.lsys", rules.as_bytes());
+    let said = "segment 10000 of the skeleton grows 10001 segments above its root";
+    let grow = ["grow", "deep.lsys", "-o", "deep.glb"];
+    for method in ["chain", "merge"] {
+        let lod = ["--lod", "1", "--lod-method", method];
+        bench
+            .run(&[&grow[..], &lod].concat())
+            .failed_saying(&["deep: ", said]);
+    }
+    bench.run(&grow).succeeded();
+    for method in ["chain", "merge"] {
+        let rest = ["--leaves", "1", "--method", method];
+        bench
+            .simplify(&[&["deep.glb", "-o", "out.glb"], &rest[..]].concat())
+            .failed_saying(&["deep.glb: ", said]);
+    }
+}

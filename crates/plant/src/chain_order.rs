@@ -4,7 +4,7 @@ use secateur_model::{Foliage, LeafId, PlantSkeleton, RemovalOrder};
 
 use crate::Metric;
 use crate::branches::Branches;
-use crate::chain::paths;
+use crate::chain_paths::paths;
 
 /// Removes leaves until `leaves` are left, those of the chain's last path first,
 /// from its tip: so every prefix is the order to more leaves, and what is left at

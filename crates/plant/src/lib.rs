@@ -37,6 +37,7 @@ mod bark_texture;
 mod branches;
 mod chain;
 mod chain_order;
+mod chain_paths;
 mod chain_stream;
 mod depth;
 mod derive;

@@ -1,19 +1,15 @@
 //! From the parse tree to [`Rules`].
 
-use std::collections::HashMap;
-
 use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
 use super::code::{Code, Op, Program};
-use super::commands::COMMANDS;
 use super::expression::{Expressions, Names};
-use super::rules::{Production, SymbolInfo, Template};
+use super::rules::{Production, Template};
 use super::size::check_size;
+use super::symbols::{Symbols, head_parts};
 use super::{Grammar, Place, Rule, Rules, RulesError, Settings, settings};
 
-/// The most symbols with their numbers of parameters.
-const MAX_SYMBOLS: usize = 10_000;
 /// The frame of an expression starts with these two.
 pub(super) const DETAIL: u16 = 0;
 pub(super) const ITERATION: u16 = 1;
@@ -40,15 +36,14 @@ impl Rules {
             .map_err(|error| RulesError::of_syntax(&error, text))?;
         let file = files.next().expect("the grammar starts with a file");
         let mut compiler = Compiler::default();
-        compiler.declare(file.clone().into_inner())?;
+        compiler.symbols.declare(file.clone().into_inner())?;
         compiler.compile(file.into_inner())
     }
 }
 
 #[derive(Default)]
 struct Compiler {
-    symbols: Vec<SymbolInfo>,
-    numbers: HashMap<(String, usize), u16>,
+    symbols: Symbols,
     templates: Vec<Template>,
     productions: Vec<Production>,
     program: Program,
@@ -63,67 +58,6 @@ struct Compiler {
 }
 
 impl Compiler {
-    /// Numbers the turtle's symbols and those that stand before an arrow or in a
-    /// declaration, wherever in the file they do.
-    fn declare(&mut self, statements: Pairs<'_, Rule>) -> Result<(), RulesError> {
-        for (name, parameters, _) in COMMANDS {
-            self.number(name, parameters);
-        }
-        for statement in statements {
-            if matches!(statement.as_rule(), Rule::production | Rule::declaration) {
-                let heads = statement.into_inner();
-                for head in heads.filter(|p| p.as_rule() == Rule::head) {
-                    let place = place_of(&head);
-                    let (symbol, names) = head_parts(head);
-                    self.number(symbol.as_str(), names.len());
-                    if self.symbols.len() > MAX_SYMBOLS {
-                        let message = format!("more than {MAX_SYMBOLS} symbols");
-                        return Err(RulesError::at(place, message));
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn number(&mut self, name: &str, parameters: usize) -> u16 {
-        let key = (name.to_owned(), parameters);
-        if let Some(&known) = self.numbers.get(&key) {
-            return known;
-        }
-        let number = self.symbols.len() as u16;
-        self.symbols.push(SymbolInfo {
-            name: key.0.clone(),
-            parameters,
-        });
-        self.numbers.insert(key, number);
-        number
-    }
-
-    fn known(&self, symbol: &Pair<'_, Rule>, parameters: usize) -> Result<u16, RulesError> {
-        let name = symbol.as_str();
-        if let Some(&number) = self.numbers.get(&(name.to_owned(), parameters)) {
-            return Ok(number);
-        }
-        let namesakes = self.symbols.iter().filter(|info| info.name == name);
-        let mut counts: Vec<usize> = namesakes.map(|info| info.parameters).collect();
-        counts.sort_unstable();
-        let message = match counts.as_slice() {
-            [] => format!(
-                "unknown symbol `{name}`: the turtle does not know it and no production is for it \
-                 (to let it stand, write `symbol {name};`)"
-            ),
-            [1] => format!("`{name}` takes 1 parameter, not {parameters}"),
-            [count] => format!("`{name}` takes {count} parameters, not {parameters}"),
-            [most @ .., last] => {
-                let most: Vec<String> = most.iter().map(usize::to_string).collect();
-                let most = most.join(", ");
-                format!("`{name}` takes {most} or {last} parameters, not {parameters}")
-            }
-        };
-        Err(RulesError::at(place_of(symbol), message))
-    }
-
     fn compile(mut self, statements: Pairs<'_, Rule>) -> Result<Rules, RulesError> {
         self.names = Names::of_file();
         let mut end = Place { line: 1, column: 1 };
@@ -167,7 +101,7 @@ impl Compiler {
         Ok(Rules {
             uses_detail: uses(DETAIL),
             asks_iteration: uses(ITERATION),
-            symbols: self.symbols,
+            symbols: self.symbols.into_infos(),
             templates: self.templates,
             axiom,
             productions: self.productions,
@@ -199,13 +133,9 @@ impl Compiler {
 
     fn ignore(&mut self, inner: Pairs<'_, Rule>) -> Result<(), RulesError> {
         for symbol in inner.filter(|p| p.as_rule() == Rule::symbol) {
-            let named = self.symbols.iter().zip(0u16..);
-            let numbers: Vec<u16> = named
-                .filter(|(info, _)| info.name == symbol.as_str())
-                .map(|(_, number)| number)
-                .collect();
+            let numbers = self.symbols.called(symbol.as_str());
             if numbers.is_empty() {
-                self.known(&symbol, 0)?;
+                self.symbols.known(&symbol, 0)?;
             }
             self.ignored.extend(numbers);
         }
@@ -282,7 +212,7 @@ impl Compiler {
 
     fn bracket(&self, name: &str, place: Place) -> Template {
         Template {
-            symbol: self.numbers[&(name.to_owned(), 0)],
+            symbol: self.symbols.of_turtle(name),
             arguments: Vec::new(),
             place,
         }
@@ -292,7 +222,7 @@ impl Compiler {
         let mut inner = module.into_inner();
         let symbol = inner.next().expect("a module has a symbol");
         let arguments: Vec<_> = inner.filter(|p| p.as_rule() == Rule::expression).collect();
-        let number = self.known(&symbol, arguments.len())?;
+        let number = self.symbols.known(&symbol, arguments.len())?;
         let arguments: Result<Vec<Code>, RulesError> = arguments
             .into_iter()
             .map(|argument| self.expression(argument))
@@ -352,7 +282,7 @@ impl Compiler {
 
     fn head(&mut self, head: Pair<'_, Rule>) -> Result<u16, RulesError> {
         let (symbol, names) = head_parts(head);
-        let number = self.known(&symbol, names.len())?;
+        let number = self.symbols.known(&symbol, names.len())?;
         for name in &names {
             self.names.define(name)?;
         }
@@ -388,16 +318,6 @@ fn once(is_there: bool, place: Place, what: &str) -> Result<(), RulesError> {
         true => Err(RulesError::at(place, format!("`{what}` is given twice"))),
         false => Ok(()),
     }
-}
-
-/// The symbol of a head and the names of its parameters.
-fn head_parts(head: Pair<'_, Rule>) -> (Pair<'_, Rule>, Vec<Pair<'_, Rule>>) {
-    let mut inner = head.into_inner();
-    let symbol = inner.next().expect("a head has a symbol");
-    (
-        symbol,
-        inner.filter(|p| p.as_rule() == Rule::name).collect(),
-    )
 }
 
 fn only(inner: Pairs<'_, Rule>, rule: Rule) -> Pair<'_, Rule> {

@@ -98,6 +98,7 @@ mod expression;
 mod rules;
 mod settings;
 mod size;
+mod symbols;
 
 pub(crate) use code::Code;
 pub(crate) use commands::{Command, POP, PUSH, command_of};

@@ -27,7 +27,10 @@
 //! - A leaf alone is no cluster: it stays where it stands.
 //! - The radius of a leaf is from its centre to its farthest corner; a cluster
 //!   looks like that of its leaves which is nearest to its centre, larger.
-//! - Roots stay: the last level of a tree is a pole with one cluster.
+//! - Roots stay. The paper's schemes add up to all of the geometry, with a texture
+//!   for what is left: so the last level of a tree is a pole with one cluster, whose
+//!   coverage R0 does not keep. A scheme that stops short, such as 50-25-12.5, has no
+//!   such level.
 
 mod clusters;
 mod levels;

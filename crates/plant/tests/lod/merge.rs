@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use secateur_eval::{Judging, measure};
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod, PlantSkeleton};
 use secateur_plant::{
     ClusterSize, GrowOptions, LeafKind, LeafPose, MergedLevel, Scheme, Segment, SegmentIndex,
@@ -247,6 +248,42 @@ fn every_species_loses_polygons_and_keeps_its_height() {
                 );
             }
         }
+    }
+}
+
+/// What the cards of a level cover of what those of the plant did, from the held-out
+/// views.
+fn coverage(plant: &Foliage, level: &Skeleton) -> f64 {
+    let judging = Judging {
+        resolution: 256,
+        ..Judging::held_out(plant).unwrap()
+    };
+    let measured = measure(plant, &as_read(level).0, &judging).unwrap();
+    let mut overall = measured.overall.iter();
+    let found = overall.find(|(metric, _)| metric.key == "coverage_ratio");
+    found.unwrap().1
+}
+
+/// Goal 3 of the paper, on trees of broad leaves such as its oaks, while there is
+/// geometry. By the last level its schemes have taken all of that away and "only a
+/// texture remains": one card, whose coverage is as it happens.
+#[test]
+fn coverage_is_kept_until_one_card_is_left() {
+    for species in [Species::Oak, Species::Carya, Species::Alder, Species::Maple] {
+        let plant = grown(species);
+        let foliage = as_read(&plant).0;
+        let levels = merge_levels(&plant, &Scheme::halving(), ClusterSize::Paper);
+        for level in &levels[..3] {
+            let kept = coverage(&foliage, &level.skeleton);
+            assert!((0.8..1.4).contains(&kept), "{species}: {kept}");
+        }
+        let leaves = levels.iter().map(|l| l.skeleton.leaves.len());
+        let leaves: Vec<usize> = leaves.collect();
+        assert!(
+            leaves[2] >= plant.leaves.len() / 20,
+            "{species}: {leaves:?}"
+        );
+        assert_eq!(leaves[3], 1, "{species}");
     }
 }
 
