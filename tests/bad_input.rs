@@ -218,8 +218,12 @@ fn outputs_that_cannot_be_written() {
         ),
         (&["-o", "o.glb", "--report", "./broken.glb"], "is the input"),
         (
-            &["-o", "o.glb", "--picture", "o.glb"],
+            &["-o", "o.glb", "--report", "o.glb"],
             "two outputs have this name",
+        ),
+        (
+            &["-o", "o.glb", "--picture", "o.jpg"],
+            "its name must end in .png",
         ),
         (
             &["-o", "o.glb", "--debug-images", "broken.glb/x"],

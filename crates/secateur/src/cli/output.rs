@@ -26,6 +26,15 @@ pub(crate) fn check_glb(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     check_file(path, inputs)
 }
 
+/// Refuses a picture that could not be written at the end.
+pub(crate) fn check_picture(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    let extension = path.extension().unwrap_or_default();
+    if !extension.eq_ignore_ascii_case("png") {
+        return refuse(path, "pictures are PNG: its name must end in .png");
+    }
+    check_file(path, inputs)
+}
+
 /// Refuses an output file that could not be written at the end.
 pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let folder = folder_of(path);

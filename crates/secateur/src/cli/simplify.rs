@@ -74,8 +74,12 @@ fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
     inputs.push(cameras);
     output::check_tree(&args.output, &inputs)?;
     let mut outputs = vec![args.output.as_path()];
-    for file in [&args.report, &args.picture].into_iter().flatten() {
+    if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;
+        outputs.push(file);
+    }
+    if let Some(file) = &args.picture {
+        output::check_picture(file, &inputs)?;
         outputs.push(file);
     }
     if let Some(folder) = &args.debug_images {
