@@ -20,6 +20,7 @@ impl Failure {
         move |error| match error {
             secateur::Error::NoLeaf
             | secateur::Error::NoSkeleton { .. }
+            | secateur::Error::TooDeep(_)
             | secateur::Error::OutOfRange { .. } => Self(format!("{}: {error}", path.display())),
             other => Self(other.to_string()),
         }

@@ -7,7 +7,10 @@ use super::fixture::read;
 use super::grown::plant;
 use super::validator::assert_valid;
 use crate::gltf::{Document, GltfError, Selector, Tree, plant_to_glb};
-use crate::{LeafId, Lod, Plant, PlantSkeleton, Segment, SegmentIndex};
+use crate::{
+    LeafId, Lod, NewCorner, NewLeaf, Place, Plant, PlantSkeleton, RemovalOrder, Segment,
+    SegmentIndex, Step,
+};
 
 /// A stem of two segments with a twig on the first; leaf k grows on segment
 /// k % 4, where 3 stands for none.
@@ -86,6 +89,47 @@ fn leaves_that_are_left_still_know_their_segments() {
         skeleton.segments,
         with_skeleton(6).skeleton.unwrap().segments
     );
+}
+
+/// A leaf that was made stands where its donor stood, and comes last.
+#[test]
+fn made_leaves_grow_where_their_donors_did() {
+    let tree = tree(plant_to_glb(&with_skeleton(6)));
+    let leaf = |n| LeafId::new(n).unwrap();
+    let corner = |like: u32| NewCorner {
+        place: Place::At(DVec3::new(9.0 + f64::from(like), f64::from(like % 2), 0.0)),
+        like,
+    };
+    let mut order = RemovalOrder::new(6);
+    order.push_step(Step {
+        removed: &[leaf(1), leaf(2)],
+        grown: &[],
+        made: &[NewLeaf {
+            donor: leaf(2),
+            triangles: vec![[0, 1, 2].map(corner)],
+        }],
+        survivors_area_scale: 1.0,
+    });
+    let left = read(tree.lod_to_bytes(&Lod::after(&order, 1)).unwrap());
+    let skeleton = left.skeleton().unwrap().unwrap();
+    // Of segments 0, 1, 2, none, 0, 1 the first two are gone, and the second is back.
+    let places = [Some(2), None, Some(0), Some(1), Some(1)];
+    assert_eq!(
+        skeleton.leaf_segments,
+        places.map(|s| s.map(SegmentIndex::from_index))
+    );
+}
+
+/// Without leaves there is no list of them, and an empty one is no accessor.
+#[test]
+fn without_leaves_there_is_no_skeleton() {
+    let tree = tree(plant_to_glb(&with_skeleton(2)));
+    let mut lod = Lod::original(2);
+    lod.remove(LeafId::new(1).unwrap());
+    lod.remove(LeafId::new(2).unwrap());
+    let bytes = tree.lod_to_bytes(&lod).unwrap();
+    let left = Document::from_bytes("larch-0.glb", bytes, None).unwrap();
+    assert!(!left.has_skeleton());
 }
 
 /// The file of [`with_skeleton`] with its JSON changed.
