@@ -8,8 +8,8 @@ pub enum ClusterSize {
     /// Of the paper's radius R0.
     #[default]
     Paper,
-    /// Of that radius or, where it would have more area than the leaves that it
-    /// stands for, of as much.
+    /// Of as much area as the leaves that it stands for: covers as much where they
+    /// overlap little, more where they overlap much, as pinnate ones do.
     Area,
 }
 
@@ -77,7 +77,7 @@ impl Gathered {
             radius_m: match size {
                 ClusterSize::Paper => r0_m,
                 // The area of a card goes with the square of its radius.
-                ClusterSize::Area => r0_m.min(libm::sqrt(self.squares_m2)),
+                ClusterSize::Area => libm::sqrt(self.squares_m2),
             },
             donor: self.donor,
         }
@@ -121,9 +121,9 @@ mod tests {
         let card = gathered.card(ClusterSize::Paper);
         assert!((card.radius_m - (12.0 / 3.0 + 2.0)).abs() < 1e-12);
         assert_eq!((card.centre, card.donor), (DVec3::Y, 1));
-        // 1 + 4 + 9 squared metres are less than 6 x 6.
-        let bounded = gathered.card(ClusterSize::Area);
-        assert!((bounded.radius_m - 14f64.sqrt()).abs() < 1e-12);
+        // 1 + 4 + 9 squared metres.
+        let as_large = gathered.card(ClusterSize::Area);
+        assert!((as_large.radius_m - 14f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]

@@ -287,6 +287,22 @@ fn coverage_is_kept_until_one_card_is_left() {
     }
 }
 
+/// Cards as large as their leaves together keep coverage also where the paper's radius
+/// does not: needles, hanging twigs, fans as long as their stems.
+#[test]
+fn as_much_area_keeps_coverage_where_leaves_overlap_little() {
+    let overlap_much = [Species::Carya, Species::Rowan];
+    for &species in Species::ALL.iter().filter(|s| !overlap_much.contains(s)) {
+        let plant = grown(species);
+        let foliage = as_read(&plant).0;
+        let levels = merge_levels(&plant, &Scheme::halving(), ClusterSize::Area);
+        for level in &levels[..3] {
+            let kept = coverage(&foliage, &level.skeleton);
+            assert!((0.9..1.7).contains(&kept), "{species}: {kept}");
+        }
+    }
+}
+
 /// Each leaf's card as two triangles, and the skeleton that a file would keep.
 fn as_read(plant: &Skeleton) -> (Foliage, PlantSkeleton) {
     let mut foliage = Foliage::default();

@@ -447,7 +447,7 @@ names!(MeshoptModeName => Mode {
 names!(ClusterSizeName => ClusterSize {
     /// The paper's radius: the mean distance and the mean radius of the leaves
     Paper,
-    /// That, but of no more area than the leaves
+    /// As much area as the leaves.
     Area,
 });
 names!(TiesName => Ties { Order, Spread });
