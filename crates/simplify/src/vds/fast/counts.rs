@@ -1,4 +1,4 @@
-//! Areas, reveal edges, and what they say about pruning each leaf.
+//! Areas, and what they say about pruning each leaf.
 //!
 //! With `f(a, S) = a (lg a - lg S)`, P times the VMI of view v is
 //! `P lg V + sum_o f(a_o(v), S_o)`. If leaf l goes, it hands `r_o(v)` of its
@@ -9,27 +9,20 @@
 //! -f(a_l(v), S_l) + sum_o [ f(a_o(v) + r_o(v), S_o + s_o) - f(a_o(v), S_o) ]
 //! ```
 //!
-//! The pairs (l, o) with s_o > 0 are few: *reveal edges*, kept with the counts
-//! `r_o(v)` and, for each o, the list of its l. Here are areas and edges, as
-//! they are and as they were before the step; [`Deltas`](super::deltas::Deltas)
-//! keeps those sums.
+//! The pairs (l, o) with s_o > 0 are few: *reveal edges*, kept in
+//! [`Edges`](super::edges::Edges). Here are the areas, as they are and as they
+//! were before the step; [`Deltas`](super::deltas::Deltas) keeps those sums.
 //!
 //! The background is apart: nearly every step changes its area, and nearly
 //! every leaf at the silhouette has an edge to it. Its term is evaluated fresh;
 //! [`Counts::background_drift`] bounds how far it has moved.
 
-use super::candidates::Silhouette;
 use super::changes::BackgroundDrift;
-use super::edges::{Edges, NO_EDGE};
-use super::pixels::Ends;
-use super::split::Split;
+use super::events::Event;
 use super::terms::Target;
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 const UNTOUCHED: u32 = u32::MAX;
-
-/// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
-const SILHOUETTE_MAX: u32 = 16;
 
 struct TouchedLeaf {
     leaf: u32,
@@ -49,7 +42,6 @@ pub(super) struct ChangedArea<'a> {
 
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
-    pub edges: Edges,
     view_count: usize,
     /// Areas by leaf number, then view.
     areas: Vec<u32>,
@@ -57,8 +49,6 @@ pub(super) struct Counts<'t> {
     lg_totals: Vec<i64>,
     /// P times VMI less that of the original foliage, by view.
     deviations: Vec<i64>,
-    /// The edge that each pixel belongs to, if it has a front leaf.
-    edge_at: Vec<u32>,
     background_drift: BackgroundDrift,
     background_jumps: u32,
 
@@ -71,54 +61,43 @@ pub(super) struct Counts<'t> {
 }
 
 impl<'t> Counts<'t> {
-    /// From the first two leaves of every pixel, `pixels_per_view` a view.
-    pub(super) fn new(
-        ends: &[Ends],
-        pixels_per_view: usize,
+    /// Of what `events` lead to from nothing but background.
+    pub(super) fn new<'e>(
+        events: impl Iterator<Item = &'e Event>,
+        view_count: usize,
+        pixels_per_view: u32,
         leaf_count: usize,
         table: &'t LgTable,
-        split: Split,
     ) -> Self {
-        let view_count = ends.len() / pixels_per_view;
-        let mut counts = Self {
+        let mut areas = vec![0; (leaf_count + 1) * view_count];
+        let mut totals = vec![0; leaf_count + 1];
+        areas[..view_count].fill(pixels_per_view);
+        totals[0] = pixels_per_view * view_count as u32;
+        for event in events {
+            let view = event.view as usize;
+            for (leaf, pixels) in [
+                (0, event.pixels.wrapping_neg()),
+                (event.after[0] as usize, event.pixels),
+            ] {
+                let area: &mut u32 = &mut areas[leaf * view_count + view];
+                *area = area.wrapping_add(pixels);
+                let total: &mut u32 = &mut totals[leaf];
+                *total = total.wrapping_add(pixels);
+            }
+        }
+        Self {
             table,
-            edges: Edges::new(leaf_count, split),
             view_count,
-            areas: vec![0; (leaf_count + 1) * view_count],
-            totals: vec![0; leaf_count + 1],
-            lg_totals: vec![0; leaf_count + 1],
+            areas,
+            lg_totals: totals.iter().map(|total| table.lg(*total)).collect(),
+            totals,
             deviations: vec![0; view_count],
-            edge_at: vec![NO_EDGE; ends.len()],
             background_drift: BackgroundDrift::default(),
             background_jumps: 0,
             touched_leaves: Vec::new(),
             areas_before: Vec::new(),
             own_terms: Vec::new(),
             touched: vec![UNTOUCHED; leaf_count + 1],
-        };
-        counts.fill(ends, pixels_per_view);
-        counts
-    }
-
-    fn fill(&mut self, ends: &[Ends], pixels_per_view: usize) {
-        // Pixels side by side mostly show the same two leaves.
-        let mut run = ([u32::MAX; 2], NO_EDGE);
-        for (view, pixels) in ends.chunks_exact(pixels_per_view).enumerate() {
-            for (pixel, &[front, second]) in pixels.iter().enumerate() {
-                self.areas[front as usize * self.view_count + view] += 1;
-                self.totals[front as usize] += 1;
-                if front == 0 {
-                    continue;
-                }
-                if run.0 != [front, second] {
-                    run = ([front, second], self.edges.between(front, second));
-                }
-                self.edge_at[view * pixels_per_view + pixel] = run.1;
-                self.edges.fill(run.1, view as u32);
-            }
-        }
-        for leaf in 0..self.totals.len() {
-            self.lg_totals[leaf] = self.table.lg(self.totals[leaf]);
         }
     }
 
@@ -167,24 +146,6 @@ impl<'t> Counts<'t> {
         self.background_jumps
     }
 
-    /// Areas by view of a leaf that has nothing but the background behind it
-    /// and covers few pixels; leaves with equal ones have equal deltas. Empty
-    /// for others.
-    #[inline]
-    pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
-        let total = self.totals[leaf as usize];
-        if total > SILHOUETTE_MAX {
-            return Silhouette::new();
-        }
-        let edge = self.edges.to_background(leaf);
-        if edge.is_none_or(|edge| edge.total != total) {
-            return Silhouette::new();
-        }
-        let by_view = self.areas(leaf).iter().zip(0u32..);
-        let seen = by_view.filter(|(area, _)| **area > 0);
-        seen.map(|(area, view)| view << 8 | area).collect()
-    }
-
     /// By how much the logarithm of the background's total would rise with so
     /// many pixels more.
     #[inline]
@@ -198,22 +159,13 @@ impl<'t> Counts<'t> {
         }
     }
 
-    /// Notes that the first two leaves of a pixel (over all views) in a view
-    /// changed.
+    /// Takes note of a change at the front of some pixels.
     #[inline]
-    pub(super) fn record(&mut self, view: usize, pixel: u32, before: Ends, after: Ends) {
-        if before[0] != after[0] {
-            self.add_area(before[0], view, -1);
-            self.add_area(after[0], view, 1);
-        }
-        if before[0] != 0 {
-            let edge = self.edge_at[pixel as usize];
-            self.edges.add(edge, view as u32, -1);
-        }
-        if after[0] != 0 {
-            let edge = self.edges.between(after[0], after[1]);
-            self.edge_at[pixel as usize] = edge;
-            self.edges.add(edge, view as u32, 1);
+    pub(super) fn record(&mut self, event: &Event) {
+        let (view, pixels) = (event.view as usize, event.pixels as i32);
+        if event.before[0] != event.after[0] {
+            self.add_area(event.before[0], view, -pixels);
+            self.add_area(event.after[0], view, pixels);
         }
     }
 
@@ -286,7 +238,6 @@ impl<'t> Counts<'t> {
 
     /// Forgets what was before the step.
     pub(super) fn forget_step(&mut self) {
-        self.edges.forget_step();
         for leaf in self.touched_leaves.drain(..) {
             self.touched[leaf.leaf as usize] = UNTOUCHED;
         }

@@ -4,11 +4,16 @@
 //! subtracted as they were and added as they are; integers make that equal to
 //! computing anew.
 
+use super::candidates::Silhouette;
 use super::changes::Change;
 use super::counts::{ChangedArea, Counts};
+use super::edges::Edges;
 use super::prefetch::{prefetch, prefetch_range};
 use super::split::Split;
 use super::terms::{add_revealed, add_term, move_term, replace_term};
+
+/// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
+const SILHOUETTE_MAX: u32 = 16;
 
 /// P times the change of VMI in each view if a leaf went, without the term of
 /// the background, for the leaves of one shard.
@@ -25,7 +30,7 @@ pub(super) struct Deltas {
 }
 
 impl Deltas {
-    pub(super) fn new(counts: &Counts<'_>, split: Split, shard: usize) -> Self {
+    pub(super) fn new(counts: &Counts<'_>, edges: &Edges, (split, shard): (Split, usize)) -> Self {
         let view_count = counts.view_count();
         let row_count = split.rows(counts.leaf_count());
         let mut deltas = Self {
@@ -44,8 +49,8 @@ impl Deltas {
                 }
             }
         }
-        for edge in counts.edges.all() {
-            if edge.to != 0 && split.shard(edge.from) == shard {
+        for edge in edges.all() {
+            if edge.to != 0 {
                 let target = counts.target(edge.to);
                 let row = deltas.row_mut(edge.from);
                 add_term(counts.table, row, target, edge.total, &edge.reveals);
@@ -70,14 +75,15 @@ impl Deltas {
         prefetch_range(&self.rows, start, self.view_count);
     }
 
-    /// Brings the deltas up to date with what a step [settled](Counts::settle).
-    pub(super) fn follow(&mut self, counts: &Counts<'_>) {
+    /// Brings the deltas up to date with what a step [settled](Counts::settle)
+    /// and its edges [followed](Edges::follow).
+    pub(super) fn follow(&mut self, counts: &Counts<'_>, edges: &Edges) {
         for area in counts.changed_areas() {
             self.change_own_term(area);
-            self.move_incoming(counts, area);
+            self.move_incoming(counts, edges, area);
         }
-        for touched in counts.edges.touched(self.shard) {
-            let edge = counts.edges.get(touched.edge);
+        for touched in edges.touched() {
+            let edge = edges.get(touched.edge);
             if edge.to != 0 {
                 let before = counts.target_before(edge.to);
                 let after = counts.target(edge.to);
@@ -111,19 +117,19 @@ impl Deltas {
 
     /// Terms of the edges that lead to a changed leaf and did not change
     /// themselves.
-    fn move_incoming(&mut self, counts: &Counts<'_>, area: ChangedArea<'_>) {
-        let incoming = counts.edges.incoming(area.leaf, self.shard);
+    fn move_incoming(&mut self, counts: &Counts<'_>, edges: &Edges, area: ChangedArea<'_>) {
+        let incoming = edges.incoming(area.leaf);
         for &index in incoming.iter().take(8) {
-            prefetch(counts.edges.all(), index as usize);
+            prefetch(edges.all(), index as usize);
         }
         for (k, &index) in incoming.iter().enumerate() {
             if let Some(&ahead) = incoming.get(k + 8) {
-                prefetch(counts.edges.all(), ahead as usize);
+                prefetch(edges.all(), ahead as usize);
             }
             if let Some(&ahead) = incoming.get(k + 3) {
-                self.prefetch_row(counts.edges.get(ahead).from);
+                self.prefetch_row(edges.get(ahead).from);
             }
-            let edge = counts.edges.get(index);
+            let edge = edges.get(index);
             if edge.is_touched() {
                 continue;
             }
@@ -168,6 +174,7 @@ impl Deltas {
 #[derive(Clone, Copy)]
 pub(super) struct Sight<'a> {
     pub counts: &'a Counts<'a>,
+    pub edges: &'a Edges,
     pub deltas: &'a Deltas,
 }
 
@@ -188,12 +195,30 @@ impl Sight<'_> {
     #[inline]
     pub(super) fn deltas_but_rise(&self, leaf: u32, out: &mut [i64]) -> u32 {
         out.copy_from_slice(self.deltas.row(leaf));
-        let Some(edge) = self.counts.edges.to_background(leaf) else {
+        let Some(edge) = self.edges.to_background(leaf) else {
             return 0;
         };
         let background = self.counts.target(0);
         let lg_after = self.counts.table.lg(background.total + edge.total);
         add_revealed(self.counts.table, out, background, lg_after, &edge.reveals);
         edge.total
+    }
+
+    /// Areas by view of a leaf that has nothing but the background behind it
+    /// and covers few pixels; leaves with equal ones have equal deltas. Empty
+    /// for others.
+    #[inline]
+    pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
+        let total = self.counts.target(leaf).total;
+        if total > SILHOUETTE_MAX {
+            return Silhouette::new();
+        }
+        let edge = self.edges.to_background(leaf);
+        if edge.is_none_or(|edge| edge.total != total) {
+            return Silhouette::new();
+        }
+        let by_view = self.counts.areas(leaf).iter().zip(0u32..);
+        let seen = by_view.filter(|(area, _)| **area > 0);
+        seen.map(|(area, view)| view << 8 | area).collect()
     }
 }

@@ -3,9 +3,10 @@
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
+use super::events::{Ends, Event};
 use super::split::Split;
 
-pub(super) const NO_EDGE: u32 = u32::MAX;
+const NO_EDGE: u32 = u32::MAX;
 
 /// Pixels by view, only those that are not zero.
 pub(super) type Reveals = SmallVec<[(u32, u32); 3]>;
@@ -51,35 +52,51 @@ pub(super) struct TouchedEdge {
     pub reveals_before: Reveals,
 }
 
-/// All edges; those that lead to the background are apart.
+/// The edges from the leaves of a shard; those that lead to the background are
+/// apart.
 pub(super) struct Edges {
     split: Split,
+    shard: usize,
     all: Vec<Edge>,
     free: Vec<u32>,
     by_ends: FxHashMap<(u32, u32), u32>,
-    /// By leaf they lead to, then shard of the leaf they come from.
+    /// By leaf they lead to.
     incoming: Vec<Vec<u32>>,
-    /// By leaf number.
+    /// By row of the leaf they come from.
     to_background: Vec<u32>,
-    /// By shard of the leaf they come from.
-    touched: Vec<Vec<TouchedEdge>>,
+    touched: Vec<TouchedEdge>,
 }
 
 impl Edges {
-    pub(super) fn new(leaf_count: usize, split: Split) -> Self {
-        Self {
+    /// `events` are what leads from nothing but background to what is there.
+    pub(super) fn new<'e>(
+        events: impl Iterator<Item = &'e Event>,
+        leaf_count: usize,
+        (split, shard): (Split, usize),
+    ) -> Self {
+        let mut edges = Self {
             split,
+            shard,
             all: Vec::new(),
             free: Vec::new(),
             by_ends: FxHashMap::default(),
-            incoming: vec![Vec::new(); (leaf_count + 1) << split.shards().ilog2()],
-            to_background: vec![NO_EDGE; leaf_count + 1],
-            touched: (0..split.shards()).map(|_| Vec::new()).collect(),
+            incoming: vec![Vec::new(); leaf_count + 1],
+            to_background: vec![NO_EDGE; split.rows(leaf_count)],
+            touched: Vec::new(),
+        };
+        for event in events {
+            let [front, second] = event.after;
+            if edges.is_own(front) {
+                let index = edges.between(front, second);
+                edges.all[index as usize].add(event.view, event.pixels as i32);
+            }
         }
+        edges
     }
 
-    pub(super) fn split(&self) -> Split {
-        self.split
+    #[inline(always)]
+    fn is_own(&self, leaf: u32) -> bool {
+        leaf != 0 && self.split.shard(leaf) == self.shard
     }
 
     pub(super) fn all(&self) -> &[Edge] {
@@ -94,25 +111,38 @@ impl Edges {
     /// What a leaf would hand to the background.
     #[inline]
     pub(super) fn to_background(&self, leaf: u32) -> Option<&Edge> {
-        match self.to_background[leaf as usize] {
+        match self.to_background[self.split.row(leaf)] {
             NO_EDGE => None,
             index => Some(self.get(index)),
         }
     }
 
-    /// The edges from leaves of a shard to a leaf.
+    /// The edges that lead to a leaf.
     #[inline]
-    pub(super) fn incoming(&self, to: u32, shard: usize) -> &[u32] {
-        &self.incoming[to as usize * self.split.shards() + shard]
+    pub(super) fn incoming(&self, to: u32) -> &[u32] {
+        &self.incoming[to as usize]
     }
 
-    /// The edges from leaves of a shard that the step changed.
-    pub(super) fn touched(&self, shard: usize) -> &[TouchedEdge] {
-        &self.touched[shard]
+    /// The edges that the step changed.
+    pub(super) fn touched(&self) -> &[TouchedEdge] {
+        &self.touched
+    }
+
+    /// Takes note of what a step changed.
+    pub(super) fn follow<'e>(&mut self, events: impl Iterator<Item = &'e Event>) {
+        for event in events {
+            let pixels = event.pixels as i32;
+            if self.is_own(event.before[0]) {
+                self.add(event.before, event.view, -pixels);
+            }
+            if self.is_own(event.after[0]) {
+                self.add(event.after, event.view, pixels);
+            }
+        }
     }
 
     /// The edge between two leaves, which may be new.
-    pub(super) fn between(&mut self, from: u32, to: u32) -> u32 {
+    fn between(&mut self, from: u32, to: u32) -> u32 {
         let Self {
             split,
             all,
@@ -123,7 +153,7 @@ impl Edges {
             ..
         } = self;
         *by_ends.entry((from, to)).or_insert_with(|| {
-            let list = &mut incoming[to as usize * split.shards() + split.shard(from)];
+            let list = &mut incoming[to as usize];
             let edge = Edge {
                 from,
                 to,
@@ -143,25 +173,20 @@ impl Edges {
                 }
             };
             match to {
-                0 => to_background[from as usize] = index,
+                0 => to_background[split.row(from)] = index,
                 _ => list.push(index),
             }
             index
         })
     }
 
-    /// Adds pixels in a view before the first step.
-    pub(super) fn fill(&mut self, index: u32, view: u32) {
-        self.all[index as usize].add(view, 1);
-    }
-
     /// Adds pixels in a view, and remembers what was before.
-    pub(super) fn add(&mut self, index: u32, view: u32, by: i32) {
+    fn add(&mut self, [from, to]: Ends, view: u32, by: i32) {
+        let index = self.between(from, to);
         let edge = &mut self.all[index as usize];
         if edge.touched == NO_EDGE {
-            let touched = &mut self.touched[self.split.shard(edge.from)];
-            edge.touched = touched.len() as u32;
-            touched.push(TouchedEdge {
+            edge.touched = self.touched.len() as u32;
+            self.touched.push(TouchedEdge {
                 edge: index,
                 total_before: edge.total,
                 reveals_before: edge.reveals.clone(),
@@ -172,28 +197,26 @@ impl Edges {
 
     /// Forgets what was before the step, and edges that have no pixels left.
     pub(super) fn forget_step(&mut self) {
-        for shard in 0..self.touched.len() {
-            while let Some(touched) = self.touched[shard].pop() {
-                let edge = &mut self.all[touched.edge as usize];
-                edge.touched = NO_EDGE;
-                if edge.total == 0 {
-                    self.drop(touched.edge, shard);
-                }
+        while let Some(touched) = self.touched.pop() {
+            let edge = &mut self.all[touched.edge as usize];
+            edge.touched = NO_EDGE;
+            if edge.total == 0 {
+                self.drop(touched.edge);
             }
         }
     }
 
-    fn drop(&mut self, index: u32, shard: usize) {
+    fn drop(&mut self, index: u32) {
         let Edge {
             from, to, place, ..
         } = self.all[index as usize];
         self.by_ends.remove(&(from, to));
         self.free.push(index);
         if to == 0 {
-            self.to_background[from as usize] = NO_EDGE;
+            self.to_background[self.split.row(from)] = NO_EDGE;
             return;
         }
-        let list = &mut self.incoming[to as usize * self.split.shards() + shard];
+        let list = &mut self.incoming[to as usize];
         list.swap_remove(place as usize);
         if let Some(&moved) = list.get(place as usize) {
             self.all[moved as usize].place = place;

@@ -4,14 +4,14 @@
 //! A-buffer the change of every area is known before it happens. The foliage is
 //! rasterised once; then each step picks the cheapest leaf (`candidates`),
 //! takes it out of the lists behind the pixels (`pixels`), rasterises the
-//! leaves that grow, and brings areas and reveal edges (`counts`) and then costs
-//! (`deltas`) up to date with what changed. All of it is integers, so the result
+//! leaves that grow, and brings areas (`counts`), reveal edges (`edges`) and then
+//! costs (`deltas`) up to date with what changed (`events`). All of it is integers, so the result
 //! equals that of [`reference`](super::reference) bit for bit: order, growth and
 //! VMI.
 //!
-//! Each core keeps the costs of its own leaves (`shard`), follows the step and
-//! looks for its cheapest leaf; what changes the lists is done by one core, while
-//! others draw the leaf that grows (`crew`).
+//! Each core keeps the edges and costs of its own leaves (`shard`), follows the
+//! step and looks for its cheapest leaf, and edits the lists of some views at a
+//! time (`pane`). Only areas are brought up to date by one core alone (`crew`).
 
 mod candidates;
 mod changes;
@@ -19,7 +19,9 @@ mod counts;
 mod crew;
 mod deltas;
 mod edges;
+mod events;
 mod neighbours;
+mod pane;
 mod pixels;
 mod prefetch;
 mod shard;

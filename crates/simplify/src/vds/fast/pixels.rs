@@ -5,12 +5,10 @@
 //! lists stay complete. A removed leaf's fragments are left where they are and
 //! dropped when they reach the front or room runs out.
 
-use secateur_raster::{Fragment, Fragments};
+use secateur_raster::Fragment;
 
+use super::events::{Ends, Events};
 use super::prefetch::prefetch;
-
-/// The front leaf of a pixel and the one behind it; 0 where there is none.
-pub(super) type Ends = [u32; 2];
 
 /// A pixel's list: `arena[start..start + len]`, nearest first, with room for
 /// `room` fragments. Its first two are leaves that are still there.
@@ -21,7 +19,9 @@ struct Span {
     room: u32,
 }
 
+/// The lists of some views.
 pub(super) struct PixelLists {
+    pixels_per_view: u32,
     spans: Vec<Span>,
     arena: Vec<Fragment>,
     ends: Vec<Ends>,
@@ -33,10 +33,15 @@ pub(super) struct PixelLists {
 }
 
 impl PixelLists {
-    /// `leaf_count` leaves, all of which may have fragments.
-    pub(super) fn new(fragments: Fragments, leaf_count: usize) -> Self {
-        let (starts, arena) = fragments.into_lists();
-        let leaf_pixels = LeafPixels::new(&starts, &arena, leaf_count);
+    /// Of lists laid end to end, those of pixel k at `starts[k]..starts[k + 1]`,
+    /// with `leaf_count` leaves, all of which may have fragments.
+    pub(super) fn new(
+        starts: &[u32],
+        arena: Vec<Fragment>,
+        pixels_per_view: u32,
+        leaf_count: usize,
+    ) -> Self {
+        let leaf_pixels = LeafPixels::new(starts, &arena, leaf_count);
         let span = |w: &[u32]| Span {
             start: w[0],
             len: w[1] - w[0],
@@ -48,6 +53,7 @@ impl PixelLists {
             false => 0,
         };
         Self {
+            pixels_per_view,
             ends: spans.iter().map(|s| [leaf(s, 0), leaf(s, 1)]).collect(),
             stamps: vec![0; spans.len()],
             spans,
@@ -58,32 +64,38 @@ impl PixelLists {
         }
     }
 
-    /// Front and second leaf of every pixel, view by view.
-    pub(super) fn ends(&self) -> &[Ends] {
-        &self.ends
+    pub(super) fn pixels_per_view(&self) -> u32 {
+        self.pixels_per_view
     }
 
-    /// Takes a leaf away; `changed(pixel, before, after)` is called where that
-    /// changes the first two.
-    pub(super) fn remove(&mut self, leaf: u32, mut changed: impl FnMut(u32, Ends, Ends)) {
+    /// What leads from nothing but background to the first two leaves of every
+    /// pixel.
+    pub(super) fn first_events(&self) -> Events {
+        let mut events = Events::default();
+        for (pixel, ends) in self.ends.iter().enumerate() {
+            if ends[0] != 0 {
+                let view = pixel as u32 / self.pixels_per_view;
+                events.push(view, [0, 0], *ends);
+            }
+        }
+        events
+    }
+
+    /// Takes a leaf away, and notes where that changes the first two.
+    pub(super) fn remove(&mut self, leaf: u32, events: &mut Events) {
         self.is_there[leaf as usize] = false;
         for at in self.leaf_pixels.range(leaf) {
             let pixel = self.leaf_pixels.pixels[at];
             if self.ends[pixel as usize].contains(&leaf) {
-                self.settle(pixel, &mut changed);
+                self.settle(pixel, events);
             }
         }
         self.leaf_pixels.clear(leaf);
     }
 
-    /// Gives a leaf new fragments: pairs of pixel (over all views) and depth,
+    /// Gives a leaf new fragments: pairs of pixel (over these views) and depth,
     /// each pixel once.
-    pub(super) fn replace(
-        &mut self,
-        leaf: u32,
-        fragments: &[(u32, u32)],
-        mut changed: impl FnMut(u32, Ends, Ends),
-    ) {
+    pub(super) fn replace(&mut self, leaf: u32, fragments: &[(u32, u32)], events: &mut Events) {
         let (is_new, is_both) = (self.tick + 1, self.tick + 2);
         self.tick += 2;
         for (pixel, _) in fragments {
@@ -97,7 +109,7 @@ impl PixelLists {
             } else {
                 self.take_out(pixel, leaf);
                 if self.ends[pixel as usize].contains(&leaf) {
-                    self.settle(pixel, &mut changed);
+                    self.settle(pixel, events);
                 }
             }
         }
@@ -110,7 +122,7 @@ impl PixelLists {
                 self.insert(pixel, fragment)
             };
             if place < 2 || self.ends[pixel as usize].contains(&leaf) {
-                self.settle(pixel, &mut changed);
+                self.settle(pixel, events);
             }
         }
         self.leaf_pixels.replace(leaf, fragments);
@@ -136,8 +148,8 @@ impl PixelLists {
         &mut self.arena[span.start as usize..(span.start + span.len) as usize]
     }
 
-    /// Makes the first two entries leaves that are there, and reports a change.
-    fn settle(&mut self, pixel: u32, changed: &mut impl FnMut(u32, Ends, Ends)) {
+    /// Makes the first two entries leaves that are there, and notes a change.
+    fn settle(&mut self, pixel: u32, events: &mut Events) {
         let span = &mut self.spans[pixel as usize];
         let list = &mut self.arena[span.start as usize..(span.start + span.len) as usize];
         let there = |f: &Fragment| self.is_there[f.leaf() as usize];
@@ -161,7 +173,7 @@ impl PixelLists {
         let ends = &mut self.ends[pixel as usize];
         let before = std::mem::replace(ends, after);
         if before != after {
-            changed(pixel, before, after);
+            events.push(pixel / self.pixels_per_view, before, after);
         }
     }
 
@@ -232,7 +244,7 @@ fn place_of(list: &[Fragment], leaf: u32) -> usize {
         .expect("a leaf is in the lists of its pixels")
 }
 
-/// The pixels (over all views) in which each leaf has a fragment.
+/// The pixels (over these views) in which each leaf has a fragment.
 struct LeafPixels {
     /// Start and length, by leaf number.
     ranges: Vec<(u32, u32)>,

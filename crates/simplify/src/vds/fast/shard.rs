@@ -7,6 +7,9 @@ use rayon::prelude::*;
 use super::candidates::{Candidates, Found, Limits};
 use super::counts::Counts;
 use super::deltas::{Deltas, Sight};
+use super::edges::Edges;
+use super::events::Event;
+use super::pane::Pane;
 use super::split::Split;
 
 /// What a shard finds in a step.
@@ -33,17 +36,20 @@ impl Finds {
 }
 
 pub(super) struct Shard {
+    edges: Edges,
     deltas: Deltas,
     candidates: Candidates,
     pub finds: Finds,
 }
 
 impl Shard {
-    /// `leaves`, neighbours close together, are those of all shards that are
+    /// The events of `panes` are what leads from nothing but background to what
+    /// is there; `leaves`, neighbours close together, are those of all shards that are
     /// left; `rank_of` their ranks among equals, by leaf number; `deviations`
     /// what costs are measured with.
     pub(super) fn all(
         counts: &Counts<'_>,
+        panes: &[Pane],
         split: Split,
         leaves: &[u32],
         rank_of: &Arc<[u32]>,
@@ -54,6 +60,7 @@ impl Shard {
         let shards = shards.map(|shard| {
             Self::new(
                 counts,
+                panes,
                 (split, shard),
                 leaves,
                 rank_of.clone(),
@@ -66,38 +73,62 @@ impl Shard {
 
     fn new(
         counts: &Counts<'_>,
+        panes: &[Pane],
         (split, shard): (Split, usize),
         leaves: &[u32],
         rank_of: Arc<[u32]>,
         pixels_per_view: usize,
         deviations: &[i64],
     ) -> Self {
-        let deltas = Deltas::new(counts, split, shard);
+        let events = panes.iter().flat_map(Pane::events);
+        let edges = Edges::new(events, counts.leaf_count(), (split, shard));
+        let deltas = Deltas::new(counts, &edges, (split, shard));
         let sight = Sight {
             counts,
+            edges: &edges,
             deltas: &deltas,
         };
         let own = leaves.iter().copied();
         let own = own.filter(|leaf| split.shard(*leaf) == shard).collect();
         let candidates = Candidates::new(sight, own, rank_of, pixels_per_view, deviations);
         Self {
+            edges,
             deltas,
             candidates,
             finds: Finds::NONE,
         }
     }
 
-    /// Takes note of a step that pruned a leaf.
-    pub(super) fn follow(&mut self, counts: &Counts<'_>, pruned: u32) {
+    /// Takes note of the events of a step that pruned a leaf.
+    pub(super) fn follow<'e>(
+        &mut self,
+        counts: &Counts<'_>,
+        events: impl Iterator<Item = &'e Event>,
+        pruned: u32,
+    ) {
         let Self {
-            deltas, candidates, ..
+            edges,
+            deltas,
+            candidates,
+            ..
         } = self;
-        deltas.follow(counts);
-        let sight = Sight { counts, deltas };
+        edges.follow(events);
+        deltas.follow(counts, edges);
+        edges.forget_step();
+        let sight = Sight {
+            counts,
+            edges,
+            deltas,
+        };
         candidates.remove(sight, pruned);
         deltas.for_each_changed(|deltas, leaf, change, soon| {
+            let sight = Sight {
+                counts,
+                edges,
+                deltas,
+            };
             candidates.prefetch(soon);
-            candidates.note(Sight { counts, deltas }, leaf, change);
+            candidates.note(sight, leaf, change);
         });
     }
 
@@ -111,6 +142,7 @@ impl Shard {
     ) {
         let sight = Sight {
             counts,
+            edges: &self.edges,
             deltas: &self.deltas,
         };
         self.candidates.begin_step(sight, deviations);
@@ -124,15 +156,23 @@ impl Shard {
     /// P times the change of VMI over all views if a leaf of this shard went.
     pub(super) fn delta_sum(&self, counts: &Counts<'_>, leaf: u32) -> i64 {
         let mut row = vec![0; counts.view_count()];
-        let deltas = &self.deltas;
-        Sight { counts, deltas }.deltas(leaf, &mut row);
+        let sight = Sight {
+            counts,
+            edges: &self.edges,
+            deltas: &self.deltas,
+        };
+        sight.deltas(leaf, &mut row);
         row.iter().sum()
     }
 
     #[cfg(test)]
     pub(super) fn exhaustively(&mut self, counts: &Counts<'_>) -> Finds {
-        let deltas = &self.deltas;
-        let (cheapest, largest) = self.candidates.exhaustively(Sight { counts, deltas });
+        let sight = Sight {
+            counts,
+            edges: &self.edges,
+            deltas: &self.deltas,
+        };
+        let (cheapest, largest) = self.candidates.exhaustively(sight);
         Finds { cheapest, largest }
     }
 }

@@ -4,15 +4,18 @@ use std::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use secateur_model::{Foliage, Growth};
 use secateur_raster::ViewSet;
-use secateur_raster::cpu::LeafFragments;
 
 use super::candidates::Limits;
 use super::counts::Counts;
 use super::crew::Crew;
+use super::pane::Pane;
 use super::shard::{Finds, Shard};
+use super::split::Split;
 
 /// What all threads do at a time.
 pub(super) enum Job {
+    /// Each pane takes a leaf away and draws those that grow.
+    Edit { pruned: u32, grown: Vec<Growth> },
     /// Each shard follows the last step, if there was one, and looks for its
     /// cheapest leaf.
     Search {
@@ -20,15 +23,6 @@ pub(super) enum Job {
         deviations: Vec<i64>,
         wants_largest: bool,
     },
-    /// Rasterises a leaf as it has grown, some views at a time.
-    Draw(Growth),
-}
-
-/// Fragments of a leaf in some of the views.
-struct Drawing {
-    leaf_fragments: LeafFragments,
-    /// Pixel over all views, and depth.
-    found: Vec<(u32, u32)>,
 }
 
 /// No thread ever waits for a lock: the rounds of the [`Crew`] keep apart who
@@ -36,38 +30,30 @@ struct Drawing {
 pub(super) struct Shared<'a> {
     foliage: &'a Foliage,
     views: &'a ViewSet,
-    resolution: u32,
+    split: Split,
     counts: RwLock<Counts<'a>>,
+    panes: Vec<RwLock<Pane>>,
     pub shards: Vec<Mutex<Shard>>,
     limits: Limits,
     job: RwLock<Job>,
-    drawings: Vec<Mutex<Drawing>>,
 }
 
 const HELD: &str = "no thread panicked with a lock held";
 
 impl<'a> Shared<'a> {
     pub(super) fn new(
-        foliage: &'a Foliage,
-        views: &'a ViewSet,
-        resolution: u32,
+        (foliage, views): (&'a Foliage, &'a ViewSet),
+        split: Split,
         counts: Counts<'a>,
+        panes: Vec<Pane>,
         shards: Vec<Shard>,
-        cores: usize,
     ) -> Self {
-        // A few for each core, which may be late.
-        let drawings = if cores > 1 { 2 * cores } else { 1 };
-        let drawing = |_| {
-            Mutex::new(Drawing {
-                leaf_fragments: LeafFragments::new(resolution),
-                found: Vec::new(),
-            })
-        };
         Self {
             foliage,
             views,
-            resolution,
+            split,
             counts: RwLock::new(counts),
+            panes: panes.into_iter().map(RwLock::new).collect(),
             shards: shards.into_iter().map(Mutex::new).collect(),
             limits: Limits::none(),
             job: RwLock::new(Job::Search {
@@ -75,13 +61,12 @@ impl<'a> Shared<'a> {
                 deviations: Vec::new(),
                 wants_largest: false,
             }),
-            drawings: (0..drawings).map(drawing).collect(),
         }
     }
 
     /// The most parts of a job.
     pub(super) fn most_parts(&self) -> usize {
-        self.shards.len().max(self.drawings.len())
+        self.shards.len().max(self.panes.len())
     }
 
     pub(super) fn counts(&self) -> RwLockReadGuard<'_, Counts<'a>> {
@@ -96,22 +81,25 @@ impl<'a> Shared<'a> {
         self.shards[index].lock().expect(HELD)
     }
 
-    /// Has the crew do a job, and does `meanwhile` first.
-    pub(super) fn do_together(&self, crew: &Crew, job: Job, meanwhile: impl FnOnce()) {
+    /// Has the crew do a job.
+    pub(super) fn do_together(&self, crew: &Crew, job: Job) {
         let parts = match job {
+            Job::Edit { .. } => self.panes.len(),
             Job::Search { .. } => self.shards.len(),
-            Job::Draw(_) => self.drawings.len(),
         };
         *self.job.write().expect(HELD) = job;
         self.limits.reset();
         crew.begin(parts);
-        meanwhile();
         crew.finish(|part| self.do_part(part));
     }
 
     /// A part of the job at hand.
     pub(super) fn do_part(&self, part: usize) {
         match &*self.job.read().expect(HELD) {
+            Job::Edit { pruned, grown } => {
+                let mut pane = self.panes[part].write().expect(HELD);
+                pane.edit(self.foliage, self.views, *pruned, grown);
+            }
             Job::Search {
                 pruned,
                 deviations,
@@ -120,38 +108,24 @@ impl<'a> Shared<'a> {
                 let counts = self.counts();
                 let mut shard = self.shard(part);
                 if let Some(leaf) = *pruned {
-                    shard.follow(&counts, leaf);
+                    let panes: Vec<_> = self.panes.iter().map(|p| p.read().expect(HELD)).collect();
+                    let events = panes.iter().flat_map(|pane| pane.events());
+                    shard.follow(&counts, events, leaf);
                 }
                 shard.search(&counts, deviations, &self.limits, *wants_largest);
             }
-            Job::Draw(growth) => self.draw(part, *growth),
         }
     }
 
-    fn draw(&self, part: usize, growth: Growth) {
-        let mut drawing = self.drawings[part].lock().expect(HELD);
-        let Drawing {
-            leaf_fragments,
-            found,
-        } = &mut *drawing;
-        found.clear();
-        let (views, parts) = (self.views.views(), self.drawings.len());
-        let per_view = self.resolution * self.resolution;
-        let range = part * views.len() / parts..(part + 1) * views.len() / parts;
-        for (v, view) in views.iter().enumerate().take(range.end).skip(range.start) {
-            let first_pixel = v as u32 * per_view;
-            let fragments = leaf_fragments.of(self.foliage, growth.leaf, growth.area_scale, view);
-            let of_all = |(pixel, depth): &(u32, u32)| (first_pixel + pixel, *depth);
-            found.extend(fragments.iter().map(of_all));
+    /// Brings the areas up to date with what the panes edited.
+    pub(super) fn settle(&self) {
+        let mut counts = self.counts_mut();
+        for pane in &self.panes {
+            for event in pane.read().expect(HELD).events() {
+                counts.record(event);
+            }
         }
-    }
-
-    /// The fragments of the leaf that was drawn, view by view.
-    pub(super) fn take_drawn(&self, all: &mut Vec<(u32, u32)>) {
-        all.clear();
-        for drawing in &self.drawings {
-            all.append(&mut drawing.lock().expect(HELD).found);
-        }
+        counts.settle();
     }
 
     /// What all shards found.
@@ -165,7 +139,6 @@ impl<'a> Shared<'a> {
     pub(super) fn deviation_without(&self, leaf: u32) -> i64 {
         let counts = self.counts();
         let deviation: i64 = counts.deviations().iter().sum();
-        let owner = counts.edges.split().shard(leaf);
-        deviation + self.shard(owner).delta_sum(&counts, leaf)
+        deviation + self.shard(self.split.shard(leaf)).delta_sum(&counts, leaf)
     }
 }

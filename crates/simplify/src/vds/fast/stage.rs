@@ -7,7 +7,7 @@ use super::candidates::Found;
 use super::counts::Counts;
 use super::crew::Crew;
 use super::neighbours::Neighbours;
-use super::pixels::PixelLists;
+use super::pane::Pane;
 use super::shard::{Finds, Shard};
 use super::shared::{Job, Shared};
 use super::split::Split;
@@ -28,10 +28,7 @@ pub(super) struct Stage<'a> {
 
 /// What one core does alone.
 struct Lead {
-    pixels: PixelLists,
     neighbours: Neighbours,
-    /// The fragments of a leaf that grows.
-    drawn: Vec<(u32, u32)>,
     /// The leaf that the last step pruned.
     pruned: Option<u32>,
 }
@@ -47,9 +44,16 @@ impl<'a> Stage<'a> {
         let fragments = run.rasteriser.fragments(&run.scene(&run.lod, views));
         let fragments = fragments.map_err(VdsError::from_raster)?;
         let pixels_per_view = fragments.pixels_per_view();
-        let pixels = PixelLists::new(fragments, leaf_count);
-        let split = Split::over(cores);
-        let mut counts = Counts::new(pixels.ends(), pixels_per_view, leaf_count, run.table, split);
+        // A few for each core, which may be late.
+        let panes = if cores > 1 { 2 * cores } else { 1 };
+        let mut panes = Pane::all(fragments, leaf_count, panes);
+        let mut counts = Counts::new(
+            panes.iter().flat_map(Pane::events),
+            views.views().len(),
+            pixels_per_view as u32,
+            leaf_count,
+            run.table,
+        );
         let vmi_now = Vmi::of(&area_table(&counts), run.table);
         let vmi_original = if run.order.is_empty() {
             vmi_now.clone()
@@ -64,31 +68,25 @@ impl<'a> Stage<'a> {
         let ranks = ranks.collect();
         let leaves = leaves_by_place(foliage, &run.lod);
         let deviations = cost_deviations(run.options, &counts);
+        let split = Split::over(cores);
         let shards = Shard::all(
             &counts,
+            &panes,
             split,
             &leaves,
             &ranks,
             pixels_per_view,
             &deviations,
         );
-        let shared = Shared::new(
-            foliage,
-            views,
-            run.options.resolution,
-            counts,
-            shards,
-            cores,
-        );
+        panes.iter_mut().for_each(Pane::forget);
+        let shared = Shared::new((foliage, views), split, counts, panes, shards);
         Ok(Self {
             views,
             vmi_original,
             crew: Crew::new(cores, shared.most_parts()),
             shared,
             lead: Lead {
-                pixels,
                 neighbours: Neighbours::new(foliage, &run.lod),
-                drawn: Vec::new(),
                 pruned: None,
             },
         })
@@ -114,7 +112,7 @@ impl<'a> Stage<'a> {
                 while left > leaves {
                     let finds = lead.pick(run.options, shared, crew);
                     let grown = lead.grow(run, shared, finds);
-                    lead.apply(run, shared, crew, finds.cheapest.leaf, &grown);
+                    lead.apply(shared, crew, finds.cheapest.leaf, &grown);
                     if error_is_over(run.options, shared, vmi_original) {
                         return Ok(Stopped::AtMaxError);
                     }
@@ -152,7 +150,7 @@ impl<'a> Stage<'a> {
         let expected = expected.fold(Finds::NONE, Finds::and);
         drop(counts);
         let grown = lead.grow(run, shared, finds);
-        lead.apply(run, shared, crew, finds.cheapest.leaf, &grown);
+        lead.apply(shared, crew, finds.cheapest.leaf, &grown);
         run.record(finds.cheapest, &grown);
         (finds, expected)
     }
@@ -166,7 +164,7 @@ impl Lead {
             deviations: cost_deviations(options, &shared.counts()),
             wants_largest: options.resize == Resize::Normalised,
         };
-        shared.do_together(crew, job, || ());
+        shared.do_together(crew, job);
         shared.counts_mut().forget_step();
         let finds = shared.finds();
         assert!(finds.cheapest != Found::NONE, "a leaf is left");
@@ -199,38 +197,13 @@ impl Lead {
         growths(run.foliage, &run.lod, leaf, share, &nearest)
     }
 
-    fn apply(
-        &mut self,
-        run: &Run<'_>,
-        shared: &Shared<'_>,
-        crew: &Crew,
-        leaf: u32,
-        grown: &[Growth],
-    ) {
-        let Self { pixels, drawn, .. } = self;
-        let per_view = run.options.resolution * run.options.resolution;
-        let view_of = |pixel: u32| (pixel / per_view) as usize;
-        let mut prune = || {
-            let mut counts = shared.counts_mut();
-            pixels.remove(leaf, |pixel, before, after| {
-                counts.record(view_of(pixel), pixel, before, after);
-            });
+    fn apply(&mut self, shared: &Shared<'_>, crew: &Crew, leaf: u32, grown: &[Growth]) {
+        let job = Job::Edit {
+            pruned: leaf,
+            grown: grown.to_vec(),
         };
-        match grown.first() {
-            Some(growth) => shared.do_together(crew, Job::Draw(*growth), prune),
-            None => prune(),
-        }
-        for (k, growth) in grown.iter().enumerate() {
-            if k > 0 {
-                shared.do_together(crew, Job::Draw(*growth), || ());
-            }
-            shared.take_drawn(drawn);
-            let mut counts = shared.counts_mut();
-            pixels.replace(growth.leaf.get(), drawn, |pixel, before, after| {
-                counts.record(view_of(pixel), pixel, before, after);
-            });
-        }
-        shared.counts_mut().settle();
+        shared.do_together(crew, job);
+        shared.settle();
         self.pruned = Some(leaf);
     }
 }

@@ -176,9 +176,7 @@ impl Candidates {
         };
         for leaf in candidates.order.clone() {
             let rank = candidates.rank_of[leaf as usize];
-            candidates
-                .twins
-                .set(rank, leaf, sight.counts.silhouette(leaf));
+            candidates.twins.set(rank, leaf, sight.silhouette(leaf));
         }
         candidates.epochs.background_is(sight.counts.areas(0));
         candidates.look(sight, deviations);
@@ -371,7 +369,7 @@ impl Candidates {
     /// Takes note of a leaf's new deltas.
     fn update(&mut self, sight: Sight<'_>, leaf: u32) {
         let rank = self.rank_of[leaf as usize];
-        let (comes_forth, hides) = self.twins.set(rank, leaf, sight.counts.silhouette(leaf));
+        let (comes_forth, hides) = self.twins.set(rank, leaf, sight.silhouette(leaf));
         if let Some(other) = hides {
             self.leave(other);
         }

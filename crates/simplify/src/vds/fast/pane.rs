@@ -1,0 +1,94 @@
+//! Some of the views, as one core edits them.
+
+use std::ops::Range;
+
+use secateur_model::{Foliage, Growth};
+use secateur_raster::cpu::LeafFragments;
+use secateur_raster::{Fragments, ViewSet};
+
+use super::events::{Event, Events};
+use super::pixels::PixelLists;
+
+/// The pixel lists of some views in a row, and what draws there.
+pub(super) struct Pane {
+    views: Range<usize>,
+    pixels: PixelLists,
+    leaf_fragments: LeafFragments,
+    /// Pixel over the pane's views, and depth, of a leaf that grows.
+    drawn: Vec<(u32, u32)>,
+    events: Events,
+}
+
+impl Pane {
+    /// All views over so many panes. Events lead from nothing but background to
+    /// what is there.
+    pub(super) fn all(fragments: Fragments, leaf_count: usize, panes: usize) -> Vec<Self> {
+        let resolution = fragments.resolution();
+        let (view_count, per_view) = (fragments.view_count(), fragments.pixels_per_view());
+        let (starts, mut arena) = fragments.into_lists();
+        // From the last to the first, so that each takes the arena's end.
+        let panes = (0..panes).rev().map(|k| {
+            let views = k * view_count / panes..(k + 1) * view_count / panes;
+            let starts = &starts[views.start * per_view..=views.end * per_view];
+            let first = starts[0];
+            let starts: Vec<u32> = starts.iter().map(|start| start - first).collect();
+            let arena = match first {
+                0 => std::mem::take(&mut arena),
+                _ => arena.split_off(first as usize),
+            };
+            let pixels = PixelLists::new(&starts, arena, per_view as u32, leaf_count);
+            let mut events = pixels.first_events();
+            events.move_views(views.start as u32);
+            Self {
+                views,
+                pixels,
+                leaf_fragments: LeafFragments::new(resolution),
+                drawn: Vec::new(),
+                events,
+            }
+        });
+        panes.collect()
+    }
+
+    /// Takes a leaf away and draws those that have grown anew. Events are those
+    /// of this step.
+    pub(super) fn edit(
+        &mut self,
+        foliage: &Foliage,
+        views: &ViewSet,
+        pruned: u32,
+        grown: &[Growth],
+    ) {
+        let Self {
+            pixels,
+            leaf_fragments,
+            drawn,
+            events,
+            ..
+        } = self;
+        events.clear();
+        pixels.remove(pruned, events);
+        for growth in grown {
+            drawn.clear();
+            let mut first_pixel = 0;
+            for view in &views.views()[self.views.clone()] {
+                let found = leaf_fragments.of(foliage, growth.leaf, growth.area_scale, view);
+                let of_pane = |(pixel, depth): &(u32, u32)| (first_pixel + pixel, *depth);
+                drawn.extend(found.iter().map(of_pane));
+                first_pixel += pixels.pixels_per_view();
+            }
+            pixels.replace(growth.leaf.get(), drawn, events);
+        }
+        events.move_views(self.views.start as u32);
+    }
+
+    /// What changed, by view over all panes.
+    pub(super) fn events(&self) -> impl Iterator<Item = &Event> {
+        self.events.iter()
+    }
+
+    /// Forgets the events, and their memory.
+    pub(super) fn forget(&mut self) {
+        self.events = Events::default();
+    }
+}
