@@ -199,6 +199,24 @@ fn targets_out_of_range() {
 }
 
 #[test]
+fn coverage_out_of_range() {
+    let bench = Bench::new();
+    for value in ["-0.1", "nan"] {
+        let arguments = [
+            "oak.glb",
+            "-o",
+            "out.glb",
+            "--leaves",
+            "9",
+            "--max-coverage",
+            value,
+        ];
+        let sentence = "must be a number of at least 0";
+        refused(&bench, || bench.simplify(&arguments), &[sentence]);
+    }
+}
+
+#[test]
 fn outputs_that_cannot_be_written() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("folder.glb")).unwrap();

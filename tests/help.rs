@@ -36,6 +36,7 @@ fn help_names_every_flag() {
                 "--reference",
                 "--resize",
                 "--neighbours",
+                "--max-coverage",
                 "--ties",
                 "--foliage",
                 "--alpha",

@@ -188,6 +188,7 @@ fn settings_reach_the_method() {
         ["--reference", "previous"],
         ["--resize", "full"],
         ["--neighbours", "3"],
+        ["--max-coverage", "0.9"],
         ["--ties", "spread"],
         ["--alpha", "ignore"],
     ] {

@@ -57,6 +57,29 @@ fn less_is_worse_and_its_silhouette_smaller() {
 }
 
 #[test]
+fn a_crown_gets_no_denser_than_asked() {
+    let bench = Bench::new();
+    let coverage = |more: &[&str]| {
+        let few = [
+            "oak.glb", "-o", "out.glb", "--resize", "full", "--leaves", "12",
+        ];
+        bench.simplify(&[&few, more].concat()).succeeded();
+        let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
+        let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+        record["coverage_ratio"].as_f64().unwrap()
+    };
+    let free = coverage(&[]);
+    let kept = coverage(&["--max-coverage", "1"]);
+    let thin = coverage(&["--max-coverage", "0.8"]);
+    let never = coverage(&["--max-coverage", "0"]);
+    // Judged by other views than those that drive, and after one growth more.
+    assert!(free > kept + 0.02, "{free} {kept}");
+    assert!((kept - 1.0).abs() < 0.03, "{kept}");
+    assert!((thin - 0.8).abs() < 0.06, "{thin}");
+    assert!(never < 0.1, "{never}");
+}
+
+#[test]
 fn what_is_no_tree_is_one_sentence() {
     let bench = Bench::new();
     bench.put("no.glb", b"not a tree");

@@ -143,6 +143,7 @@ pub fn simplify_on(
         reference: settings.reference,
         resize: settings.resize,
         neighbours: settings.neighbours,
+        max_coverage: settings.max_coverage,
         ties: settings.ties,
         stop: Stop {
             leaves,

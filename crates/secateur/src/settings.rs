@@ -211,6 +211,9 @@ pub struct Simplify {
     pub resize: Resize,
     /// How many nearest neighbours share that, at least 1.
     pub neighbours: usize,
+    /// Nothing grows while the driving views show this many times as much
+    /// foliage as at first, in pixels, or more; at least 0, no limit if `None`.
+    pub max_coverage: Option<f64>,
     /// Which of equally cheap leaves goes first.
     pub ties: Ties,
     /// Whether holes of leaf textures count.
@@ -246,6 +249,7 @@ impl Simplify {
             reference: Reference::default(),
             resize: Resize::default(),
             neighbours: 1,
+            max_coverage: None,
             ties: Ties::default(),
             alpha: Alpha::default(),
             seed: 0,

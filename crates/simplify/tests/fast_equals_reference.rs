@@ -174,6 +174,7 @@ proptest! {
         resize in any_resize(),
         ties in prop_oneof![Just(Ties::Order), Just(Ties::Spread)],
         neighbours in 1usize..5,
+        max_coverage in proptest::option::weighted(0.3, 0.8..1.2f64),
         kept in prop_oneof![5 => 0.6..0.95f64, 1 => 0.0..0.6f64],
         max_error in proptest::option::weighted(0.2, 0.5..30.0f64),
     ) {
@@ -184,6 +185,7 @@ proptest! {
             reference,
             resize,
             neighbours,
+            max_coverage,
             ties,
             stop: Stop {
                 leaves: (kept * leaves as f64) as usize,

@@ -268,6 +268,10 @@ pub(crate) struct Simplify {
     /// How many nearest neighbours share it.
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) neighbours: u32,
+    /// Let no leaf grow while the views show C times as much foliage as at first or more: keeps
+    /// gaps open and the outline, at the cost of more VMI error [default: no limit].
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    pub(crate) max_coverage: Option<f64>,
     /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
     #[arg(long, value_enum, default_value_t = TiesName::Order)]
     pub(crate) ties: TiesName,

@@ -97,6 +97,7 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "reference": args.reference.text(),
         "resize": args.resize.text(),
         "neighbours": args.neighbours,
+        "max_coverage": args.max_coverage,
         "ties": args.ties.text(),
         "alpha": args.alpha.text(),
         "engine": args.engine.text(),

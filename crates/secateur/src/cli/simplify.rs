@@ -98,6 +98,7 @@ pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.reference = args.reference.into();
     settings.resize = args.resize.into();
     settings.neighbours = args.neighbours as usize;
+    settings.max_coverage = args.max_coverage;
     settings.ties = args.ties.into();
     settings.alpha = args.alpha.into();
     settings.seed = args.seed;

@@ -75,6 +75,9 @@ pub struct VdsOptions {
     pub resize: Resize,
     /// How many nearest neighbours share the growth, at least 1.
     pub neighbours: usize,
+    /// Nothing grows while the views together show this many times as much
+    /// foliage as at first, in pixels, or more; at least 0, no limit if `None`.
+    pub max_coverage: Option<f64>,
     /// Which of equals goes.
     pub ties: Ties,
     /// When to stop.
@@ -91,6 +94,7 @@ impl VdsOptions {
             reference: Reference::default(),
             resize: Resize::default(),
             neighbours: 1,
+            max_coverage: None,
             ties: Ties::default(),
             stop: Stop {
                 leaves,

@@ -50,6 +50,9 @@ pub enum VdsError {
     /// `neighbours` is 0.
     #[error("growth must be shared by at least one neighbour")]
     NoNeighbours,
+    /// `max_coverage` is negative or not a number.
+    #[error("the coverage up to which leaves may grow, {0}, must be a number of at least 0")]
+    MaxCoverage(f64),
 }
 
 impl VdsError {

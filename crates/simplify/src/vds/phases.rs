@@ -17,6 +17,9 @@ pub(crate) fn phases(options: &VdsOptions, leaf_count: usize) -> Result<Vec<Phas
     if options.neighbours == 0 {
         return Err(VdsError::NoNeighbours);
     }
+    if let Some(max) = options.max_coverage.filter(|max| !(*max >= 0.0)) {
+        return Err(VdsError::MaxCoverage(max));
+    }
     let target = options.stop.leaves.min(leaf_count);
     let phases = match &options.views {
         ViewPlan::Fixed(views) => vec![Phase {

@@ -12,7 +12,7 @@ use secateur_raster::{Scene, ViewSet, cpu};
 
 use super::outcome::{Progress, Stopped, VdsError, VdsOutcome};
 use super::phases::{final_phase, phases};
-use super::resize::{Pruned, distance_squared, growths};
+use super::resize::{Pruned, covered_px, distance_squared, growths};
 use super::{Reference, VdsOptions};
 use crate::lg::LgTable;
 use crate::vmi::{Vmi, error_percent};
@@ -37,15 +37,11 @@ pub fn simplify(
     let phases = phases(options, leaf_count)?;
     let steps_at_most = leaf_count - options.stop.leaves.min(leaf_count);
     'run: for phase in &phases {
-        let vmi_of = |lod: &Lod| vmi(foliage, lod, &phase.views, options.resolution, &table);
-        let original = vmi_of(&Lod::original(leaf_count));
+        let look = |lod: &Lod| Look::at(foliage, lod, &phase.views, options.resolution, &table);
+        let original = look(&Lod::original(leaf_count));
         while lod.leaf_count() > phase.leaves_at_end {
-            let choice = choose(options, &lod, &original, &vmi_of);
-            let share = options.resize.share(
-                choice.pruned,
-                options.resolution * options.resolution,
-                || choice.largest_cost,
-            );
+            let choice = choose(options, &lod, &original.vmi, &look);
+            let share = options.share(choice.pruned, original.covered_px, || choice.largest_cost);
             let nearest = nearest(foliage, &lod, choice.pruned.leaf, options.neighbours);
             let grown = growths(foliage, &lod, choice.pruned.leaf, share, &nearest);
             let before = lod.clone();
@@ -54,9 +50,9 @@ pub fn simplify(
                 lod.resize(growth.leaf, growth.area_scale);
             }
             if let Some(max) = options.stop.max_error_percent {
-                let now = vmi_of(&lod);
-                let deviation = deviations(&original, &now).map(i64::abs).sum();
-                if error_percent(deviation, original.scaled().iter().sum()) > max {
+                let now = look(&lod).vmi;
+                let deviation = deviations(&original.vmi, &now).map(i64::abs).sum();
+                if error_percent(deviation, original.vmi.scaled().iter().sum()) > max {
                     lod = before;
                     stopped = Stopped::AtMaxError;
                     break 'run;
@@ -103,21 +99,22 @@ fn choose(
     options: &VdsOptions,
     lod: &Lod,
     original: &Vmi,
-    vmi_of: &(impl Fn(&Lod) -> Vmi + Sync),
+    look: &(impl Fn(&Lod) -> Look + Sync),
 ) -> Choice {
     let reference = match options.reference {
         Reference::Original => original.clone(),
-        Reference::Previous => vmi_of(lod),
+        Reference::Previous => look(lod).vmi,
     };
     let candidates: Vec<LeafId> = lod.leaves().map(|(leaf, _)| leaf).collect();
     let evaluate = |&leaf: &LeafId| {
         let mut without = lod.clone();
         without.remove(leaf);
-        let vmi = vmi_of(&without);
+        let Look { vmi, covered_px } = look(&without);
         Pruned {
             leaf,
             cost: deviations(&reference, &vmi).map(i64::abs).sum(),
             deviation: deviations(original, &vmi).sum(),
+            covered_px,
         }
     };
     let evaluated: Vec<Pruned> = candidates.par_iter().map(evaluate).collect();
@@ -135,14 +132,25 @@ fn deviations<'a>(from: &'a Vmi, to: &'a Vmi) -> impl Iterator<Item = i64> + 'a 
     to.scaled().iter().zip(from.scaled()).map(|(b, a)| b - a)
 }
 
-fn vmi(foliage: &Foliage, lod: &Lod, views: &ViewSet, resolution: u32, table: &LgTable) -> Vmi {
-    let areas = cpu::areas(&Scene {
-        foliage,
-        lod,
-        views,
-        resolution,
-    });
-    Vmi::of(&areas, table)
+/// What the views see.
+struct Look {
+    vmi: Vmi,
+    covered_px: u64,
+}
+
+impl Look {
+    fn at(foliage: &Foliage, lod: &Lod, views: &ViewSet, resolution: u32, table: &LgTable) -> Self {
+        let areas = cpu::areas(&Scene {
+            foliage,
+            lod,
+            views,
+            resolution,
+        });
+        Self {
+            vmi: Vmi::of(&areas, table),
+            covered_px: covered_px(&areas),
+        }
+    }
 }
 
 fn nearest(foliage: &Foliage, lod: &Lod, pruned: LeafId, count: usize) -> Vec<LeafId> {

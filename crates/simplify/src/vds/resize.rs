@@ -1,8 +1,9 @@
 //! Eq. 5: how much the neighbours of a pruned leaf grow.
 
 use secateur_model::{Foliage, Growth, LeafId, Lod};
+use secateur_raster::AreaTable;
 
-use super::Resize;
+use super::{Resize, VdsOptions};
 use crate::vmi::scaled_to_bits;
 
 /// A leaf never grows past this many times its original area: a speck of a
@@ -19,11 +20,40 @@ pub(crate) struct Pruned {
     /// Sum over the views of the VMI without it less that of the original
     /// foliage, scaled.
     pub deviation: i64,
+    /// Pixels of the views that show foliage without it.
+    pub covered_px: u64,
+}
+
+impl VdsOptions {
+    /// The share of a pruned leaf's area that is handed on, 0 to 1; of the
+    /// original foliage the views show `covered_original_px`. `largest_cost` is
+    /// only called where it matters.
+    pub(crate) fn share(
+        &self,
+        pruned: Pruned,
+        covered_original_px: u64,
+        largest_cost: impl FnOnce() -> i64,
+    ) -> f64 {
+        let most_px = |max: f64| max * covered_original_px as f64;
+        match self.max_coverage.map(most_px) {
+            Some(most) if pruned.covered_px as f64 >= most => 0.0,
+            _ => {
+                let pixels_per_view = self.resolution * self.resolution;
+                self.resize.share(pruned, pixels_per_view, largest_cost)
+            }
+        }
+    }
+}
+
+/// Pixels over all views that show foliage.
+pub(crate) fn covered_px(areas: &AreaTable) -> u64 {
+    let leaves = areas.rows().flat_map(|row| &row[1..]);
+    leaves.map(|area_px| u64::from(*area_px)).sum()
 }
 
 impl Resize {
     /// The share, 0 to 1. `largest_cost` is only called where it matters.
-    pub(crate) fn share(
+    fn share(
         self,
         pruned: Pruned,
         pixels_per_view: u32,

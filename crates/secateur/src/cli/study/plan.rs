@@ -25,10 +25,11 @@ pub(super) struct Case {
 }
 
 /// All methods, one setting each, and the variants that explain them.
-const METHODS: [&str; 8] = [
+const METHODS: [&str; 9] = [
     "vds",
     "vds --resize none",
     "vds --reference previous --resize deficit --neighbours 4",
+    "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1",
     "fsa",
     "stochastic",
     "stochastic --area-weight 0.5",

@@ -43,6 +43,8 @@ pub(super) struct ChangedArea<'a> {
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
     view_count: usize,
+    /// Over all views.
+    pixels: u32,
     /// Areas by leaf number, then view.
     areas: Vec<u32>,
     totals: Vec<u32>,
@@ -88,6 +90,7 @@ impl<'t> Counts<'t> {
         Self {
             table,
             view_count,
+            pixels: pixels_per_view * view_count as u32,
             areas,
             lg_totals: totals.iter().map(|total| table.lg(*total)).collect(),
             totals,
@@ -123,6 +126,11 @@ impl<'t> Counts<'t> {
             total: self.totals[leaf as usize],
             lg_total: self.lg_totals[leaf as usize],
         }
+    }
+
+    /// Pixels over all views that show foliage.
+    pub(super) fn covered_px(&self) -> u64 {
+        u64::from(self.pixels - self.totals[0])
     }
 
     /// P times VMI less that of the original foliage, by view.

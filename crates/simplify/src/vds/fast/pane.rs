@@ -32,11 +32,10 @@ impl Pane {
             let starts = &starts[views.start * per_view..=views.end * per_view];
             let first = starts[0];
             let starts: Vec<u32> = starts.iter().map(|start| start - first).collect();
-            let arena = match first {
-                0 => std::mem::take(&mut arena),
-                _ => arena.split_off(first as usize),
-            };
-            let pixels = PixelLists::new(&starts, arena, per_view as u32, leaf_count);
+            // The first takes what is left, without the room of what is gone.
+            let own = arena.split_off(first as usize);
+            arena.shrink_to_fit();
+            let pixels = PixelLists::new(&starts, own, per_view as u32, leaf_count);
             let mut events = pixels.first_events();
             events.move_views(views.start as u32);
             Self {

@@ -165,6 +165,13 @@ impl Shard {
         row.iter().sum()
     }
 
+    /// Pixels over all views that a leaf of this shard would hand to the
+    /// background.
+    pub(super) fn background_px(&self, leaf: u32) -> u32 {
+        let edge = self.edges.to_background(leaf);
+        edge.map_or(0, |edge| edge.total)
+    }
+
     #[cfg(test)]
     pub(super) fn exhaustively(&mut self, counts: &Counts<'_>) -> Finds {
         let sight = Sight {

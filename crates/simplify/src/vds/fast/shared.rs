@@ -141,4 +141,10 @@ impl<'a> Shared<'a> {
         let deviation: i64 = counts.deviations().iter().sum();
         deviation + self.shard(self.split.shard(leaf)).delta_sum(&counts, leaf)
     }
+
+    /// Pixels over all views that show foliage without a leaf.
+    pub(super) fn covered_px_without(&self, leaf: u32) -> u64 {
+        let shard = self.shard(self.split.shard(leaf));
+        self.counts().covered_px() - u64::from(shard.background_px(leaf))
+    }
 }

@@ -13,7 +13,7 @@ use super::shared::{Job, Shared};
 use super::split::Split;
 use super::{Run, leaf_id};
 use crate::vds::outcome::{Progress, Stopped, VdsError};
-use crate::vds::resize::{Pruned, growths};
+use crate::vds::resize::{Pruned, covered_px, growths};
 use crate::vds::{Reference, Resize, VdsOptions};
 use crate::vmi::{Vmi, error_percent};
 
@@ -28,6 +28,8 @@ pub(super) struct Stage<'a> {
 
 /// What one core does alone.
 struct Lead {
+    /// Pixels over all views in which the original foliage is seen.
+    covered_original_px: u64,
     neighbours: Neighbours,
     /// The leaf that the last step pruned.
     pruned: Option<u32>,
@@ -54,13 +56,13 @@ impl<'a> Stage<'a> {
             leaf_count,
             run.table,
         );
-        let vmi_now = Vmi::of(&area_table(&counts), run.table);
-        let vmi_original = if run.order.is_empty() {
-            vmi_now.clone()
-        } else {
-            let original = Lod::original(leaf_count);
-            Vmi::of(&run.areas(&original, views)?, run.table)
+        let areas_now = area_table(&counts);
+        let vmi_now = Vmi::of(&areas_now, run.table);
+        let areas_original = match run.order.is_empty() {
+            true => areas_now,
+            false => run.areas(&Lod::original(leaf_count), views)?,
         };
+        let vmi_original = Vmi::of(&areas_original, run.table);
         let pairs = vmi_now.scaled().iter().zip(vmi_original.scaled());
         counts.set_deviations(pairs.map(|(now, then)| now - then).collect());
         let ranks = (0..=leaf_count as u32)
@@ -86,6 +88,7 @@ impl<'a> Stage<'a> {
             crew: Crew::new(cores, shared.most_parts()),
             shared,
             lead: Lead {
+                covered_original_px: covered_px(&areas_original),
                 neighbours: Neighbours::new(foliage, &run.lod),
                 pruned: None,
             },
@@ -182,12 +185,13 @@ impl Lead {
             leaf,
             cost: finds.cheapest.cost,
             deviation,
+            covered_px: match run.options.max_coverage {
+                Some(_) => shared.covered_px_without(finds.cheapest.leaf),
+                None => 0,
+            },
         };
-        let pixels_per_view = run.options.resolution * run.options.resolution;
-        let share = run
-            .options
-            .resize
-            .share(pruned, pixels_per_view, || finds.largest);
+        let original_px = self.covered_original_px;
+        let share = run.options.share(pruned, original_px, || finds.largest);
         self.neighbours.remove(run.foliage, leaf);
         if share == 0.0 {
             return Vec::new();
