@@ -102,15 +102,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let count = fragments.len();
             println!("{leaves}, {count}, {stage}, {cpu_ms:.1}, {gpu_ms:.1}, {ratio:.2}");
         };
-        let on_cpu = || {
-            let fragments = cpu::fragments(&scene);
-            for view in 0..fragments.view_count() {
-                cpu::histogram(&fragments.leaf_ids(view), foliage.leaves().len());
-            }
-        };
         row(
             "fragments and their areas",
-            least_ms(on_cpu),
+            least_ms(|| drop(cpu::fragments_and_areas(&scene))),
             least_ms(|| drop(gpu::fragments_and_areas(&device, &scene))),
         );
         row(

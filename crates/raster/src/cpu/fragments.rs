@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId};
 
-use super::rasterise;
+use super::{histogram, rasterise};
 use crate::snap::Snapper;
-use crate::{Fragment, Fragments, Scene, View};
+use crate::{AreaTable, Fragment, Fragments, Scene, View};
 
 /// The fragments of all views of a scene.
 ///
@@ -38,6 +38,20 @@ pub fn fragments(scene: &Scene<'_>) -> Fragments {
     }
     starts.push(all.len() as u32);
     Fragments::from_lists(scene.resolution, starts, all)
+}
+
+/// [`fragments`] and, from their heads, the area table.
+///
+/// # Panics
+/// As [`fragments`].
+pub fn fragments_and_areas(scene: &Scene<'_>) -> (Fragments, AreaTable) {
+    let fragments = fragments(scene);
+    let leaf_count = scene.foliage.leaves().len();
+    let views = (0..fragments.view_count()).into_par_iter();
+    let rows = views.map(|view| histogram(&fragments.leaf_ids(view), leaf_count));
+    let rows: Vec<Vec<u32>> = rows.collect();
+    let areas = AreaTable::from_rows(leaf_count, rows.concat());
+    (fragments, areas)
 }
 
 fn fragments_of_view(scene: &Scene<'_>, view: &View) -> (Vec<u32>, Vec<Fragment>) {

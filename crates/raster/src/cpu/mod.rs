@@ -7,7 +7,7 @@ mod reveal_edges;
 mod triangle;
 
 pub use draw::draw_leaf_ids;
-pub use fragments::{LeafFragments, fragments};
+pub use fragments::{LeafFragments, fragments, fragments_and_areas};
 pub use histogram::{areas, histogram};
 pub use reveal_edges::reveal_edges;
 pub use triangle::rasterise;

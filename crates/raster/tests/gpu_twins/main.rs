@@ -41,8 +41,12 @@ fn open() -> Option<Device> {
 
 /// Asserts that every stage gives what its CPU twin gives.
 fn assert_twins(device: &Device, scene: &Scene<'_>) {
-    let expected = cpu::fragments(scene);
+    let (expected, areas_of_heads) = cpu::fragments_and_areas(scene);
     let expected_areas = cpu::areas(scene);
+    assert_eq!(
+        areas_of_heads, expected_areas,
+        "areas of the CPU's A-buffer"
+    );
     let (fragments, areas) = gpu::fragments_and_areas(device, scene).unwrap();
     assert!(fragments.starts() == expected.starts(), "list sizes differ");
     assert!(fragments == expected, "fragments differ");
