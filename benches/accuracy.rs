@@ -1,5 +1,6 @@
 //! What simplification loses, over the held-out views: `cargo bench --bench
-//! accuracy`. Leaves as solid cards, as the figures of the project have it.
+//! accuracy`. Leaves as solid cards, as the figures of the project have it; and
+//! the oak with its cut-outs, by what keeps its crown from getting dense.
 
 mod rows;
 
@@ -11,7 +12,7 @@ use secateur_model::gltf::Tree;
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{CpuRasteriser, ViewSet};
-use secateur_simplify::vds::{Progress, VdsOptions, fast};
+use secateur_simplify::vds::{Progress, Reference, Resize, VdsOptions, fast};
 
 fn main() {
     let mut rows = Rows::create("accuracy");
@@ -37,8 +38,57 @@ fn main() {
     let resolution = automatic(&crown);
     cases.push(("crown_20376".to_owned(), crown, resolution));
     for (name, foliage, resolution) in &cases {
-        judge(&mut rows, name, foliage, *resolution);
+        judge(&mut rows, name, foliage, &defaults(foliage, *resolution));
     }
+    if let Some((name, foliage, _)) = cases.first().filter(|(name, ..)| name == "ez_oak_20k") {
+        let options = shared(&defaults(foliage, 256), None);
+        judge(&mut rows, &format!("{name} by {SHARED}"), foliage, &options);
+    }
+    if let Some(path) = shared_tree("ez_oak_20k.glb") {
+        let tree = Tree::open(&path, &[]).expect("the tree loads");
+        let foliage = tree.foliage();
+        for resolution in [256, 512] {
+            let plain = defaults(foliage, resolution);
+            let mut literal = plain.clone();
+            literal.resize = Resize::Literal;
+            let mut kept = plain.clone();
+            kept.max_coverage = Some(1.0);
+            for (by, options) in [
+                ("defaults", plain.clone()),
+                ("literal", literal),
+                ("defaults, max coverage 1", kept),
+                (SHARED, shared(&plain, None)),
+                (SHARED_KEPT, shared(&plain, Some(1.0))),
+            ] {
+                judge(
+                    &mut rows,
+                    &format!("ez_oak_20k with cut-outs by {by}"),
+                    foliage,
+                    &options,
+                );
+            }
+        }
+    }
+}
+
+/// `--reference previous --resize deficit --neighbours 4`.
+const SHARED: &str = "previous, deficit, 4 neighbours";
+
+const SHARED_KEPT: &str = "previous, deficit, 4 neighbours, max coverage 1";
+
+fn shared(plain: &VdsOptions, max_coverage: Option<f64>) -> VdsOptions {
+    VdsOptions {
+        reference: Reference::Previous,
+        resize: Resize::Deficit,
+        neighbours: 4,
+        max_coverage,
+        ..plain.clone()
+    }
+}
+
+fn defaults(foliage: &Foliage, resolution: u32) -> VdsOptions {
+    let views = ViewSet::dodecahedron(foliage.bounding_sphere().expect("leaves"));
+    VdsOptions::new(views, resolution, foliage.leaves().len() / 10)
 }
 
 fn automatic(foliage: &Foliage) -> u32 {
@@ -47,12 +97,11 @@ fn automatic(foliage: &Foliage) -> u32 {
     chosen.expect("the CPU does not fail").resolution
 }
 
-fn judge(rows: &mut Rows, name: &str, foliage: &Foliage, resolution: u32) {
-    let views = ViewSet::dodecahedron(foliage.bounding_sphere().expect("leaves"));
+fn judge(rows: &mut Rows, name: &str, foliage: &Foliage, options: &VdsOptions) {
     let leaves = foliage.leaves().len();
-    let options = VdsOptions::new(views, resolution, leaves / 10);
+    let resolution = options.resolution;
     let go_on = &mut |_: Progress| ControlFlow::Continue(());
-    let outcome = fast::simplify(foliage, &options, &CpuRasteriser, go_on).expect("a run");
+    let outcome = fast::simplify(foliage, options, &CpuRasteriser, go_on).expect("a run");
     let judging = Judging::held_out(foliage).expect("leaves");
     for percent in [50, 25, 10] {
         let lod = Lod::after(&outcome.order, leaves - leaves * percent / 100);

@@ -17,7 +17,8 @@ pub(crate) fn phases(options: &VdsOptions, leaf_count: usize) -> Result<Vec<Phas
     if options.neighbours == 0 {
         return Err(VdsError::NoNeighbours);
     }
-    if let Some(max) = options.max_coverage.filter(|max| !(*max >= 0.0)) {
+    let is_wrong = |max: &f64| max.is_nan() || *max < 0.0;
+    if let Some(max) = options.max_coverage.filter(is_wrong) {
         return Err(VdsError::MaxCoverage(max));
     }
     let target = options.stop.leaves.min(leaf_count);
