@@ -13,6 +13,7 @@ mod rows;
 mod summary;
 mod table;
 mod trial;
+mod whole;
 mod words;
 
 pub use chart::chart;

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::published::beside;
 use super::table::Table;
 use super::trial::{WHAT_IS_BETTER, overview};
+use super::whole::note_of;
 use super::words::{duration, memory, number, percent};
 use super::{COLUMNS, Row, Study, groups, overlap, spread, summarise};
 
@@ -35,7 +36,11 @@ pub fn readme(study: &Study<'_>) -> String {
         each(|r| r.adapter.clone().unwrap_or_else(|| r.engine.clone())),
     );
     let plain = study.plain_rows();
-    means(&mut text, &study.given_rows());
+    let (given, partial) = study.given_and_partial();
+    means(&mut text, &given);
+    if let Some(note) = note_of(&partial) {
+        let _ = writeln!(text, "{note}\n");
+    }
     stability(&mut text, &plain);
     if let Some(table) = overview(study.trials, study.rows) {
         let _ = write!(

@@ -12,6 +12,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::chart::{chart, escaped};
+use super::whole::{note_of, take_out_partial};
 use super::words::{duration, memory, number, overlap_of, percent};
 use super::{COLUMNS, Column, Paper, Point, Row, Trial, summarise};
 use crate::measure::Direction;
@@ -32,12 +33,18 @@ pub struct Study<'a> {
 
 impl Study<'_> {
     /// Rows of trees that are neither scenes made for failures nor stand for a
-    /// paper's models: all methods ran on these, so that means can be compared.
+    /// paper's models, of what ran on all of these: their means can be compared.
     pub fn given_rows(&self) -> Vec<Row> {
+        self.given_and_partial().0
+    }
+
+    /// And methods and settings that were left out of them.
+    pub(super) fn given_and_partial(&self) -> (Vec<Row>, BTreeSet<String>) {
         let figures = self.paper.map_or(&[][..], |paper| &paper.figures);
         let mut rows = self.plain_rows();
         rows.retain(|row| !figures.iter().any(|figure| figure.tree == row.tree));
-        rows
+        let partial = take_out_partial(&mut rows);
+        (rows, partial)
     }
 
     /// Rows of trees that are no scenes made for failures.
@@ -56,7 +63,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         .iter()
         .map(|(path, bytes)| (path.as_str(), STANDARD.encode(bytes)))
         .collect();
-    let (plain, given) = (study.plain_rows(), study.given_rows());
+    let (plain, (given, partial)) = (study.plain_rows(), study.given_and_partial());
     let page = Page {
         rows: &plain,
         given: &given,
@@ -71,6 +78,9 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     if !given.is_empty() {
         page.summary(&mut html);
         page.charts(&mut html);
+    }
+    if let Some(note) = note_of(&partial) {
+        let _ = writeln!(html, "<p>{}</p>", escaped(&note));
     }
     page.stability(&mut html);
     page.failures(&mut html);
@@ -308,7 +318,7 @@ mod tests {
             row("vds", 0.01, 3.0, 2.0),
         ];
         rows[0].picture = "pictures/a.jpg".into();
-        rows[1].tree = "<oak>".into();
+        rows.iter_mut().for_each(|row| row.tree = "<oak>".into());
         let pictures = [("pictures/a.jpg".to_owned(), vec![1, 2, 3])];
         let html = report(&of(&rows), &pictures);
         for part in [
@@ -328,6 +338,18 @@ mod tests {
             html.matches("http://www.w3.org/2000/svg").count()
         );
         assert!(!html.contains("<oak>"));
+    }
+
+    #[test]
+    fn means_are_of_what_ran_on_every_tree() {
+        let mut rows = ["vds", "fsa", "vds"].map(|method| row(method, 0.5, 1.0, 1.0));
+        rows[2].tree = "pine".into();
+        let html = report(&of(&rows), &[]);
+        let note = "because not run on every tree: fsa.";
+        assert!(html.contains(note));
+        assert!(html.contains("Means over 2 trees (oak, pine)"));
+        assert!(super::super::readme(&of(&rows)).contains(note));
+        assert!(!report(&of(&rows[..2]), &[]).contains("because not run"));
     }
 
     /// Three jittered runs of 4 %, 9 % and 6 % beside one of 3 %: the second is
