@@ -29,6 +29,12 @@ fn a_tree_is_equal_to_itself() {
     }
 }
 
+/// What `measure` says of `out.glb`.
+fn judged(bench: &Bench) -> Value {
+    let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
+    serde_json::from_str(&ran.succeeded().stdout).unwrap()
+}
+
 #[test]
 fn less_is_worse_and_its_silhouette_smaller() {
     let bench = Bench::new();
@@ -37,8 +43,7 @@ fn less_is_worse_and_its_silhouette_smaller() {
             "oak.glb", "-o", "out.glb", "--resize", "none", "--leaves", leaves,
         ];
         bench.simplify(&few).succeeded();
-        let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
-        let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+        let record = judged(&bench);
         [
             "vmi_error_percent",
             "silhouette_iou",
@@ -64,9 +69,7 @@ fn a_crown_gets_no_denser_than_asked() {
             "oak.glb", "-o", "out.glb", "--resize", "full", "--leaves", "12",
         ];
         bench.simplify(&[&few, more].concat()).succeeded();
-        let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
-        let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
-        record["coverage_ratio"].as_f64().unwrap()
+        judged(&bench)["coverage_ratio"].as_f64().unwrap()
     };
     let free = coverage(&[]);
     let kept = coverage(&["--max-coverage", "1"]);

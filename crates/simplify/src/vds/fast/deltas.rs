@@ -130,7 +130,7 @@ impl Deltas {
                 self.prefetch_row(edges.get(ahead).from);
             }
             let edge = edges.get(index);
-            if edge.is_touched() {
+            if edge.is_touched {
                 continue;
             }
             let row = self.row_mut(edge.from);

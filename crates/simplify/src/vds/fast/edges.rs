@@ -20,16 +20,12 @@ pub(super) struct Edge {
     pub total: u32,
     /// Where the list of those that lead to `to` holds this edge.
     place: u32,
-    /// Where the list of touched edges holds it during a step.
-    touched: u32,
+    /// Whether the step changed it.
+    pub is_touched: bool,
     pub reveals: Reveals,
 }
 
 impl Edge {
-    pub(super) fn is_touched(&self) -> bool {
-        self.touched != NO_EDGE
-    }
-
     fn add(&mut self, view: u32, by: i32) {
         self.total = self.total.wrapping_add_signed(by);
         let known = self.reveals.iter().position(|(v, _)| *v == view);
@@ -159,7 +155,7 @@ impl Edges {
                 to,
                 total: 0,
                 place: list.len() as u32,
-                touched: NO_EDGE,
+                is_touched: false,
                 reveals: Reveals::new(),
             };
             let index = match free.pop() {
@@ -184,8 +180,7 @@ impl Edges {
     fn add(&mut self, [from, to]: Ends, view: u32, by: i32) {
         let index = self.between(from, to);
         let edge = &mut self.all[index as usize];
-        if edge.touched == NO_EDGE {
-            edge.touched = self.touched.len() as u32;
+        if !std::mem::replace(&mut edge.is_touched, true) {
             self.touched.push(TouchedEdge {
                 edge: index,
                 total_before: edge.total,
@@ -199,7 +194,7 @@ impl Edges {
     pub(super) fn forget_step(&mut self) {
         while let Some(touched) = self.touched.pop() {
             let edge = &mut self.all[touched.edge as usize];
-            edge.touched = NO_EDGE;
+            edge.is_touched = false;
             if edge.total == 0 {
                 self.drop(touched.edge);
             }
