@@ -24,6 +24,9 @@ use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 const UNTOUCHED: u32 = u32::MAX;
 
+/// Pixels of a view for which what the background gains by them is kept.
+pub(super) const GAINS: usize = 8;
+
 struct TouchedLeaf {
     leaf: u32,
     total_before: u32,
@@ -52,6 +55,9 @@ pub(super) struct Counts<'t> {
     /// P times VMI less that of the original foliage, by view.
     deviations: Vec<i64>,
     background_drift: BackgroundDrift,
+    /// `n lg n` of the background with 1, 2, ... pixels more, less without, by
+    /// view.
+    background_gains: Vec<[i64; GAINS]>,
     background_jumps: u32,
 
     touched_leaves: Vec<TouchedLeaf>,
@@ -87,7 +93,7 @@ impl<'t> Counts<'t> {
                 *total = total.wrapping_add(pixels);
             }
         }
-        Self {
+        let mut counts = Self {
             table,
             view_count,
             pixels: pixels_per_view * view_count as u32,
@@ -96,12 +102,15 @@ impl<'t> Counts<'t> {
             totals,
             deviations: vec![0; view_count],
             background_drift: BackgroundDrift::default(),
+            background_gains: vec![[0; GAINS]; view_count],
             background_jumps: 0,
             touched_leaves: Vec::new(),
             areas_before: Vec::new(),
             own_terms: Vec::new(),
             touched: vec![UNTOUCHED; leaf_count + 1],
-        }
+        };
+        counts.note_gains();
+        counts
     }
 
     pub(super) fn view_count(&self) -> usize {
@@ -167,6 +176,33 @@ impl<'t> Counts<'t> {
         }
     }
 
+    /// What the term of the background gains by 1, 2, ... pixels more in a view,
+    /// but for its total: `n lg n` with them less without, by view.
+    pub(super) fn background_gains(&self) -> &[[i64; GAINS]] {
+        &self.background_gains
+    }
+
+    /// The same for any number of pixels.
+    #[inline]
+    pub(super) fn background_gain(&self, view: u32, pixels: u32) -> i64 {
+        match self.background_gains[view as usize].get(pixels as usize - 1) {
+            Some(gain) => *gain,
+            None => self.gain(self.areas[view as usize], pixels),
+        }
+    }
+
+    fn gain(&self, area: u32, pixels: u32) -> i64 {
+        self.table.n_lg_n(area + pixels) - self.table.n_lg_n(area)
+    }
+
+    fn note_gains(&mut self) {
+        for view in 0..self.view_count {
+            let area = self.areas[view];
+            let gains = std::array::from_fn(|k| self.gain(area, k as u32 + 1));
+            self.background_gains[view] = gains;
+        }
+    }
+
     /// Takes note of a change at the front of some pixels.
     #[inline]
     pub(super) fn record(&mut self, event: &Event) {
@@ -198,6 +234,9 @@ impl<'t> Counts<'t> {
     /// Ends the recording of a step: brings the deviations up to date.
     pub(super) fn settle(&mut self) {
         self.note_background();
+        if self.touched[0] != UNTOUCHED {
+            self.note_gains();
+        }
         for slot in 0..self.touched_leaves.len() {
             let TouchedLeaf {
                 leaf,

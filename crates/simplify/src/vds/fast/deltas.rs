@@ -10,10 +10,15 @@ use super::counts::{ChangedArea, Counts};
 use super::edges::Edges;
 use super::prefetch::{prefetch, prefetch_range};
 use super::split::Split;
-use super::terms::{add_revealed, add_term, move_term, replace_term};
+use super::terms::{add_term, move_term, replace_term};
 
 /// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
 const SILHOUETTE_MAX: u32 = 16;
+
+/// How far ahead the edges that lead to a leaf, and the rows of the leaves they
+/// come from, are asked for.
+const EDGES_AHEAD: usize = 12;
+const ROWS_AHEAD: usize = 4;
 
 /// P times the change of VMI in each view if a leaf went, without the term of
 /// the background, for the leaves of one shard.
@@ -119,15 +124,17 @@ impl Deltas {
     /// themselves.
     fn move_incoming(&mut self, counts: &Counts<'_>, edges: &Edges, area: ChangedArea<'_>) {
         let incoming = edges.incoming(area.leaf);
-        for &index in incoming.iter().take(8) {
+        for &index in incoming.iter().take(EDGES_AHEAD) {
             prefetch(edges.all(), index as usize);
         }
         for (k, &index) in incoming.iter().enumerate() {
-            if let Some(&ahead) = incoming.get(k + 8) {
+            if let Some(&ahead) = incoming.get(k + EDGES_AHEAD) {
                 prefetch(edges.all(), ahead as usize);
             }
-            if let Some(&ahead) = incoming.get(k + 3) {
-                self.prefetch_row(edges.get(ahead).from);
+            if let Some(&ahead) = incoming.get(k + ROWS_AHEAD) {
+                let from = edges.get(ahead).from;
+                self.prefetch_row(from);
+                prefetch(&self.change, self.split.row(from));
             }
             let edge = edges.get(index);
             if edge.is_touched {
@@ -151,10 +158,10 @@ impl Deltas {
     }
 
     /// Calls `changed` with each leaf whose deltas changed or may have since the
-    /// last call, once, and with a leaf that will soon follow.
+    /// last call, once, and with leaves that will follow, one soon and one later.
     pub(super) fn for_each_changed(
         &mut self,
-        mut changed: impl FnMut(&Self, u32, Change, Option<u32>),
+        mut changed: impl FnMut(&Self, u32, Change, [Option<u32>; 2]),
     ) {
         let leaves = std::mem::take(&mut self.changed);
         for (k, &leaf) in leaves.iter().enumerate() {
@@ -163,7 +170,8 @@ impl Deltas {
             }
             let change = &mut self.change[self.split.row(leaf)];
             let change = std::mem::replace(change, Change::NONE);
-            changed(self, leaf, change, leaves.get(k + 2).copied());
+            let ahead = [k + 2, k + 8].map(|k| leaves.get(k).copied());
+            changed(self, leaf, change, ahead);
         }
         self.changed = leaves;
         self.changed.clear();
@@ -200,8 +208,27 @@ impl Sight<'_> {
         };
         let background = self.counts.target(0);
         let lg_after = self.counts.table.lg(background.total + edge.total);
-        add_revealed(self.counts.table, out, background, lg_after, &edge.reveals);
+        for (view, r) in edge.reveals.iter() {
+            let gain = self.counts.background_gain(view, r);
+            out[view as usize] += gain - i64::from(r) * lg_after;
+        }
         edge.total
+    }
+
+    /// Asks for the memory that [`deltas_but_rise`](Self::deltas_but_rise) of a
+    /// leaf will need.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, leaf: u32) {
+        self.deltas.prefetch_row(leaf);
+        self.edges.prefetch_to_background(leaf);
+    }
+
+    /// The most pixels of a view that a leaf would hand to the background.
+    #[inline]
+    pub(super) fn most_revealed(&self, leaf: u32) -> u32 {
+        let edge = self.edges.to_background(leaf);
+        let reveals = edge.into_iter().flat_map(|edge| edge.reveals.iter());
+        reveals.map(|(_, pixels)| pixels).max().unwrap_or(0)
     }
 
     /// Areas by view of a leaf that has nothing but the background behind it

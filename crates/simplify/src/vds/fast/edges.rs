@@ -1,15 +1,13 @@
 //! Reveal edges: which leaf hands how many pixels to which.
 
 use rustc_hash::FxHashMap;
-use smallvec::SmallVec;
 
 use super::events::{Ends, Event};
+use super::prefetch::prefetch;
+use super::reveals::Reveals;
 use super::split::Split;
 
 const NO_EDGE: u32 = u32::MAX;
-
-/// Pixels by view, only those that are not zero.
-pub(super) type Reveals = SmallVec<[(u32, u32); 3]>;
 
 /// What leaf `from` would hand to leaf `to` behind it if it went.
 #[repr(align(64))]
@@ -28,16 +26,7 @@ pub(super) struct Edge {
 impl Edge {
     fn add(&mut self, view: u32, by: i32) {
         self.total = self.total.wrapping_add_signed(by);
-        let known = self.reveals.iter().position(|(v, _)| *v == view);
-        let at = known.unwrap_or_else(|| {
-            self.reveals.push((view, 0));
-            self.reveals.len() - 1
-        });
-        let pixels = &mut self.reveals[at].1;
-        *pixels = pixels.wrapping_add_signed(by);
-        if *pixels == 0 {
-            self.reveals.swap_remove(at);
-        }
+        self.reveals.add(view, by);
     }
 }
 
@@ -53,6 +42,7 @@ pub(super) struct TouchedEdge {
 pub(super) struct Edges {
     split: Split,
     shard: usize,
+    pixels_per_view: u32,
     all: Vec<Edge>,
     free: Vec<u32>,
     by_ends: FxHashMap<(u32, u32), u32>,
@@ -67,12 +57,13 @@ impl Edges {
     /// `events` are what leads from nothing but background to what is there.
     pub(super) fn new<'e>(
         events: impl Iterator<Item = &'e Event>,
-        leaf_count: usize,
+        (leaf_count, pixels_per_view): (usize, u32),
         (split, shard): (Split, usize),
     ) -> Self {
         let mut edges = Self {
             split,
             shard,
+            pixels_per_view,
             all: Vec::new(),
             free: Vec::new(),
             by_ends: FxHashMap::default(),
@@ -113,6 +104,15 @@ impl Edges {
         }
     }
 
+    /// Asks for the memory of [`to_background`](Self::to_background).
+    #[inline(always)]
+    pub(super) fn prefetch_to_background(&self, leaf: u32) {
+        match self.to_background[self.split.row(leaf)] {
+            NO_EDGE => {}
+            index => prefetch(&self.all, index as usize),
+        }
+    }
+
     /// The edges that lead to a leaf.
     #[inline]
     pub(super) fn incoming(&self, to: u32) -> &[u32] {
@@ -141,6 +141,7 @@ impl Edges {
     fn between(&mut self, from: u32, to: u32) -> u32 {
         let Self {
             split,
+            pixels_per_view,
             all,
             free,
             by_ends,
@@ -156,7 +157,7 @@ impl Edges {
                 total: 0,
                 place: list.len() as u32,
                 is_touched: false,
-                reveals: Reveals::new(),
+                reveals: Reveals::none(*pixels_per_view),
             };
             let index = match free.pop() {
                 Some(index) => {

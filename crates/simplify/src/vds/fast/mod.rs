@@ -24,6 +24,7 @@ mod neighbours;
 mod pane;
 mod pixels;
 mod prefetch;
+mod reveals;
 mod shard;
 mod shared;
 mod split;

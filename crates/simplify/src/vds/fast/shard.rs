@@ -81,7 +81,11 @@ impl Shard {
         deviations: &[i64],
     ) -> Self {
         let events = panes.iter().flat_map(Pane::events);
-        let edges = Edges::new(events, counts.leaf_count(), (split, shard));
+        let edges = Edges::new(
+            events,
+            (counts.leaf_count(), pixels_per_view as u32),
+            (split, shard),
+        );
         let deltas = Deltas::new(counts, &edges, (split, shard));
         let sight = Sight {
             counts,
@@ -97,6 +101,11 @@ impl Shard {
             candidates,
             finds: Finds::NONE,
         }
+    }
+
+    /// Begins a step: `deviations` are those that costs are measured with.
+    pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
+        self.candidates.begin_step(counts, deviations);
     }
 
     /// Takes note of the events of a step that pruned a leaf.
@@ -121,31 +130,26 @@ impl Shard {
             deltas,
         };
         candidates.remove(sight, pruned);
-        deltas.for_each_changed(|deltas, leaf, change, soon| {
+        deltas.for_each_changed(|deltas, leaf, change, [soon, later]| {
             let sight = Sight {
                 counts,
                 edges,
                 deltas,
             };
+            candidates.prefetch_place(later);
             candidates.prefetch(soon);
             candidates.note(sight, leaf, change);
         });
     }
 
     /// Looks for the cheapest leaf and, if wanted, the largest cost.
-    pub(super) fn search(
-        &mut self,
-        counts: &Counts<'_>,
-        deviations: &[i64],
-        limits: &Limits,
-        wants_largest: bool,
-    ) {
+    pub(super) fn search(&mut self, counts: &Counts<'_>, limits: &Limits, wants_largest: bool) {
         let sight = Sight {
             counts,
             edges: &self.edges,
             deltas: &self.deltas,
         };
-        self.candidates.begin_step(sight, deviations);
+        self.candidates.keep_up(sight);
         self.finds.cheapest = self.candidates.cheapest(sight, limits);
         self.finds.largest = match wants_largest {
             true => self.candidates.largest_cost(sight, limits),

@@ -107,12 +107,13 @@ impl<'a> Shared<'a> {
             } => {
                 let counts = self.counts();
                 let mut shard = self.shard(part);
+                shard.begin_step(&counts, deviations);
                 if let Some(leaf) = *pruned {
                     let panes: Vec<_> = self.panes.iter().map(|p| p.read().expect(HELD)).collect();
                     let events = panes.iter().flat_map(|pane| pane.events());
                     shard.follow(&counts, events, leaf);
                 }
-                shard.search(&counts, deviations, &self.limits, *wants_largest);
+                shard.search(&counts, &self.limits, *wants_largest);
             }
         }
     }

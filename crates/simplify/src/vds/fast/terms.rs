@@ -1,6 +1,6 @@
 //! The terms of reveal edges: what pixels handed to a leaf do to the measure.
 
-use super::edges::Reveals;
+use super::reveals::Reveals;
 use crate::lg::LgTable;
 
 /// The leaf that an edge leads to, before or after a step.
@@ -39,14 +39,14 @@ pub(super) fn add_term(
 
 /// What [`add_term`] adds in the views in which the target is revealed.
 #[inline]
-pub(super) fn add_revealed(
+fn add_revealed(
     table: &LgTable,
     deltas: &mut [i64],
     target: Target,
     lg_after: i64,
     reveals: &Reveals,
 ) {
-    for &(view, r) in reveals {
+    for (view, r) in reveals.iter() {
         let a = target.areas[view as usize];
         deltas[view as usize] += table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
     }
@@ -73,7 +73,7 @@ pub(super) fn move_term(
         *delta += change;
         moved += change.unsigned_abs();
     }
-    for &(view, r) in reveals {
+    for (view, r) in reveals.iter() {
         let (b, a) = (before.areas[view as usize], after.areas[view as usize]);
         let was = table.n_lg_n(b + r) - table.n_lg_n(b) - i64::from(r) * lg_before;
         let is = table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
@@ -99,11 +99,11 @@ pub(super) fn replace_term(
         let (b, a) = (u64::from(b) * rise_before, u64::from(a) * rise_after);
         *delta += b as i64 - a as i64;
     }
-    for &(view, r) in reveals_before {
+    for (view, r) in reveals_before.iter() {
         let a = before.areas[view as usize];
         deltas[view as usize] -= table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_before;
     }
-    for &(view, r) in reveals_after {
+    for (view, r) in reveals_after.iter() {
         let a = after.areas[view as usize];
         deltas[view as usize] += table.n_lg_n(a + r) - table.n_lg_n(a) - i64::from(r) * lg_after;
     }

@@ -1,8 +1,10 @@
 //! What bounds the costs of sixteen leaves at once.
 
 use super::super::changes::BackgroundDrift;
-use super::epochs::{Epochs, Slot};
+use super::background::Background;
+use super::epochs::Epochs;
 use super::excess::Excesses;
+use super::widths::Width;
 
 /// What rounding may do to bounds and to excesses computed in f32.
 #[derive(Clone, Copy, Debug)]
@@ -63,9 +65,13 @@ pub(super) fn drift_now(drift: f64) -> f32 {
 /// A leaf's figures against the deviations of an epoch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figures {
-    /// `sum g d` without what the background's total takes away.
+    /// `sum g d` with the background's total as it was then.
     pub along: f32,
     pub excess: f32,
+    /// How far the terms of the pixels it would hand to the background have
+    /// moved since the epoch: where they are handed, and in all views.
+    pub moved_by_gains: f32,
+    pub moved_by_rise: f32,
     /// Sum of the deltas without their signs.
     pub n: f32,
     /// What was added up for them: sum of the parts' sizes.
@@ -73,47 +79,48 @@ pub(super) struct Figures {
     /// The largest delta without its sign.
     pub widest: f32,
     pub background_px: u32,
+    /// The most pixels that it would hand to the background in a view.
+    pub most_revealed: u32,
+}
+
+/// What a block's leaves would hand to the background, in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reveals {
+    pub least_px: u32,
+    pub largest_px: u32,
+    pub most_in_a_view: u32,
+}
+
+impl Reveals {
+    pub(super) const NONE: Self = Self {
+        least_px: u32::MAX,
+        largest_px: 0,
+        most_in_a_view: 0,
+    };
+
+    pub(super) fn include(&mut self, px: u32, most_in_a_view: u32) {
+        self.least_px = self.least_px.min(px);
+        self.largest_px = self.largest_px.max(px);
+        self.most_in_a_view = self.most_in_a_view.max(most_in_a_view);
+    }
 }
 
 /// How a step stands, as bounds need to know it.
 #[derive(Clone, Copy)]
 pub(super) struct Now<'a> {
     epochs: &'a Epochs,
-    /// How the logarithm of the background's total rises with so many pixels.
-    rises: &'a [f32],
     drift: f32,
     drift_revealed: f32,
     twice_deviation_sum: f32,
 }
 
 impl<'a> Now<'a> {
-    pub(super) fn new(
-        epochs: &'a Epochs,
-        rises: &'a [f32],
-        drift: BackgroundDrift,
-        deviation_sum: i64,
-    ) -> Self {
+    pub(super) fn new(epochs: &'a Epochs, drift: BackgroundDrift, deviation_sum: i64) -> Self {
         Self {
             epochs,
-            rises,
             drift: drift_now(drift.rise + drift.revealed),
             drift_revealed: drift_now(drift.revealed),
             twice_deviation_sum: 2.0 * deviation_sum as f32,
-        }
-    }
-
-    #[inline]
-    fn rise_at_least(&self, px: u32) -> f32 {
-        self.rises[(px as usize).min(self.rises.len() - 1)]
-    }
-
-    /// Logarithms rise ever less.
-    #[inline]
-    fn rise_at_most(&self, px: u32) -> f32 {
-        let last = self.rises.len() - 1;
-        match self.rises.get(px as usize) {
-            Some(rise) => *rise,
-            None => (self.rises[last] + 2.0) * px as f32 / last as f32 * 1.001,
         }
     }
 }
@@ -127,37 +134,38 @@ pub(super) struct Gate {
     solid: f32,
     /// The same of open leaves.
     open: f32,
-    /// Drift of the background where it is revealed, when the leaf evaluated
-    /// longest ago was.
+    /// Drift of the background where it is revealed, when the block was evaluated.
     drift_revealed: f32,
-    slot: Slot,
-    /// Pixels that an open leaf would hand to the background, since the last
-    /// rebuild.
+    epoch: u16,
+    /// Pixels that an open leaf would hand to the background.
     least_px: u16,
     largest_px: u16,
 }
 
 impl Gate {
+    #[inline(always)]
+    pub(super) fn epoch(&self) -> usize {
+        self.epoch.into()
+    }
+
     /// Not above the excess of any solid leaf: by `sum g d`.
     #[inline(always)]
     pub(super) fn floor_of_solid(&self, now: &Now<'_>) -> f32 {
-        now.epochs.flipped(self.slot) + self.solid
+        now.epochs.flipped(self.epoch.into()) + self.solid
     }
 
     /// Not above the excess of any open leaf: by `sum g d`, with what the
-    /// background's total takes away as it is now.
+    /// background's total takes away since then.
     #[inline(always)]
     pub(super) fn floor_of_open(&self, now: &Now<'_>) -> f32 {
         if self.largest_px == 0 {
             return f32::INFINITY;
         }
-        let background = now.epochs.background_along(self.slot);
-        let rise = match background < 0.0 {
-            true => now.rise_at_least(self.least_px.into()),
-            false => now.rise_at_most(self.largest_px.into()),
-        };
-        let moved = f32::from(self.largest_px) * (now.drift_revealed - self.drift_revealed);
-        now.epochs.flipped(self.slot) + self.open - rise * background - moved
+        let (least_px, largest_px) = (f32::from(self.least_px), f32::from(self.largest_px));
+        let risen = now.epochs.background_moved(self.epoch.into());
+        let risen = risen.at_most(least_px, largest_px);
+        let moved = largest_px * (now.drift_revealed - self.drift_revealed);
+        now.epochs.flipped(self.epoch.into()) + self.open - risen - moved
     }
 }
 
@@ -169,20 +177,21 @@ pub(super) const NO_FIRST: First = (i64::MAX, u32::MAX, 0);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
-    pub slot: Slot,
+    pub epoch: u16,
     least_along_solid: f32,
     least_along_open: f32,
     least: f32,
     least_open: f32,
     largest: f32,
-    /// The rest, but for the drifts, since the last rebuild.
     least_n: f32,
     largest_n: f32,
     magnitude: f32,
     pub widest: f32,
     least_px: u32,
     largest_px: u32,
-    /// Background drift when the leaf evaluated longest ago was.
+    /// The most pixels that one of them would hand to the background in a view.
+    most_revealed: u32,
+    /// Background drift when it was evaluated.
     drift: f32,
     drift_revealed: f32,
     /// How far bounds may be off, but for the background's drift: those by
@@ -204,7 +213,7 @@ pub(super) struct Block {
 impl Block {
     pub(super) fn empty(epoch: usize, drift: BackgroundDrift, signs: u32) -> Self {
         Self {
-            slot: Slot::new(epoch, 0.0),
+            epoch: epoch as u16,
             least_along_solid: f32::INFINITY,
             least_along_open: f32::INFINITY,
             least: f32::INFINITY,
@@ -216,6 +225,7 @@ impl Block {
             widest: 0.0,
             least_px: u32::MAX,
             largest_px: 0,
+            most_revealed: 0,
             drift: drift_then(drift.rise + drift.revealed),
             drift_revealed: drift_then(drift.revealed),
             rounding_solid: 0.0,
@@ -239,7 +249,7 @@ impl Block {
             solid: self.least_along_solid - self.rounding_solid - self.slack,
             open,
             drift_revealed: self.drift_revealed,
-            slot: self.slot,
+            epoch: self.epoch,
             least_px: px(self.least_px),
             largest_px: px(self.largest_px),
         }
@@ -254,23 +264,28 @@ impl Block {
     /// Takes a leaf's new figures into account.
     #[inline]
     pub(super) fn include(&mut self, figures: &Figures, rounding: Rounding) {
+        let moved = figures.moved_by_gains + figures.moved_by_rise;
+        let excess = figures.excess - moved;
         if figures.background_px > 0 {
-            self.least_along_open = self.least_along_open.min(figures.along);
-            self.least_open = self.least_open.min(figures.excess);
+            let along = figures.along - figures.moved_by_gains;
+            self.least_along_open = self.least_along_open.min(along);
+            self.least_open = self.least_open.min(excess);
+            self.most_revealed = self.most_revealed.max(figures.most_revealed);
             self.least_px = self.least_px.min(figures.background_px);
             self.largest_px = self.largest_px.max(figures.background_px);
         } else {
             self.least_along_solid = self.least_along_solid.min(figures.along);
         }
-        self.least = self.least.min(figures.excess);
+        self.least = self.least.min(excess);
         self.largest = self.largest.max(figures.excess);
-        self.least_n = self.least_n.min(figures.n);
+        self.least_n = self.least_n.min(figures.n - moved);
         self.largest_n = self.largest_n.max(figures.n);
         self.magnitude = self.magnitude.max(figures.magnitude);
-        if figures.widest > self.widest {
-            self.widest = figures.widest;
-            self.slot = Slot::new(self.slot.epoch(), self.widest);
-        }
+        self.widest = self.widest.max(figures.widest);
+        self.allow_for(rounding);
+    }
+
+    fn allow_for(&mut self, rounding: Rounding) {
         let px = self.largest_px as f32;
         self.rounding_solid = rounding.of_f32(self.magnitude);
         self.rounding_open = self.rounding_solid + rounding.of_revealed(px);
@@ -293,14 +308,26 @@ impl Block {
 
     /// All its leaves were evaluated.
     #[inline]
-    pub(super) fn renew(&mut self, epoch: usize, found: &Excesses, drift: BackgroundDrift) {
+    pub(super) fn renew(
+        &mut self,
+        epoch: usize,
+        found: &Excesses,
+        reveals: Reveals,
+        drift: BackgroundDrift,
+        rounding: Rounding,
+    ) {
         (self.least, self.largest) = (found.least, found.largest);
         self.least_open = found.least_open;
         self.least_along_solid = found.least_along_solid;
         self.least_along_open = found.least_along_open;
-        self.slot = Slot::new(epoch, self.widest);
+        (self.least_n, self.largest_n) = (found.least_n, found.largest_n);
+        (self.magnitude, self.widest) = (found.magnitude, found.widest);
+        (self.least_px, self.largest_px) = (reveals.least_px, reveals.largest_px);
+        self.most_revealed = reveals.most_in_a_view;
+        self.epoch = epoch as u16;
         self.drift = drift_then(drift.rise + drift.revealed);
         self.drift_revealed = drift_then(drift.revealed);
+        self.allow_for(rounding);
     }
 
     /// What the deltas of its solid leaves sum to at least, with the signs of
@@ -324,24 +351,49 @@ impl Block {
         self.rounding + self.slack + self.largest_px as f32 * (now.drift - self.drift)
     }
 
-    /// Not above the excess of any of its leaves: by what it was when they were
-    /// evaluated, and by `n`.
-    #[inline]
-    pub(super) fn floor(&self, now: &Now<'_>) -> f32 {
-        let since = self.least - now.epochs.lost(self.slot);
-        since.max(self.least_n - now.twice_deviation_sum) - self.margin(now)
-    }
-
-    /// Likewise of its open leaves.
-    #[inline]
-    pub(super) fn floor_of_open(&self, now: &Now<'_>) -> f32 {
-        self.least_open - now.epochs.lost(self.slot) - self.margin(now)
+    /// Not above the excess of any of its leaves, or of its open ones: by what it
+    /// was when they were evaluated, by `n`, and by `sum g d`.
+    pub(super) fn floor(
+        &self,
+        now: &Now<'_>,
+        background: &mut Background,
+        widths: &[Width],
+        only_open: bool,
+    ) -> f32 {
+        let epoch = usize::from(self.epoch);
+        let (mut moved, mut by_gains, mut risen) = (0.0, 0.0, 0.0);
+        if self.has_background() {
+            let (least_px, largest_px) = (self.least_px as f32, self.largest_px as f32);
+            risen = now
+                .epochs
+                .background_moved(epoch)
+                .at_most(least_px, largest_px);
+            by_gains = background.moved_by_gains(epoch, self.most_revealed, self.largest_px);
+            let by_rise = background.moved_by_rise(epoch, self.least_px, self.largest_px);
+            let by_drift = largest_px * (now.drift - self.drift);
+            moved = (by_gains + by_rise).min(by_drift + self.rounding - self.rounding_solid);
+            let by_drift = largest_px * (now.drift_revealed - self.drift_revealed);
+            by_gains = by_gains.min(by_drift + self.rounding_open - self.rounding_solid);
+        }
+        let least = if only_open {
+            self.least_open
+        } else {
+            self.least
+        };
+        let since = least - now.epochs.lost_within(epoch, widths);
+        let along = match only_open {
+            true => self.least_along_open - risen,
+            false => self.least_along_solid.min(self.least_along_open - risen),
+        };
+        let by_excess = since.max(self.least_n - now.twice_deviation_sum) - moved;
+        let by_along = now.epochs.flipped(epoch) + along - by_gains;
+        by_excess.max(by_along) - self.rounding_solid - self.slack
     }
 
     /// Not below the excess of any of its leaves.
     #[inline]
     pub(super) fn ceiling(&self, now: &Now<'_>) -> f32 {
-        let since = self.largest + now.epochs.risen(self.slot);
+        let since = self.largest + now.epochs.risen(self.epoch.into());
         self.largest_n.min(since) + self.margin(now)
     }
 

@@ -1,96 +1,137 @@
 //! The deviations that blocks were evaluated with, and where the current ones
 //! stand against them.
 
+use super::widths::Width;
+use crate::lg::{LG_FRACTION_BITS, LgTable};
+
 /// Steps whose deviations are remembered; a block that was not evaluated for so
 /// long is evaluated then.
-pub(super) const EPOCHS: usize = 64;
-/// Classes of widths, half an octave each.
-const CLASSES: usize = 64;
-/// The bits of the width, as f32, that ends the first class: 2^16.
-const FIRST_CLASS_BITS: u32 = (127 + 16) << 1;
-
-/// An epoch and a class of widths, as one number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Slot(u16);
-
-impl Slot {
-    pub(super) fn new(epoch: usize, widest: f32) -> Self {
-        // The half octave above the one that the width is in.
-        let half_octave = (widest.to_bits() >> 22) + 1;
-        let class = half_octave.saturating_sub(FIRST_CLASS_BITS) as usize;
-        Self((epoch * CLASSES + class.min(CLASSES - 1)) as u16)
-    }
-
-    pub(super) fn epoch(self) -> usize {
-        usize::from(self.0) / CLASSES
-    }
-
-    fn class(self) -> usize {
-        usize::from(self.0) % CLASSES
-    }
-}
-
-/// The least width that no member of a class reaches; infinite for the last.
-fn width_above(class: usize) -> f32 {
-    match class {
-        last if last == CLASSES - 1 => f32::INFINITY,
-        class => f32::from_bits((FIRST_CLASS_BITS + class as u32) << 22),
-    }
-}
+pub(super) const EPOCHS: usize = 128;
 
 /// The deviations of the last [`EPOCHS`] steps.
 ///
-/// With the deviations D now and E then, and a leaf none of whose deltas d is
-/// wider than m, the excess `sum_v (|D + d| - |D|)` is less than what it was by
-/// at most the sum over the views of `2 max(0, min(m, |D|) - |E|)`, or of
-/// `2 min(m, |D|)` where E and D differ in sign: the difference of
-/// `|E + d| - |E|` and `|D + d| - |D|` is piecewise linear in d, zero on the
-/// side of D and E's own sign, and that is its largest value. Nothing, then,
-/// wherever both deviations are larger than every delta.
+/// With the deviations D now and E then, and a leaf whose deltas d that point
+/// against D are no wider than m, the excess `sum_v (|D + d| - |D|)` is less
+/// than what it was by at most the sum over the views of
+/// `2 max(0, min(m, |D|) - |E|)`, or of `2 min(m, |D|)` where E and D differ in
+/// sign: the difference of `|E + d| - |E|` and `|D + d| - |D|` is piecewise
+/// linear in d, not positive on the side of D, and that is its largest value.
+/// Nothing, then, wherever both deviations are larger than every delta.
 pub(super) struct Epochs {
     views: usize,
+    step: u32,
     current: usize,
     /// By epoch, then view.
     deviations: Vec<i64>,
+    /// Numbers the runs of steps in which no deviation changed its sign.
+    run: u32,
+    /// By epoch.
+    runs: [u32; EPOCHS],
     /// Sum of g D - |D| by epoch, g the signs of E: zero while no deviation
     /// changed its sign.
     flipped: [f32; EPOCHS],
-    /// Sum of |D - E| - |D| + |E| by epoch.
-    risen: [f32; EPOCHS],
-    /// Sum of g times the area of the background now, by epoch.
-    background_along: [f32; EPOCHS],
-    /// The areas of the background by view in pixels.
-    background: Vec<u32>,
-    /// What an excess may have lost, by epoch, then class.
-    lost: Vec<[f32; CLASSES]>,
-    /// `min(m, |D|)` by view, then class.
-    within: Vec<[f32; CLASSES]>,
-    /// The classes that are used: the only ones looked after.
-    first_class: usize,
-    end_class: usize,
+    /// |E| by epoch, then view; 0 where D has another sign.
+    kept: Vec<f32>,
+    /// Sum of g times the area of the background, by epoch: then, and its total.
+    background_then: [(i64, u32); EPOCHS],
+    /// What the background's total takes away along g, now less then.
+    background_moved: [BackgroundMoved; EPOCHS],
+    /// |D| by view.
+    sizes: Vec<f32>,
+    /// By view, whether D is negative.
+    is_negative: Vec<bool>,
+}
+
+/// What the background's total takes away along the signs of an epoch from a
+/// leaf that hands it some pixels, now less then: with B the background's areas
+/// along these signs and S its total, `B (lg (S + px) - lg S)`, bounded by what
+/// is proportional to the pixels, to their square, and by rounding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BackgroundMoved {
+    slope: f32,
+    curvature: f32,
+    rounding: f32,
+}
+
+impl BackgroundMoved {
+    const NONE: Self = Self {
+        slope: 0.0,
+        curvature: 0.0,
+        rounding: 0.0,
+    };
+
+    fn new((then, total_then): (i64, u32), (now, total_now): (i64, u32)) -> Self {
+        if total_then == 0 || total_now == 0 {
+            return Self {
+                curvature: f32::INFINITY,
+                ..Self::NONE
+            };
+        }
+        let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2;
+        // x - x^2 / 2 <= ln (1 + x) <= x.
+        let first = |along: i64, total: u32| along as f64 / f64::from(total) * unit;
+        let second = |along: i64, total: u32| first(along, total).abs() / f64::from(total) / 2.0;
+        let (slope_then, slope_now) = (first(then, total_then), first(now, total_now));
+        // Slopes are of the size of what they are the difference of, at most.
+        let slope_rounding = (slope_then.abs() + slope_now.abs()) * 1e-7;
+        let curvature = second(then, total_then) + second(now, total_now) + slope_rounding;
+        Self {
+            slope: (slope_now - slope_then) as f32,
+            curvature: (curvature * 1.000_001) as f32,
+            // Two logarithms each, rounded down within 1.2 units.
+            rounding: 1.25 * (then.unsigned_abs() + now.unsigned_abs()) as f32,
+        }
+    }
+
+    /// Not below it for any number of pixels in a range, which is not 0.
+    #[inline(always)]
+    pub(super) fn at_most(&self, least_px: f32, largest_px: f32) -> f32 {
+        let (a, b) = (self.slope * least_px, self.slope * largest_px);
+        let linear = if a > b { a } else { b };
+        linear + self.curvature * largest_px * largest_px + self.rounding
+    }
 }
 
 impl Epochs {
-    pub(super) fn new(deviations: &[i64]) -> Self {
+    /// As if deviations and background had always been like that.
+    pub(super) fn new(deviations: &[i64], background: &[u32]) -> Self {
+        let views = deviations.len();
         let mut epochs = Self {
-            views: deviations.len(),
+            views,
+            step: 0,
             current: 0,
             deviations: deviations.repeat(EPOCHS),
+            run: 0,
+            runs: [0; EPOCHS],
             flipped: [0.0; EPOCHS],
-            risen: [0.0; EPOCHS],
-            background_along: [0.0; EPOCHS],
-            background: vec![0; deviations.len()],
-            lost: vec![[0.0; CLASSES]; EPOCHS],
-            within: vec![[0.0; CLASSES]; deviations.len()],
-            first_class: 0,
-            end_class: 0,
+            kept: vec![0.0; EPOCHS * views],
+            background_then: [(along(deviations, background), total(background)); EPOCHS],
+            background_moved: [BackgroundMoved::NONE; EPOCHS],
+            sizes: deviations.iter().map(size).collect(),
+            is_negative: deviations.iter().map(|d| *d < 0).collect(),
         };
-        epochs.stand_against(deviations);
+        (0..EPOCHS).for_each(|epoch| epochs.keep(epoch));
         epochs
     }
 
     pub(super) fn current(&self) -> usize {
         self.current
+    }
+
+    /// Counts the runs of steps in which no deviation changed its sign.
+    pub(super) fn run(&self) -> u32 {
+        self.run
+    }
+
+    /// Counts the epochs that there were.
+    pub(super) fn step(&self) -> u32 {
+        self.step
+    }
+
+    /// The epoch of a step, if it is remembered.
+    pub(super) fn of_step(&self, step: u32) -> Option<usize> {
+        let is_known = ((self.step - step) as usize) < EPOCHS;
+        is_known.then_some(step as usize % EPOCHS)
     }
 
     /// The deviations of an epoch, by view.
@@ -100,122 +141,135 @@ impl Epochs {
 
     /// Begins a new epoch in the place of the oldest.
     pub(super) fn begin(&mut self, deviations: &[i64], background: &[u32]) {
-        self.background.copy_from_slice(background);
-        self.current = (self.current + 1) % EPOCHS;
+        self.step += 1;
+        self.current = self.step as usize % EPOCHS;
         self.deviations[self.current * self.views..][..self.views].copy_from_slice(deviations);
-        self.stand_against(deviations);
-    }
-
-    /// Says how the background stands before the first step.
-    pub(super) fn background_is(&mut self, background: &[u32]) {
-        self.background.copy_from_slice(background);
-        let now = self.deviations(self.current).to_vec();
-        self.stand_against(&now);
-    }
-
-    /// Forgets which classes are used.
-    pub(super) fn forget_classes(&mut self) {
-        (self.first_class, self.end_class) = (0, 0);
-    }
-
-    /// Sees to it that the class of a slot is looked after.
-    #[inline]
-    pub(super) fn use_class(&mut self, slot: Slot) {
-        let class = slot.class();
-        if class >= self.first_class && class < self.end_class {
-            return;
+        let mut has_flipped = false;
+        for (view, d) in deviations.iter().enumerate() {
+            self.sizes[view] = size(d);
+            let is_negative = *d < 0;
+            has_flipped |=
+                std::mem::replace(&mut self.is_negative[view], is_negative) != is_negative;
         }
-        let is_first = self.first_class == self.end_class;
-        self.first_class = if is_first {
-            class
-        } else {
-            self.first_class.min(class)
-        };
-        self.end_class = self.end_class.max(class + 1);
-        let now = self.deviations(self.current).to_vec();
-        self.stand_against(&now);
+        self.run += u32::from(has_flipped);
+        self.runs[self.current] = self.run;
+        match has_flipped {
+            true => (0..EPOCHS).for_each(|epoch| self.keep(epoch)),
+            false => self.keep(self.current),
+        }
+        let now = (along(deviations, background), total(background));
+        self.background_then[self.current] = now;
+        for epoch in 0..EPOCHS {
+            let (mut flipped, mut along_then) = (0, now.0);
+            if self.runs[epoch] != self.run {
+                let then = self.deviations(epoch);
+                along_then = along(then, background);
+                flipped =
+                    along_signs(deviations, then) - deviations.iter().map(|d| d.abs()).sum::<i64>();
+            }
+            self.flipped[epoch] = flipped as f32;
+            let then = self.background_then[epoch];
+            self.background_moved[epoch] = BackgroundMoved::new(then, (along_then, now.1));
+        }
+    }
+
+    fn keep(&mut self, epoch: usize) {
+        let views = epoch * self.views..(epoch + 1) * self.views;
+        let then = &self.deviations[views.clone()];
+        for ((kept, e), is_negative) in self.kept[views].iter_mut().zip(then).zip(&self.is_negative)
+        {
+            *kept = if (*e < 0) == *is_negative {
+                size(e)
+            } else {
+                0.0
+            };
+        }
     }
 
     #[inline]
-    pub(super) fn flipped(&self, slot: Slot) -> f32 {
-        self.flipped[slot.epoch()]
+    pub(super) fn flipped(&self, epoch: usize) -> f32 {
+        self.flipped[epoch]
     }
 
     #[inline]
-    pub(super) fn background_along(&self, slot: Slot) -> f32 {
-        self.background_along[slot.epoch()]
+    pub(super) fn background_moved(&self, epoch: usize) -> &BackgroundMoved {
+        &self.background_moved[epoch]
     }
 
-    #[inline]
-    pub(super) fn risen(&self, slot: Slot) -> f32 {
-        self.risen[slot.epoch()]
+    /// What the background's total took away along the signs of an epoch, then,
+    /// from a leaf that hands it so many pixels.
+    pub(super) fn risen_along(&self, epoch: usize, px: u32, table: &LgTable) -> i64 {
+        let (along, total) = self.background_then[epoch];
+        match px {
+            0 => 0,
+            px => along * (table.lg(total + px) - table.lg(total)),
+        }
     }
 
-    #[inline]
-    pub(super) fn lost(&self, slot: Slot) -> f32 {
-        self.lost[slot.epoch()][slot.class()]
+    /// What an excess may have risen by since an epoch: the sum over the views of
+    /// `|D - E| - |D| + |E|`.
+    pub(super) fn risen(&self, epoch: usize) -> f32 {
+        let (now, then) = (self.deviations(self.current), self.deviations(epoch));
+        let views = now.iter().zip(then);
+        views
+            .map(|(d, e)| (d - e).abs() - d.abs() + e.abs())
+            .sum::<i64>() as f32
     }
 
-    fn stand_against(&mut self, now: &[i64]) {
+    /// What an excess may have lost since an epoch, of leaves whose deltas have
+    /// these widths, by view.
+    pub(super) fn lost_within(&self, epoch: usize, widths: &[Width]) -> f32 {
         #[cfg(target_arch = "x86_64")]
         if std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
-            return unsafe { self.stand_against_by_avx2(now) };
+            return unsafe { self.lost_within_by_avx2(epoch, widths) };
         }
-        self.stand_against_plainly(now);
+        self.lost_within_plainly(epoch, widths)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn stand_against_by_avx2(&mut self, now: &[i64]) {
-        self.stand_against_plainly(now);
+    fn lost_within_by_avx2(&self, epoch: usize, widths: &[Width]) -> f32 {
+        self.lost_within_plainly(epoch, widths)
     }
 
     #[inline(always)]
-    fn stand_against_plainly(&mut self, now: &[i64]) {
-        // Whole vectors.
-        let first = self.first_class / 8 * 8;
-        let end = self.end_class.next_multiple_of(8);
-        for (within, d) in self.within.iter_mut().zip(now) {
-            let d = d.unsigned_abs() as f32;
-            for (class, value) in (first..end).zip(&mut within[first..end]) {
-                *value = width_above(class).min(d);
-            }
+    fn lost_within_plainly(&self, epoch: usize, widths: &[Width]) -> f32 {
+        let kept = &self.kept[epoch * self.views..][..self.views];
+        let views = widths.iter().zip(&self.sizes).zip(&self.is_negative);
+        let mut lost = 0.0;
+        for (((width, size), is_negative), kept) in views.zip(kept) {
+            let width = width.against(*is_negative);
+            let within = if width < *size { width } else { *size };
+            let beyond = within - kept;
+            lost += if beyond > 0.0 { 2.0 * beyond } else { 0.0 };
         }
-        for epoch in 0..EPOCHS {
-            let then = &self.deviations[epoch * self.views..][..self.views];
-            let lost = &mut self.lost[epoch][first..end];
-            lost.fill(0.0);
-            let (mut flipped, mut moved, mut risen) = (0i64, 0i64, 0i64);
-            let mut along = 0i64;
-            let views = now.iter().zip(then).zip(&self.background).zip(&self.within);
-            for (((d, e), area), within) in views {
-                along += if *e < 0 {
-                    -i64::from(*area)
-                } else {
-                    i64::from(*area)
-                };
-                flipped += (if *e < 0 { -d } else { *d }) - d.abs();
-                moved += (d - e).abs();
-                risen += d.abs() - e.abs();
-                let kept = match (*d < 0) == (*e < 0) {
-                    true => e.unsigned_abs(),
-                    false => 0,
-                };
-                let kept = kept as f32;
-                let within = &within[first..end];
-                if within.last().is_some_and(|widest| kept < *widest) {
-                    for (lost, within) in lost.iter_mut().zip(within) {
-                        let least = within - kept;
-                        *lost += if least > 0.0 { 2.0 * least } else { 0.0 };
-                    }
-                }
-            }
-            self.background_along[epoch] = along as f32;
-            self.flipped[epoch] = flipped as f32;
-            self.risen[epoch] = (moved - risen) as f32;
-        }
+        lost
     }
+}
+
+fn size(deviation: &i64) -> f32 {
+    deviation.unsigned_abs() as f32
+}
+
+fn total(areas: &[u32]) -> u32 {
+    areas.iter().sum()
+}
+
+/// Sum of the areas with the signs of the deviations.
+fn along(deviations: &[i64], areas: &[u32]) -> i64 {
+    let terms = deviations.iter().zip(areas);
+    let signed = terms.map(|(d, area)| match *d < 0 {
+        true => -i64::from(*area),
+        false => i64::from(*area),
+    });
+    signed.sum()
+}
+
+/// Sum of the deltas with the signs of the deviations.
+pub(super) fn along_signs(deltas: &[i64], deviations: &[i64]) -> i64 {
+    let terms = deltas.iter().zip(deviations);
+    terms.map(|(d, e)| if *e < 0 { -d } else { *d }).sum()
 }
 
 #[cfg(test)]
@@ -229,19 +283,6 @@ mod tests {
         terms.map(|(d, x)| (d + x).abs() - d.abs()).sum()
     }
 
-    #[test]
-    fn a_class_ends_above_its_members() {
-        for exponent in 10..60 {
-            for part in [1.0f32, 1.2, 1.49, 1.5, 1.9] {
-                let width = part * 2f32.powi(exponent);
-                let class = Slot::new(3, width).class();
-                assert!(width_above(class) > width, "{width}");
-                assert!(class == 0 || width_above(class - 1) <= width, "{width}");
-                assert_eq!(Slot::new(3, width).epoch(), 3);
-            }
-        }
-    }
-
     proptest! {
         #[test]
         fn bounds_hold(
@@ -252,20 +293,25 @@ mod tests {
         ) {
             let deltas: Vec<i64> = deltas.iter().map(|d| d >> shrink).collect();
             let now: Vec<i64> = then.iter().zip(&moves).map(|(e, m)| e + m).collect();
-            let mut epochs = Epochs::new(&then);
-            let widest = deltas.iter().map(|d| d.unsigned_abs()).max().unwrap() as f32;
-            let slot = Slot::new(epochs.current(), widest);
-            epochs.use_class(slot);
-            epochs.begin(&now, &[1, 2, 3, 4, 5]);
-            let toward = |e: &i64, area: i64| if *e < 0 { -area } else { area };
-            let background: i64 = then.iter().zip(1..).map(|(e, area)| toward(e, area)).sum();
-            prop_assert_eq!(epochs.background_along(slot), background as f32);
+            let mut epochs = Epochs::new(&then, &[1, 2, 3, 4, 5]);
+            let epoch = epochs.current();
+            let widths: Vec<Width> = deltas.iter().map(|d| Width::ZERO.with(*d as f32)).collect();
+            epochs.begin(&now, &[2, 2, 9, 4, 5]);
+            let table = LgTable::new();
+            let background = [2, 2, 9, 4, 5u32];
+            let total = background.iter().sum::<u32>();
+            for px in 1..20 {
+                let rise = table.lg(total + px) - table.lg(total);
+                let moved = along(&then, &background) * rise - epochs.risen_along(epoch, px, &table);
+                let at_most = epochs.background_moved(epoch).at_most(px as f32, px as f32 + 3.0);
+                prop_assert!(f64::from(at_most) >= moved as f64, "{at_most} for {moved}");
+            }
             let (before, after) = (excess(&then, &deltas) as f64, excess(&now, &deltas) as f64);
             let rounding = 1e-5 * 5e9;
-            prop_assert!(after >= before - f64::from(epochs.lost(slot)) - rounding);
-            prop_assert!(after <= before + f64::from(epochs.risen(slot)) + rounding);
+            prop_assert!(after >= before - f64::from(epochs.lost_within(epoch, &widths)) - rounding);
+            prop_assert!(after <= before + f64::from(epochs.risen(epoch)) + rounding);
             let along: i64 = then.iter().zip(&deltas).map(|(e, d)| if *e < 0 { -d } else { *d }).sum();
-            prop_assert!(after >= f64::from(epochs.flipped(slot)) + along as f64 - rounding);
+            prop_assert!(after >= f64::from(epochs.flipped(epoch)) + along as f64 - rounding);
         }
     }
 }

@@ -18,10 +18,10 @@
 //!
 //! A block is evaluated again only where these do not rule it out, and an exact
 //! integer cost is computed only for leaves that their f32 excess does not rule
-//! out. All are widened by what rounding and the moving background may have
-//! changed: nearly every step changes the background, and with it the deltas of
+//! out. Nearly every step changes the background, and with it the deltas of
 //! every leaf at the silhouette, so those are kept without what its total takes
-//! away in all views, which is added as it is now. What decides in the end are
+//! away in all views, which is added as it is now; and all bounds are widened by
+//! how far its terms may have [moved](background). What decides in the end are
 //! exact costs: bounds may be loose but never wrong.
 //!
 //! Each shard has candidates of its own, and lets the others know what it has
@@ -31,23 +31,29 @@
 //! rank, outside the blocks: mostly leaves that no view sees. So do leaves for
 //! which a [twin](twins) stands.
 
+mod background;
 mod blocks;
 mod epochs;
+mod evaluate;
 mod excess;
 mod limits;
 mod search;
 mod twins;
+mod widths;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::changes::{BackgroundDrift, Change};
+use super::counts::Counts;
 use super::deltas::Sight;
 use super::prefetch::prefetch;
+use background::Background;
 use blocks::{Block, Figures, Gate, NO_FIRST, Rounding, Top, drift_then};
-use epochs::Epochs;
-use excess::{Excesses, LANES, Lanes, ViewNow, excesses};
+use epochs::{Epochs, along_signs};
+use excess::{LANES, Lanes, ViewNow};
 use twins::Twins;
+use widths::Width;
 
 pub(super) use limits::Limits;
 pub(super) use twins::Silhouette;
@@ -66,10 +72,12 @@ struct Residents {
     leaves: [u32; LANES],
     /// Pixels that each would hand to the background.
     background_px: [u32; LANES],
+    /// The most of them in a view, or more than anybody asks for.
+    most_revealed: [u8; LANES],
+    /// The step in which each was read.
+    read_in: [u32; LANES],
     /// Drift of the background where it is revealed, when the leaf was updated.
     drift: Lanes,
-    /// 0 where a lane holds a leaf, infinite where not.
-    absent: Lanes,
     /// What the deltas of each sum to with the block's signs, exactly, if it
     /// is solid.
     along: [i64; LANES],
@@ -105,6 +113,8 @@ pub(super) struct Candidates {
     /// Deltas by block, then view, without what the background's total takes
     /// away.
     deltas: Vec<Lanes>,
+    /// How wide they are, likewise, but with that.
+    widths: Vec<Width>,
     /// Leaves keep their place, `LANES` to a block, until the next rebuild.
     place_of: Vec<u32>,
     /// The leaves that were left at the last rebuild.
@@ -112,6 +122,7 @@ pub(super) struct Candidates {
     left: usize,
 
     epochs: Epochs,
+    background: Background,
     /// The current deviations; zeros where costs do not depend on them.
     deviations: Vec<i64>,
     deviation_sum: i64,
@@ -156,9 +167,11 @@ impl Candidates {
             tops: Vec::new(),
             residents: Vec::new(),
             deltas: Vec::new(),
+            widths: Vec::new(),
             left: leaves.len(),
             order: leaves,
-            epochs: Epochs::new(deviations),
+            epochs: Epochs::new(deviations, sight.counts.areas(0)),
+            background: Background::new(sight.counts),
             deviations: deviations.to_vec(),
             deviation_sum: 0,
             views: Vec::new(),
@@ -178,15 +191,13 @@ impl Candidates {
             let rank = candidates.rank_of[leaf as usize];
             candidates.twins.set(rank, leaf, sight.silhouette(leaf));
         }
-        candidates.epochs.background_is(sight.counts.areas(0));
-        candidates.look(sight, deviations);
+        candidates.look(sight.counts, deviations);
         candidates.build(sight);
         candidates
     }
 
     fn build(&mut self, sight: Sight<'_>) {
         self.without_effect.clear();
-        self.epochs.forget_classes();
         let mut order = std::mem::take(&mut self.order);
         // Who need not be looked at last; by n to within a quarter; by what
         // would go to the background; among those, neighbours stay together.
@@ -202,8 +213,9 @@ impl Candidates {
         let nobody = Residents {
             leaves: [0; LANES],
             background_px: [0; LANES],
+            most_revealed: [0; LANES],
+            read_in: [0; LANES],
             drift: Lanes::ZERO,
-            absent: Lanes([f32::INFINITY; LANES]),
             along: [i64::MAX; LANES],
         };
         self.drift_at_rebuild = sight.counts.background_drift();
@@ -213,6 +225,7 @@ impl Candidates {
         self.residents = vec![nobody; block_count];
         self.blocks = vec![empty; block_count];
         self.deltas = vec![Lanes::ZERO; block_count * self.view_count];
+        self.widths = vec![Width::ZERO; block_count * self.view_count];
         for (place, &leaf) in order.iter().enumerate() {
             self.place_of[leaf as usize] = place as u32;
         }
@@ -223,9 +236,15 @@ impl Candidates {
     }
 
     /// Begins a step: `deviations` are those that costs are measured with.
-    pub(super) fn begin_step(&mut self, sight: Sight<'_>, deviations: &[i64]) {
-        self.epochs.begin(deviations, sight.counts.areas(0));
-        self.look(sight, deviations);
+    pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
+        self.epochs.begin(deviations, counts.areas(0));
+        self.background.begin(self.epochs.current(), counts);
+        self.look(counts, deviations);
+    }
+
+    /// Builds the blocks anew when many leaves are gone, and evaluates those
+    /// that were not for long.
+    pub(super) fn keep_up(&mut self, sight: Sight<'_>) {
         let has_jumped = sight.counts.background_jumps() != self.background_jumps;
         self.background_jumps = sight.counts.background_jumps();
         if has_jumped || self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
@@ -234,8 +253,8 @@ impl Candidates {
         } else {
             // Their epoch is forgotten now.
             let renewed = self.epochs.current();
-            for index in 0..self.blocks.len() {
-                if self.blocks[index].slot.epoch() == renewed {
+            for index in 0..self.gates.len() {
+                if self.gates[index].epoch() == renewed {
                     self.evaluate(sight, index);
                 }
             }
@@ -243,23 +262,18 @@ impl Candidates {
     }
 
     /// Notes how things stand at the beginning of a step.
-    fn look(&mut self, sight: Sight<'_>, deviations: &[i64]) {
-        self.drift = sight.counts.background_drift();
+    fn look(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
+        self.drift = counts.background_drift();
         self.signs_age += 1;
-        let is_negative = |d: &i64| *d < 0;
-        if deviations
-            .iter()
-            .map(is_negative)
-            .ne(self.deviations.iter().map(is_negative))
-        {
-            self.signs += 1;
+        if self.epochs.run() != self.signs {
+            self.signs = self.epochs.run();
             self.signs_age = 0;
         }
         let least = deviations.iter().map(|d| d.unsigned_abs()).min();
         self.least_deviation = least.unwrap_or(0) as f32;
         self.deviations.copy_from_slice(deviations);
         self.deviation_sum = deviations.iter().map(|d| d.abs()).sum();
-        let now = deviations.iter().zip(sight.counts.areas(0));
+        let now = deviations.iter().zip(counts.areas(0));
         self.views.clear();
         self.views.extend(now.map(|(d, &area)| ViewNow {
             twice_deviation: 2.0 * d.abs() as f32,
@@ -267,7 +281,7 @@ impl Candidates {
             background_px: area as f32,
         }));
         self.rises.clear();
-        let rises = (0..RISES as u32).map(|px| sight.counts.background_rise(px) as f32);
+        let rises = (0..RISES as u32).map(|px| counts.background_rise(px) as f32);
         self.rises.extend(rises);
     }
 
@@ -296,7 +310,7 @@ impl Candidates {
         residents.leaves[lane] = 0;
         self.blocks[block].present &= !(1 << lane);
         residents.background_px[lane] = 0;
-        residents.absent.0[lane] = f32::INFINITY;
+        residents.most_revealed[lane] = 0;
         residents.along[lane] = i64::MAX;
         if self.blocks[block].first.2 == leaf {
             self.find_first(block);
@@ -312,6 +326,13 @@ impl Candidates {
         let known = lanes.filter(|(along, _)| **along != i64::MAX);
         let firsts = known.map(|(&along, leaf)| (along, self.rank_of[leaf as usize], leaf));
         self.blocks[index].first = firsts.fold(NO_FIRST, std::cmp::min);
+    }
+
+    /// Asks for where a leaf has its place.
+    pub(super) fn prefetch_place(&self, leaf: Option<u32>) {
+        if let Some(leaf) = leaf {
+            prefetch(&self.place_of, leaf as usize);
+        }
     }
 
     /// Asks for the memory that [`update`](Self::update) of a leaf will need.
@@ -347,23 +368,35 @@ impl Candidates {
         }
     }
 
-    /// Reads the deltas of a block's outdated leaves.
-    fn bring_up_to_date(&mut self, sight: Sight<'_>, index: usize) {
-        let mut outdated = std::mem::take(&mut self.blocks[index].outdated);
-        if outdated == 0 {
-            return;
+    fn write_row(&mut self, (index, lane): (usize, usize)) {
+        let rows = &mut self.deltas[index * self.view_count..][..self.view_count];
+        for (row, d) in rows.iter_mut().zip(&self.row) {
+            row.0[lane] = *d as f32;
         }
-        self.blocks[index].is_up_to_date();
-        while outdated != 0 {
-            let lane = outdated.trailing_zeros() as usize;
-            outdated &= outdated - 1;
-            let leaf = self.residents[index].leaves[lane];
-            if leaf != 0 {
-                self.enter(sight, leaf);
-            }
+        let residents = &mut self.residents[index];
+        residents.read_in[lane] = self.epochs.step();
+        residents.drift.0[lane] = drift_then(self.drift.revealed);
+    }
+
+    /// Notes the exact sum of a leaf's deltas with the signs that the deviations
+    /// have now, and what that makes of its block's first.
+    fn stand(&mut self, (index, lane): (usize, usize), leaf: u32, along_now: i64) {
+        let block = &mut self.blocks[index];
+        let residents = &mut self.residents[index];
+        let is_known = residents.background_px[lane] == 0 && block.signs == self.signs;
+        let along = if is_known { along_now } else { i64::MAX };
+        residents.along[lane] = along;
+        let was_first = block.first.2 == leaf;
+        if is_known && along <= block.first.0 {
+            let first = (along, self.rank_of[leaf as usize], leaf);
+            block.first = if was_first {
+                first
+            } else {
+                block.first.min(first)
+            };
+        } else if was_first {
+            self.find_first(index);
         }
-        self.gates[index] = self.blocks[index].gate();
-        self.tops[index] = self.blocks[index].top();
     }
 
     /// Takes note of a leaf's new deltas.
@@ -399,53 +432,53 @@ impl Candidates {
             self.without_effect.remove(&(rank, leaf));
         }
         let rise = sight.counts.background_rise(background_px);
+        let most_revealed = sight.most_revealed(leaf);
         let block = &mut self.blocks[index];
-        let then = self.epochs.deviations(block.slot.epoch());
-        let (mut along, mut excess, mut n, mut magnitude, mut widest) = (0, 0, 0, 0, 0);
-        let mut along_now = 0;
-        let rows = &mut self.deltas[index * self.view_count..][..self.view_count];
+        let epoch = usize::from(block.epoch);
+        let then = self.epochs.deviations(epoch);
+        let (mut excess, mut n, mut magnitude, mut widest) = (0, 0, 0, 0);
         let background = sight.counts.areas(0);
-        for (view, (row, d)) in rows.iter_mut().zip(&self.row).enumerate() {
-            row.0[lane] = *d as f32;
+        let widths = &mut self.widths[index * self.view_count..][..self.view_count];
+        for (view, (width, d)) in widths.iter_mut().zip(&self.row).enumerate() {
             let e = then[view];
-            along += if e < 0 { -d } else { *d };
-            along_now += if self.deviations[view] < 0 { -d } else { *d };
             let risen = (u64::from(background[view]) * rise) as i64;
             magnitude += d.abs() + risen;
             let d = d - risen;
             excess += (d + e).abs() - e.abs();
             n += d.abs();
             widest = widest.max(d.abs());
+            *width = width.with(d as f32);
         }
+        let along_then = along_signs(&self.row, then)
+            - self
+                .epochs
+                .risen_along(epoch, background_px, sight.counts.table);
+        let by_gains = &mut self.background;
+        let by_gains = by_gains.moved_by_gains(epoch, most_revealed, background_px);
+        let by_rise = &mut self.background;
+        let by_rise = by_rise.moved_by_rise(epoch, background_px, background_px);
         let figures = Figures {
-            along: along as f32,
+            along: along_then as f32,
             excess: excess as f32,
+            moved_by_gains: known_or_zero(by_gains),
+            moved_by_rise: known_or_zero(by_rise),
             n: n as f32,
             magnitude: magnitude as f32,
             widest: widest as f32,
             background_px,
+            most_revealed,
         };
         block.include(&figures, self.rounding);
-        self.epochs.use_class(block.slot);
+        block.present |= 1 << lane;
         self.gates[index] = block.gate();
         self.tops[index] = block.top();
         let residents = &mut self.residents[index];
         residents.leaves[lane] = leaf;
-        block.present |= 1 << lane;
         residents.background_px[lane] = background_px;
-        residents.drift.0[lane] = drift_then(sight.counts.background_drift().revealed);
-        residents.absent.0[lane] = 0.0;
-        let was_first = block.first.2 == leaf;
-        residents.along[lane] = match background_px == 0 && block.signs == self.signs {
-            true => along_now,
-            false => i64::MAX,
-        };
-        let first = (residents.along[lane], rank, leaf);
-        if first.0 != i64::MAX && first <= block.first {
-            block.first = first;
-        } else if was_first {
-            self.find_first(index);
-        }
+        residents.most_revealed[lane] = most_revealed.try_into().unwrap_or(u8::MAX);
+        self.write_row((index, lane));
+        let along_now = along_signs(&self.row, &self.deviations);
+        self.stand((index, lane), leaf, along_now);
     }
 
     /// The exact sums of a block's deltas with the signs that the deviations
@@ -455,44 +488,15 @@ impl Candidates {
             let leaf = self.residents[index].leaves[lane];
             if leaf != 0 && self.residents[index].background_px[lane] == 0 {
                 sight.deltas_but_rise(leaf, &mut self.row);
-                let terms = self.row.iter().zip(&self.deviations);
-                let along = terms.map(|(d, e)| if *e < 0 { -d } else { *d }).sum();
-                self.residents[index].along[lane] = along;
+                self.residents[index].along[lane] = along_signs(&self.row, &self.deviations);
             }
         }
         self.blocks[index].signs = self.signs;
         self.find_first(index);
     }
+}
 
-    /// Evaluates a block's leaves against the current epoch.
-    fn evaluate(&mut self, sight: Sight<'_>, index: usize) -> Excesses {
-        self.bring_up_to_date(sight, index);
-        let rows = &self.deltas[index * self.view_count..(index + 1) * self.view_count];
-        let residents = &self.residents[index];
-        let block = &mut self.blocks[index];
-        let mut rises = Lanes::ZERO;
-        let mut drift = self.drift.revealed;
-        if block.has_background() {
-            for (lane, &px) in residents.background_px.iter().enumerate() {
-                if px > 0 {
-                    rises.0[lane] = match self.rises.get(px as usize) {
-                        Some(rise) => *rise,
-                        None => sight.counts.background_rise(px) as f32,
-                    };
-                    drift = drift.min(f64::from(residents.drift.0[lane]));
-                }
-            }
-        }
-        let found = excesses(rows, &rises, &self.views, &residents.absent);
-        block.renew(
-            self.epochs.current(),
-            &found,
-            BackgroundDrift {
-                revealed: drift,
-                rise: self.drift.rise,
-            },
-        );
-        self.gates[index] = block.gate();
-        found
-    }
+/// Blocks whose leaves are like that know it of all of them.
+fn known_or_zero(moved: f32) -> f32 {
+    if moved.is_finite() { moved } else { 0.0 }
 }

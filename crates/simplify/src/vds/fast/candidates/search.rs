@@ -2,7 +2,7 @@
 
 use super::super::deltas::Sight;
 use super::blocks::{Now, drift_now, drift_then};
-use super::excess::{LANES, Lanes};
+use super::excess::{Excesses, LANES};
 use super::limits::Limits;
 use super::{Candidates, Found, NOWHERE, STEADY};
 
@@ -38,29 +38,14 @@ impl Candidates {
         }
         let mut limit = self.least_excess(best, limits);
         for index in 0..self.gates.len() {
-            let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
+            let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
             let gate = &self.gates[index];
-            let mut floor_of_open = gate.floor_of_open(&now);
+            let floor_of_open = gate.floor_of_open(&now);
             if floor_of_open > limit && gate.floor_of_solid(&now) > limit {
                 continue;
             }
             limit = self.least_excess(best, limits);
-            if self.blocks[index].outdated != 0 {
-                if !self.could_know_first(index) && self.blocks[index].floor(&now) > limit {
-                    continue;
-                }
-                self.bring_up_to_date(sight, index);
-                self.consider_without_effect(&mut best, &mut runner_up);
-                limit = self.least_excess(best, limits);
-                let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
-                let gate = &self.gates[index];
-                floor_of_open = gate.floor_of_open(&now);
-                if floor_of_open > limit && gate.floor_of_solid(&now) > limit {
-                    continue;
-                }
-            }
-            let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
-            let knows_first = self.could_know_first(index);
+            let knows_first = self.blocks[index].outdated == 0 && self.could_know_first(index);
             if knows_first {
                 let (along, rank, leaf) = self.blocks[index].first;
                 if leaf != 0 {
@@ -72,17 +57,27 @@ impl Candidates {
                     self.blocks[index].know_solid(along);
                     self.gates[index] = self.blocks[index].gate();
                 }
-                if floor_of_open > limit || self.blocks[index].floor_of_open(&now) > limit {
+                if floor_of_open > limit {
                     continue;
                 }
-            } else if self.blocks[index].floor(&now) > limit {
+            }
+            if self.is_ruled_out(index, knows_first, limit) {
                 continue;
             }
-            self.scan_for_cheapest(sight, index, knows_first, limits, &mut best, &mut runner_up);
+            self.scan_for_cheapest(sight, index, limits, &mut best, &mut runner_up);
             limit = self.least_excess(best, limits);
         }
         self.seeds = [best.leaf, runner_up.leaf];
         best
+    }
+
+    /// Whether the excesses of a block's leaves, or of its open ones, are all
+    /// above a limit.
+    fn is_ruled_out(&mut self, index: usize, only_open: bool, limit: f32) -> bool {
+        let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
+        let widths = &self.widths[index * self.view_count..][..self.view_count];
+        let background = &mut self.background;
+        self.blocks[index].floor(&now, background, widths, only_open) > limit
     }
 
     /// The excess that no leaf need be looked at above.
@@ -116,25 +111,44 @@ impl Candidates {
         &mut self,
         sight: Sight<'_>,
         index: usize,
-        without_solid: bool,
         limits: &Limits,
         best: &mut Found,
         runner_up: &mut Found,
     ) {
-        let found = self.evaluate(sight, index);
+        let mut found = self.evaluate(sight, index);
+        if self.outdate_stale(index, &found, self.least_excess(*best, limits)) {
+            found = self.evaluate(sight, index);
+        }
+        self.consider_without_effect(best, runner_up);
         if self.blocks[index].signs != self.signs && self.signs_age >= STEADY {
             self.renew_firsts(sight, index);
         }
-        let margins = self.lane_margins(index);
+        let rounding = self.blocks[index].f32_rounding(self.rounding);
         for lane in 0..LANES {
-            if found.excess.0[lane] - margins.0[lane] <= self.least_excess(*best, limits) {
-                let residents = &self.residents[index];
-                let leaf = residents.leaves[lane];
-                if leaf != 0 && !(without_solid && residents.background_px[lane] == 0) {
+            if found.at_least.0[lane] - rounding <= self.least_excess(*best, limits) {
+                let leaf = self.residents[index].leaves[lane];
+                if leaf != 0 {
                     self.consider(sight, leaf, best, runner_up);
                 }
             }
         }
+    }
+
+    /// Has those leaves read again that may cost as little as the limit, and of
+    /// which it is not known how far their pixels' terms have moved since they
+    /// were read; whether there are any.
+    fn outdate_stale(&mut self, index: usize, found: &Excesses, limit: f32) -> bool {
+        let rounding = self.blocks[index].f32_rounding(self.rounding);
+        let residents = &self.residents[index];
+        let block = &mut self.blocks[index];
+        for lane in 0..LANES {
+            let is_stale = residents.background_px[lane] > 0
+                && self.epochs.of_step(residents.read_in[lane]).is_none();
+            if is_stale && found.at_least.0[lane] - rounding <= limit {
+                block.outdate(lane, 0.0);
+            }
+        }
+        block.outdated != 0
     }
 
     /// The least cost with its leaf, and the largest, by looking at every leaf.
@@ -151,18 +165,6 @@ impl Candidates {
         let found: Vec<Found> = found.collect();
         let largest = found.iter().map(|f| f.cost).max().unwrap_or(i64::MIN);
         (found.into_iter().min().unwrap_or(Found::NONE), largest)
-    }
-
-    /// How far the excesses of a block's leaves in f32 may be off.
-    #[inline]
-    fn lane_margins(&self, index: usize) -> Lanes {
-        let residents = &self.residents[index];
-        let rounding = self.blocks[index].f32_rounding(self.rounding);
-        let drift = drift_now(self.drift.revealed);
-        Lanes(std::array::from_fn(|lane| {
-            let px = residents.background_px[lane] as f32;
-            rounding + self.rounding.of_revealed(px) + px * (drift - residents.drift.0[lane])
-        }))
     }
 
     /// The largest cost of a leaf that is left; if all of them cost less than a
@@ -182,7 +184,7 @@ impl Candidates {
         let mut limit = self.excess(limits.raise_largest(best.0));
         for index in 0..self.blocks.len() {
             if self.tops[index].ceiling(drift) > limit {
-                let now = Now::new(&self.epochs, &self.rises, self.drift, self.deviation_sum);
+                let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
                 if self.blocks[index].ceiling(&now) > limit {
                     self.scan_for_largest(sight, index, &mut best);
                 }
@@ -201,11 +203,10 @@ impl Candidates {
 
     fn scan_for_largest(&mut self, sight: Sight<'_>, index: usize, best: &mut (i64, u32)) {
         let found = self.evaluate(sight, index);
-        let margins = self.lane_margins(index);
+        let rounding = self.blocks[index].f32_rounding(self.rounding);
         for lane in 0..LANES {
             let leaf = self.residents[index].leaves[lane];
-            let ceiling = found.excess.0[lane] + margins.0[lane];
-            if leaf != 0 && ceiling > self.excess(best.0) {
+            if leaf != 0 && found.at_most.0[lane] + rounding > self.excess(best.0) {
                 *best = (*best).max((self.cost(sight, leaf), leaf));
             }
         }

@@ -1,0 +1,105 @@
+//! Evaluating a block: what its leaves' excesses are now.
+
+use super::super::deltas::Sight;
+use super::super::prefetch::{prefetch, prefetch_range};
+use super::Candidates;
+use super::blocks::{Reveals, drift_now};
+use super::epochs::along_signs;
+use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
+
+impl Candidates {
+    /// Evaluates a block's leaves against the current epoch.
+    pub(super) fn evaluate(&mut self, sight: Sight<'_>, index: usize) -> Excesses {
+        prefetch(&self.residents, index);
+        prefetch_range(&self.deltas, index * self.view_count, self.view_count);
+        self.bring_up_to_date(sight, index);
+        let (mut rises, mut moved) = (Lanes::ZERO, Lanes::ZERO);
+        let mut reveals = Reveals::NONE;
+        if self.blocks[index].has_background() {
+            for lane in 0..LANES {
+                let px = self.residents[index].background_px[lane];
+                if px > 0 {
+                    rises.0[lane] = match self.rises.get(px as usize) {
+                        Some(rise) => *rise,
+                        None => sight.counts.background_rise(px) as f32,
+                    };
+                    moved.0[lane] = self.moved_since_read((index, lane));
+                    reveals.include(px, self.residents[index].most_revealed[lane].into());
+                }
+            }
+        }
+        let mut absent = Lanes([f32::INFINITY; LANES]);
+        for (lane, absent) in absent.0.iter_mut().enumerate() {
+            if self.blocks[index].present >> lane & 1 == 1 {
+                *absent = 0.0;
+            }
+        }
+        let views = index * self.view_count..(index + 1) * self.view_count;
+        let beside = Beside {
+            rises: &rises,
+            moved: &moved,
+            absent: &absent,
+        };
+        let (rows, widths) = (&self.deltas[views.clone()], &mut self.widths[views]);
+        let found = excesses(rows, beside, &self.views, widths);
+        let block = &mut self.blocks[index];
+        let epoch = self.epochs.current();
+        block.renew(epoch, &found, reveals, self.drift, self.rounding);
+        self.gates[index] = block.gate();
+        self.tops[index] = block.top();
+        found
+    }
+
+    /// How far the terms of the pixels that a leaf would hand to the background
+    /// may have moved, in the views in which it does, since it was read.
+    fn moved_since_read(&mut self, (index, lane): (usize, usize)) -> f32 {
+        let residents = &self.residents[index];
+        let px = residents.background_px[lane];
+        let drift = drift_now(self.drift.revealed) - residents.drift.0[lane];
+        let at_most = self.rounding.of_revealed(px as f32) + px as f32 * drift;
+        match self.epochs.of_step(residents.read_in[lane]) {
+            None => at_most,
+            Some(epoch) => {
+                let most = residents.most_revealed[lane];
+                let exactly = self.background.moved_by_gains(epoch, most.into(), px);
+                exactly.min(at_most)
+            }
+        }
+    }
+
+    /// Reads the deltas of a block's outdated leaves: only those changed, neither
+    /// the leaves nor their edges.
+    fn bring_up_to_date(&mut self, sight: Sight<'_>, index: usize) {
+        let mut outdated = std::mem::take(&mut self.blocks[index].outdated);
+        if outdated == 0 {
+            return;
+        }
+        self.blocks[index].is_up_to_date();
+        for (lane, leaf) in self.residents[index].leaves.iter().enumerate() {
+            if outdated >> lane & 1 == 1 && *leaf != 0 {
+                sight.prefetch(*leaf);
+            }
+        }
+        while outdated != 0 {
+            let lane = outdated.trailing_zeros() as usize;
+            outdated &= outdated - 1;
+            let leaf = self.residents[index].leaves[lane];
+            if leaf != 0 {
+                self.read_again(sight, (index, lane), leaf);
+            }
+        }
+    }
+
+    fn read_again(&mut self, sight: Sight<'_>, (index, lane): (usize, usize), leaf: u32) {
+        let background_px = sight.deltas_but_rise(leaf, &mut self.row);
+        if background_px == 0 && self.row.iter().all(|d| *d == 0) {
+            self.leave(leaf);
+            self.without_effect
+                .insert((self.rank_of[leaf as usize], leaf));
+            return;
+        }
+        self.write_row((index, lane));
+        let along_now = along_signs(&self.row, &self.deviations);
+        self.stand((index, lane), leaf, along_now);
+    }
+}
