@@ -351,15 +351,17 @@ impl Block {
         self.rounding + self.slack + self.largest_px as f32 * (now.drift - self.drift)
     }
 
-    /// Not above the excess of any of its leaves, or of its open ones: by what it
-    /// was when they were evaluated, by `n`, and by `sum g d`.
-    pub(super) fn floor(
+    /// Whether the excesses of its leaves, or of its open ones, are all above a
+    /// limit: by `n`, by `sum g d`, and by what they were when they were
+    /// evaluated.
+    pub(super) fn is_above(
         &self,
+        limit: f32,
         now: &Now<'_>,
         background: &mut Background,
         widths: &[Width],
         only_open: bool,
-    ) -> f32 {
+    ) -> bool {
         let epoch = usize::from(self.epoch);
         let (mut moved, mut by_gains, mut risen) = (0.0, 0.0, 0.0);
         if self.has_background() {
@@ -375,19 +377,22 @@ impl Block {
             let by_drift = largest_px * (now.drift_revealed - self.drift_revealed);
             by_gains = by_gains.min(by_drift + self.rounding_open - self.rounding_solid);
         }
+        let limit = limit + self.rounding_solid + self.slack;
+        let along = match only_open {
+            true => self.least_along_open - risen,
+            false => self.least_along_solid.min(self.least_along_open - risen),
+        };
+        if self.least_n - now.twice_deviation_sum - moved > limit
+            || now.epochs.flipped(epoch) + along - by_gains > limit
+        {
+            return true;
+        }
         let least = if only_open {
             self.least_open
         } else {
             self.least
         };
-        let since = least - now.epochs.lost_within(epoch, widths);
-        let along = match only_open {
-            true => self.least_along_open - risen,
-            false => self.least_along_solid.min(self.least_along_open - risen),
-        };
-        let by_excess = since.max(self.least_n - now.twice_deviation_sum) - moved;
-        let by_along = now.epochs.flipped(epoch) + along - by_gains;
-        by_excess.max(by_along) - self.rounding_solid - self.slack
+        least - moved > limit && least - moved - now.epochs.lost_within(epoch, widths) > limit
     }
 
     /// Not below the excess of any of its leaves.

@@ -38,9 +38,12 @@ pub(super) struct Epochs {
     background_moved: [BackgroundMoved; EPOCHS],
     /// |D| by view.
     sizes: Vec<f32>,
-    /// By view, whether D is negative.
-    is_negative: Vec<bool>,
+    /// By view, whether D is negative: 1 or 0.
+    is_negative: Vec<u32>,
 }
+
+/// Views that are looked at together.
+const LANES: usize = 4;
 
 /// What the background's total takes away along the signs of an epoch from a
 /// leaf that hands it some pixels, now less then: with B the background's areas
@@ -108,7 +111,7 @@ impl Epochs {
             background_then: [(along(deviations, background), total(background)); EPOCHS],
             background_moved: [BackgroundMoved::NONE; EPOCHS],
             sizes: deviations.iter().map(size).collect(),
-            is_negative: deviations.iter().map(|d| *d < 0).collect(),
+            is_negative: deviations.iter().map(is_negative).collect(),
         };
         (0..EPOCHS).for_each(|epoch| epochs.keep(epoch));
         epochs
@@ -147,7 +150,7 @@ impl Epochs {
         let mut has_flipped = false;
         for (view, d) in deviations.iter().enumerate() {
             self.sizes[view] = size(d);
-            let is_negative = *d < 0;
+            let is_negative = is_negative(d);
             has_flipped |=
                 std::mem::replace(&mut self.is_negative[view], is_negative) != is_negative;
         }
@@ -176,9 +179,10 @@ impl Epochs {
     fn keep(&mut self, epoch: usize) {
         let views = epoch * self.views..(epoch + 1) * self.views;
         let then = &self.deviations[views.clone()];
-        for ((kept, e), is_negative) in self.kept[views].iter_mut().zip(then).zip(&self.is_negative)
+        for ((kept, e), is_negative_now) in
+            self.kept[views].iter_mut().zip(then).zip(&self.is_negative)
         {
-            *kept = if (*e < 0) == *is_negative {
+            *kept = if is_negative(e) == *is_negative_now {
                 size(e)
             } else {
                 0.0
@@ -236,16 +240,36 @@ impl Epochs {
     #[inline(always)]
     fn lost_within_plainly(&self, epoch: usize, widths: &[Width]) -> f32 {
         let kept = &self.kept[epoch * self.views..][..self.views];
-        let views = widths.iter().zip(&self.sizes).zip(&self.is_negative);
-        let mut lost = 0.0;
-        for (((width, size), is_negative), kept) in views.zip(kept) {
-            let width = width.against(*is_negative);
-            let within = if width < *size { width } else { *size };
+        let beyond = |width: Width, kept: f32, size: f32, is_negative: bool| {
+            let width = width.against(is_negative);
+            let within = if width < size { width } else { size };
             let beyond = within - kept;
-            lost += if beyond > 0.0 { 2.0 * beyond } else { 0.0 };
+            if beyond > 0.0 { beyond } else { 0.0 }
+        };
+        let whole = self.views - self.views % LANES;
+        // Sums of their own are what vector instructions add up.
+        let mut sums = [0f32; LANES];
+        for at in (0..whole).step_by(LANES) {
+            let widths: &[Width; LANES] = widths[at..at + LANES].try_into().expect("so many");
+            let kept: &[f32; LANES] = kept[at..at + LANES].try_into().expect("so many");
+            let sizes: &[f32; LANES] = self.sizes[at..at + LANES].try_into().expect("so many");
+            let is_negative = &self.is_negative[at..at + LANES];
+            let is_negative: &[u32; LANES] = is_negative.try_into().expect("so many");
+            for k in 0..LANES {
+                sums[k] += beyond(widths[k], kept[k], sizes[k], is_negative[k] != 0);
+            }
         }
-        lost
+        let mut sum: f32 = sums.iter().sum();
+        for view in whole..self.views {
+            let (size, is_negative) = (self.sizes[view], self.is_negative[view] != 0);
+            sum += beyond(widths[view], kept[view], size, is_negative);
+        }
+        2.0 * sum
     }
+}
+
+fn is_negative(deviation: &i64) -> u32 {
+    u32::from(*deviation < 0)
 }
 
 fn size(deviation: &i64) -> f32 {

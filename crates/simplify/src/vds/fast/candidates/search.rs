@@ -77,7 +77,7 @@ impl Candidates {
         let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
         let widths = &self.widths[index * self.view_count..][..self.view_count];
         let background = &mut self.background;
-        self.blocks[index].floor(&now, background, widths, only_open) > limit
+        self.blocks[index].is_above(limit, &now, background, widths, only_open)
     }
 
     /// The excess that no leaf need be looked at above.
