@@ -6,6 +6,7 @@
 
 mod chart;
 mod columns;
+mod held_out;
 mod published;
 mod readme;
 mod report;

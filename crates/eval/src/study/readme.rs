@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::held_out;
 use super::published::beside;
 use super::table::Table;
 use super::trial::{WHAT_IS_BETTER, overview};
@@ -39,6 +40,9 @@ pub fn readme(study: &Study<'_>) -> String {
     let (given, partial) = study.given_and_partial();
     means(&mut text, &given);
     if let Some(note) = note_of(&partial) {
+        let _ = writeln!(text, "{note}\n");
+    }
+    if let Some(note) = held_out::note_of(study.rows) {
         let _ = writeln!(text, "{note}\n");
     }
     stability(&mut text, &plain);

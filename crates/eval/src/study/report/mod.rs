@@ -12,6 +12,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::chart::{chart, escaped};
+use super::held_out;
 use super::whole::{note_of, take_out_partial};
 use super::words::{duration, memory, number, overlap_of, percent};
 use super::{COLUMNS, Column, Paper, Point, Row, Trial, summarise};
@@ -150,10 +151,13 @@ impl Page<'_> {
     fn summary(&self, html: &mut String) {
         let _ = write!(
             html,
-            "<h2>Summary</h2>\n<p>Means over {} trees ({}) from views that drove no method; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
+            "<h2>Summary</h2>\n<p>Means over {} trees ({}) from the 12 judging views; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
             trees_of(self.given).len(),
             escaped(&trees_of(self.given).join(", "))
         );
+        if let Some(note) = held_out::note_of(self.study.rows) {
+            let _ = writeln!(html, "<p>{}</p>", escaped(&note));
+        }
         for level in levels(self.given) {
             let rows = self.at(level);
             let by_column: Vec<Vec<Point>> = COLUMNS

@@ -26,6 +26,10 @@ pub(super) struct Scene {
     build: fn(&mut Crown),
 }
 
+/// What keeps crowns from getting dense.
+const COVERAGE_KEPT: &str =
+    "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1";
+
 /// The words of a case that stand for near cameras.
 pub(super) const NEAR: &str = "NEAR";
 /// From how many radii those look.
@@ -123,6 +127,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds",
             "vds --neighbours 4",
             "vds --resize none",
+            COVERAGE_KEPT,
             "stochastic",
             "meshopt --preserve-area",
         ],
@@ -147,6 +152,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --neighbours 4",
             "vds --resize none",
             "vds --reference previous --resize deficit --neighbours 4",
+            COVERAGE_KEPT,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
@@ -189,6 +195,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds",
             "vds --neighbours 4",
             "vds --reference previous --resize deficit --neighbours 4",
+            COVERAGE_KEPT,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
