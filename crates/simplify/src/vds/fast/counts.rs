@@ -14,8 +14,9 @@
 //! were before the step; [`Deltas`](super::deltas::Deltas) keeps those sums.
 //!
 //! The background is apart: nearly every step changes its area, and nearly
-//! every leaf at the silhouette has an edge to it. Its term is evaluated fresh;
-//! [`Counts::background_drift`] bounds how far it has moved.
+//! every leaf at the silhouette has an edge to it. Its term is evaluated fresh, with
+//! [`Counts::background_gains`]; [`Counts::background_drift`] bounds how far it has
+//! moved.
 
 use super::changes::BackgroundDrift;
 use super::events::Event;

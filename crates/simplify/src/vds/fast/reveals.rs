@@ -35,6 +35,7 @@ impl Reveals {
     pub(super) fn add(&mut self, view: u32, by: i32) {
         let known = self.words.iter().position(|w| w >> self.shift == view);
         let Some(at) = known else {
+            debug_assert!(by > 0, "pixels come before they go");
             self.words.push(view << self.shift | (by as u32 - 1));
             return;
         };

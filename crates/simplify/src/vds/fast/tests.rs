@@ -52,6 +52,13 @@ fn where_leaves_cover_many_pixels() {
 }
 
 #[test]
+fn where_hardly_a_pixel_is_background() {
+    for resolution in 1..4 {
+        assert_every_pick_is_the_cheapest(800, resolution, 2, |_| {});
+    }
+}
+
+#[test]
 fn where_nothing_grows() {
     assert_every_pick_is_the_cheapest(3000, 64, 4, |options| {
         options.resize = Resize::None;

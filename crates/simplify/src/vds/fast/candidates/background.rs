@@ -10,7 +10,7 @@ use super::super::counts::{Counts, GAINS};
 use super::epochs::EPOCHS;
 
 /// Pixels handed to the background for which its rise is known by epoch.
-const RISES: usize = 64;
+const RISES_KEPT: usize = 64;
 
 /// The background of the last [`EPOCHS`] steps.
 pub(super) struct Background {
@@ -21,7 +21,7 @@ pub(super) struct Background {
     /// By epoch, then view.
     gains: Vec<[f32; GAINS]>,
     /// By epoch, then pixels.
-    rises: Vec<[u32; RISES]>,
+    rises: Vec<[u32; RISES_KEPT]>,
     lg_totals: [i64; EPOCHS],
     /// Now, in pixels.
     total: f32,
@@ -53,12 +53,12 @@ impl Background {
             current: 0,
             areas: vec![0; EPOCHS * views],
             gains: vec![[0.0; GAINS]; EPOCHS * views],
-            rises: vec![[0; RISES]; EPOCHS],
+            rises: vec![[0; RISES_KEPT]; EPOCHS],
             lg_totals: [0; EPOCHS],
             total: 0.0,
             moved: vec![Moved::UNKNOWN; EPOCHS],
         };
-        for epoch in 0..EPOCHS {
+        for epoch in (0..EPOCHS).rev() {
             background.begin(epoch, counts);
         }
         background
@@ -151,7 +151,7 @@ impl Background {
         if largest_px == 0 || epoch == self.current {
             return 0.0;
         }
-        if largest_px as usize >= RISES {
+        if largest_px as usize >= RISES_KEPT {
             return f32::INFINITY;
         }
         if self.moved[epoch].areas.is_nan() {

@@ -132,7 +132,7 @@ impl<'a> Now<'a> {
 pub(super) struct Gate {
     /// The least `sum g d` of solid leaves, less what rounding may have done.
     solid: f32,
-    /// The same of open leaves.
+    /// The same of open leaves, with the background's total as it was.
     open: f32,
     /// Drift of the background where it is revealed, when the block was evaluated.
     drift_revealed: f32,

@@ -43,7 +43,7 @@ pub(super) struct Epochs {
 }
 
 /// Views that are looked at together.
-const LANES: usize = 4;
+const VIEWS_AT_ONCE: usize = 4;
 
 /// What the background's total takes away along the signs of an epoch from a
 /// leaf that hands it some pixels, now less then: with B the background's areas
@@ -246,16 +246,20 @@ impl Epochs {
             let beyond = within - kept;
             if beyond > 0.0 { beyond } else { 0.0 }
         };
-        let whole = self.views - self.views % LANES;
+        let whole = self.views - self.views % VIEWS_AT_ONCE;
         // Sums of their own are what vector instructions add up.
-        let mut sums = [0f32; LANES];
-        for at in (0..whole).step_by(LANES) {
-            let widths: &[Width; LANES] = widths[at..at + LANES].try_into().expect("so many");
-            let kept: &[f32; LANES] = kept[at..at + LANES].try_into().expect("so many");
-            let sizes: &[f32; LANES] = self.sizes[at..at + LANES].try_into().expect("so many");
-            let is_negative = &self.is_negative[at..at + LANES];
-            let is_negative: &[u32; LANES] = is_negative.try_into().expect("so many");
-            for k in 0..LANES {
+        let mut sums = [0f32; VIEWS_AT_ONCE];
+        for at in (0..whole).step_by(VIEWS_AT_ONCE) {
+            let widths: &[Width; VIEWS_AT_ONCE] =
+                widths[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
+            let kept: &[f32; VIEWS_AT_ONCE] =
+                kept[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
+            let sizes: &[f32; VIEWS_AT_ONCE] = self.sizes[at..at + VIEWS_AT_ONCE]
+                .try_into()
+                .expect("so many");
+            let is_negative = &self.is_negative[at..at + VIEWS_AT_ONCE];
+            let is_negative: &[u32; VIEWS_AT_ONCE] = is_negative.try_into().expect("so many");
+            for k in 0..VIEWS_AT_ONCE {
                 sums[k] += beyond(widths[k], kept[k], sizes[k], is_negative[k] != 0);
             }
         }

@@ -14,11 +14,16 @@ impl Candidates {
         prefetch_range(&self.deltas, index * self.view_count, self.view_count);
         self.bring_up_to_date(sight, index);
         let (mut rises, mut moved) = (Lanes::ZERO, Lanes::ZERO);
+        let (mut open, mut solid) = (Lanes::INFINITE, Lanes::INFINITE);
         let mut reveals = Reveals::NONE;
-        if self.blocks[index].has_background() {
-            for lane in 0..LANES {
-                let px = self.residents[index].background_px[lane];
-                if px > 0 {
+        for lane in 0..LANES {
+            if self.blocks[index].present >> lane & 1 == 0 {
+                continue;
+            }
+            match self.residents[index].background_px[lane] {
+                0 => solid.0[lane] = 0.0,
+                px => {
+                    open.0[lane] = 0.0;
                     rises.0[lane] = match self.rises.get(px as usize) {
                         Some(rise) => *rise,
                         None => sight.counts.background_rise(px) as f32,
@@ -28,17 +33,12 @@ impl Candidates {
                 }
             }
         }
-        let mut absent = Lanes([f32::INFINITY; LANES]);
-        for (lane, absent) in absent.0.iter_mut().enumerate() {
-            if self.blocks[index].present >> lane & 1 == 1 {
-                *absent = 0.0;
-            }
-        }
         let views = index * self.view_count..(index + 1) * self.view_count;
         let beside = Beside {
             rises: &rises,
             moved: &moved,
-            absent: &absent,
+            open: &open,
+            solid: &solid,
         };
         let (rows, widths) = (&self.deltas[views.clone()], &mut self.widths[views]);
         let found = excesses(rows, beside, &self.views, widths);

@@ -12,6 +12,7 @@ pub(super) struct Lanes(pub [f32; LANES]);
 
 impl Lanes {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
+    pub(super) const INFINITE: Self = Self([f32::INFINITY; LANES]);
 
     #[inline(always)]
     pub(super) fn least(&self) -> f32 {
@@ -86,8 +87,11 @@ pub(super) struct Beside<'a> {
     pub rises: &'a Lanes,
     /// How far the terms of their pixels may have moved since the rows were read.
     pub moved: &'a Lanes,
-    /// Infinite where a lane holds no leaf.
-    pub absent: &'a Lanes,
+    /// 0 where a lane holds a leaf that would hand pixels to the background,
+    /// infinite elsewhere.
+    pub open: &'a Lanes,
+    /// Likewise of the other leaves.
+    pub solid: &'a Lanes,
 }
 
 /// Evaluates a block: `rows` its leaves' deltas by view, but for what the
@@ -106,7 +110,8 @@ fn plainly(
     let Beside {
         rises,
         moved,
-        absent,
+        open,
+        solid,
     } = beside;
     let (mut c, mut h) = ([0f32; LANES], [0f32; LANES]);
     let mut n = [0f32; LANES];
@@ -133,31 +138,28 @@ fn plainly(
         *width = Width::new(up, down);
     }
     // Plain loops: closures would not be compiled for the wider instructions.
-    let mut found = [Lanes::ZERO; 8];
+    let (mut at_least, mut at_most) = (Lanes::ZERO, Lanes::ZERO);
+    let (mut excess_open, mut excess_solid) = (Lanes::ZERO, Lanes::ZERO);
+    let (mut along_open, mut along_solid) = (Lanes::ZERO, Lanes::ZERO);
+    let (mut n_at_least, mut n_at_most) = (Lanes::ZERO, Lanes::ZERO);
     let mut magnitude = Lanes::ZERO;
     for k in 0..LANES {
-        let (open, solid) = match rises.0[k] > 0.0 {
-            true => (absent.0[k], f32::INFINITY),
-            false => (f32::INFINITY, absent.0[k]),
-        };
+        let (open, solid, moved) = (open.0[k], solid.0[k], moved.0[k]);
+        let absent = if open < solid { open } else { solid };
         // A row is a delta and what has risen.
         magnitude.0[k] = n[k] + 2.0 * background_px * rises.0[k];
-        found[0].0[k] = c[k] + absent.0[k] - moved.0[k];
-        found[1].0[k] = c[k] + open - moved.0[k];
-        found[2].0[k] = c[k] + solid;
-        found[3].0[k] = absent.0[k] - c[k] - moved.0[k];
-        found[4].0[k] = h[k] + open - moved.0[k];
-        found[5].0[k] = h[k] + solid;
-        found[6].0[k] = n[k] + absent.0[k] - moved.0[k];
-        found[7].0[k] = absent.0[k] - n[k] - moved.0[k];
+        at_least.0[k] = c[k] - moved + absent;
+        at_most.0[k] = c[k] + moved - absent;
+        excess_open.0[k] = c[k] - moved + open;
+        excess_solid.0[k] = c[k] - moved + solid;
+        along_open.0[k] = h[k] - moved + open;
+        along_solid.0[k] = h[k] - moved + solid;
+        n_at_least.0[k] = n[k] - moved + absent;
+        n_at_most.0[k] = n[k] + moved - absent;
     }
-    let (least_open, least_solid) = (found[1].least(), found[2].least());
-    let mut at_most = found[3];
-    for k in 0..LANES {
-        at_most.0[k] = -at_most.0[k];
-    }
+    let (least_open, least_solid) = (excess_open.least(), excess_solid.least());
     Excesses {
-        at_least: found[0],
+        at_least,
         at_most,
         least: if least_open < least_solid {
             least_open
@@ -165,11 +167,11 @@ fn plainly(
             least_solid
         },
         least_open,
-        largest: -found[3].least(),
-        least_along_open: found[4].least(),
-        least_along_solid: found[5].least(),
-        least_n: found[6].least(),
-        largest_n: -found[7].least(),
+        largest: at_most.largest(),
+        least_along_open: along_open.least(),
+        least_along_solid: along_solid.least(),
+        least_n: n_at_least.least(),
+        largest_n: n_at_most.largest(),
         magnitude: magnitude.largest(),
         widest,
     }
@@ -200,4 +202,41 @@ pub(super) fn excesses(
         return unsafe { by_avx2(rows, beside, views, widths) };
     }
     plainly(rows, beside, views, widths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leaf_is_open_also_where_the_background_does_not_rise_with_it() {
+        let mut row = Lanes::ZERO;
+        (row.0[2], row.0[5], row.0[7]) = (-4.0, -9.0, 3.0);
+        let (mut open, mut solid, mut moved) = (Lanes::INFINITE, Lanes::INFINITE, Lanes::ZERO);
+        (open.0[2], moved.0[2]) = (0.0, 0.5);
+        (solid.0[5], solid.0[7]) = (0.0, 0.0);
+        let view = ViewNow {
+            twice_deviation: 200.0,
+            sign: 1.0,
+            background_px: 1e8,
+        };
+        let beside = Beside {
+            rises: &Lanes::ZERO,
+            moved: &moved,
+            open: &open,
+            solid: &solid,
+        };
+        let mut widths = [Width::ZERO];
+        let found = excesses(&[row], beside, &[view], &mut widths);
+        assert_eq!((found.least, found.least_open), (-9.0, -4.5));
+        assert_eq!(
+            (found.least_along_solid, found.least_along_open),
+            (-9.0, -4.5)
+        );
+        assert_eq!((found.largest, found.widest), (3.0, 9.0));
+        assert_eq!((found.least_n, found.largest_n), (3.0, 9.0));
+        assert_eq!((found.at_least.0[2], found.at_most.0[2]), (-4.5, -3.5));
+        assert_eq!(found.at_least.0[0], f32::INFINITY);
+        assert_eq!(widths, [Width::new(3.0, 9.0)]);
+    }
 }

@@ -76,7 +76,7 @@ struct Residents {
     most_revealed: [u8; LANES],
     /// The step in which each was read.
     read_in: [u32; LANES],
-    /// Drift of the background where it is revealed, when the leaf was updated.
+    /// Drift of the background where it is revealed, when the leaf was read.
     drift: Lanes,
     /// What the deltas of each sum to with the block's signs, exactly, if it
     /// is solid.
@@ -335,7 +335,7 @@ impl Candidates {
         }
     }
 
-    /// Asks for the memory that [`update`](Self::update) of a leaf will need.
+    /// Asks for the memory that [`note`](Self::note) of a leaf will need.
     pub(super) fn prefetch(&self, leaf: Option<u32>) {
         let Some(leaf) = leaf else { return };
         let place = self.place_of[leaf as usize];
@@ -453,10 +453,9 @@ impl Candidates {
             - self
                 .epochs
                 .risen_along(epoch, background_px, sight.counts.table);
-        let by_gains = &mut self.background;
-        let by_gains = by_gains.moved_by_gains(epoch, most_revealed, background_px);
-        let by_rise = &mut self.background;
-        let by_rise = by_rise.moved_by_rise(epoch, background_px, background_px);
+        let now = &mut self.background;
+        let by_gains = now.moved_by_gains(epoch, most_revealed, background_px);
+        let by_rise = now.moved_by_rise(epoch, background_px, background_px);
         let figures = Figures {
             along: along_then as f32,
             excess: excess as f32,
