@@ -183,7 +183,7 @@ fn committed_studies_say_what_their_rows_say() {
     let folders = std::fs::read_dir(results).unwrap();
     let studies = folders.flat_map(|entry| {
         let folder = entry.unwrap().path();
-        ["study", "study-stability"].map(|name| folder.join(name))
+        ["study", "study-paper", "study-stability"].map(|name| folder.join(name))
     });
     let mut checked = 0;
     for study in studies.filter(|study| study.join("rows.jsonl").is_file()) {
