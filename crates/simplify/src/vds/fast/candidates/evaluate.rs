@@ -3,7 +3,7 @@
 use super::super::deltas::Sight;
 use super::super::prefetch::{prefetch, prefetch_range};
 use super::Candidates;
-use super::blocks::{Reveals, drift_now};
+use super::blocks::{Reveals, drift_now, drift_then};
 use super::epochs::along_signs;
 use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
 
@@ -101,5 +101,16 @@ impl Candidates {
         self.write_row((index, lane));
         let along_now = along_signs(&self.row, &self.deviations);
         self.stand((index, lane), leaf, along_now);
+    }
+
+    /// Takes the deltas that were just read as those of a lane.
+    pub(super) fn write_row(&mut self, (index, lane): (usize, usize)) {
+        let rows = &mut self.deltas[index * self.view_count..][..self.view_count];
+        for (row, d) in rows.iter_mut().zip(&self.row) {
+            row.0[lane] = *d as f32;
+        }
+        let residents = &mut self.residents[index];
+        residents.read_in[lane] = self.epochs.step();
+        residents.drift.0[lane] = drift_then(self.drift.revealed);
     }
 }

@@ -49,7 +49,7 @@ use super::counts::Counts;
 use super::deltas::Sight;
 use super::prefetch::prefetch;
 use background::Background;
-use blocks::{Block, Figures, Gate, NO_FIRST, Rounding, Top, drift_then};
+use blocks::{Block, Figures, Gate, NO_FIRST, Rounding, Top};
 use epochs::{Epochs, along_signs};
 use excess::{LANES, Lanes, ViewNow};
 use twins::Twins;
@@ -366,16 +366,6 @@ impl Candidates {
             }
             _ => self.update(sight, leaf),
         }
-    }
-
-    fn write_row(&mut self, (index, lane): (usize, usize)) {
-        let rows = &mut self.deltas[index * self.view_count..][..self.view_count];
-        for (row, d) in rows.iter_mut().zip(&self.row) {
-            row.0[lane] = *d as f32;
-        }
-        let residents = &mut self.residents[index];
-        residents.read_in[lane] = self.epochs.step();
-        residents.drift.0[lane] = drift_then(self.drift.revealed);
     }
 
     /// Notes the exact sum of a leaf's deltas with the signs that the deviations
