@@ -27,6 +27,10 @@ impl PointDistance for Site {
 
 pub(super) struct Neighbours {
     tree: RTree<Site>,
+    /// By leaf number: whether it is gone. Those that are stay in the tree until
+    /// they are as many as the others.
+    is_gone: Vec<bool>,
+    gone: usize,
 }
 
 impl Neighbours {
@@ -34,11 +38,24 @@ impl Neighbours {
         let site = |(leaf, _)| site(foliage, leaf);
         Self {
             tree: RTree::bulk_load(lod.leaves().map(site).collect()),
+            is_gone: vec![false; foliage.leaves().len() + 1],
+            gone: 0,
         }
     }
 
-    pub(super) fn remove(&mut self, foliage: &Foliage, leaf: LeafId) {
-        self.tree.remove(&site(foliage, leaf));
+    /// Takes a leaf away that is there.
+    pub(super) fn remove(&mut self, leaf: LeafId) {
+        self.is_gone[leaf.get() as usize] = true;
+        self.gone += 1;
+        if 2 * self.gone > self.tree.size() {
+            let left = self.tree.iter().filter(|site| self.is_left(site));
+            self.tree = RTree::bulk_load(left.copied().collect());
+            self.gone = 0;
+        }
+    }
+
+    fn is_left(&self, site: &Site) -> bool {
+        !self.is_gone[site.leaf.get() as usize]
     }
 
     /// The `count` leaves nearest to where `leaf` is or was, nearest first, at
@@ -50,7 +67,9 @@ impl Neighbours {
             if found.len() >= count && distance > found[count - 1].0 {
                 break;
             }
-            found.push((distance, other.leaf));
+            if self.is_left(other) {
+                found.push((distance, other.leaf));
+            }
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found.truncate(count);

@@ -10,6 +10,10 @@ use secateur_raster::Fragment;
 use super::events::{Ends, Events};
 use super::prefetch::prefetch;
 
+/// How many pixels ahead spans and ends, and lists, are asked for.
+const SPANS_AHEAD: usize = 8;
+const LISTS_AHEAD: usize = 4;
+
 /// A pixel's list: `arena[start..start + len]`, nearest first, with room for
 /// `room` fragments. Its first two are leaves that are still there.
 #[derive(Clone, Copy)]
@@ -84,8 +88,11 @@ impl PixelLists {
     /// Takes a leaf away, and notes where that changes the first two.
     pub(super) fn remove(&mut self, leaf: u32, events: &mut Events) {
         self.is_there[leaf as usize] = false;
-        for at in self.leaf_pixels.range(leaf) {
-            let pixel = self.leaf_pixels.pixels[at];
+        let range = self.leaf_pixels.range(leaf);
+        for at in range.clone() {
+            let pixels = &self.leaf_pixels.pixels[at..range.end];
+            let pixel = pixels[0];
+            self.prefetch_lists(pixels.get(SPANS_AHEAD), pixels.get(LISTS_AHEAD));
             if self.ends[pixel as usize].contains(&leaf) {
                 self.settle(pixel, events);
             }
@@ -114,14 +121,15 @@ impl PixelLists {
             }
         }
         for (k, &(pixel, depth)) in fragments.iter().enumerate() {
-            self.prefetch_lists(fragments.get(k + 8), fragments.get(k + 4));
+            let ahead = [SPANS_AHEAD, LISTS_AHEAD].map(|ahead| fragments.get(k + ahead));
+            let [soon, sooner] = ahead.map(|fragment| fragment.map(|(pixel, _)| pixel));
+            self.prefetch_lists(soon, sooner);
             let fragment = Fragment::new(depth, leaf);
-            let place = if self.stamps[pixel as usize] == is_both {
-                self.move_to(pixel, fragment)
-            } else {
-                self.insert(pixel, fragment)
+            let place = match self.stamps[pixel as usize] == is_both {
+                true => self.move_to(pixel, fragment),
+                false => Some(self.insert(pixel, fragment)),
             };
-            if place < 2 || self.ends[pixel as usize].contains(&leaf) {
+            if place.is_some_and(|place| place < 2 || self.ends[pixel as usize].contains(&leaf)) {
                 self.settle(pixel, events);
             }
         }
@@ -131,12 +139,12 @@ impl PixelLists {
     /// Asks for a span that is needed soon, and for the list of a span that is
     /// needed sooner.
     #[inline(always)]
-    fn prefetch_lists(&self, soon: Option<&(u32, u32)>, sooner: Option<&(u32, u32)>) {
-        if let Some((pixel, _)) = soon {
+    fn prefetch_lists(&self, soon: Option<&u32>, sooner: Option<&u32>) {
+        if let Some(pixel) = soon {
             prefetch(&self.spans, *pixel as usize);
             prefetch(&self.ends, *pixel as usize);
         }
-        if let Some((pixel, _)) = sooner {
+        if let Some(pixel) = sooner {
             let span = self.spans[*pixel as usize];
             prefetch(&self.arena, span.start as usize);
             prefetch(&self.arena, span.start as usize + 8);
@@ -184,8 +192,9 @@ impl PixelLists {
         self.spans[pixel as usize].len -= 1;
     }
 
-    /// Moves the leaf's fragment to where its new depth belongs.
-    fn move_to(&mut self, pixel: u32, fragment: Fragment) -> usize {
+    /// Moves the leaf's fragment to where its new depth belongs; the foremost
+    /// place that changes, if it does not stay between its neighbours.
+    fn move_to(&mut self, pixel: u32, fragment: Fragment) -> Option<usize> {
         let list = self.list(pixel);
         let from = place_of(list, fragment.leaf());
         let mut to = from;
@@ -198,7 +207,7 @@ impl PixelLists {
             to += 1;
         }
         list[to] = fragment;
-        to.min(from)
+        (to != from).then(|| to.min(from))
     }
 
     fn insert(&mut self, pixel: u32, fragment: Fragment) -> usize {

@@ -192,7 +192,7 @@ impl Lead {
         };
         let original_px = self.covered_original_px;
         let share = run.options.share(pruned, original_px, || finds.largest);
-        self.neighbours.remove(run.foliage, leaf);
+        self.neighbours.remove(leaf);
         if share == 0.0 {
             return Vec::new();
         }
