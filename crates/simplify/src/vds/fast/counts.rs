@@ -20,6 +20,7 @@
 
 use super::changes::BackgroundDrift;
 use super::events::Event;
+use super::prefetch::prefetch;
 use super::terms::Target;
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
@@ -214,6 +215,17 @@ impl<'t> Counts<'t> {
         }
     }
 
+    /// Asks for the memory that [`record`](Self::record) of an event will need.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, event: &Event) {
+        for leaf in [event.before[0], event.after[0]] {
+            let leaf = leaf as usize;
+            prefetch(&self.touched, leaf);
+            prefetch(&self.totals, leaf);
+            prefetch(&self.areas, leaf * self.view_count + event.view as usize);
+        }
+    }
+
     fn add_area(&mut self, leaf: u32, view: usize, by: i32) {
         let row = leaf as usize * self.view_count;
         if self.touched[leaf as usize] == UNTOUCHED {
@@ -249,7 +261,11 @@ impl<'t> Counts<'t> {
             let after = &self.areas[leaf as usize * self.view_count..][..self.view_count];
             let before = &self.areas_before[slot * self.view_count..][..self.view_count];
             for ((&a, &b), deviation) in after.iter().zip(before).zip(&mut self.deviations) {
-                let change = self.table.term(a, lg_total) - self.table.term(b, lg_total_before);
+                // Mostly neither is there.
+                let change = match a | b {
+                    0 => 0,
+                    _ => self.table.term(a, lg_total) - self.table.term(b, lg_total_before),
+                };
                 *deviation += change;
                 self.own_terms.push(change);
             }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use secateur_model::{Foliage, Growth};
 use secateur_raster::cpu::LeafFragments;
 use secateur_raster::{Fragments, ViewSet};
@@ -27,15 +28,20 @@ impl Pane {
         let (view_count, per_view) = (fragments.view_count(), fragments.pixels_per_view());
         let (starts, mut arena) = fragments.into_lists();
         // From the last to the first, so that each takes the arena's end.
-        let panes = (0..panes).rev().map(|k| {
+        let parts = (0..panes).rev().map(|k| {
             let views = k * view_count / panes..(k + 1) * view_count / panes;
-            let starts = &starts[views.start * per_view..=views.end * per_view];
-            let first = starts[0];
-            let starts: Vec<u32> = starts.iter().map(|start| start - first).collect();
+            let first = starts[views.start * per_view];
             // The first takes what is left, without the room of what is gone.
             let own = arena.split_off(first as usize);
             arena.shrink_to_fit();
-            let pixels = PixelLists::new(&starts, own, per_view as u32, leaf_count);
+            (views, own)
+        });
+        let parts: Vec<_> = parts.collect();
+        let panes = parts.into_par_iter().map(|(views, arena)| {
+            let starts = &starts[views.start * per_view..=views.end * per_view];
+            let first = starts[0];
+            let starts: Vec<u32> = starts.iter().map(|start| start - first).collect();
+            let pixels = PixelLists::new(&starts, arena, per_view as u32, leaf_count);
             let mut events = pixels.first_events();
             events.move_views(views.start as u32);
             Self {
@@ -82,8 +88,8 @@ impl Pane {
     }
 
     /// What changed, by view over all panes.
-    pub(super) fn events(&self) -> impl Iterator<Item = &Event> {
-        self.events.iter()
+    pub(super) fn events(&self) -> &[Event] {
+        self.events.all()
     }
 
     /// Forgets the events, and their memory.

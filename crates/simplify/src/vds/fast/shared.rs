@@ -38,6 +38,9 @@ pub(super) struct Shared<'a> {
     job: RwLock<Job>,
 }
 
+/// How far ahead the areas that an event changes are asked for.
+const EVENTS_AHEAD: usize = 6;
+
 const HELD: &str = "no thread panicked with a lock held";
 
 impl<'a> Shared<'a> {
@@ -122,7 +125,11 @@ impl<'a> Shared<'a> {
     pub(super) fn settle(&self) {
         let mut counts = self.counts_mut();
         for pane in &self.panes {
-            for event in pane.read().expect(HELD).events() {
+            let pane = pane.read().expect(HELD);
+            for (k, event) in pane.events().iter().enumerate() {
+                if let Some(ahead) = pane.events().get(k + EVENTS_AHEAD) {
+                    counts.prefetch(ahead);
+                }
                 counts.record(event);
             }
         }
