@@ -32,6 +32,9 @@ pub(super) struct Deltas {
     changed: Vec<u32>,
     /// By row, while the leaf is among the changed.
     change: Vec<Change>,
+    /// The edges that lead to leaves of which the step changed the area, those of
+    /// each leaf after those of the leaf before.
+    incoming: Vec<u32>,
 }
 
 impl Deltas {
@@ -45,6 +48,7 @@ impl Deltas {
             rows: vec![0; row_count * view_count],
             changed: Vec::new(),
             change: vec![Change::NONE; row_count],
+            incoming: Vec::new(),
         };
         for leaf in 1..=counts.leaf_count() as u32 {
             if split.shard(leaf) == shard {
@@ -83,11 +87,11 @@ impl Deltas {
     /// Brings the deltas up to date with what a step [settled](Counts::settle)
     /// and its edges [followed](Edges::follow).
     pub(super) fn follow(&mut self, counts: &Counts<'_>, edges: &Edges) {
-        for area in counts.changed_areas() {
-            self.change_own_term(area);
-            self.move_incoming(counts, edges, area);
-        }
-        for touched in edges.touched() {
+        self.move_incoming(counts, edges);
+        for (k, touched) in edges.touched().iter().enumerate() {
+            if let Some(ahead) = edges.touched().get(k + ROWS_AHEAD) {
+                self.prefetch_row(edges.get(ahead.edge).from);
+            }
             let edge = edges.get(touched.edge);
             if edge.to != 0 {
                 let before = counts.target_before(edge.to);
@@ -120,41 +124,49 @@ impl Deltas {
         self.mark_changed(area.leaf);
     }
 
-    /// Terms of the edges that lead to a changed leaf and did not change
-    /// themselves.
-    fn move_incoming(&mut self, counts: &Counts<'_>, edges: &Edges, area: ChangedArea<'_>) {
-        let incoming = edges.incoming(area.leaf);
-        for &index in incoming.iter().take(EDGES_AHEAD) {
-            prefetch(edges.all(), index as usize);
+    /// Own terms of changed leaves, and those of the edges that lead to them and
+    /// did not change themselves.
+    fn move_incoming(&mut self, counts: &Counts<'_>, edges: &Edges) {
+        let mut incoming = std::mem::take(&mut self.incoming);
+        incoming.clear();
+        let leaves = || counts.changed_areas().map(|area| area.leaf);
+        leaves().for_each(|leaf| edges.prefetch_incoming(leaf));
+        leaves().for_each(|leaf| prefetch(edges.incoming(leaf), 0));
+        leaves().for_each(|leaf| incoming.extend_from_slice(edges.incoming(leaf)));
+        let mut at = 0;
+        for area in counts.changed_areas() {
+            self.change_own_term(area);
+            let end = at + edges.incoming(area.leaf).len();
+            while at < end {
+                if let Some(&ahead) = incoming.get(at + EDGES_AHEAD) {
+                    prefetch(edges.all(), ahead as usize);
+                }
+                if let Some(&ahead) = incoming.get(at + ROWS_AHEAD) {
+                    let from = edges.get(ahead).from;
+                    self.prefetch_row(from);
+                    prefetch(&self.change, self.split.row(from));
+                }
+                let edge = edges.get(incoming[at]);
+                at += 1;
+                if edge.is_touched {
+                    continue;
+                }
+                let moved = move_term(
+                    counts.table,
+                    self.row_mut(edge.from),
+                    area.before,
+                    area.after,
+                    edge.total,
+                    &edge.reveals,
+                );
+                let change = &mut self.change[self.split.row(edge.from)];
+                if *change == Change::NONE {
+                    self.changed.push(edge.from);
+                }
+                change.add(moved);
+            }
         }
-        for (k, &index) in incoming.iter().enumerate() {
-            if let Some(&ahead) = incoming.get(k + EDGES_AHEAD) {
-                prefetch(edges.all(), ahead as usize);
-            }
-            if let Some(&ahead) = incoming.get(k + ROWS_AHEAD) {
-                let from = edges.get(ahead).from;
-                self.prefetch_row(from);
-                prefetch(&self.change, self.split.row(from));
-            }
-            let edge = edges.get(index);
-            if edge.is_touched {
-                continue;
-            }
-            let row = self.row_mut(edge.from);
-            let moved = move_term(
-                counts.table,
-                row,
-                area.before,
-                area.after,
-                edge.total,
-                &edge.reveals,
-            );
-            let change = &mut self.change[self.split.row(edge.from)];
-            if *change == Change::NONE {
-                self.changed.push(edge.from);
-            }
-            change.add(moved);
-        }
+        self.incoming = incoming;
     }
 
     /// Calls `changed` with each leaf whose deltas changed or may have since the
@@ -213,6 +225,12 @@ impl Sight<'_> {
             out[view as usize] += gain - i64::from(r) * lg_after;
         }
         edge.total
+    }
+
+    /// Asks for the memory that [`prefetch`](Self::prefetch) of a leaf will need.
+    #[inline(always)]
+    pub(super) fn prefetch_place(&self, leaf: u32) {
+        self.edges.prefetch_place_of_background(leaf);
     }
 
     /// Asks for the memory that [`deltas_but_rise`](Self::deltas_but_rise) of a

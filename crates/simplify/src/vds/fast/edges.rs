@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::events::{Ends, Event};
+use super::events::Event;
 use super::prefetch::prefetch;
 use super::reveals::Reveals;
 use super::split::Split;
@@ -51,6 +51,8 @@ pub(super) struct Edges {
     /// By row of the leaf they come from.
     to_background: Vec<u32>,
     touched: Vec<TouchedEdge>,
+    /// Edge, view, and pixels more or fewer: what a step is about to change.
+    changes: Vec<(u32, u32, i32)>,
 }
 
 impl Edges {
@@ -70,6 +72,7 @@ impl Edges {
             incoming: vec![Vec::new(); leaf_count + 1],
             to_background: vec![NO_EDGE; split.rows(leaf_count)],
             touched: Vec::new(),
+            changes: Vec::new(),
         };
         for event in events {
             let [front, second] = event.after;
@@ -113,6 +116,19 @@ impl Edges {
         }
     }
 
+    /// Asks for the memory of
+    /// [`prefetch_to_background`](Self::prefetch_to_background).
+    #[inline(always)]
+    pub(super) fn prefetch_place_of_background(&self, leaf: u32) {
+        prefetch(&self.to_background, self.split.row(leaf));
+    }
+
+    /// Asks for the memory of [`incoming`](Self::incoming).
+    #[inline(always)]
+    pub(super) fn prefetch_incoming(&self, to: u32) {
+        prefetch(&self.incoming, to as usize);
+    }
+
     /// The edges that lead to a leaf.
     #[inline]
     pub(super) fn incoming(&self, to: u32) -> &[u32] {
@@ -126,15 +142,23 @@ impl Edges {
 
     /// Takes note of what a step changed.
     pub(super) fn follow<'e>(&mut self, events: impl Iterator<Item = &'e Event>) {
+        // All edges are looked up, and their memory asked for, before the first
+        // is changed.
+        let mut changes = std::mem::take(&mut self.changes);
         for event in events {
             let pixels = event.pixels as i32;
-            if self.is_own(event.before[0]) {
-                self.add(event.before, event.view, -pixels);
-            }
-            if self.is_own(event.after[0]) {
-                self.add(event.after, event.view, pixels);
+            for ([from, to], by) in [(event.before, -pixels), (event.after, pixels)] {
+                if self.is_own(from) {
+                    let index = self.between(from, to);
+                    prefetch(&self.all, index as usize);
+                    changes.push((index, event.view, by));
+                }
             }
         }
+        for (index, view, by) in changes.drain(..) {
+            self.add(index, view, by);
+        }
+        self.changes = changes;
     }
 
     /// The edge between two leaves, which may be new.
@@ -178,8 +202,7 @@ impl Edges {
     }
 
     /// Adds pixels in a view, and remembers what was before.
-    fn add(&mut self, [from, to]: Ends, view: u32, by: i32) {
-        let index = self.between(from, to);
+    fn add(&mut self, index: u32, view: u32, by: i32) {
         let edge = &mut self.all[index as usize];
         if !std::mem::replace(&mut edge.is_touched, true) {
             self.touched.push(TouchedEdge {

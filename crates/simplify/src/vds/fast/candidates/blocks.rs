@@ -1,9 +1,9 @@
 //! What bounds the costs of sixteen leaves at once.
 
-use super::super::changes::BackgroundDrift;
 use super::background::Background;
 use super::epochs::Epochs;
 use super::excess::Excesses;
+use super::gates::Gate;
 use super::widths::Width;
 
 /// What rounding may do to bounds and to excesses computed in f32.
@@ -52,16 +52,6 @@ impl Rounding {
     }
 }
 
-/// A background drift in f32; a little less than it was.
-pub(super) fn drift_then(drift: f64) -> f32 {
-    (drift * (1.0 - 1e-6)) as f32
-}
-
-/// A background drift in f32; a little more than it is.
-pub(super) fn drift_now(drift: f64) -> f32 {
-    (drift * (1.0 + 1e-6)) as f32
-}
-
 /// A leaf's figures against the deviations of an epoch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figures {
@@ -105,67 +95,37 @@ impl Reveals {
     }
 }
 
+/// How far the background's terms have moved.
+struct Moved {
+    /// Summed over all views without signs.
+    everywhere: f32,
+    /// The same where it is revealed.
+    revealed: f32,
+    /// What its total takes away along the signs of the epoch.
+    risen_along: f32,
+}
+
+impl Moved {
+    const NOWHERE: Self = Self {
+        everywhere: 0.0,
+        revealed: 0.0,
+        risen_along: 0.0,
+    };
+}
+
 /// How a step stands, as bounds need to know it.
 #[derive(Clone, Copy)]
 pub(super) struct Now<'a> {
-    epochs: &'a Epochs,
-    drift: f32,
-    drift_revealed: f32,
-    twice_deviation_sum: f32,
+    pub epochs: &'a Epochs,
+    pub twice_deviation_sum: f32,
 }
 
 impl<'a> Now<'a> {
-    pub(super) fn new(epochs: &'a Epochs, drift: BackgroundDrift, deviation_sum: i64) -> Self {
+    pub(super) fn new(epochs: &'a Epochs, deviation_sum: i64) -> Self {
         Self {
             epochs,
-            drift: drift_now(drift.rise + drift.revealed),
-            drift_revealed: drift_now(drift.revealed),
             twice_deviation_sum: 2.0 * deviation_sum as f32,
         }
-    }
-}
-
-/// What a step looks at first, of every block: small, so that all of them stay
-/// in the cache. Leaves that would hand pixels to the background are *open*,
-/// the others *solid*.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Gate {
-    /// The least `sum g d` of solid leaves, less what rounding may have done.
-    solid: f32,
-    /// The same of open leaves, with the background's total as it was.
-    open: f32,
-    /// Drift of the background where it is revealed, when the block was evaluated.
-    drift_revealed: f32,
-    epoch: u16,
-    /// Pixels that an open leaf would hand to the background.
-    least_px: u16,
-    largest_px: u16,
-}
-
-impl Gate {
-    #[inline(always)]
-    pub(super) fn epoch(&self) -> usize {
-        self.epoch.into()
-    }
-
-    /// Not above the excess of any solid leaf: by `sum g d`.
-    #[inline(always)]
-    pub(super) fn floor_of_solid(&self, now: &Now<'_>) -> f32 {
-        now.epochs.flipped(self.epoch.into()) + self.solid
-    }
-
-    /// Not above the excess of any open leaf: by `sum g d`, with what the
-    /// background's total takes away since then.
-    #[inline(always)]
-    pub(super) fn floor_of_open(&self, now: &Now<'_>) -> f32 {
-        if self.largest_px == 0 {
-            return f32::INFINITY;
-        }
-        let (least_px, largest_px) = (f32::from(self.least_px), f32::from(self.largest_px));
-        let risen = now.epochs.background_moved(self.epoch.into());
-        let risen = risen.at_most(least_px, largest_px);
-        let moved = largest_px * (now.drift_revealed - self.drift_revealed);
-        now.epochs.flipped(self.epoch.into()) + self.open - risen - moved
     }
 }
 
@@ -191,9 +151,6 @@ pub(super) struct Block {
     largest_px: u32,
     /// The most pixels that one of them would hand to the background in a view.
     most_revealed: u32,
-    /// Background drift when it was evaluated.
-    drift: f32,
-    drift_revealed: f32,
     /// How far bounds may be off, but for the background's drift: those by
     /// `along`, and the others.
     rounding_solid: f32,
@@ -211,7 +168,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub(super) fn empty(epoch: usize, drift: BackgroundDrift, signs: u32) -> Self {
+    pub(super) fn empty(epoch: usize, signs: u32) -> Self {
         Self {
             epoch: epoch as u16,
             least_along_solid: f32::INFINITY,
@@ -226,8 +183,6 @@ impl Block {
             least_px: u32::MAX,
             largest_px: 0,
             most_revealed: 0,
-            drift: drift_then(drift.rise + drift.revealed),
-            drift_revealed: drift_then(drift.revealed),
             rounding_solid: 0.0,
             rounding_open: 0.0,
             rounding: 0.0,
@@ -241,14 +196,17 @@ impl Block {
 
     pub(super) fn gate(&self) -> Gate {
         let px = |px: u32| u16::try_from(px).unwrap_or(u16::MAX);
-        let open = match u16::try_from(self.largest_px) {
-            Ok(_) => self.least_along_open - self.rounding_open - self.slack,
-            Err(_) => f32::NEG_INFINITY,
+        let (open, n) = match u16::try_from(self.largest_px) {
+            Ok(_) => (
+                self.least_along_open - self.rounding_open - self.slack,
+                self.least_n - self.rounding - self.slack,
+            ),
+            Err(_) => (f32::NEG_INFINITY, f32::NEG_INFINITY),
         };
         Gate {
             solid: self.least_along_solid - self.rounding_solid - self.slack,
             open,
-            drift_revealed: self.drift_revealed,
+            n,
             epoch: self.epoch,
             least_px: px(self.least_px),
             largest_px: px(self.largest_px),
@@ -313,7 +271,6 @@ impl Block {
         epoch: usize,
         found: &Excesses,
         reveals: Reveals,
-        drift: BackgroundDrift,
         rounding: Rounding,
     ) {
         (self.least, self.largest) = (found.least, found.largest);
@@ -325,8 +282,6 @@ impl Block {
         (self.least_px, self.largest_px) = (reveals.least_px, reveals.largest_px);
         self.most_revealed = reveals.most_in_a_view;
         self.epoch = epoch as u16;
-        self.drift = drift_then(drift.rise + drift.revealed);
-        self.drift_revealed = drift_then(drift.revealed);
         self.allow_for(rounding);
     }
 
@@ -348,7 +303,30 @@ impl Block {
 
     #[inline]
     fn margin(&self, now: &Now<'_>) -> f32 {
-        self.rounding + self.slack + self.largest_px as f32 * (now.drift - self.drift)
+        let drifted = now.epochs.drifted(self.epoch.into()).everywhere;
+        self.rounding + self.slack + self.largest_px as f32 * drifted
+    }
+
+    /// How far the background's terms have moved since it was evaluated, for any
+    /// of its open leaves.
+    #[inline]
+    fn moved(&self, now: &Now<'_>, background: &mut Background) -> Moved {
+        if !self.has_background() {
+            return Moved::NOWHERE;
+        }
+        let epoch = usize::from(self.epoch);
+        let (least_px, largest_px) = (self.least_px as f32, self.largest_px as f32);
+        let along = now.epochs.background_moved(epoch);
+        let by_gains = background.moved_by_gains(epoch, self.most_revealed, self.largest_px);
+        let by_rise = background.moved_by_rise(epoch, self.least_px, self.largest_px);
+        let drifted = now.epochs.drifted(epoch);
+        let by_drift = largest_px * drifted.everywhere + self.rounding - self.rounding_solid;
+        let revealed = largest_px * drifted.revealed + self.rounding_open - self.rounding_solid;
+        Moved {
+            everywhere: (by_gains + by_rise).min(by_drift),
+            revealed: by_gains.min(revealed),
+            risen_along: along.at_most(least_px, largest_px),
+        }
     }
 
     /// Whether the excesses of its leaves, or of its open ones, are all above a
@@ -363,36 +341,38 @@ impl Block {
         only_open: bool,
     ) -> bool {
         let epoch = usize::from(self.epoch);
-        let (mut moved, mut by_gains, mut risen) = (0.0, 0.0, 0.0);
-        if self.has_background() {
-            let (least_px, largest_px) = (self.least_px as f32, self.largest_px as f32);
-            risen = now
-                .epochs
-                .background_moved(epoch)
-                .at_most(least_px, largest_px);
-            by_gains = background.moved_by_gains(epoch, self.most_revealed, self.largest_px);
-            let by_rise = background.moved_by_rise(epoch, self.least_px, self.largest_px);
-            let by_drift = largest_px * (now.drift - self.drift);
-            moved = (by_gains + by_rise).min(by_drift + self.rounding - self.rounding_solid);
-            let by_drift = largest_px * (now.drift_revealed - self.drift_revealed);
-            by_gains = by_gains.min(by_drift + self.rounding_open - self.rounding_solid);
-        }
+        let moved = self.moved(now, background);
         let limit = limit + self.rounding_solid + self.slack;
-        let along = match only_open {
-            true => self.least_along_open - risen,
-            false => self.least_along_solid.min(self.least_along_open - risen),
+        let along_open = self.least_along_open - moved.risen_along - moved.revealed;
+        let (along, least) = match only_open {
+            true => (along_open, self.least_open),
+            false => (self.least_along_solid.min(along_open), self.least),
         };
-        if self.least_n - now.twice_deviation_sum - moved > limit
-            || now.epochs.flipped(epoch) + along - by_gains > limit
-        {
-            return true;
-        }
-        let least = if only_open {
-            self.least_open
-        } else {
-            self.least
-        };
-        least - moved > limit && least - moved - now.epochs.lost_within(epoch, widths) > limit
+        let least = least - moved.everywhere;
+        self.least_n - now.twice_deviation_sum - moved.everywhere > limit
+            || now.epochs.flipped(epoch) + along > limit
+            || least > limit && least - now.epochs.lost_within(epoch, widths) > limit
+    }
+
+    /// Has its bounds stand against the current deviations, with less to spare,
+    /// instead of those of its epoch, which have the same signs.
+    pub(super) fn rebase(&mut self, now: &Now<'_>, background: &mut Background, widths: &[Width]) {
+        let epoch = usize::from(self.epoch);
+        debug_assert!(now.epochs.is_of_this_run(epoch), "signs are the same");
+        let moved = self.moved(now, background);
+        let lost = now.epochs.lost_within(epoch, widths);
+        let risen = now.epochs.risen(epoch);
+        // Of the sums below.
+        let spare = self.magnitude + moved.everywhere + moved.risen_along.abs() + lost + risen;
+        let spare = spare * (4.0 * f32::EPSILON);
+        self.least_along_solid -= spare;
+        self.least_along_open -= moved.risen_along + moved.revealed + spare;
+        self.least -= moved.everywhere + lost + spare;
+        self.least_open -= moved.everywhere + lost + spare;
+        self.largest += moved.everywhere + risen + spare;
+        self.least_n -= moved.everywhere + spare;
+        self.largest_n += moved.everywhere + spare;
+        self.epoch = now.epochs.current() as u16;
     }
 
     /// Not below the excess of any of its leaves.
@@ -426,5 +406,147 @@ impl Top {
     #[inline(always)]
     pub(super) fn ceiling(&self, drift: f32) -> f32 {
         self.largest_n + self.largest_px * drift
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::super::counts::Counts;
+    use super::super::super::events::Event;
+    use super::super::epochs::along_signs;
+    use super::*;
+    use crate::lg::LgTable;
+
+    const VIEWS: usize = 4;
+    const PIXELS_PER_VIEW: u32 = 1 << 16;
+
+    /// A leaf and what it would hand to the background, by view.
+    #[derive(Clone, Debug)]
+    struct Leaf {
+        others: Vec<i64>,
+        revealed: Vec<u32>,
+    }
+
+    impl Leaf {
+        fn background_px(&self) -> u32 {
+            self.revealed.iter().sum()
+        }
+
+        /// Its deltas but for what the background's total takes away, and that.
+        fn deltas(&self, counts: &Counts<'_>) -> (Vec<i64>, Vec<i64>) {
+            let rise = counts.background_rise(self.background_px()) as i64;
+            let lg_after = counts.target(0).lg_total + rise;
+            let views = self.others.iter().zip(&self.revealed).zip(0..);
+            let gained = views.map(|((other, r), view)| match r {
+                0 => *other,
+                r => other + counts.background_gain(view, *r) - i64::from(*r) * lg_after,
+            });
+            let risen = counts.areas(0).iter().map(|a| i64::from(*a) * rise);
+            (gained.collect(), risen.collect())
+        }
+
+        fn all_deltas(&self, counts: &Counts<'_>) -> Vec<i64> {
+            let (gained, risen) = self.deltas(counts);
+            gained.iter().zip(&risen).map(|(d, r)| d - r).collect()
+        }
+
+        fn figures(&self, counts: &Counts<'_>, epochs: &Epochs) -> Figures {
+            let (gained, risen) = self.deltas(counts);
+            let deltas = self.all_deltas(counts);
+            let then = epochs.deviations(epochs.current());
+            let px = self.background_px();
+            let size = |terms: &[i64]| terms.iter().map(|d| d.abs()).sum::<i64>() as f32;
+            let rise = epochs.risen_along(epochs.current(), px, counts.table);
+            Figures {
+                along: (along_signs(&gained, then) - rise) as f32,
+                excess: excess(then, &deltas) as f32,
+                moved_by_gains: 0.0,
+                moved_by_rise: 0.0,
+                n: size(&deltas),
+                magnitude: size(&gained) + size(&risen),
+                widest: deltas.iter().map(|d| d.abs()).max().unwrap() as f32,
+                background_px: px,
+                most_revealed: *self.revealed.iter().max().unwrap(),
+            }
+        }
+    }
+
+    fn excess(deviations: &[i64], deltas: &[i64]) -> i64 {
+        let terms = deviations.iter().zip(deltas);
+        terms.map(|(d, x)| (d + x).abs() - d.abs()).sum()
+    }
+
+    /// The background of a view grows or shrinks.
+    fn change(counts: &mut Counts<'_>, view: usize, by: i32) {
+        let (before, after) = if by < 0 { (0, 1) } else { (1, 0) };
+        counts.record(&Event {
+            view: view as u32,
+            pixels: by.unsigned_abs(),
+            before: [before, 0],
+            after: [after, 0],
+        });
+        counts.settle();
+        counts.forget_step();
+    }
+
+    fn leaf() -> impl Strategy<Value = Leaf> {
+        let others = prop::collection::vec(-30_000_000i64..30_000_000, VIEWS);
+        let revealed = prop_oneof![Just(vec![0; VIEWS]), prop::collection::vec(0u32..6, VIEWS),];
+        (others, revealed).prop_map(|(others, revealed)| Leaf { others, revealed })
+    }
+
+    proptest! {
+        #[test]
+        fn bounds_hold_also_against_a_later_epoch(
+            first in prop::collection::vec(-400_000_000i64..400_000_000, VIEWS),
+            steps in prop::collection::vec(
+                (0..VIEWS, -15_000_000i64..15_000_000, 0..VIEWS, -500i32..900), 2..60),
+            leaf in leaf(),
+            rebases in prop::collection::vec(0usize..60, 1..4),
+        ) {
+            let table = LgTable::new();
+            let start: Vec<Event> = (0..VIEWS as u32).map(|view| Event {
+                view,
+                pixels: PIXELS_PER_VIEW - 9000 - 2000 * view,
+                before: [0, 0],
+                after: [1, 0],
+            }).collect();
+            let mut counts = Counts::new(start.iter(), VIEWS, PIXELS_PER_VIEW, 1, &table);
+            let mut deviations = first;
+            let mut epochs = Epochs::new(&deviations, counts.areas(0), counts.background_drift());
+            let mut background = Background::new(&counts);
+            let rounding = Rounding::new(VIEWS, PIXELS_PER_VIEW as usize);
+            let mut block = Block::empty(epochs.current(), 0);
+            block.include(&leaf.figures(&counts, &epochs), rounding);
+            let widths = leaf.all_deltas(&counts);
+            let widths: Vec<Width> =
+                widths.iter().map(|d| Width::ZERO.with(*d as f32)).collect();
+            for (step, (view, by, view_of_background, px)) in steps.into_iter().enumerate() {
+                let total: i64 = deviations.iter().map(|d| d.abs()).sum();
+                let now = Now::new(&epochs, total);
+                if rebases.contains(&step) && epochs.is_of_this_run(block.epoch.into()) {
+                    block.rebase(&now, &mut background, &widths);
+                }
+                deviations[view] += by;
+                // Never all of it.
+                if i64::from(counts.areas(0)[view_of_background]) + i64::from(px) > 500 {
+                    change(&mut counts, view_of_background, px);
+                }
+                epochs.begin(&deviations, counts.areas(0), counts.background_drift());
+                background.begin(epochs.current(), &counts);
+                let total: i64 = deviations.iter().map(|d| d.abs()).sum();
+                let now = Now::new(&epochs, total);
+                let excess = excess(&deviations, &leaf.all_deltas(&counts)) as f32;
+                prop_assert!(!block.is_above(excess, &now, &mut background, &widths, false));
+                let is_open = leaf.background_px() > 0;
+                prop_assert!(
+                    !is_open || !block.is_above(excess, &now, &mut background, &widths, true)
+                );
+                prop_assert!(!block.gate().is_shut(excess, &now));
+                prop_assert!(block.ceiling(&now) >= excess);
+            }
+        }
     }
 }

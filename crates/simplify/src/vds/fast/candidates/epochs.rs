@@ -1,6 +1,7 @@
 //! The deviations that blocks were evaluated with, and where the current ones
 //! stand against them.
 
+use super::super::changes::BackgroundDrift;
 use super::widths::Width;
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
@@ -32,10 +33,17 @@ pub(super) struct Epochs {
     flipped: [f32; EPOCHS],
     /// |E| by epoch, then view; 0 where D has another sign.
     kept: Vec<f32>,
-    /// Sum of g times the area of the background, by epoch: then, and its total.
-    background_then: [(i64, u32); EPOCHS],
+    /// The background along g, by epoch: then.
+    background_then: [Along; EPOCHS],
     /// What the background's total takes away along g, now less then.
     background_moved: [BackgroundMoved; EPOCHS],
+    /// A little less than the background's drift, by epoch, and a little more
+    /// than it is now.
+    drifts: [Drift; EPOCHS],
+    drift: Drift,
+    /// The least of `flipped`, and not below any of `background_moved`.
+    flipped_most: f32,
+    moved_most: BackgroundMoved,
     /// |D| by view.
     sizes: Vec<f32>,
     /// By view, whether D is negative: 1 or 0.
@@ -51,9 +59,79 @@ const VIEWS_AT_ONCE: usize = 4;
 /// is proportional to the pixels, to their square, and by rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BackgroundMoved {
-    slope: f32,
-    curvature: f32,
-    rounding: f32,
+    pub slope: f32,
+    pub curvature: f32,
+    pub rounding: f32,
+}
+
+/// How far the background has drifted, for each pixel that a leaf would hand to
+/// it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drift {
+    /// Where it is revealed.
+    pub revealed: f32,
+    /// And in all views together.
+    pub everywhere: f32,
+}
+
+impl Drift {
+    fn then(drift: BackgroundDrift) -> Self {
+        Self {
+            revealed: drift_then(drift.revealed),
+            everywhere: drift_then(drift.rise + drift.revealed),
+        }
+    }
+
+    fn now(drift: BackgroundDrift) -> Self {
+        Self {
+            revealed: drift_now(drift.revealed),
+            everywhere: drift_now(drift.rise + drift.revealed),
+        }
+    }
+}
+
+/// A background drift in f32; a little less than it was.
+pub(super) fn drift_then(drift: f64) -> f32 {
+    (drift * (1.0 - 1e-6)) as f32
+}
+
+/// A background drift in f32; a little more than it is.
+pub(super) fn drift_now(drift: f64) -> f32 {
+    (drift * (1.0 + 1e-6)) as f32
+}
+
+/// The background's areas, summed with the signs of deviations.
+#[derive(Clone, Copy, Debug)]
+struct Along {
+    areas: i64,
+    total: u32,
+    /// The areas without their sign.
+    size: f32,
+    /// What `areas (lg (total + px) - lg total)` is for few pixels, as multiples
+    /// of the pixels and, at most, of their square.
+    first: f64,
+    second: f64,
+}
+
+impl Along {
+    fn new(areas: i64, total: u32) -> Self {
+        let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2;
+        // x - x^2 / 2 <= ln (1 + x) <= x.
+        let (first, second) = match total {
+            0 => (0.0, f64::INFINITY),
+            total => {
+                let first = areas as f64 / f64::from(total) * unit;
+                (first, first.abs() / f64::from(total) / 2.0)
+            }
+        };
+        Self {
+            areas,
+            total,
+            size: areas.unsigned_abs() as f32,
+            first,
+            second,
+        }
+    }
 }
 
 impl BackgroundMoved {
@@ -63,26 +141,25 @@ impl BackgroundMoved {
         rounding: 0.0,
     };
 
-    fn new((then, total_then): (i64, u32), (now, total_now): (i64, u32)) -> Self {
-        if total_then == 0 || total_now == 0 {
-            return Self {
-                curvature: f32::INFINITY,
-                ..Self::NONE
-            };
-        }
-        let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2;
-        // x - x^2 / 2 <= ln (1 + x) <= x.
-        let first = |along: i64, total: u32| along as f64 / f64::from(total) * unit;
-        let second = |along: i64, total: u32| first(along, total).abs() / f64::from(total) / 2.0;
-        let (slope_then, slope_now) = (first(then, total_then), first(now, total_now));
+    fn new(then: &Along, now: &Along) -> Self {
         // Slopes are of the size of what they are the difference of, at most.
-        let slope_rounding = (slope_then.abs() + slope_now.abs()) * 1e-7;
-        let curvature = second(then, total_then) + second(now, total_now) + slope_rounding;
+        let slope_rounding = (then.first.abs() + now.first.abs()) * 1e-7;
+        let curvature = then.second + now.second + slope_rounding;
         Self {
-            slope: (slope_now - slope_then) as f32,
+            slope: (now.first - then.first) as f32,
             curvature: (curvature * 1.000_001) as f32,
             // Two logarithms each, rounded down within 1.2 units.
-            rounding: 1.25 * (then.unsigned_abs() + now.unsigned_abs()) as f32,
+            rounding: 1.25 * (then.size + now.size),
+        }
+    }
+
+    /// Not below either.
+    fn or(self, other: Self) -> Self {
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        Self {
+            slope: larger(self.slope, other.slope),
+            curvature: larger(self.curvature, other.curvature),
+            rounding: larger(self.rounding, other.rounding),
         }
     }
 
@@ -97,8 +174,9 @@ impl BackgroundMoved {
 
 impl Epochs {
     /// As if deviations and background had always been like that.
-    pub(super) fn new(deviations: &[i64], background: &[u32]) -> Self {
+    pub(super) fn new(deviations: &[i64], background: &[u32], drift: BackgroundDrift) -> Self {
         let views = deviations.len();
+        let now = Along::new(along(deviations, background), total(background));
         let mut epochs = Self {
             views,
             step: 0,
@@ -108,8 +186,12 @@ impl Epochs {
             runs: [0; EPOCHS],
             flipped: [0.0; EPOCHS],
             kept: vec![0.0; EPOCHS * views],
-            background_then: [(along(deviations, background), total(background)); EPOCHS],
+            background_then: [now; EPOCHS],
             background_moved: [BackgroundMoved::NONE; EPOCHS],
+            drifts: [Drift::then(drift); EPOCHS],
+            drift: Drift::now(drift),
+            flipped_most: 0.0,
+            moved_most: BackgroundMoved::NONE,
             sizes: deviations.iter().map(size).collect(),
             is_negative: deviations.iter().map(is_negative).collect(),
         };
@@ -131,6 +213,16 @@ impl Epochs {
         self.step
     }
 
+    /// The epoch that the next step takes the place of.
+    pub(super) fn oldest(&self) -> usize {
+        (self.step + 1) as usize % EPOCHS
+    }
+
+    /// Whether no deviation has changed its sign since an epoch.
+    pub(super) fn is_of_this_run(&self, epoch: usize) -> bool {
+        self.runs[epoch] == self.run
+    }
+
     /// The epoch of a step, if it is remembered.
     pub(super) fn of_step(&self, step: u32) -> Option<usize> {
         let is_known = ((self.step - step) as usize) < EPOCHS;
@@ -143,7 +235,7 @@ impl Epochs {
     }
 
     /// Begins a new epoch in the place of the oldest.
-    pub(super) fn begin(&mut self, deviations: &[i64], background: &[u32]) {
+    pub(super) fn begin(&mut self, deviations: &[i64], background: &[u32], drift: BackgroundDrift) {
         self.step += 1;
         self.current = self.step as usize % EPOCHS;
         self.deviations[self.current * self.views..][..self.views].copy_from_slice(deviations);
@@ -160,19 +252,25 @@ impl Epochs {
             true => (0..EPOCHS).for_each(|epoch| self.keep(epoch)),
             false => self.keep(self.current),
         }
-        let now = (along(deviations, background), total(background));
+        let now = Along::new(along(deviations, background), total(background));
         self.background_then[self.current] = now;
+        self.drifts[self.current] = Drift::then(drift);
+        self.drift = Drift::now(drift);
+        self.flipped_most = 0.0;
+        self.moved_most = BackgroundMoved::NONE;
         for epoch in 0..EPOCHS {
-            let (mut flipped, mut along_then) = (0, now.0);
+            let (mut flipped, mut now) = (0, now);
             if self.runs[epoch] != self.run {
                 let then = self.deviations(epoch);
-                along_then = along(then, background);
+                now = Along::new(along(then, background), now.total);
                 flipped =
                     along_signs(deviations, then) - deviations.iter().map(|d| d.abs()).sum::<i64>();
             }
             self.flipped[epoch] = flipped as f32;
-            let then = self.background_then[epoch];
-            self.background_moved[epoch] = BackgroundMoved::new(then, (along_then, now.1));
+            self.flipped_most = self.flipped_most.min(flipped as f32);
+            let moved = BackgroundMoved::new(&self.background_then[epoch], &now);
+            self.background_moved[epoch] = moved;
+            self.moved_most = self.moved_most.or(moved);
         }
     }
 
@@ -195,18 +293,46 @@ impl Epochs {
         self.flipped[epoch]
     }
 
+    /// Not above any epoch's.
+    #[inline]
+    pub(super) fn flipped_most(&self) -> f32 {
+        self.flipped_most
+    }
+
     #[inline]
     pub(super) fn background_moved(&self, epoch: usize) -> &BackgroundMoved {
         &self.background_moved[epoch]
     }
 
+    /// Not below any epoch's, and its slope not below 0.
+    #[inline]
+    pub(super) fn background_moved_most(&self) -> &BackgroundMoved {
+        &self.moved_most
+    }
+
+    /// How far the background has drifted since an epoch.
+    #[inline]
+    pub(super) fn drifted(&self, epoch: usize) -> Drift {
+        let then = self.drifts[epoch];
+        Drift {
+            revealed: self.drift.revealed - then.revealed,
+            everywhere: self.drift.everywhere - then.everywhere,
+        }
+    }
+
+    /// How far since any epoch.
+    #[inline]
+    pub(super) fn drifted_most(&self) -> Drift {
+        self.drifted(self.oldest())
+    }
+
     /// What the background's total took away along the signs of an epoch, then,
     /// from a leaf that hands it so many pixels.
     pub(super) fn risen_along(&self, epoch: usize, px: u32, table: &LgTable) -> i64 {
-        let (along, total) = self.background_then[epoch];
+        let then = &self.background_then[epoch];
         match px {
             0 => 0,
-            px => along * (table.lg(total + px) - table.lg(total)),
+            px => then.areas * (table.lg(then.total + px) - table.lg(then.total)),
         }
     }
 
@@ -321,10 +447,10 @@ mod tests {
         ) {
             let deltas: Vec<i64> = deltas.iter().map(|d| d >> shrink).collect();
             let now: Vec<i64> = then.iter().zip(&moves).map(|(e, m)| e + m).collect();
-            let mut epochs = Epochs::new(&then, &[1, 2, 3, 4, 5]);
+            let mut epochs = Epochs::new(&then, &[1, 2, 3, 4, 5], BackgroundDrift::default());
             let epoch = epochs.current();
             let widths: Vec<Width> = deltas.iter().map(|d| Width::ZERO.with(*d as f32)).collect();
-            epochs.begin(&now, &[2, 2, 9, 4, 5]);
+            epochs.begin(&now, &[2, 2, 9, 4, 5], BackgroundDrift::default());
             let table = LgTable::new();
             let background = [2, 2, 9, 4, 5u32];
             let total = background.iter().sum::<u32>();

@@ -3,8 +3,8 @@
 use super::super::deltas::Sight;
 use super::super::prefetch::{prefetch, prefetch_range};
 use super::Candidates;
-use super::blocks::{Reveals, drift_now, drift_then};
-use super::epochs::along_signs;
+use super::blocks::Reveals;
+use super::epochs::{along_signs, drift_now, drift_then};
 use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
 
 impl Candidates {
@@ -44,8 +44,8 @@ impl Candidates {
         let found = excesses(rows, beside, &self.views, widths);
         let block = &mut self.blocks[index];
         let epoch = self.epochs.current();
-        block.renew(epoch, &found, reveals, self.drift, self.rounding);
-        self.gates[index] = block.gate();
+        block.renew(epoch, &found, reveals, self.rounding);
+        self.gates.set(index, block.gate());
         self.tops[index] = block.top();
         found
     }
@@ -75,11 +75,11 @@ impl Candidates {
             return;
         }
         self.blocks[index].is_up_to_date();
-        for (lane, leaf) in self.residents[index].leaves.iter().enumerate() {
-            if outdated >> lane & 1 == 1 && *leaf != 0 {
-                sight.prefetch(*leaf);
-            }
-        }
+        let leaves = self.residents[index].leaves.iter().enumerate();
+        let leaves = leaves.filter(|(lane, leaf)| outdated >> lane & 1 == 1 && **leaf != 0);
+        let leaves = leaves.map(|(_, leaf)| *leaf);
+        leaves.clone().for_each(|leaf| sight.prefetch_place(leaf));
+        leaves.for_each(|leaf| sight.prefetch(leaf));
         while outdated != 0 {
             let lane = outdated.trailing_zeros() as usize;
             outdated &= outdated - 1;

@@ -16,9 +16,11 @@
 //! - `n`: `excess >= n - 2 sum |D|`, which rules out all but the least visible
 //!   leaves while the deviations are small, and `excess <= n`.
 //!
-//! A block is evaluated again only where these do not rule it out, and an exact
+//! Most blocks are ruled out by their [gates], many at a time. A block is
+//! evaluated again only where these do not rule it out, and an exact
 //! integer cost is computed only for leaves that their f32 excess does not rule
-//! out. Nearly every step changes the background, and with it the deltas of
+//! out. Epochs are forgotten after a while; bounds are carried over to a later
+//! one, with less to spare. Nearly every step changes the background, and with it the deltas of
 //! every leaf at the silhouette, so those are kept without what its total takes
 //! away in all views, which is added as it is now; and all bounds are widened by
 //! how far its terms may have [moved](background). What decides in the end are
@@ -36,6 +38,7 @@ mod blocks;
 mod epochs;
 mod evaluate;
 mod excess;
+mod gates;
 mod limits;
 mod search;
 mod twins;
@@ -49,9 +52,10 @@ use super::counts::Counts;
 use super::deltas::Sight;
 use super::prefetch::prefetch;
 use background::Background;
-use blocks::{Block, Figures, Gate, NO_FIRST, Rounding, Top};
+use blocks::{Block, Figures, NO_FIRST, Now, Rounding, Top};
 use epochs::{Epochs, along_signs};
 use excess::{LANES, Lanes, ViewNow};
+use gates::Gates;
 use twins::Twins;
 use widths::Width;
 
@@ -107,7 +111,7 @@ pub(super) struct Candidates {
     twins: Twins,
     blocks: Vec<Block>,
     /// By block, what is looked at first.
-    gates: Vec<Gate>,
+    gates: Gates,
     tops: Vec<Top>,
     residents: Vec<Residents>,
     /// Deltas by block, then view, without what the background's total takes
@@ -163,14 +167,18 @@ impl Candidates {
             rank_of,
             without_effect: BTreeSet::new(),
             blocks: Vec::new(),
-            gates: Vec::new(),
+            gates: Gates::default(),
             tops: Vec::new(),
             residents: Vec::new(),
             deltas: Vec::new(),
             widths: Vec::new(),
             left: leaves.len(),
             order: leaves,
-            epochs: Epochs::new(deviations, sight.counts.areas(0)),
+            epochs: Epochs::new(
+                deviations,
+                sight.counts.areas(0),
+                sight.counts.background_drift(),
+            ),
             background: Background::new(sight.counts),
             deviations: deviations.to_vec(),
             deviation_sum: 0,
@@ -219,8 +227,8 @@ impl Candidates {
             along: [i64::MAX; LANES],
         };
         self.drift_at_rebuild = sight.counts.background_drift();
-        let empty = Block::empty(self.epochs.current(), self.drift_at_rebuild, self.signs);
-        self.gates = vec![empty.gate(); block_count];
+        let empty = Block::empty(self.epochs.current(), self.signs);
+        self.gates = Gates::new(empty.gate(), block_count);
         self.tops = vec![empty.top(); block_count];
         self.residents = vec![nobody; block_count];
         self.blocks = vec![empty; block_count];
@@ -237,9 +245,30 @@ impl Candidates {
 
     /// Begins a step: `deviations` are those that costs are measured with.
     pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
-        self.epochs.begin(deviations, counts.areas(0));
+        self.rebase_oldest();
+        let drift = counts.background_drift();
+        self.epochs.begin(deviations, counts.areas(0), drift);
         self.background.begin(self.epochs.current(), counts);
         self.look(counts, deviations);
+    }
+
+    /// Has blocks that are about to lose their epoch stand against the current
+    /// one, where no deviation has changed its sign in between.
+    fn rebase_oldest(&mut self) {
+        let oldest = self.epochs.oldest();
+        if !self.epochs.is_of_this_run(oldest) {
+            return;
+        }
+        let now = Now::new(&self.epochs, self.deviation_sum);
+        let mut from = 0;
+        while let Some(index) = self.gates.of_epoch(oldest, from) {
+            let widths = &self.widths[index * self.view_count..][..self.view_count];
+            let block = &mut self.blocks[index];
+            block.rebase(&now, &mut self.background, widths);
+            self.gates.set(index, block.gate());
+            self.tops[index] = block.top();
+            from = index + 1;
+        }
     }
 
     /// Builds the blocks anew when many leaves are gone, and evaluates those
@@ -253,10 +282,10 @@ impl Candidates {
         } else {
             // Their epoch is forgotten now.
             let renewed = self.epochs.current();
-            for index in 0..self.gates.len() {
-                if self.gates[index].epoch() == renewed {
-                    self.evaluate(sight, index);
-                }
+            let mut from = 0;
+            while let Some(index) = self.gates.of_epoch(renewed, from) {
+                self.evaluate(sight, index);
+                from = index + 1;
             }
         }
     }
@@ -343,7 +372,6 @@ impl Candidates {
             let block = place as usize / LANES;
             prefetch(&self.blocks, block);
             prefetch(&self.blocks, block + 1);
-            prefetch(&self.gates, block);
         }
     }
 
@@ -361,7 +389,7 @@ impl Candidates {
         match change.of_others() {
             Some(change) if block.present >> lane & 1 == 1 => {
                 block.outdate(lane, change);
-                self.gates[index] = block.gate();
+                self.gates.set(index, block.gate());
                 self.tops[index] = block.top();
             }
             _ => self.update(sight, leaf),
@@ -459,7 +487,7 @@ impl Candidates {
         };
         block.include(&figures, self.rounding);
         block.present |= 1 << lane;
-        self.gates[index] = block.gate();
+        self.gates.set(index, block.gate());
         self.tops[index] = block.top();
         let residents = &mut self.residents[index];
         residents.leaves[lane] = leaf;

@@ -1,10 +1,14 @@
 //! The search itself: through the gates, then the blocks, then the leaves.
 
 use super::super::deltas::Sight;
-use super::blocks::{Now, drift_now, drift_then};
+use super::blocks::Now;
+use super::epochs::{drift_now, drift_then};
 use super::excess::{Excesses, LANES};
 use super::limits::Limits;
 use super::{Candidates, Found, NOWHERE, STEADY};
+
+/// Tops that are looked at together.
+const TOPS_AT_ONCE: usize = 32;
 
 impl Candidates {
     fn cost(&mut self, sight: Sight<'_>, leaf: u32) -> i64 {
@@ -37,44 +41,59 @@ impl Candidates {
             }
         }
         let mut limit = self.least_excess(best, limits);
-        for index in 0..self.gates.len() {
-            let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
-            let gate = &self.gates[index];
-            let floor_of_open = gate.floor_of_open(&now);
-            if floor_of_open > limit && gate.floor_of_solid(&now) > limit {
-                continue;
+        for group in 0..self.gates.groups() {
+            let now = Now::new(&self.epochs, self.deviation_sum);
+            for index in self.gates.ajar(group, limit, &now) {
+                limit = self.look_into(sight, index, (limits, limit), &mut best, &mut runner_up);
             }
-            limit = self.least_excess(best, limits);
-            let knows_first = self.blocks[index].outdated == 0 && self.could_know_first(index);
-            if knows_first {
-                let (along, rank, leaf) = self.blocks[index].first;
-                if leaf != 0 {
-                    let cost = self.deviation_sum + along;
-                    rank_in(Found { cost, rank, leaf }, &mut best, &mut runner_up);
-                }
-                limit = self.least_excess(best, limits);
-                if leaf == 0 || self.excess(self.deviation_sum + along) > limit {
-                    self.blocks[index].know_solid(along);
-                    self.gates[index] = self.blocks[index].gate();
-                }
-                if floor_of_open > limit {
-                    continue;
-                }
-            }
-            if self.is_ruled_out(index, knows_first, limit) {
-                continue;
-            }
-            self.scan_for_cheapest(sight, index, limits, &mut best, &mut runner_up);
-            limit = self.least_excess(best, limits);
         }
         self.seeds = [best.leaf, runner_up.leaf];
         best
     }
 
+    /// Looks for the cheapest leaf in a block, unless that is ruled out; the
+    /// excess that no leaf need be looked at above from here on.
+    fn look_into(
+        &mut self,
+        sight: Sight<'_>,
+        index: usize,
+        (limits, mut limit): (&Limits, f32),
+        best: &mut Found,
+        runner_up: &mut Found,
+    ) -> f32 {
+        let gate = self.gates.get(index);
+        let now = Now::new(&self.epochs, self.deviation_sum);
+        if gate.is_shut(limit, &now) {
+            return limit;
+        }
+        limit = self.least_excess(*best, limits);
+        let knows_first = self.blocks[index].outdated == 0 && self.could_know_first(index);
+        if knows_first {
+            let (along, rank, leaf) = self.blocks[index].first;
+            if leaf != 0 {
+                let cost = self.deviation_sum + along;
+                rank_in(Found { cost, rank, leaf }, best, runner_up);
+            }
+            limit = self.least_excess(*best, limits);
+            if leaf == 0 || self.excess(self.deviation_sum + along) > limit {
+                self.blocks[index].know_solid(along);
+                self.gates.set(index, self.blocks[index].gate());
+            }
+            if gate.floor_of_open(&self.epochs) > limit {
+                return limit;
+            }
+        }
+        if self.is_ruled_out(index, knows_first, limit) {
+            return limit;
+        }
+        self.scan_for_cheapest(sight, index, limits, best, runner_up);
+        self.least_excess(*best, limits)
+    }
+
     /// Whether the excesses of a block's leaves, or of its open ones, are all
     /// above a limit.
     fn is_ruled_out(&mut self, index: usize, only_open: bool, limit: f32) -> bool {
-        let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
+        let now = Now::new(&self.epochs, self.deviation_sum);
         let widths = &self.widths[index * self.view_count..][..self.view_count];
         let background = &mut self.background;
         self.blocks[index].is_above(limit, &now, background, widths, only_open)
@@ -182,13 +201,21 @@ impl Candidates {
         let drift = drift_now(self.drift.rise + self.drift.revealed)
             - drift_then(self.drift_at_rebuild.rise + self.drift_at_rebuild.revealed);
         let mut limit = self.excess(limits.raise_largest(best.0));
-        for index in 0..self.blocks.len() {
-            if self.tops[index].ceiling(drift) > limit {
-                let now = Now::new(&self.epochs, self.drift, self.deviation_sum);
-                if self.blocks[index].ceiling(&now) > limit {
-                    self.scan_for_largest(sight, index, &mut best);
+        for first in (0..self.tops.len()).step_by(TOPS_AT_ONCE) {
+            let last = (first + TOPS_AT_ONCE).min(self.tops.len());
+            let tops = self.tops[first..last].iter();
+            // Without a way out in the middle it is vector instructions.
+            if !tops.fold(false, |any, top| any | (top.ceiling(drift) > limit)) {
+                continue;
+            }
+            for index in first..last {
+                if self.tops[index].ceiling(drift) > limit {
+                    let now = Now::new(&self.epochs, self.deviation_sum);
+                    if self.blocks[index].ceiling(&now) > limit {
+                        self.scan_for_largest(sight, index, &mut best);
+                    }
+                    limit = self.excess(limits.raise_largest(best.0));
                 }
-                limit = self.excess(limits.raise_largest(best.0));
             }
         }
         if best.1 != 0 {
