@@ -41,7 +41,8 @@ fn main() {
     let mut between_s = 0.0;
     let start = Instant::now();
     let literal = reference::simplify(&foliage, &options, &mut |progress: Progress| {
-        if progress.steps % progress.steps_at_most.div_ceil(repeats) == 0 {
+        let every = progress.steps_at_most.div_ceil(repeats);
+        if progress.steps.is_multiple_of(every) {
             let start = Instant::now();
             run_fast();
             between_s += start.elapsed().as_secs_f64();

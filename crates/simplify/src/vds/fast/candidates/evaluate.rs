@@ -4,7 +4,8 @@ use super::super::deltas::Sight;
 use super::super::prefetch::{prefetch, prefetch_range};
 use super::Candidates;
 use super::blocks::Reveals;
-use super::epochs::{along_signs, drift_now, drift_then};
+use super::drift::{drift_now, drift_then};
+use super::epochs::along_signs;
 use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
 
 impl Candidates {

@@ -33,13 +33,16 @@
 //! rank, outside the blocks: mostly leaves that no view sees. So do leaves for
 //! which a [twin](twins) stands.
 
+mod along;
 mod background;
 mod blocks;
+mod drift;
 mod epochs;
 mod evaluate;
 mod excess;
 mod gates;
 mod limits;
+mod rounding;
 mod search;
 mod twins;
 mod widths;
@@ -52,10 +55,11 @@ use super::counts::Counts;
 use super::deltas::Sight;
 use super::prefetch::prefetch;
 use background::Background;
-use blocks::{Block, Figures, NO_FIRST, Now, Rounding, Top};
+use blocks::{Block, Figures, NO_FIRST, Now, Top};
 use epochs::{Epochs, along_signs};
 use excess::{LANES, Lanes, ViewNow};
 use gates::Gates;
+use rounding::Rounding;
 use twins::Twins;
 use widths::Width;
 

@@ -2,7 +2,7 @@
 
 use super::super::deltas::Sight;
 use super::blocks::Now;
-use super::epochs::{drift_now, drift_then};
+use super::drift::{drift_now, drift_then};
 use super::excess::{Excesses, LANES};
 use super::limits::Limits;
 use super::{Candidates, Found, NOWHERE, STEADY};
