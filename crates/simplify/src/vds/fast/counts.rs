@@ -339,3 +339,20 @@ impl<'t> Counts<'t> {
         self.background_drift.rise += (sum as f64 / least + change * (1.0 + change)) * unit;
     }
 }
+
+#[cfg(test)]
+impl Counts<'_> {
+    /// A step in which leaf 1 hands pixels of a view to the background, or takes
+    /// them from it.
+    pub(super) fn hand_to_background(&mut self, view: usize, pixels: i32) {
+        let (before, after) = if pixels < 0 { (0, 1) } else { (1, 0) };
+        self.record(&Event {
+            view: view as u32,
+            pixels: pixels.unsigned_abs(),
+            before: [before, 0],
+            after: [after, 0],
+        });
+        self.settle();
+        self.forget_step();
+    }
+}

@@ -272,19 +272,6 @@ mod tests {
 
     const VIEWS: usize = 3;
 
-    /// Leaf 1 gains or loses pixels of a view.
-    fn change(counts: &mut Counts<'_>, view: usize, by: i32) {
-        let (before, after) = if by < 0 { (1, 0) } else { (0, 1) };
-        counts.record(&Event {
-            view: view as u32,
-            pixels: by.unsigned_abs(),
-            before: [before, 0],
-            after: [after, 0],
-        });
-        counts.settle();
-        counts.forget_step();
-    }
-
     /// Gains of the background's term, and what its total takes away, by view.
     fn terms(counts: &Counts<'_>, revealed: &[u32]) -> Vec<(i64, i64)> {
         let px = revealed.iter().sum();
@@ -322,7 +309,7 @@ mod tests {
             let mut background = Background::new(&counts);
             let then = terms(&counts, &revealed);
             for (view, by) in changes {
-                change(&mut counts, view, by);
+                counts.hand_to_background(view, -by);
             }
             background.begin(1, &counts);
             let now = terms(&counts, &revealed);

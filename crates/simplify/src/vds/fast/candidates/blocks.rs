@@ -433,19 +433,6 @@ mod tests {
         terms.map(|(d, x)| (d + x).abs() - d.abs()).sum()
     }
 
-    /// The background of a view grows or shrinks.
-    fn change(counts: &mut Counts<'_>, view: usize, by: i32) {
-        let (before, after) = if by < 0 { (0, 1) } else { (1, 0) };
-        counts.record(&Event {
-            view: view as u32,
-            pixels: by.unsigned_abs(),
-            before: [before, 0],
-            after: [after, 0],
-        });
-        counts.settle();
-        counts.forget_step();
-    }
-
     fn leaf() -> impl Strategy<Value = Leaf> {
         let others = prop::collection::vec(-30_000_000i64..30_000_000, VIEWS);
         let revealed = prop_oneof![Just(vec![0; VIEWS]), prop::collection::vec(0u32..6, VIEWS),];
@@ -487,7 +474,7 @@ mod tests {
                 deviations[view] += by;
                 // Never all of it.
                 if i64::from(counts.areas(0)[view_of_background]) + i64::from(px) > 500 {
-                    change(&mut counts, view_of_background, px);
+                    counts.hand_to_background(view_of_background, px);
                 }
                 epochs.begin(&deviations, counts.areas(0), counts.background_drift());
                 background.begin(epochs.current(), &counts);

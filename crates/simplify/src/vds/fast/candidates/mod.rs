@@ -42,6 +42,7 @@ mod evaluate;
 mod excess;
 mod gates;
 mod limits;
+mod residents;
 mod rounding;
 mod search;
 mod twins;
@@ -50,15 +51,15 @@ mod widths;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::changes::{BackgroundDrift, Change};
+use super::changes::BackgroundDrift;
 use super::counts::Counts;
 use super::deltas::Sight;
-use super::prefetch::prefetch;
 use background::Background;
-use blocks::{Block, Figures, NO_FIRST, Now, Top};
-use epochs::{Epochs, along_signs};
+use blocks::{Block, Now, Top};
+use epochs::Epochs;
 use excess::{LANES, Lanes, ViewNow};
 use gates::Gates;
+use residents::Residents;
 use rounding::Rounding;
 use twins::Twins;
 use widths::Width;
@@ -72,24 +73,6 @@ const STEADY: u32 = 32;
 /// Pixels for which a step knows beforehand how the logarithm of the
 /// background's total would rise.
 const RISES: usize = 256;
-
-/// What is known of a block's leaves beside their deltas.
-#[derive(Clone)]
-struct Residents {
-    /// 0 where none is.
-    leaves: [u32; LANES],
-    /// Pixels that each would hand to the background.
-    background_px: [u32; LANES],
-    /// The most of them in a view, or more than anybody asks for.
-    most_revealed: [u8; LANES],
-    /// The step in which each was read.
-    read_in: [u32; LANES],
-    /// Drift of the background where it is revealed, when the leaf was read.
-    drift: Lanes,
-    /// What the deltas of each sum to with the block's signs, exactly, if it
-    /// is solid.
-    along: [i64; LANES],
-}
 
 /// A leaf and its cost; of equals the least rank comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -222,19 +205,11 @@ impl Candidates {
             (waits, exponent, n >> (exponent - 2), background_px.min(16))
         });
         let block_count = order.len().div_ceil(LANES);
-        let nobody = Residents {
-            leaves: [0; LANES],
-            background_px: [0; LANES],
-            most_revealed: [0; LANES],
-            read_in: [0; LANES],
-            drift: Lanes::ZERO,
-            along: [i64::MAX; LANES],
-        };
         self.drift_at_rebuild = sight.counts.background_drift();
         let empty = Block::empty(self.epochs.current(), self.signs);
         self.gates = Gates::new(empty.gate(), block_count);
         self.tops = vec![empty.top(); block_count];
-        self.residents = vec![nobody; block_count];
+        self.residents = vec![Residents::NOBODY; block_count];
         self.blocks = vec![empty; block_count];
         self.deltas = vec![Lanes::ZERO; block_count * self.view_count];
         self.widths = vec![Width::ZERO; block_count * self.view_count];
@@ -317,207 +292,4 @@ impl Candidates {
         let rises = (0..RISES as u32).map(|px| counts.background_rise(px) as f32);
         self.rises.extend(rises);
     }
-
-    /// Takes a leaf out for good, if it is one of these.
-    pub(super) fn remove(&mut self, sight: Sight<'_>, leaf: u32) {
-        if self.place_of[leaf as usize] == NOWHERE {
-            return;
-        }
-        self.left -= 1;
-        self.leave(leaf);
-        self.place_of[leaf as usize] = NOWHERE;
-        let rank = self.rank_of[leaf as usize];
-        self.without_effect.remove(&(rank, leaf));
-        if let Some(twin) = self.twins.leave(rank, leaf) {
-            self.enter(sight, twin);
-        }
-    }
-
-    fn leave(&mut self, leaf: u32) {
-        let place = self.place_of[leaf as usize] as usize;
-        let (block, lane) = (place / LANES, place % LANES);
-        if self.residents[block].leaves[lane] == 0 {
-            return;
-        }
-        let residents = &mut self.residents[block];
-        residents.leaves[lane] = 0;
-        self.blocks[block].present &= !(1 << lane);
-        residents.background_px[lane] = 0;
-        residents.most_revealed[lane] = 0;
-        residents.along[lane] = i64::MAX;
-        if self.blocks[block].first.2 == leaf {
-            self.find_first(block);
-        }
-        for row in &mut self.deltas[block * self.view_count..(block + 1) * self.view_count] {
-            row.0[lane] = 0.0;
-        }
-    }
-
-    fn find_first(&mut self, index: usize) {
-        let residents = &self.residents[index];
-        let lanes = residents.along.iter().zip(residents.leaves);
-        let known = lanes.filter(|(along, _)| **along != i64::MAX);
-        let firsts = known.map(|(&along, leaf)| (along, self.rank_of[leaf as usize], leaf));
-        self.blocks[index].first = firsts.fold(NO_FIRST, std::cmp::min);
-    }
-
-    /// Asks for where a leaf has its place.
-    pub(super) fn prefetch_place(&self, leaf: Option<u32>) {
-        if let Some(leaf) = leaf {
-            prefetch(&self.place_of, leaf as usize);
-        }
-    }
-
-    /// Asks for the memory that [`note`](Self::note) of a leaf will need.
-    pub(super) fn prefetch(&self, leaf: Option<u32>) {
-        let Some(leaf) = leaf else { return };
-        let place = self.place_of[leaf as usize];
-        if place != NOWHERE {
-            let block = place as usize / LANES;
-            prefetch(&self.blocks, block);
-            prefetch(&self.blocks, block + 1);
-        }
-    }
-
-    /// Takes note that a leaf's deltas changed; leaves that are gone are ignored.
-    ///
-    /// Most changes are those of areas of leaves behind it, and small: then its
-    /// block's bounds give way, and the deltas are read when they do not suffice.
-    pub(super) fn note(&mut self, sight: Sight<'_>, leaf: u32, change: Change) {
-        let place = self.place_of[leaf as usize];
-        if place == NOWHERE {
-            return;
-        }
-        let (index, lane) = (place as usize / LANES, place as usize % LANES);
-        let block = &mut self.blocks[index];
-        match change.of_others() {
-            Some(change) if block.present >> lane & 1 == 1 => {
-                block.outdate(lane, change);
-                self.gates.set(index, block.gate());
-                self.tops[index] = block.top();
-            }
-            _ => self.update(sight, leaf),
-        }
-    }
-
-    /// Notes the exact sum of a leaf's deltas with the signs that the deviations
-    /// have now, and what that makes of its block's first.
-    fn stand(&mut self, (index, lane): (usize, usize), leaf: u32, along_now: i64) {
-        let block = &mut self.blocks[index];
-        let residents = &mut self.residents[index];
-        let is_known = residents.background_px[lane] == 0 && block.signs == self.signs;
-        let along = if is_known { along_now } else { i64::MAX };
-        residents.along[lane] = along;
-        let was_first = block.first.2 == leaf;
-        if is_known && along <= block.first.0 {
-            let first = (along, self.rank_of[leaf as usize], leaf);
-            block.first = if was_first {
-                first
-            } else {
-                block.first.min(first)
-            };
-        } else if was_first {
-            self.find_first(index);
-        }
-    }
-
-    /// Takes note of a leaf's new deltas.
-    fn update(&mut self, sight: Sight<'_>, leaf: u32) {
-        let rank = self.rank_of[leaf as usize];
-        let (comes_forth, hides) = self.twins.set(rank, leaf, sight.silhouette(leaf));
-        if let Some(other) = hides {
-            self.leave(other);
-        }
-        self.enter(sight, leaf);
-        if let Some(other) = comes_forth {
-            self.enter(sight, other);
-        }
-    }
-
-    /// Puts a leaf where its deltas say, unless a twin stands for it.
-    fn enter(&mut self, sight: Sight<'_>, leaf: u32) {
-        let place = self.place_of[leaf as usize] as usize;
-        let rank = self.rank_of[leaf as usize];
-        if self.twins.is_hidden(rank, leaf) {
-            self.leave(leaf);
-            self.without_effect.remove(&(rank, leaf));
-            return;
-        }
-        let (index, lane) = (place / LANES, place % LANES);
-        let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-        if background_px == 0 && self.row.iter().all(|d| *d == 0) {
-            self.leave(leaf);
-            self.without_effect.insert((rank, leaf));
-            return;
-        }
-        if self.residents[index].leaves[lane] == 0 {
-            self.without_effect.remove(&(rank, leaf));
-        }
-        let rise = sight.counts.background_rise(background_px);
-        let most_revealed = sight.most_revealed(leaf);
-        let block = &mut self.blocks[index];
-        let epoch = usize::from(block.epoch);
-        let then = self.epochs.deviations(epoch);
-        let (mut excess, mut n, mut magnitude, mut widest) = (0, 0, 0, 0);
-        let background = sight.counts.areas(0);
-        let widths = &mut self.widths[index * self.view_count..][..self.view_count];
-        for (view, (width, d)) in widths.iter_mut().zip(&self.row).enumerate() {
-            let e = then[view];
-            let risen = (u64::from(background[view]) * rise) as i64;
-            magnitude += d.abs() + risen;
-            let d = d - risen;
-            excess += (d + e).abs() - e.abs();
-            n += d.abs();
-            widest = widest.max(d.abs());
-            *width = width.with(d as f32);
-        }
-        let along_then = along_signs(&self.row, then)
-            - self
-                .epochs
-                .risen_along(epoch, background_px, sight.counts.table);
-        let now = &mut self.background;
-        let by_gains = now.moved_by_gains(epoch, most_revealed, background_px);
-        let by_rise = now.moved_by_rise(epoch, background_px, background_px);
-        let figures = Figures {
-            along: along_then as f32,
-            excess: excess as f32,
-            moved_by_gains: known_or_zero(by_gains),
-            moved_by_rise: known_or_zero(by_rise),
-            n: n as f32,
-            magnitude: magnitude as f32,
-            widest: widest as f32,
-            background_px,
-            most_revealed,
-        };
-        block.include(&figures, self.rounding);
-        block.present |= 1 << lane;
-        self.gates.set(index, block.gate());
-        self.tops[index] = block.top();
-        let residents = &mut self.residents[index];
-        residents.leaves[lane] = leaf;
-        residents.background_px[lane] = background_px;
-        residents.most_revealed[lane] = most_revealed.try_into().unwrap_or(u8::MAX);
-        self.write_row((index, lane));
-        let along_now = along_signs(&self.row, &self.deviations);
-        self.stand((index, lane), leaf, along_now);
-    }
-
-    /// The exact sums of a block's deltas with the signs that the deviations
-    /// have now.
-    fn renew_firsts(&mut self, sight: Sight<'_>, index: usize) {
-        for lane in 0..LANES {
-            let leaf = self.residents[index].leaves[lane];
-            if leaf != 0 && self.residents[index].background_px[lane] == 0 {
-                sight.deltas_but_rise(leaf, &mut self.row);
-                self.residents[index].along[lane] = along_signs(&self.row, &self.deviations);
-            }
-        }
-        self.blocks[index].signs = self.signs;
-        self.find_first(index);
-    }
-}
-
-/// Blocks whose leaves are like that know it of all of them.
-fn known_or_zero(moved: f32) -> f32 {
-    if moved.is_finite() { moved } else { 0.0 }
 }
