@@ -217,7 +217,16 @@ impl Foliage {
     }
 }
 
-fn centroid_and_area(triangles: &[LeafTriangle]) -> (DVec3, f64) {
+/// Triangles grown about a point until they have this multiple of their area.
+pub(crate) fn scaled_about(centre: DVec3, area_scale: f64, triangles: &mut [LeafTriangle]) {
+    let linear_scale = area_scale.sqrt();
+    for corner in triangles.iter_mut().flat_map(|t| &mut t.corners) {
+        *corner = centre + (*corner - centre) * linear_scale;
+    }
+}
+
+/// As [`Leaf::centre`] and [`Leaf::area`]; there is a triangle.
+pub(crate) fn centroid_and_area(triangles: &[LeafTriangle]) -> (DVec3, f64) {
     let mean = |t: &LeafTriangle| (t.corners[0] + t.corners[1] + t.corners[2]) / 3.0;
     // Relative to a corner, so that a leaf far from the origin keeps its bits.
     let origin = triangles[0].corners[0];

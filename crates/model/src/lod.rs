@@ -1,15 +1,23 @@
 //! Which leaves are left, and how large.
 
+use crate::foliage::scaled_about;
 use crate::{Foliage, LeafId, NewLeaf, RemovalOrder};
 
 /// A level of detail of a foliage: for each leaf its area as a multiple of the
 /// original one, or nothing where the leaf is gone; and the leaves that were
-/// made in place of others.
+/// made in place of others, with theirs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lod {
     area_scales: Vec<Option<f64>>,
     /// In the order of their names; nothing where one is gone again.
-    made: Vec<Option<NewLeaf>>,
+    made: Vec<Option<Made>>,
+}
+
+/// A leaf that was made, and its area as a multiple of that of its triangles.
+#[derive(Clone, Debug, PartialEq)]
+struct Made {
+    leaf: NewLeaf,
+    area_scale: f64,
 }
 
 impl Lod {
@@ -27,7 +35,7 @@ impl Lod {
         let mut lod = Self::original(order.leaf_count() as usize);
         let mut survivors_area_scale = 1.0;
         for step in order.steps().take(steps) {
-            lod.made.extend(step.made.iter().cloned().map(Some));
+            step.made.iter().cloned().for_each(|leaf| lod.make(leaf));
             for &leaf in step.removed {
                 lod.remove(leaf);
             }
@@ -57,24 +65,31 @@ impl Lod {
 
     /// Adds a leaf to those that are left.
     pub fn make(&mut self, leaf: NewLeaf) {
-        self.made.push(Some(leaf));
+        self.made.push(Some(Made {
+            leaf,
+            area_scale: 1.0,
+        }));
     }
 
-    /// Gives a leaf this multiple of its original area.
+    /// Gives a leaf this multiple of its original area, or, if it was made, of that
+    /// of its triangles.
     ///
     /// # Panics
-    /// If the leaf is gone or no original one, or `area_scale` is not a finite positive number.
+    /// If the leaf is gone, or `area_scale` is not a finite positive number.
     pub fn resize(&mut self, leaf: LeafId, area_scale: f64) {
         assert!(
             area_scale.is_finite() && area_scale > 0.0,
             "{leaf} cannot be resized to {area_scale} times its area"
         );
-        let scale = self.area_scales[leaf.index()].as_mut();
+        let scale = match leaf.index().checked_sub(self.area_scales.len()) {
+            None => self.area_scales[leaf.index()].as_mut(),
+            Some(made) => self.made[made].as_mut().map(|m| &mut m.area_scale),
+        };
         *scale.expect("only a leaf that is left can be resized") = area_scale;
     }
 
-    /// The area of a leaf as a multiple of its original one, or `None` if it is
-    /// gone.
+    /// The area of an original leaf as a multiple of its original one, or `None` if
+    /// it is gone.
     ///
     /// # Panics
     /// If there is no such leaf.
@@ -82,14 +97,15 @@ impl Lod {
         self.area_scales[leaf.index()]
     }
 
-    /// [`area_scale`](Self::area_scale) of every leaf, leaf 1 first.
+    /// [`area_scale`](Self::area_scale) of every original leaf, leaf 1 first.
     pub fn area_scales(&self) -> &[Option<f64>] {
         &self.area_scales
     }
 
-    /// The leaves that were made and are left, in the order of their making.
-    pub fn made(&self) -> impl Iterator<Item = &NewLeaf> + '_ {
-        self.made.iter().flatten()
+    /// The leaves that were made and are left, in the order of their making, with
+    /// their areas as multiples of those of their triangles.
+    pub fn made(&self) -> impl Iterator<Item = (&NewLeaf, f64)> + '_ {
+        self.made.iter().flatten().map(|m| (&m.leaf, m.area_scale))
     }
 
     /// Whether only original leaves are left.
@@ -111,17 +127,14 @@ impl Lod {
             pushed.expect("a leaf of finite corners, with a cut-out of the original");
         };
         for (leaf, area_scale) in self.leaves() {
-            let (centre, linear_scale) = (original.leaf(leaf).centre(), area_scale.sqrt());
             let mut triangles = original.triangles_of(leaf).to_vec();
             if area_scale != 1.0 {
-                for corner in triangles.iter_mut().flat_map(|t| &mut t.corners) {
-                    *corner = centre + (*corner - centre) * linear_scale;
-                }
+                scaled_about(original.leaf(leaf).centre(), area_scale, &mut triangles);
             }
             push(&triangles, leaf);
         }
-        for leaf in self.made() {
-            push(&leaf.triangles_in(original), leaf.donor);
+        for (leaf, area_scale) in self.made() {
+            push(&leaf.triangles_in(original, area_scale), leaf.donor);
         }
         foliage
     }
@@ -137,13 +150,11 @@ impl Lod {
         self.area_scales.iter().flatten().count() + self.made().count()
     }
 
-    /// The largest area scale of an original leaf that is left, 1 where none is.
+    /// The largest area scale of a leaf that is left, 1 where none has grown.
     pub fn max_area_scale(&self) -> f64 {
-        self.area_scales
-            .iter()
-            .flatten()
-            .copied()
-            .fold(1.0, f64::max)
+        let made = self.made().map(|(_, area_scale)| area_scale);
+        let originals = self.area_scales.iter().flatten().copied();
+        originals.chain(made).fold(1.0, f64::max)
     }
 }
 
@@ -216,6 +227,38 @@ mod tests {
         assert_eq!(Lod::after(&order, 2).leaf_count(), 0);
         order.truncate(1);
         assert_eq!(Lod::after(&order, 9), one);
+    }
+
+    #[test]
+    fn a_leaf_that_was_made_grows_about_its_own_centre() {
+        use crate::{LeafTriangle, NewCorner, Place};
+        use glam::DVec3;
+        let leaf = |n| LeafId::new(n).unwrap();
+        let mut foliage = Foliage::default();
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        foliage
+            .push_leaf(&[LeafTriangle::plain(corners)], None)
+            .unwrap();
+        // About (6, 1, 0).
+        let places = [(3.0, 0.0), (9.0, 0.0), (6.0, 3.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        let corner = |place| NewCorner {
+            place: Place::At(place),
+            like: 0,
+        };
+        let mut lod = Lod::original(1);
+        lod.remove(leaf(1));
+        lod.make(NewLeaf {
+            donor: leaf(1),
+            triangles: vec![places.map(corner)],
+        });
+        lod.resize(leaf(2), 4.0);
+        assert_eq!(lod.max_area_scale(), 4.0);
+        let grown = lod.foliage(&foliage);
+        let expected = [(0.0, -1.0), (12.0, -1.0), (6.0, 5.0)];
+        assert_eq!(
+            grown.triangles()[0].corners,
+            expected.map(|(x, y)| DVec3::new(x, y, 0.0))
+        );
     }
 
     /// Leaves of area 2 and 3 that all keep a common 1.5, and the growth of one.

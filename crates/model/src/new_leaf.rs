@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::foliage::{centroid_and_area, scaled_about};
 use crate::{Foliage, LeafId, LeafTriangle};
 
 /// A corner of an original leaf: `corner % 3` of triangle `corner / 3` of
@@ -56,11 +57,12 @@ pub struct NewLeaf {
 }
 
 impl NewLeaf {
-    /// Its triangles in world space, with the donor's texture coordinates.
+    /// Its triangles in world space, with the donor's texture coordinates, grown
+    /// about its centre to this multiple of its area.
     ///
     /// # Panics
     /// If it names a leaf or corner that is not there.
-    pub fn triangles_in(&self, foliage: &Foliage) -> Vec<LeafTriangle> {
+    pub fn triangles_in(&self, foliage: &Foliage, area_scale: f64) -> Vec<LeafTriangle> {
         let like = foliage.triangles_of(self.donor);
         let corner = |c: &NewCorner| {
             let position = match c.place {
@@ -76,6 +78,11 @@ impl NewLeaf {
                 uvs: [a.1, b.1, c.1],
             }
         };
-        self.triangles.iter().map(triangle).collect()
+        let mut triangles: Vec<LeafTriangle> = self.triangles.iter().map(triangle).collect();
+        if area_scale != 1.0 {
+            let (centre, _) = centroid_and_area(&triangles);
+            scaled_about(centre, area_scale, &mut triangles);
+        }
+        triangles
     }
 }

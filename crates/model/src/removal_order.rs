@@ -2,15 +2,15 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::{LeafId, NewLeaf};
+use crate::{Foliage, LeafId, NewLeaf};
 
 /// A leaf that a step makes larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// The leaf that grows about its centre.
     pub leaf: LeafId,
-    /// Its area after the step, as a multiple of its original area. The linear
-    /// scale is the square root.
+    /// Its area after the step, as a multiple of its original area, or of that of
+    /// its triangles if it was made. The linear scale is the square root.
     pub area_scale: f64,
 }
 
@@ -19,6 +19,7 @@ pub struct Growth {
 /// | method | removed | grown | made | survivors |
 /// |---|---|---|---|---|
 /// | VDS | one | its neighbours | none | as they were |
+/// | VDS on coarser leaves, first step | all that get coarser | none | as many | as they were |
 /// | FSA | two | none | one | as they were |
 /// | stochastic | one | none | none | all of one scale |
 /// | meshoptimizer, in one step | any | none | any | as they were |
@@ -26,7 +27,7 @@ pub struct Growth {
 pub struct Step<'a> {
     /// The leaves that disappear.
     pub removed: &'a [LeafId],
-    /// The leaves that fill their gap, grown.
+    /// The leaves that fill their gap, grown; original or made ones.
     pub grown: &'a [Growth],
     /// New leaves. Their names count on from the last leaf's: the first that an
     /// order makes is leaf [`RemovalOrder::leaf_count`] + 1.
@@ -144,6 +145,27 @@ impl RemovalOrder {
     pub fn leaves_after(&self, steps: usize) -> usize {
         let end = self.end_of(steps);
         (self.leaf_count + end.made - end.removed) as usize
+    }
+
+    /// How many steps it takes until this foliage has so many triangles or fewer;
+    /// all of them if it never has.
+    ///
+    /// # Panics
+    /// If the order is one of another foliage.
+    pub fn steps_to_triangles(&self, foliage: &Foliage, at_most: usize) -> usize {
+        assert_eq!(self.leaf_count as usize, foliage.leaves().len());
+        let triangles_of = |leaf: &LeafId| match leaf.get().checked_sub(self.leaf_count + 1) {
+            None => foliage.triangles_of(*leaf).len(),
+            Some(made) => self.made[made as usize].triangles.len(),
+        };
+        let mut left = foliage.triangles().len();
+        let over = self.steps().take_while(|step| {
+            let is_over = left > at_most;
+            left += step.made.iter().map(|m| m.triangles.len()).sum::<usize>();
+            left -= step.removed.iter().map(triangles_of).sum::<usize>();
+            is_over
+        });
+        over.count()
     }
 
     /// The steps, first to last.

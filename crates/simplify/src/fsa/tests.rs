@@ -81,7 +81,7 @@ fn two_squares_become_the_rectangle_around_them() {
         step.removed.iter().map(|l| l.get()).collect::<Vec<_>>(),
         [1, 3]
     );
-    let made = step.made[0].triangles_in(&foliage);
+    let made = step.made[0].triangles_in(&foliage, 1.0);
     let mut corners: Vec<([f64; 3], [f64; 2])> = made
         .iter()
         .flat_map(|t| t.corners.iter().zip(t.uvs))
@@ -202,7 +202,7 @@ proptest! {
         for made in order.steps().flat_map(|step| step.made) {
             let references = made.triangles.iter().flatten();
             prop_assert!(references.clone().all(|c| matches!(c.place, Place::Of(_))));
-            prop_assert_eq!(made.triangles_in(&foliage).len(), 2);
+            prop_assert_eq!(made.triangles_in(&foliage, 1.0).len(), 2);
         }
         prop_assert_eq!(Lod::after(&order, order.len()).leaf_count(), 1);
     }

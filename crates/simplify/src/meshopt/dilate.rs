@@ -33,7 +33,7 @@ pub(super) fn dilate(foliage: &Foliage, removed: &mut Vec<LeafId>, made: &mut Ve
 
     let outlines: Vec<Outline> = left
         .iter()
-        .map(|leaf| Outline::of(&leaf.triangles_in(foliage)))
+        .map(|leaf| Outline::of(&leaf.triangles_in(foliage, 1.0)))
         .collect();
     let bordered = outlines.iter().filter(|o| o.perimeter > 0.0).count();
     let perimeter: f64 = outlines.iter().map(|o| o.perimeter).sum();
@@ -168,7 +168,7 @@ mod tests {
         let mut made = Vec::new();
         dilate(&foliage, &mut removed, &mut made);
         assert_eq!((removed.len(), made.len()), (4, 1));
-        let corners = made[0].triangles_in(&foliage);
+        let corners = made[0].triangles_in(&foliage, 1.0);
         let expected = square(2.0, DVec3::new(-0.5, -0.5, 0.0));
         for (found, expected) in corners.iter().zip(expected) {
             for (f, e) in found.corners.iter().zip(expected.corners) {

@@ -6,7 +6,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use super::vertices::Resize;
 use crate::gltf::tree::Tree;
-use crate::{LeafId, Lod, NewCorner, NewLeaf, Place};
+use crate::{LeafId, Lod, NewCorner, NewLeaf};
 
 /// What becomes of one leaf of a part.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +31,8 @@ pub(super) struct Fates<'t> {
     /// Leaf indices, those of part p at `starts[p]..starts[p + 1]`.
     leaves: Vec<u32>,
     starts: Vec<u32>,
-    /// New leaves by the part of their donor.
-    made: HashMap<usize, Vec<&'t NewLeaf>>,
+    /// New leaves by the part of their donor, with their area scales.
+    made: HashMap<usize, Vec<(&'t NewLeaf, f64)>>,
 }
 
 /// A corner of a new leaf in its part's primitive.
@@ -61,10 +61,10 @@ impl<'t> Fates<'t> {
             leaves[*slot as usize] = leaf as u32;
             *slot += 1;
         }
-        let mut made: HashMap<usize, Vec<&NewLeaf>> = HashMap::new();
-        for leaf in lod.made() {
+        let mut made: HashMap<usize, Vec<(&NewLeaf, f64)>> = HashMap::new();
+        for (leaf, area_scale) in lod.made() {
             let part = tree.leaf_sources[leaf.donor.index()].part as usize;
-            made.entry(part).or_default().push(leaf);
+            made.entry(part).or_default().push((leaf, area_scale));
         }
         Self {
             tree,
@@ -78,23 +78,22 @@ impl<'t> Fates<'t> {
     /// The triangles of new leaves that belong to a part.
     pub(super) fn made_in(&self, part: usize) -> Vec<[MadeCorner; 3]> {
         let world_from_local = &self.tree.parts[part].world_from_local;
-        let leaves = self.made.get(&part).into_iter().flatten();
-        let triangles = leaves.flat_map(|leaf| leaf.triangles.iter().map(|t| (leaf.donor, t)));
-        let corner = |donor: LeafId, corner: &NewCorner| {
+        let corner = |donor: LeafId, corner: &NewCorner, position_world: DVec3| {
             let source = &self.tree.leaf_sources[donor.index()];
             let triangle = self.tree.triangles_of(source)[corner.like as usize / 3];
-            let position_world = match corner.place {
-                Place::Of(corner) => corner.position(&self.tree.foliage),
-                Place::At(position) => position,
-            };
             MadeCorner {
                 like: (triangle, corner.like as usize % 3),
                 position_local: origin_of_point(world_from_local, position_world),
             }
         };
+        let mut triangles = Vec::new();
+        for &(leaf, area_scale) in self.made.get(&part).into_iter().flatten() {
+            let placed = leaf.triangles_in(&self.tree.foliage, area_scale);
+            triangles.extend(leaf.triangles.iter().zip(placed).map(|(t, placed)| {
+                [0, 1, 2].map(|k| corner(leaf.donor, &t[k], placed.corners[k]))
+            }));
+        }
         triangles
-            .map(|(donor, t)| [0, 1, 2].map(|k| corner(donor, &t[k])))
-            .collect()
     }
 
     /// The leaves of a part, in leaf order.

@@ -41,7 +41,7 @@ pub(super) fn rewrite_skeleton(draft: &mut Draft, tree: &Tree, lod: &Lod) -> Res
         return Ok(());
     };
     let originals = lod.leaves().map(|(leaf, _)| leaf);
-    let leaves = originals.chain(lod.made().map(|made| made.donor));
+    let leaves = originals.chain(lod.made().map(|(made, _)| made.donor));
     let size = elements.accessor.element_bytes();
     let bytes: Vec<u8> = leaves
         .flat_map(|leaf| elements.bytes[leaf.index() * size..][..size].to_vec())

@@ -9,8 +9,9 @@ use crate::gltf::Tree;
 use crate::{CornerRef, LeafId, Lod, NewCorner, NewLeaf, Place};
 
 /// The first two leaves gone; in their place one that reaches from one to the
-/// other, with the look of the second, and its last corner where none was.
-fn one_of_two(tree: &Tree) -> (Lod, DVec3) {
+/// other, with the look of the second, and its last corner, unless it grows, where
+/// none was.
+fn one_of_two(tree: &Tree, area_scale: f64) -> (Lod, DVec3) {
     let leaf = |n| LeafId::new(n).unwrap();
     let mut lod = Lod::original(tree.foliage.leaves().len());
     lod.remove(leaf(1));
@@ -34,6 +35,7 @@ fn one_of_two(tree: &Tree) -> (Lod, DVec3) {
             [free, of(2, 1, 1), of(2, 2, 1)],
         ],
     });
+    lod.resize(LeafId::from_index(tree.foliage.leaves().len()), area_scale);
     (lod, apex)
 }
 
@@ -41,11 +43,13 @@ fn one_of_two(tree: &Tree) -> (Lod, DVec3) {
 fn a_new_leaf_has_its_places_and_the_look_of_its_donor() {
     let folder = tempfile::tempdir().unwrap();
     let mut files = Vec::new();
-    for (name, fixture) in encodings::all() {
-        eprintln!("{name}");
+    let all = || encodings::all().into_iter();
+    let sizes = [1.0, 2.25].into_iter();
+    for (area_scale, (name, fixture)) in sizes.flat_map(|s| all().map(move |e| (s, e))) {
+        eprintln!("{name}, {area_scale} times as large");
         let tree = fixture.tree();
-        let (lod, apex) = one_of_two(&tree);
-        let path = folder.path().join(format!("{name}.glb"));
+        let (lod, apex) = one_of_two(&tree, area_scale);
+        let path = folder.path().join(format!("{name}-{area_scale}.glb"));
         let written = tree.write_lod(&lod, &path).unwrap();
         let after = read(std::fs::read(&path).unwrap());
         files.push(path);
@@ -54,7 +58,9 @@ fn a_new_leaf_has_its_places_and_the_look_of_its_donor() {
 
         let expected = lod.foliage(&tree.foliage);
         let made = expected.triangles_of(LeafId::from_index(lod.leaf_count() - 1));
-        assert_eq!(made[0].corners[2], apex);
+        if area_scale == 1.0 {
+            assert_eq!(made[0].corners[2], apex);
+        }
         let size = tree.foliage.bounding_sphere().unwrap();
         let tolerance = 1e-6 * (size.radius + size.centre.length());
         let is_made = |leaf: &LeafId| {
