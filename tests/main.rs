@@ -17,6 +17,7 @@ mod report_page;
 mod shared_trees;
 mod small_files;
 mod study;
+mod triangles;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;

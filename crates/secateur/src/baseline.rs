@@ -7,11 +7,12 @@ use secateur_model::{Foliage, Lod, PlantSkeleton, RemovalOrder};
 use secateur_plant::{Metric, chain_order, check_depth, merge_order};
 use secateur_raster::{Rasteriser, Scene, ViewSet};
 use secateur_simplify::lg::LgTable;
-use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan};
+use secateur_simplify::vds::{Stopped, VdsOptions, VdsOutcome, ViewPlan};
 use secateur_simplify::vmi::Vmi;
 use secateur_simplify::{fsa, meshopt, stochastic};
 
-use crate::{Error, Method, OpenEngine, Simplify};
+use crate::settings::Goal;
+use crate::{Error, LeafTriangles, Method, OpenEngine, Simplify};
 
 /// The order of a method, or `None` for VDS, which is driven by views.
 /// `progress` gets the steps done and the steps to do at most.
@@ -20,10 +21,13 @@ use crate::{Error, Method, OpenEngine, Simplify};
 pub(crate) fn order(
     foliage: &Foliage,
     settings: &Simplify,
-    stop: Stop,
+    goal: Goal,
     progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Option<RemovalOrder>, Error> {
-    let leaves = stop.leaves;
+    let leaves = match goal {
+        Goal::Leaves(leaves) => leaves,
+        Goal::Triangles(_) | Goal::MaxError(_) => 0,
+    };
     let at_most = foliage.leaves().len().saturating_sub(leaves);
     let order = match settings.method {
         Method::Vds | Method::VdsReference => return Ok(None),
@@ -34,7 +38,14 @@ pub(crate) fn order(
             };
             Some(stochastic::simplify(foliage, leaves, &options))
         }
-        Method::Meshopt => Some(meshopt::simplify(foliage, leaves, settings.meshopt)),
+        Method::Meshopt => {
+            let (count, left) = match goal {
+                Goal::Triangles(left) => (foliage.triangles().len(), left),
+                _ => (foliage.leaves().len(), leaves),
+            };
+            let share = left as f64 / count as f64;
+            Some(meshopt::simplify(foliage, share, settings.meshopt))
+        }
         Method::Fsa => fsa::simplify(foliage, leaves, &settings.fsa, &mut |steps| {
             progress(steps, at_most)
         }),
@@ -53,7 +64,11 @@ pub(crate) fn order(
             ))
         }
     };
-    order.map(Some).ok_or(Error::Stopped)
+    let mut order = order.ok_or(Error::Stopped)?;
+    if let Goal::Triangles(at_most) = goal {
+        order.truncate(order.steps_to_triangles(foliage, at_most));
+    }
+    Ok(Some(order))
 }
 
 fn skeleton_of<'a>(foliage: &Foliage, settings: &'a Simplify) -> Result<&'a PlantSkeleton, Error> {
@@ -73,6 +88,9 @@ pub(crate) fn check(foliage: &Foliage, settings: &Simplify) -> Result<(), Error>
     let refuse = |name: &str, value: f64, range| {
         Err(Error::Setting(format!("the {name} of {value}"), range))
     };
+    if settings.leaf_triangles == LeafTriangles::AtMost(0) {
+        return refuse("number of a leaf's triangles", 0.0, "from 1 upwards");
+    }
     let fsa = &settings.fsa;
     if !(0.0..=1.0).contains(&settings.area_weight) {
         return refuse("area weight", settings.area_weight, "from 0 to 1");
@@ -92,6 +110,7 @@ pub(crate) fn check(foliage: &Foliage, settings: &Simplify) -> Result<(), Error>
 pub(crate) fn outcome(
     foliage: &Foliage,
     mut order: RemovalOrder,
+    goal: Goal,
     options: &VdsOptions,
     engine: &OpenEngine,
 ) -> Result<VdsOutcome, Error> {
@@ -119,8 +138,11 @@ pub(crate) fn outcome(
         Ok::<_, Error>((areas, vmi))
     };
     let vmi_original = Vmi::of(&draw(foliage, &all(foliage))?, &table);
-    let mut stopped = Stopped::AtLeafCount;
-    if let Some(percent) = options.stop.max_error_percent {
+    let mut stopped = match goal {
+        Goal::Triangles(_) => Stopped::AtTriangles,
+        Goal::Leaves(_) | Goal::MaxError(_) => Stopped::AtLeafCount,
+    };
+    if let Goal::MaxError(percent) = goal {
         // Within the error, and beyond it.
         let (mut within, mut beyond) = (0, order.len() + 1);
         while beyond - within > 1 {

@@ -73,6 +73,7 @@
 //! | results | [`RemovalOrder`], [`Lod`], [`raster::AreaTable`], [`vmi`] |
 //! | judging | [`measure()`], [`measure_pictures`], [`eval`] |
 //! | one stage alone | [`raster`], [`vds`], [`vmi`] |
+//! | budgets of triangles | [`Target::Triangles`], [`LeafTriangles`], [`mod@coarsen`] |
 //! | other methods | [`Method`], [`fsa`], [`stochastic`], [`meshopt`](mod@meshopt) |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`plant::chain_order`], [`plant::merge_order`] |
 //! | trees without files | [`plant`] |
@@ -84,6 +85,7 @@
 mod audit;
 mod baseline;
 mod cameras;
+mod driven;
 mod engine;
 mod error;
 mod measure;
@@ -95,7 +97,7 @@ pub use engine::OpenEngine;
 pub use error::Error;
 pub use measure::{measure, measure_pictures};
 pub use run::{Progress, Simplified, simplify, simplify_on, sphere_of};
-pub use settings::{Alpha, Engine, Method, Resolution, Simplify, Target, Views};
+pub use settings::{Alpha, Engine, LeafTriangles, Method, Resolution, Simplify, Target, Views};
 
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_model::gltf::{
@@ -117,6 +119,8 @@ pub use secateur_eval as eval;
 pub use secateur_plant as plant;
 /// Views, fragments and areas, on the CPU and the GPU.
 pub use secateur_raster as raster;
+/// Coarser leaves, below [`simplify`].
+pub use secateur_simplify::coarsen;
 /// Leaf collapse, below [`simplify`].
 pub use secateur_simplify::fsa;
 /// Mesh simplification, below [`simplify`].

@@ -11,6 +11,8 @@ use secateur_simplify::vmi::Vmi;
 
 use crate::audit::audit;
 use crate::baseline;
+use crate::driven::Driven;
+use crate::settings::Goal;
 use crate::{Error, Method, OpenEngine, Resolution, Simplify};
 
 /// Where a run stands.
@@ -127,8 +129,7 @@ pub fn simplify_on(
 ) -> Result<Simplified, Error> {
     let foliage = settings.alpha.apply(foliage);
     let sphere = sphere_of(&foliage)?;
-    let leaf_count = foliage.leaves().len();
-    let (leaves, max_error_percent) = settings.target.resolve(leaf_count)?;
+    let goal = settings.target.goal(&foliage)?;
     baseline::check(&foliage, settings)?;
     let mut clock = Clock::new(progress);
 
@@ -145,21 +146,22 @@ pub fn simplify_on(
         neighbours: settings.neighbours,
         max_coverage: settings.max_coverage,
         ties: settings.ties,
+        // As the goal says, for methods that follow it step by step.
         stop: Stop {
-            leaves,
-            max_error_percent,
+            leaves: 0,
+            max_error_percent: None,
         },
     };
 
     clock.begin("simplify")?;
-    let order = baseline::order(&foliage, settings, options.stop, &mut |done, at_most| {
+    let order = baseline::order(&foliage, settings, goal, &mut |done, at_most| {
         (clock.progress)(Progress::Step { done, at_most })
     })?;
     let outcome = match order {
-        None => run(settings.method, &foliage, &options, engine, &mut clock)?,
+        None => by_views(&foliage, settings, goal, options, engine, &mut clock)?,
         Some(order) => {
             clock.begin("areas")?;
-            baseline::outcome(&foliage, order, &options, engine)?
+            baseline::outcome(&foliage, order, goal, &options, engine)?
         }
     };
     let lod = Lod::after(&outcome.order, outcome.order.len());
@@ -181,7 +183,7 @@ pub fn simplify_on(
         }
     };
     let seconds = clock.finish();
-    let mut warnings = warnings_of(leaves, leaf_count);
+    let mut warnings = warnings_of(goal, &foliage);
     warnings.extend(engine.warning());
     Ok(Simplified {
         order: outcome.order,
@@ -215,30 +217,48 @@ fn resolution_for(
     Ok((chosen.resolution, chosen.reason))
 }
 
-fn run(
-    method: Method,
+fn by_views(
     foliage: &Foliage,
-    options: &VdsOptions,
+    settings: &Simplify,
+    goal: Goal,
+    options: VdsOptions,
     engine: &OpenEngine,
     clock: &mut Clock<'_>,
 ) -> Result<VdsOutcome, Error> {
-    let mut step = |progress: vds::Progress| {
-        (clock.progress)(Progress::Step {
-            done: progress.steps,
-            at_most: progress.steps_at_most,
-        })
+    let way = Driven {
+        leaf_triangles: settings.leaf_triangles,
+        goal,
+        options,
     };
-    Ok(match method {
-        Method::VdsReference => vds::reference::simplify(foliage, options, &mut step)?,
-        _ => vds::fast::simplify(foliage, options, engine, &mut step)?,
-    })
+    let (order, found) = way.order(foliage, |driving, options| {
+        let mut step = |progress: vds::Progress| {
+            (clock.progress)(Progress::Step {
+                done: progress.steps,
+                at_most: progress.steps_at_most,
+            })
+        };
+        Ok(match settings.method {
+            Method::VdsReference => vds::reference::simplify(driving, options, &mut step)?,
+            _ => vds::fast::simplify(driving, options, engine, &mut step)?,
+        })
+    })?;
+    let Some(order) = order else {
+        return Ok(found);
+    };
+    clock.begin("areas")?;
+    way.outcome(foliage, order, found, engine)
 }
 
-fn warnings_of(leaves: usize, leaf_count: usize) -> Vec<String> {
+fn warnings_of(goal: Goal, foliage: &Foliage) -> Vec<String> {
+    let (asked, there, what) = match goal {
+        Goal::Leaves(leaves) => (leaves, foliage.leaves().len(), "leaves"),
+        Goal::Triangles(triangles) => (triangles, foliage.triangles().len(), "triangles"),
+        Goal::MaxError(_) => return Vec::new(),
+    };
     let mut warnings = Vec::new();
-    if leaves > leaf_count {
+    if asked > there {
         warnings.push(format!(
-            "{leaves} leaves were asked for and there are {leaf_count}: nothing was removed"
+            "{asked} {what} were asked for and there are {there}: nothing was removed"
         ));
     }
     warnings

@@ -1,5 +1,6 @@
 //! What can be chosen about a run.
 
+use std::fmt;
 use std::sync::Arc;
 
 use secateur_model::{BoundingSphere, Foliage, PlantSkeleton};
@@ -149,25 +150,75 @@ pub enum Target {
     /// Before the first step after which the VMI error on the driving views
     /// would exceed this many per cent.
     MaxError(f64),
+    /// At this many triangles of the foliage, or as few below as whole leaves allow.
+    Triangles(u64),
+    /// At this share of the foliage's triangles, 0 to 1, rounded to the nearest number.
+    TriangleRatio(f64),
+}
+
+/// A target as numbers of one foliage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Goal {
+    Leaves(usize),
+    Triangles(usize),
+    MaxError(f64),
 }
 
 impl Target {
-    /// The number of leaves to stop at and the error to stop before.
+    /// Whether its number is in range.
     ///
     /// # Errors
-    /// [`Error::Target`] if the number is out of range.
-    pub fn resolve(self, leaf_count: usize) -> Result<(usize, Option<f64>), Error> {
+    /// [`Error::Target`] if it is not.
+    pub fn check(self) -> Result<(), Error> {
+        let refused = |what: String, range| Err(Error::Target(what, range));
         match self {
-            Self::Leaves(n) => Ok((usize::try_from(n).unwrap_or(usize::MAX), None)),
-            Self::Ratio(ratio) if (0.0..=1.0).contains(&ratio) => {
-                Ok(((ratio * leaf_count as f64).round() as usize, None))
+            Self::Ratio(share) | Self::TriangleRatio(share) if !(0.0..=1.0).contains(&share) => {
+                refused(format!("ratio {share}"), "a number from 0 to 1")
             }
-            Self::MaxError(percent) if percent >= 0.0 => Ok((0, Some(percent))),
-            Self::Ratio(r) => Err(Error::Target(format!("ratio {r}"), "a number from 0 to 1")),
-            Self::MaxError(e) => Err(Error::Target(
-                format!("{e} % error"),
-                "a number from 0 upwards",
-            )),
+            Self::MaxError(percent) if percent.is_nan() || percent < 0.0 => {
+                refused(format!("{percent} % error"), "a number from 0 upwards")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    pub(crate) fn goal(self, foliage: &Foliage) -> Result<Goal, Error> {
+        self.check()?;
+        let number = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+        let share_of = |share: f64, count: usize| (share * count as f64).round() as usize;
+        Ok(match self {
+            Self::Leaves(n) => Goal::Leaves(number(n)),
+            Self::Ratio(share) => Goal::Leaves(share_of(share, foliage.leaves().len())),
+            Self::MaxError(percent) => Goal::MaxError(percent),
+            Self::Triangles(n) => Goal::Triangles(number(n)),
+            Self::TriangleRatio(share) => {
+                Goal::Triangles(share_of(share, foliage.triangles().len()))
+            }
+        })
+    }
+}
+
+/// How many triangles of its own a leaf keeps at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LeafTriangles {
+    /// Where triangles are the target, as many as every other leaf, so that as few
+    /// leaves as possible go; but two, if it has them, where it has a cut-out. For other
+    /// targets, all.
+    #[default]
+    Auto,
+    /// All.
+    Keep,
+    /// So many, at least 1.
+    AtMost(u32),
+}
+
+/// As on the command line.
+impl fmt::Display for LeafTriangles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Keep => f.write_str("keep"),
+            Self::AtMost(most) => most.fmt(f),
         }
     }
 }
@@ -218,6 +269,8 @@ pub struct Simplify {
     pub ties: Ties,
     /// Whether holes of leaf textures count.
     pub alpha: Alpha,
+    /// [`Method::Vds`]: leaves of fewer triangles, made before any leaf goes.
+    pub leaf_triangles: LeafTriangles,
     /// For methods that draw lots; others only record it.
     pub seed: u64,
     /// [`Method::Stochastic`]: the share of the lost area that the survivors
@@ -252,6 +305,7 @@ impl Simplify {
             max_coverage: None,
             ties: Ties::default(),
             alpha: Alpha::default(),
+            leaf_triangles: LeafTriangles::default(),
             seed: 0,
             area_weight: 1.0,
             fsa: FsaOptions::default(),
@@ -266,12 +320,28 @@ impl Simplify {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
+    use secateur_model::LeafTriangle;
+
+    /// So many leaves of two triangles.
+    fn foliage(leaves: usize) -> Foliage {
+        let triangle = LeafTriangle::plain([DVec3::ZERO, DVec3::X, DVec3::Y]);
+        let mut foliage = Foliage::default();
+        for _ in 0..leaves {
+            foliage.push_leaf(&[triangle; 2], None).unwrap();
+        }
+        foliage
+    }
 
     #[test]
     fn ratios_round_to_the_nearest_count() {
-        let leaves = |ratio| Target::Ratio(ratio).resolve(15).unwrap().0;
-        // 1.5 and 2.25 leaves; all; none.
-        assert_eq!([0.1, 0.15, 1.0, 0.0].map(leaves), [2, 2, 15, 0]);
+        let foliage = foliage(15);
+        let goal = |target: Target| target.goal(&foliage).unwrap();
+        // 1.5 and 2.25 leaves; all; none. 7.5 of 30 triangles.
+        let leaves = [0.1, 0.15, 1.0, 0.0].map(|ratio| goal(Target::Ratio(ratio)));
+        assert_eq!(leaves, [2, 2, 15, 0].map(Goal::Leaves));
+        assert_eq!(goal(Target::TriangleRatio(0.25)), Goal::Triangles(8));
+        assert_eq!(goal(Target::Triangles(7)), Goal::Triangles(7));
     }
 
     #[test]
@@ -280,12 +350,14 @@ mod tests {
             Target::Ratio(1.01),
             Target::Ratio(-0.1),
             Target::Ratio(f64::NAN),
+            Target::TriangleRatio(1.01),
             Target::MaxError(-1.0),
             Target::MaxError(f64::NAN),
         ] {
-            assert!(target.resolve(10).is_err(), "{target:?}");
+            assert!(target.check().is_err(), "{target:?}");
+            assert!(target.goal(&foliage(1)).is_err(), "{target:?}");
         }
-        let error = Target::Ratio(1.5).resolve(10).unwrap_err().to_string();
+        let error = Target::Ratio(1.5).check().unwrap_err().to_string();
         assert_eq!(
             error,
             "the target of ratio 1.5 must be a number from 0 to 1"

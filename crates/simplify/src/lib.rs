@@ -6,12 +6,14 @@
 //! - [`fsa`]: leaf collapse, two leaves at a time become one.
 //! - [`stochastic`]: a random order, and survivors that grow alike.
 //! - [`meshopt`](mod@meshopt): a mesh simplifier that knows triangles, not leaves.
+//! - [`mod@coarsen`]: leaves of fewer triangles, before any goes.
 //! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
 //!   on the GPU.
 //! - [`resolution`]: how fine the images must be.
 //!
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
+pub mod coarsen;
 pub mod first_costs;
 pub mod fsa;
 pub mod meshopt;

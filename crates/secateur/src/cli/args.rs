@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use secateur::meshopt::Mode;
 use secateur::plant::{ClusterSize, Scheme};
-use secateur::{Alpha, Engine, Method, Reference, Resize, Resolution, Selector, Target, Ties};
+use secateur::{
+    Alpha, Engine, LeafTriangles, Method, Reference, Resize, Resolution, Selector, Target, Ties,
+};
 
 use super::grow_lod::Amount;
 
@@ -133,7 +135,7 @@ pub(crate) struct Study {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "methods")]
     pub(crate) plan: Vec<PlanName>,
     /// Instead of plans: a method and options of `simplify`, such as 'vds --views 8'; can be given
-    /// several times.
+    /// several times. With `--triangles`, without a number, its levels are shares of the triangles.
     #[arg(long, value_name = "CASE")]
     pub(crate) case: Vec<String>,
     /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1].
@@ -278,6 +280,10 @@ pub(crate) struct Simplify {
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
+    /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
+    /// `--triangles` as few as let all leaves stay, but two where it has holes; else all.
+    #[arg(long, value_name = "auto|keep|N", default_value = "auto", value_parser = leaf_triangles)]
+    pub(crate) leaf_triangles: LeafTriangles,
     /// For methods that draw lots: which of them.
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -343,12 +349,16 @@ pub(crate) struct TargetArgs {
     /// Stop before the VMI error on the driving views exceeds this many per cent.
     #[arg(long, value_name = "PCT", allow_negative_numbers = true)]
     max_error: Option<f64>,
+    /// Stop at N triangles of the foliage, or at a share of them such as 0.25; see
+    /// `--leaf-triangles`.
+    #[arg(long, value_name = "N|R", allow_negative_numbers = true, value_parser = triangles)]
+    triangles: Option<Target>,
 }
 
 impl TargetArgs {
     /// The target, or why there is none.
     pub(crate) fn target(self) -> Result<Target, secateur::Error> {
-        let target = match (self.leaves, self.ratio, self.max_error) {
+        let target = match (self.leaves, self.ratio, self.triangles) {
             (Some(n), ..) => match u64::try_from(n) {
                 Ok(n) => Target::Leaves(n),
                 Err(_) => {
@@ -357,9 +367,10 @@ impl TargetArgs {
                 }
             },
             (_, Some(ratio), _) => Target::Ratio(ratio),
-            (.., error) => Target::MaxError(error.unwrap_or(0.0)),
+            (.., Some(triangles)) => triangles,
+            _ => Target::MaxError(self.max_error.unwrap_or(0.0)),
         };
-        target.resolve(0)?;
+        target.check()?;
         Ok(target)
     }
 }
@@ -372,6 +383,23 @@ fn resolution(text: &str) -> Result<Resolution, String> {
             "write auto or a number from 1 to {}",
             secateur::raster::MAX_RESOLUTION
         )),
+    }
+}
+
+fn triangles(text: &str) -> Result<Target, String> {
+    match (text.parse(), text.parse()) {
+        (Ok(count), _) => Ok(Target::Triangles(count)),
+        (_, Ok(share)) => Ok(Target::TriangleRatio(share)),
+        _ => Err("write a number of triangles, or a share of them such as 0.25".to_owned()),
+    }
+}
+
+fn leaf_triangles(text: &str) -> Result<LeafTriangles, String> {
+    match (text, text.parse::<u32>()) {
+        ("auto", _) => Ok(LeafTriangles::Auto),
+        ("keep", _) => Ok(LeafTriangles::Keep),
+        (_, Ok(n)) if n >= 1 => Ok(LeafTriangles::AtMost(n)),
+        _ => Err("write auto, keep or a number from 1 upwards".to_owned()),
     }
 }
 
@@ -470,6 +498,16 @@ mod tests {
     #[test]
     fn the_interface_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn whole_numbers_are_triangles_and_others_shares() {
+        assert_eq!(triangles("1"), Ok(Target::Triangles(1)));
+        assert_eq!(triangles("1.0"), Ok(Target::TriangleRatio(1.0)));
+        assert_eq!(triangles("-3"), Ok(Target::TriangleRatio(-3.0)));
+        assert!(triangles("many").is_err());
+        assert_eq!(leaf_triangles("2"), Ok(LeafTriangles::AtMost(2)));
+        assert!(leaf_triangles("0").is_err() && leaf_triangles("none").is_err());
     }
 
     #[test]

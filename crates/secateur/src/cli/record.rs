@@ -99,6 +99,7 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "neighbours": args.neighbours,
         "max_coverage": args.max_coverage,
         "ties": args.ties.text(),
+        "leaf_triangles": args.leaf_triangles.to_string(),
         "alpha": args.alpha.text(),
         "engine": args.engine.text(),
         "foliage": selectors.collect::<Vec<_>>(),
@@ -115,6 +116,7 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
 fn stopped(stopped: Stopped) -> &'static str {
     match stopped {
         Stopped::AtLeafCount => "leaf count",
+        Stopped::AtTriangles => "triangles",
         Stopped::AtMaxError => "max error",
     }
 }

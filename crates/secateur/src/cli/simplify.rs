@@ -101,6 +101,7 @@ pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.max_coverage = args.max_coverage;
     settings.ties = args.ties.into();
     settings.alpha = args.alpha.into();
+    settings.leaf_triangles = args.leaf_triangles;
     settings.seed = args.seed;
     settings.area_weight = args.area_weight;
     settings.fsa.distance_weight = args.distance_weight;

@@ -38,8 +38,8 @@ pub struct MeshoptOptions {
     pub preserve_area: bool,
 }
 
-/// Reduces the foliage's triangles to the share `leaves` has of its leaves, or
-/// as near to it as the simplifier comes; without an error limit.
+/// Reduces the foliage's triangles to this share, or as near to it as the
+/// simplifier comes; without an error limit. A share of 1 or more changes nothing.
 ///
 /// Positions pass through f32, relative to the middle of the foliage and in
 /// units of its radius; vertices stay where they were unless the border grows.
@@ -48,14 +48,14 @@ pub struct MeshoptOptions {
 ///
 /// # Panics
 /// If the foliage's positions leave the range of f64.
-pub fn simplify(foliage: &Foliage, leaves: usize, options: MeshoptOptions) -> RemovalOrder {
+pub fn simplify(foliage: &Foliage, share: f64, options: MeshoptOptions) -> RemovalOrder {
     let count = foliage.leaves().len();
     let mut order = RemovalOrder::new(count as u32);
-    if leaves >= count {
+    if share >= 1.0 {
         return order;
     }
     let mesh = Mesh::of(foliage);
-    let kept = mesh.simplified(leaves as f64 / count as f64, options.mode);
+    let kept = mesh.simplified(share, options.mode);
     let (mut removed, mut made) = mesh.leaves_of(foliage, &kept);
     if options.preserve_area {
         dilate::dilate(foliage, &mut removed, &mut made);

@@ -19,7 +19,8 @@ fn squares(count: usize) -> Foliage {
 }
 
 fn level(foliage: &Foliage, leaves: usize, options: MeshoptOptions) -> Foliage {
-    let order = simplify(foliage, leaves, options);
+    let share = leaves as f64 / foliage.leaves().len() as f64;
+    let order = simplify(foliage, share, options);
     Lod::after(&order, order.len()).foliage(foliage)
 }
 
@@ -88,7 +89,7 @@ fn preserving_area_brings_lost_area_back() {
 #[test]
 fn nothing_and_everything_are_levels() {
     let foliage = squares(3);
-    assert!(simplify(&foliage, 3, with(Mode::Prune)).is_empty());
+    assert!(simplify(&foliage, 1.0, with(Mode::Prune)).is_empty());
     assert!(level(&foliage, 0, with(Mode::Prune)).leaves().is_empty());
     let mut point = Foliage::default();
     point

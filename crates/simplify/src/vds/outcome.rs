@@ -19,6 +19,8 @@ pub struct Progress {
 pub enum Stopped {
     /// The asked number of leaves is left.
     AtLeafCount,
+    /// The asked number of triangles is left, or fewer.
+    AtTriangles,
     /// One more step would exceed the asked error.
     AtMaxError,
 }

@@ -168,8 +168,7 @@ fn bar(common: &Common, rows: usize) -> ProgressBar {
 /// One run at a time, so that times are of nothing else: one for all levels
 /// where every prefix of an order is a level, else one for each.
 fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
-    let prefixes = Case::has_prefixes(&job.case.settings(1.0, job.seed)?);
-    if !prefixes {
+    if !job.case.has_prefixes() {
         let alone = job.levels.iter().map(|level| timed(tree, job, &[*level]));
         let ran: Result<Vec<Vec<Ran>>, Failure> = alone.collect();
         return Ok(ran?.into_iter().flatten().collect());
@@ -189,7 +188,10 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
     let count = tree.foliage().leaves().len();
     let steps: Vec<usize> = levels
         .iter()
-        .map(|level| count - (level * count as f64).round() as usize)
+        .map(|level| match job.case.is_of_triangles() {
+            true => usize::MAX,
+            false => count - (level * count as f64).round() as usize,
+        })
         .collect();
     let mut reached: Vec<Option<Reached>> = vec![None; levels.len()];
     let mut end = None;

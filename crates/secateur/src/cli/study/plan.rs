@@ -24,12 +24,16 @@ pub(super) struct Case {
     cameras: Option<(String, PathBuf)>,
 }
 
+/// Without a number after it: the levels of a case are shares of triangles.
+const OF_TRIANGLES: &str = "--triangles";
+
 /// All methods, one setting each, and the variants that explain them.
-const METHODS: [&str; 9] = [
+const METHODS: [&str; 10] = [
     "vds",
     "vds --resize none",
     "vds --reference previous --resize deficit --neighbours 4",
     "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1",
+    "vds --triangles",
     "fsa",
     "stochastic",
     "stochastic --area-weight 0.5",
@@ -179,11 +183,16 @@ impl Case {
     fn arguments(&self, tree: &Path, level: f64, seed: Option<u64>) -> Vec<String> {
         let mut words: Vec<String> = ["secateur", "simplify"].map(str::to_owned).to_vec();
         words.push(tree.display().to_string());
-        words.extend(["-o", "out.glb", "--ratio"].map(str::to_owned));
-        words.push(level.to_string());
+        words.extend(["-o", "out.glb"].map(str::to_owned));
+        // Never a whole number, which would be one of triangles.
+        words.extend(match self.is_of_triangles() {
+            true => [OF_TRIANGLES.to_owned(), format!("{level:?}")],
+            false => ["--ratio".to_owned(), level.to_string()],
+        });
         words.extend(["--no-audit", "--method"].map(str::to_owned));
         words.push(self.method.clone());
-        words.extend(self.options.iter().map(|option| match &self.cameras {
+        let options = self.options.iter().filter(|option| *option != OF_TRIANGLES);
+        words.extend(options.map(|option| match &self.cameras {
             Some((word, file)) if word == option => file.display().to_string(),
             _ => option.clone(),
         }));
@@ -227,9 +236,14 @@ impl Case {
         }
     }
 
+    /// Whether levels are shares of the triangles, not of the leaves.
+    pub(super) fn is_of_triangles(&self) -> bool {
+        self.options.iter().any(|option| option == OF_TRIANGLES)
+    }
+
     /// Whether one run to the coarsest level gives all finer ones.
-    pub(super) fn has_prefixes(settings: &Simplify) -> bool {
-        settings.method != Method::Meshopt
+    pub(super) fn has_prefixes(&self) -> bool {
+        self.method != Method::Meshopt.name() && !self.is_of_triangles()
     }
 
     /// Whether it gives something else for another seed.
@@ -241,7 +255,7 @@ impl Case {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur::Resize;
+    use secateur::{Resize, Target};
 
     #[test]
     fn every_plan_is_of_cases_that_can_be_run_and_told_apart() {
@@ -290,11 +304,25 @@ mod tests {
     fn methods_by_branches_have_prefixes_and_draw_no_lots() {
         for text in BY_BRANCHES {
             let case = Case::parse(text, Perturbation::None).unwrap();
-            assert!(Case::has_prefixes(&case.settings(0.5, None).unwrap()));
+            assert!(case.has_prefixes());
             assert!(!case.draws_lots());
         }
-        let meshopt = Case::parse("meshopt", Perturbation::None).unwrap();
-        assert!(!Case::has_prefixes(&meshopt.settings(0.5, None).unwrap()));
+        for text in ["meshopt", "vds --triangles"] {
+            let case = Case::parse(text, Perturbation::None).unwrap();
+            assert!(!case.has_prefixes(), "{text}");
+        }
+    }
+
+    #[test]
+    fn levels_of_a_case_of_triangles_are_shares_of_them() {
+        let text = "vds --triangles --neighbours 4";
+        let case = Case::parse(text, Perturbation::None).unwrap();
+        assert_eq!(case.setting(), "triangles neighbours 4");
+        for share in [0.25, 1.0] {
+            let settings = case.settings(share, None).unwrap();
+            assert_eq!(settings.target, Target::TriangleRatio(share));
+            assert_eq!(settings.neighbours, 4);
+        }
     }
 
     #[test]

@@ -88,8 +88,8 @@ pub fn simplify(
         match stopped {
             // The stage has gone one step too far.
             Stopped::AtMaxError => return run.outcome_from_scratch(&phases),
-            Stopped::AtLeafCount if is_last => return Ok(run.outcome(stage)),
-            Stopped::AtLeafCount => {}
+            _ if is_last => return Ok(run.outcome(stage)),
+            _ => {}
         }
     }
     unreachable!("the last phase ends at the target")

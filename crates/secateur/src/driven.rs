@@ -1,0 +1,191 @@
+//! VDS as settings ask for it: on leaves as they are or coarser ones, down to a
+//! number of leaves or of triangles, or to an error.
+
+use secateur_model::{Foliage, LeafId, RemovalOrder};
+use secateur_simplify::coarsen::{Coarse, coarsen, shared_out};
+use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan};
+
+use crate::baseline;
+use crate::settings::Goal;
+use crate::{Error, LeafTriangles, OpenEngine};
+
+/// A leaf with a cut-out keeps two triangles: one shows too little of its texture.
+const LEAST_WITH_CUTOUT: usize = 2;
+
+/// What VDS is asked for.
+pub(crate) struct Driven {
+    pub(crate) leaf_triangles: LeafTriangles,
+    pub(crate) goal: Goal,
+    /// How; when to stop is as the goal says.
+    pub(crate) options: VdsOptions,
+}
+
+impl Driven {
+    /// What `vds` finds on the leaves, or on coarser ones; with it, the order that
+    /// leads to the goal from the leaves as they are, where that is another.
+    pub(crate) fn order(
+        &self,
+        foliage: &Foliage,
+        vds: impl FnOnce(&Foliage, &VdsOptions) -> Result<VdsOutcome, Error>,
+    ) -> Result<(Option<RemovalOrder>, VdsOutcome), Error> {
+        let most = most_triangles(foliage, self.leaf_triangles, self.goal);
+        let coarse = most.map(|most| coarsen(foliage, &most));
+        let driving = coarse.as_ref().map_or(foliage, Coarse::foliage);
+        let (leaves, max_error_percent) = match self.goal {
+            Goal::Leaves(leaves) => (leaves, None),
+            Goal::Triangles(at_most) => (fewest_leaves(driving, at_most), None),
+            // The error that counts is the one against the leaves as they are.
+            Goal::MaxError(_) if coarse.is_some() => (0, None),
+            Goal::MaxError(percent) => (0, Some(percent)),
+        };
+        let options = VdsOptions {
+            stop: Stop {
+                leaves,
+                max_error_percent,
+            },
+            ..self.options.clone()
+        };
+        let mut found = vds(driving, &options)?;
+        let mut order = coarse.map(|coarse| coarse.order(&found.order));
+        if let Goal::Triangles(at_most) = self.goal {
+            found.stopped = Stopped::AtTriangles;
+            let whole = order.as_ref().unwrap_or(&found.order);
+            let steps = whole.steps_to_triangles(foliage, at_most);
+            if steps < whole.len() {
+                order
+                    .get_or_insert_with(|| found.order.clone())
+                    .truncate(steps);
+            }
+        }
+        Ok((order, found))
+    }
+
+    /// What the views that found it show of an order.
+    pub(crate) fn outcome(
+        &self,
+        foliage: &Foliage,
+        order: RemovalOrder,
+        found: VdsOutcome,
+        engine: &OpenEngine,
+    ) -> Result<VdsOutcome, Error> {
+        let is_coarser = order
+            .steps()
+            .next()
+            .is_some_and(|step| !step.made.is_empty());
+        let options = VdsOptions {
+            views: ViewPlan::Fixed(found.views),
+            ..self.options.clone()
+        };
+        let mut outcome = baseline::outcome(foliage, order, self.goal, &options, engine)?;
+        // To make leaves coarser is a step without a cost.
+        outcome.costs_scaled = vec![0; usize::from(is_coarser)];
+        outcome.costs_scaled.extend(found.costs_scaled);
+        outcome.costs_scaled.truncate(outcome.order.len());
+        Ok(outcome)
+    }
+}
+
+/// How many triangles each leaf may keep; nothing if all may keep all.
+fn most_triangles(
+    foliage: &Foliage,
+    leaf_triangles: LeafTriangles,
+    goal: Goal,
+) -> Option<Vec<usize>> {
+    match (leaf_triangles, goal) {
+        (LeafTriangles::AtMost(most), _) => Some(vec![most as usize; foliage.leaves().len()]),
+        (LeafTriangles::Auto, Goal::Triangles(at_most)) => {
+            let least = |leaf: LeafId| match foliage.leaf(leaf).cutout() {
+                Some(_) => LEAST_WITH_CUTOUT,
+                None => 1,
+            };
+            Some(shared_out(foliage, at_most, least))
+        }
+        (LeafTriangles::Auto | LeafTriangles::Keep, _) => None,
+    }
+}
+
+/// The number of leaves at which no more than so many triangles are left, whichever
+/// leaves are.
+fn fewest_leaves(foliage: &Foliage, at_most: usize) -> usize {
+    let leaves = (0..foliage.leaves().len()).map(LeafId::from_index);
+    let mut counts: Vec<usize> = leaves.map(|l| foliage.triangles_of(l).len()).collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    let mut sum = 0;
+    let fits = counts.iter().take_while(|&&count| {
+        sum += count;
+        sum <= at_most
+    });
+    fits.count()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use glam::DVec3;
+    use secateur_model::LeafTriangle;
+
+    use super::*;
+    use crate::{Resolution, Simplified, Simplify, Target, simplify};
+
+    /// Upright leaves side by side, of 1 and of 3 triangles in turn, the latter small
+    /// and so the first to go.
+    fn uneven(leaves: usize) -> Foliage {
+        let mut foliage = Foliage::default();
+        for k in 0..leaves {
+            let at = DVec3::new(k as f64, 0.1 * (k * k % 7) as f64, 0.2 * (k % 3) as f64);
+            let fan = |t: usize| {
+                let size = if k % 2 == 0 { 1.0 } else { 0.25 };
+                let corner = |t: usize| size * DVec3::new(0.5, 0.4 * t as f64, 0.0);
+                LeafTriangle::plain([DVec3::ZERO, corner(t), corner(t + 1)].map(|p| at + p))
+            };
+            let triangles: Vec<LeafTriangle> = (0..1 + 2 * (k % 2)).map(fan).collect();
+            foliage.push_leaf(&triangles, None).unwrap();
+        }
+        foliage
+    }
+
+    fn to(foliage: &Foliage, triangles: u64, leaf_triangles: LeafTriangles) -> Simplified {
+        let settings = Simplify {
+            resolution: Resolution::Pixels(64),
+            leaf_triangles,
+            audit: true,
+            ..Simplify::to(Target::Triangles(triangles))
+        };
+        simplify(foliage, &settings, &mut |_| ControlFlow::Continue(())).unwrap()
+    }
+
+    #[test]
+    fn leaves_of_many_and_few_triangles_end_at_the_first_level_within_the_budget() {
+        let foliage = uneven(12);
+        assert_eq!(foliage.triangles().len(), 24);
+        for triangles in 0..=24 {
+            let result = to(&foliage, triangles, LeafTriangles::Keep);
+            let left = |steps| {
+                let lod = secateur_model::Lod::after(&result.order, steps);
+                lod.foliage(&foliage).triangles().len() as u64
+            };
+            let steps = result.order.len();
+            assert!(left(steps) <= triangles);
+            assert!(steps == 0 || left(steps - 1) > triangles, "{triangles}");
+            assert_eq!(
+                result.lod.foliage(&foliage).triangles().len() as u64,
+                left(steps)
+            );
+            assert_eq!(result.costs_scaled.len(), steps);
+            assert_eq!(result.stopped, Stopped::AtTriangles);
+        }
+    }
+
+    #[test]
+    fn only_the_step_that_makes_leaves_coarser_has_no_cost() {
+        let foliage = uneven(12);
+        let coarser = to(&foliage, 14, LeafTriangles::Auto);
+        assert_eq!((coarser.order.len(), coarser.lod.leaf_count()), (1, 12));
+        assert_eq!(coarser.costs_scaled, [0]);
+        let fewer = to(&foliage, 5, LeafTriangles::Auto);
+        assert_eq!((fewer.order.len(), fewer.lod.leaf_count()), (8, 5));
+        assert_eq!(fewer.costs_scaled.len(), 8);
+        assert!(fewer.costs_scaled[7] > 0);
+    }
+}

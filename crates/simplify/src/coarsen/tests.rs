@@ -1,0 +1,149 @@
+use glam::{DQuat, DVec2};
+use proptest::prelude::*;
+use secateur_model::Lod;
+
+use super::*;
+
+/// A regular polygon about its own middle, a fan from its first corner.
+fn polygon(corners: usize, size: f64, at: DVec3) -> Vec<LeafTriangle> {
+    let turn = DQuat::from_euler(glam::EulerRot::XYZ, at.x, at.y, at.z);
+    let place = |k: usize| {
+        let angle = std::f64::consts::TAU * k as f64 / corners as f64;
+        let flat = DVec2::from_angle(angle);
+        (at + turn * (size * flat.extend(0.0)), 0.5 * flat)
+    };
+    let triangle = |k: usize| {
+        let corners = [place(0), place(k), place(k + 1)];
+        LeafTriangle {
+            corners: corners.map(|c| c.0),
+            uvs: corners.map(|c| c.1),
+        }
+    };
+    (1..corners - 1).map(triangle).collect()
+}
+
+fn of(leaves: &[Vec<LeafTriangle>]) -> Foliage {
+    let mut foliage = Foliage::default();
+    for leaf in leaves {
+        foliage.push_leaf(leaf, None).unwrap();
+    }
+    foliage
+}
+
+fn counts(foliage: &Foliage) -> Vec<usize> {
+    let leaves = (0..foliage.leaves().len()).map(LeafId::from_index);
+    leaves.map(|l| foliage.triangles_of(l).len()).collect()
+}
+
+/// Leaves of 1, 2, 4, 4 and 8 triangles, the last but one the larger of the two.
+fn mixed() -> Foliage {
+    let sizes = [(3, 1.0), (4, 1.0), (6, 1.0), (6, 2.0), (10, 0.5)];
+    of(&sizes.map(|(corners, size)| polygon(corners, size, DVec3::ZERO)))
+}
+
+#[test]
+fn triangles_are_shared_out_evenly_and_the_last_go_to_the_largest() {
+    let foliage = mixed();
+    let shares = |at_most, least: usize| shared_out(&foliage, at_most, |_| least);
+    assert_eq!(shares(19, 1), [1, 2, 4, 4, 8]);
+    assert_eq!(shares(1000, 1), [1, 2, 4, 4, 8]);
+    // 1 + 2 + 2 + 2 + 2 and two over, of which the largest leaf gets the first.
+    assert_eq!(shares(10, 1), [1, 2, 2, 3, 2]);
+    assert_eq!(shares(11, 1), [1, 2, 3, 3, 2]);
+    assert_eq!(shares(9, 1), [1, 2, 2, 2, 2]);
+    assert_eq!(shares(6, 1), [1, 1, 1, 2, 1]);
+    // Fewer than that is for leaves to go.
+    assert_eq!(shares(3, 1), [1, 1, 1, 1, 1]);
+    assert_eq!(shares(3, 2), [1, 2, 2, 2, 2]);
+    assert_eq!(shares(0, 0), [1, 1, 1, 1, 1]);
+    assert!(shared_out(&Foliage::default(), 5, |_| 1).is_empty());
+}
+
+#[test]
+fn a_hexagon_becomes_a_triangle_of_its_area_at_its_place() {
+    let foliage = of(&[polygon(6, 1.0, DVec3::new(1.0, 2.0, 3.0))]);
+    let coarse = coarsen(&foliage, &[1]);
+    let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
+    assert_eq!(coarse.foliage().triangles().len(), 1);
+    assert!((before.area() - after.area()).abs() < 1e-12 * before.area());
+    assert!(before.centre().distance(after.centre()) < 1e-12);
+    // Each corner has the texture of the one that it was: 0.5 at this distance.
+    let triangle = coarse.foliage().triangles()[0];
+    assert!(
+        triangle
+            .uvs
+            .iter()
+            .all(|uv| (uv.length() - 0.5).abs() < 1e-12)
+    );
+}
+
+#[test]
+fn what_cannot_be_coarser_stays() {
+    let point = vec![LeafTriangle::plain([DVec3::ONE; 3]); 4];
+    let line = vec![LeafTriangle::plain([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]); 3];
+    let foliage = of(&[point, line, polygon(3, 1.0, DVec3::ZERO)]);
+    let coarse = coarsen(&foliage, &[1, 1, 1]);
+    assert_eq!(coarse.foliage().triangles(), foliage.triangles());
+    let mut order = RemovalOrder::new(3);
+    order.push(LeafId::from_index(1), &[]);
+    assert_eq!(coarse.order(&order), order);
+}
+
+/// Of a leaf that stays, one that becomes coarser and grows, and one that becomes
+/// coarser and goes.
+#[test]
+fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
+    let at = |x: f64, corners| polygon(corners, 1.0, DVec3::X * x);
+    let foliage = of(&[at(0.0, 3), at(5.0, 6), at(9.0, 6)]);
+    let coarse = coarsen(&foliage, &[1, 2, 2]);
+    let leaf = LeafId::from_index;
+    let mut order = RemovalOrder::new(3);
+    let grown = Growth {
+        leaf: leaf(1),
+        area_scale: 2.0,
+    };
+    order.push(leaf(2), &[grown]);
+    let whole = coarse.order(&order);
+    assert_eq!([0, 1, 2].map(|k| whole.leaves_after(k)), [3, 3, 2]);
+    assert_eq!(whole.removed(), [leaf(1), leaf(2), leaf(4)]);
+    for steps in 0..=1 {
+        let direct = Lod::after(&order, steps).foliage(coarse.foliage());
+        let lod = Lod::after(&whole, steps + 1);
+        let composed = lod.foliage(&foliage);
+        assert_eq!(composed.triangles(), direct.triangles(), "after {steps}");
+        assert_eq!(lod.max_area_scale(), [1.0, 2.0][steps]);
+    }
+    assert_eq!(whole.steps_to_triangles(&foliage, 9), 0);
+    assert_eq!(whole.steps_to_triangles(&foliage, 8), 1);
+    assert_eq!(whole.steps_to_triangles(&foliage, 4), 2);
+    assert_eq!(whole.steps_to_triangles(&foliage, 0), 2);
+}
+
+proptest! {
+    /// Any polygons: no leaf has more triangles than its share, all together no more
+    /// than asked for, none is lost, and each keeps its area and centre.
+    #[test]
+    fn coarser_leaves_keep_to_their_share_their_area_and_their_centre(
+        leaves in prop::collection::vec((3_usize..12, 1e-3..1e3, prop::array::uniform3(-50.0..50.0)), 1..12),
+        share in 0.0..1.0,
+        least in 1_usize..3,
+    ) {
+        let leaves: Vec<_> = leaves
+            .iter()
+            .map(|(corners, size, at)| polygon(*corners, *size, DVec3::from_array(*at)))
+            .collect();
+        let foliage = of(&leaves);
+        let at_most = (share * foliage.triangles().len() as f64) as usize;
+        let shares = shared_out(&foliage, at_most, |_| least);
+        let coarse = coarsen(&foliage, &shares);
+        let after = counts(coarse.foliage());
+        prop_assert!(after.iter().zip(&shares).all(|(count, share)| count <= share));
+        let fewest: usize = counts(&foliage).iter().map(|own| *own.min(&least)).sum();
+        prop_assert_eq!(shares.iter().sum::<usize>(), at_most.max(fewest));
+        for (before, after) in foliage.leaves().iter().zip(coarse.foliage().leaves()) {
+            prop_assert!((before.area() - after.area()).abs() <= 1e-9 * before.area());
+            let tolerance = 1e-9 * (before.area().sqrt() + before.centre().length());
+            prop_assert!(before.centre().distance(after.centre()) <= tolerance);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Budgets of triangles, and leaves that become coarser for them.
+
+use secateur::plant::{GrowOptions, Species, grow};
+use secateur::{Foliage, Tree, plant_to_glb};
+use serde_json::Value;
+
+use crate::program::{Bench, OAK_LEAVES};
+
+/// 40 leaves of 18 triangles, with cut-outs.
+fn with_rowan() -> Bench {
+    let bench = Bench::new();
+    let options = GrowOptions {
+        leaves: 40,
+        seed: 2,
+    };
+    bench.put(
+        "rowan.glb",
+        &plant_to_glb(&grow(Species::Rowan, &options).unwrap()),
+    );
+    bench
+}
+
+fn simplified(bench: &Bench, tree: &str, options: &[&str]) -> (Foliage, Value) {
+    let files = [tree, "-o", "out.glb", "--report", "r.json", "--audit"];
+    bench.simplify(&[&files, options].concat()).succeeded();
+    let tree = Tree::open(&bench.path("out.glb"), &[]).unwrap();
+    (tree.foliage().clone(), bench.json("r.json"))
+}
+
+#[test]
+fn no_method_exceeds_a_budget_of_triangles() {
+    let bench = Bench::new();
+    for method in ["vds", "fsa", "stochastic", "meshopt", "chain", "merge"] {
+        for budget in ["121", "0.25", "0"] {
+            let options = ["--method", method, "--triangles", budget];
+            let files = ["oak.glb", "-o", "out.glb", "--report", "r.json", "--audit"];
+            bench.simplify(&[&files[..], &options].concat()).succeeded();
+            let report = bench.json("r.json");
+            assert_eq!(report["stopped"], "triangles", "{method}");
+            let removed = report["triangles"]["original"].as_u64().unwrap()
+                - report["triangles"]["final"].as_u64().unwrap();
+            let left = 2 * OAK_LEAVES - removed;
+            let most = match budget {
+                "121" => 121,
+                "0.25" => OAK_LEAVES / 2,
+                _ => 0,
+            };
+            assert!(left <= most, "{method} {budget}: {left}");
+            if method == "vds" || method == "fsa" {
+                assert_eq!(left, most / 2 * 2, "{method} {budget}: as few as need be");
+            }
+        }
+    }
+}
+
+#[test]
+fn leaves_become_coarser_before_they_go() {
+    let bench = with_rowan();
+    let original = Tree::open(&bench.path("rowan.glb"), &[]).unwrap();
+    assert_eq!(original.foliage().triangles().len(), 720);
+    let area = |foliage: &Foliage| foliage.leaves().iter().map(|l| l.area()).sum::<f64>();
+
+    let (half, report) = simplified(&bench, "rowan.glb", &["--triangles", "360"]);
+    assert_eq!(half.leaves().len(), 40);
+    assert!(half.triangles().len() <= 360 && half.triangles().len() > 300);
+    assert!((area(&half) / area(original.foliage()) - 1.0).abs() < 1e-5);
+    assert_eq!(report["settings"]["leaf_triangles"], "auto");
+    assert_eq!(report["max_area_scale"], 1.0);
+
+    // With cut-outs, no leaf has fewer than two triangles.
+    let (tenth, report) = simplified(&bench, "rowan.glb", &["--triangles", "0.05"]);
+    assert_eq!((tenth.leaves().len(), tenth.triangles().len()), (18, 36));
+    assert_eq!(report["leaves"]["final"], 18);
+    let (solid, _) = simplified(
+        &bench,
+        "rowan.glb",
+        &["--triangles", "0.05", "--alpha", "ignore"],
+    );
+    assert_eq!((solid.leaves().len(), solid.triangles().len()), (36, 36));
+
+    let keep = ["--triangles", "360", "--leaf-triangles", "keep"];
+    let (kept, _) = simplified(&bench, "rowan.glb", &keep);
+    assert_eq!((kept.leaves().len(), kept.triangles().len()), (20, 360));
+    let coarse = ["--leaves", "10", "--leaf-triangles", "4"];
+    let (coarse, _) = simplified(&bench, "rowan.glb", &coarse);
+    assert_eq!((coarse.leaves().len(), coarse.triangles().len()), (10, 40));
+    crate::validator::assert_valid(&[bench.path("out.glb")]);
+}
+
+/// By shares of leaves nothing becomes coarser unless it is asked for, and the
+/// order over coarser leaves is the literal algorithm's too.
+#[test]
+fn coarser_leaves_go_in_the_order_of_the_literal_algorithm() {
+    let bench = with_rowan();
+    let hashes = |options: &[&str]| {
+        let (_, report) = simplified(&bench, "rowan.glb", options);
+        [&report["order_sha256"], &report["areas_sha256"]].map(Value::clone)
+    };
+    let coarse = ["--ratio", "0.5", "--leaf-triangles", "2"];
+    let literal = [&coarse[..], &["--method", "vds-reference"]].concat();
+    assert_eq!(hashes(&coarse), hashes(&literal));
+    let keep = [&coarse[..3], &["keep"]].concat();
+    assert_eq!(hashes(&coarse[..2]), hashes(&keep));
+    assert_ne!(hashes(&coarse), hashes(&keep));
+}
+
+#[test]
+fn an_error_is_one_against_the_leaves_as_they_were() {
+    let bench = with_rowan();
+    let run = |target: [&str; 2]| {
+        let options = [&target[..], &["--leaf-triangles", "2"]].concat();
+        let (left, report) = simplified(&bench, "rowan.glb", &options);
+        let error = report["driving_vmi_error_percent"].as_f64().unwrap();
+        (left.leaves().len(), error, report["stopped"].clone())
+    };
+    let (leaves, error, stopped) = run(["--max-error", "12"]);
+    assert_eq!(stopped, "max error");
+    assert!(
+        error <= 12.0 && (1..40).contains(&leaves),
+        "{error} {leaves}"
+    );
+    let (_, next, _) = run(["--leaves", &(leaves - 1).to_string()]);
+    assert!(next > 12.0, "{next}");
+    // Coarser leaves alone are too much: nothing is done.
+    let (leaves, error, _) = run(["--max-error", "0"]);
+    assert_eq!((leaves, error), (40, 0.0));
+}
+
+#[test]
+fn what_is_no_budget_is_refused() {
+    let bench = Bench::new();
+    let files = ["oak.glb", "-o", "out.glb"];
+    for (budget, says) in [
+        ("1.5", "ratio 1.5"),
+        ("-2", "ratio -2"),
+        ("NaN", "ratio NaN"),
+    ] {
+        let run = bench.simplify(&[&files[..], &["--triangles", budget]].concat());
+        run.failed_saying(&[says, "from 0 to 1"]);
+    }
+    for wrong in [["--triangles", "few"], ["--leaf-triangles", "0"]] {
+        let run = bench.simplify(&[&files[..], &wrong].concat());
+        assert_eq!(run.code, Some(2), "{}", run.stderr);
+    }
+    let more = ["--triangles", "1000"];
+    let run = bench.simplify(&[&files[..], &more].concat()).succeeded();
+    assert!(
+        run.stderr
+            .contains("1000 triangles were asked for and there are 480")
+    );
+    assert_eq!(bench.names(), ["oak.glb", "out.glb"]);
+}
