@@ -30,6 +30,9 @@ pub(super) struct Scene {
 const COVERAGE_KEPT: &str =
     "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1";
 
+/// What spends the share on coarser leaves first.
+const OF_TRIANGLES: &str = "vds --triangles";
+
 /// The words of a case that stand for near cameras.
 pub(super) const NEAR: &str = "NEAR";
 /// From how many radii those look.
@@ -39,6 +42,7 @@ const SMALL_LEAVES: &[&str] = &[
     "vds --resolution 256",
     "vds",
     "vds --resolution 1024",
+    OF_TRIANGLES,
     "fsa",
     "stochastic",
     "meshopt --preserve-area",
@@ -82,6 +86,7 @@ pub(super) const SCENES: [Scene; 8] = [
         cases: &[
             "vds",
             "vds --views NEAR",
+            OF_TRIANGLES,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
@@ -105,6 +110,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --ties order",
             "vds --ties spread",
             "vds",
+            OF_TRIANGLES,
             "fsa",
             "stochastic",
         ],
@@ -128,6 +134,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --neighbours 4",
             "vds --resize none",
             COVERAGE_KEPT,
+            OF_TRIANGLES,
             "stochastic",
             "meshopt --preserve-area",
         ],
@@ -153,6 +160,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --resize none",
             "vds --reference previous --resize deficit --neighbours 4",
             COVERAGE_KEPT,
+            OF_TRIANGLES,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
@@ -175,6 +183,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "stochastic --area-weight 0.5",
             "fsa",
             "vds",
+            OF_TRIANGLES,
             "meshopt --preserve-area",
         ],
         judged_from_radii: 3.0,
@@ -196,6 +205,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --neighbours 4",
             "vds --reference previous --resize deficit --neighbours 4",
             COVERAGE_KEPT,
+            OF_TRIANGLES,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
