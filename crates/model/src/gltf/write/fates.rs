@@ -189,22 +189,25 @@ pub(super) fn uses_by_mesh(tree: &Tree) -> BTreeMap<usize, Vec<Use>> {
 /// `None` where they go).
 type Changes<'t> = Vec<(usize, &'t [u32], Option<u64>)>;
 
+/// New leaves: their primitive, area scale (its bits) and the vertices that they copy.
+type Made = Vec<(usize, u64, Vec<(u32, usize)>)>;
+
+/// Of places that change alike, with how many it is tried to share a mesh.
+const MOST_TRIED: usize = 64;
+
 /// Sorts the places of a mesh into groups whose leaves share their fate, so
 /// that one mesh serves each group. Groups come in the order of their first
 /// place and hold numbers of `places`.
 pub(super) fn group_by_fate(tree: &Tree, fates: &Fates, places: &[&Use]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    let mut known: HashMap<Changes, Vec<usize>> = HashMap::new();
+    let mut known: HashMap<(Changes, Made), Vec<usize>> = HashMap::new();
     for (number, place) in places.iter().enumerate() {
-        if place.parts.iter().any(|&part| fates.has_made(part)) {
-            groups.push(vec![number]);
-            continue;
-        }
-        let alike = known.entry(changes(tree, fates, place)).or_default();
-        let same = alike
-            .iter()
-            .copied()
-            .find(|&group| scale_alike(tree, fates, places[groups[group][0]], place));
+        let key = (changes(tree, fates, place), made(tree, fates, place));
+        let alike = known.entry(key).or_default();
+        let same = alike.iter().copied().take(MOST_TRIED).find(|&group| {
+            let first = places[groups[group][0]];
+            scale_alike(tree, fates, first, place) && are_made_alike(fates, first, place)
+        });
         match same {
             Some(group) => groups[group].push(number),
             None => {
@@ -226,6 +229,33 @@ fn changes<'t>(tree: &Tree, fates: &Fates<'t>, place: &Use) -> Changes<'t> {
         }));
     }
     changes
+}
+
+fn made(tree: &Tree, fates: &Fates, place: &Use) -> Made {
+    let mut made = Made::new();
+    for &part in &place.parts {
+        for &(leaf, area_scale) in fates.made.get(&part).into_iter().flatten() {
+            let triangles = tree.triangles_of(&tree.leaf_sources[leaf.donor.index()]);
+            let vertex = |c: &NewCorner| (triangles[c.like as usize / 3], c.like as usize % 3);
+            let corners = leaf.triangles.iter().flatten().map(vertex).collect();
+            made.push((tree.parts[part].primitive, area_scale.to_bits(), corners));
+        }
+    }
+    made
+}
+
+/// Whether the new leaves of two places that copy the same vertices are at the same
+/// place in the space of their primitive.
+fn are_made_alike(fates: &Fates, first: &Use, other: &Use) -> bool {
+    const TOLERANCE: f64 = 1e-5;
+    first.parts.iter().zip(&other.parts).all(|(&a, &b)| {
+        let pairs = fates.made_in(a).into_iter().zip(fates.made_in(b));
+        let places = |t: [MadeCorner; 3]| t.map(|corner| corner.position_local);
+        pairs.map(|(a, b)| (places(a), places(b))).all(|(a, b)| {
+            let size = a[0].distance(a[1]) + a[0].distance(a[2]);
+            (0..3).all(|k| a[k].distance(b[k]) <= TOLERANCE * size)
+        })
+    })
 }
 
 /// Whether the resized leaves of one place, scaled as those of another of the

@@ -77,3 +77,57 @@ fn a_new_leaf_has_its_places_and_the_look_of_its_donor() {
     }
     assert_valid(&files);
 }
+
+/// Every leaf cut down to its first triangle, which becomes `scale` times as large as
+/// it was about its first corner, another scale for the first leaf.
+fn cut_down(tree: &Tree, scale_of_first: f64) -> Lod {
+    let count = tree.foliage.leaves().len();
+    let mut lod = Lod::original(count);
+    for donor in (0..count).map(LeafId::from_index) {
+        let scale = if donor.index() == 0 {
+            scale_of_first
+        } else {
+            2.0
+        };
+        let corners = tree.foliage.triangles_of(donor)[0].corners;
+        let corner = |k: usize| NewCorner {
+            place: Place::At(corners[0] + scale * (corners[k] - corners[0])),
+            like: k as u32,
+        };
+        lod.remove(donor);
+        lod.make(NewLeaf {
+            donor,
+            triangles: vec![[0, 1, 2].map(corner)],
+        });
+    }
+    lod
+}
+
+#[test]
+fn places_whose_new_leaves_agree_share_a_mesh() {
+    for (name, fixture) in [
+        ("instanced leaf", encodings::instanced_leaf()),
+        ("instanced twig", encodings::instanced_twig()),
+        ("shared leaf", encodings::shared_leaf()),
+        ("shared twig", encodings::shared_twig()),
+    ] {
+        let tree = fixture.tree();
+        for (scale_of_first, added) in [(2.0, 0), (3.0, 1)] {
+            let lod = cut_down(&tree, scale_of_first);
+            let after = read(tree.lod_to_bytes(&lod).unwrap());
+            let meshes = |tree: &Tree| tree.document.root["meshes"].as_array().unwrap().len();
+            assert_eq!(meshes(&after), meshes(&tree) + added, "{name}");
+            let area = |foliage: &crate::Foliage| {
+                let mut areas: Vec<f64> = foliage.leaves().iter().map(|l| l.area()).collect();
+                areas.sort_by(f64::total_cmp);
+                areas
+            };
+            let expected = area(&lod.foliage(&tree.foliage));
+            let found = area(&after.foliage);
+            assert_eq!(found.len(), expected.len(), "{name}");
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 1e-5, "{name}");
+            }
+        }
+    }
+}
