@@ -181,10 +181,11 @@ fn scenes_made_for_failures_have_a_verdict_each() {
 fn committed_studies_say_what_their_rows_say() {
     let results = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
     let folders = std::fs::read_dir(results).unwrap();
-    let studies = folders.flat_map(|entry| {
-        let folder = entry.unwrap().path();
-        ["study", "study-paper", "study-stability"].map(|name| folder.join(name))
-    });
+    let studies = folders
+        .map(|entry| entry.unwrap().path())
+        .filter(|folder| folder.is_dir())
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
+        .map(|entry| entry.unwrap().path());
     let mut checked = 0;
     for study in studies.filter(|study| study.join("rows.jsonl").is_file()) {
         let bench = Bench::new();

@@ -37,9 +37,8 @@ fn no_method_exceeds_a_budget_of_triangles() {
             bench.simplify(&[&files[..], &options].concat()).succeeded();
             let report = bench.json("r.json");
             assert_eq!(report["stopped"], "triangles", "{method}");
-            let removed = report["triangles"]["original"].as_u64().unwrap()
-                - report["triangles"]["final"].as_u64().unwrap();
-            let left = 2 * OAK_LEAVES - removed;
+            assert_eq!(report["foliage_triangles"]["original"], 2 * OAK_LEAVES);
+            let left = report["foliage_triangles"]["final"].as_u64().unwrap();
             let most = match budget {
                 "121" => 121,
                 "0.25" => OAK_LEAVES / 2,
@@ -78,6 +77,13 @@ fn leaves_become_coarser_before_they_go() {
     );
     assert_eq!((solid.leaves().len(), solid.triangles().len()), (36, 36));
 
+    // What is asked for is done within the budget too.
+    let (coarse, _) = simplified(
+        &bench,
+        "rowan.glb",
+        &["--triangles", "1.0", "--leaf-triangles", "4"],
+    );
+    assert_eq!((coarse.leaves().len(), coarse.triangles().len()), (40, 160));
     let keep = ["--triangles", "360", "--leaf-triangles", "keep"];
     let (kept, _) = simplified(&bench, "rowan.glb", &keep);
     assert_eq!((kept.leaves().len(), kept.triangles().len()), (20, 360));
@@ -85,6 +91,35 @@ fn leaves_become_coarser_before_they_go() {
     let (coarse, _) = simplified(&bench, "rowan.glb", &coarse);
     assert_eq!((coarse.leaves().len(), coarse.triangles().len()), (10, 40));
     crate::validator::assert_valid(&[bench.path("out.glb")]);
+}
+
+/// Fewer views drive what is left; it is looked at from those of its last step.
+#[test]
+fn a_variable_number_of_views_is_that_of_the_last_step() {
+    let bench = with_rowan();
+    for (budget, views) in [("0.95", 20), ("0.07", 8)] {
+        let files = [
+            "rowan.glb",
+            "-o",
+            "out.glb",
+            "--report",
+            "r.json",
+            "--audit",
+        ];
+        let rest = [
+            "--triangles",
+            budget,
+            "--views",
+            "vnc",
+            "--resolution",
+            "64",
+        ];
+        bench
+            .run(&[&["simplify"], &files[..], &rest].concat())
+            .succeeded();
+        let report = bench.json("r.json");
+        assert_eq!(report["settings"]["view_count"], views, "{budget}");
+    }
 }
 
 /// By shares of leaves nothing becomes coarser unless it is asked for, and the
@@ -121,9 +156,11 @@ fn an_error_is_one_against_the_leaves_as_they_were() {
     );
     let (_, next, _) = run(["--leaves", &(leaves - 1).to_string()]);
     assert!(next > 12.0, "{next}");
-    // Coarser leaves alone are too much: nothing is done.
+    // Coarser leaves alone are too much: nothing is done, and that is said.
     let (leaves, error, _) = run(["--max-error", "0"]);
     assert_eq!((leaves, error), (40, 0.0));
+    let warnings = bench.json("r.json")["warnings"].to_string();
+    assert!(warnings.contains("no leaf became coarser"), "{warnings}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use secateur_model::{Foliage, LeafId, RemovalOrder};
 use secateur_simplify::coarsen::{Coarse, coarsen, shared_out};
-use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan};
+use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan, final_views};
 
 use crate::baseline;
 use crate::settings::Goal;
@@ -29,7 +29,7 @@ impl Driven {
         vds: impl FnOnce(&Foliage, &VdsOptions) -> Result<VdsOutcome, Error>,
     ) -> Result<(Option<RemovalOrder>, VdsOutcome), Error> {
         let most = most_triangles(foliage, self.leaf_triangles, self.goal);
-        let coarse = most.map(|most| coarsen(foliage, &most));
+        let coarse = most.and_then(|most| coarsen(foliage, &most));
         let driving = coarse.as_ref().map_or(foliage, Coarse::foliage);
         let (leaves, max_error_percent) = match self.goal {
             Goal::Leaves(leaves) => (leaves, None),
@@ -50,7 +50,12 @@ impl Driven {
         if let Goal::Triangles(at_most) = self.goal {
             found.stopped = Stopped::AtTriangles;
             let whole = order.as_ref().unwrap_or(&found.order);
-            let steps = whole.steps_to_triangles(foliage, at_most);
+            // Coarser leaves that are asked for are no matter of the budget.
+            let least = match self.leaf_triangles {
+                LeafTriangles::AtMost(_) => usize::from(order.is_some()),
+                LeafTriangles::Auto | LeafTriangles::Keep => 0,
+            };
+            let steps = whole.steps_to_triangles(foliage, at_most).max(least);
             if steps < whole.len() {
                 order
                     .get_or_insert_with(|| found.order.clone())
@@ -60,7 +65,7 @@ impl Driven {
         Ok((order, found))
     }
 
-    /// What the views that found it show of an order.
+    /// What the views of its last step show of an order.
     pub(crate) fn outcome(
         &self,
         foliage: &Foliage,
@@ -72,10 +77,13 @@ impl Driven {
             .steps()
             .next()
             .is_some_and(|step| !step.made.is_empty());
-        let options = VdsOptions {
-            views: ViewPlan::Fixed(found.views),
-            ..self.options.clone()
-        };
+        let mut options = self.options.clone();
+        // Where the error has still to say how many leaves are left, the first views.
+        if !matches!(self.goal, Goal::MaxError(_)) {
+            let left = order.leaves_after(order.len());
+            let count = foliage.leaves().len();
+            options.views = ViewPlan::Fixed(final_views(&options, count, left)?);
+        }
         let mut outcome = baseline::outcome(foliage, order, self.goal, &options, engine)?;
         // To make leaves coarser is a step without a cost.
         outcome.costs_scaled = vec![0; usize::from(is_coarser)];

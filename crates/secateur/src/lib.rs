@@ -41,14 +41,16 @@
 //! - [`simplify`] takes leaves away one by one, each time the one that changes
 //!   the measure least, and lets its nearest neighbour grow. The outcome is a
 //!   [`RemovalOrder`]; *every prefix of it is a LOD*: [`Lod::after`]. So one run to
-//!   the coarsest level gives all finer ones.
+//!   the coarsest level gives all finer ones, unless triangles are the target: then
+//!   leaves first become as coarse as that target needs.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
 //!   it was: wood, materials, textures, attributes, names, extensions.
 //! - [`measure`] judges a result by views that [`simplify`] never saw.
 //!
 //! The same tree and settings give the same order on every machine, on the CPU
 //! and on every GPU, bit for bit: from the snapped triangles on all arithmetic
-//! is on integers.
+//! is on integers. Which triangles of a coarser leaf are left ([`mod@coarsen`]) is
+//! decided in floating point before that, and may differ between kinds of processors.
 //!
 //! # What it refuses
 //! Draco-compressed files (decode them first), glTF 1, unknown required

@@ -13,7 +13,7 @@ use crate::audit::audit;
 use crate::baseline;
 use crate::driven::Driven;
 use crate::settings::Goal;
-use crate::{Error, Method, OpenEngine, Resolution, Simplify};
+use crate::{Error, LeafTriangles, Method, OpenEngine, Resolution, Simplify};
 
 /// Where a run stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,12 +35,14 @@ pub enum Progress {
 #[derive(Clone, Debug)]
 pub struct Simplified {
     /// Which leaves went, in order, and which grew for them. Every prefix of it
-    /// is a LOD: [`Lod::after`].
+    /// is a LOD: [`Lod::after`]. Where leaves became coarser that is its first step,
+    /// and all finer levels are of these leaves.
     pub order: RemovalOrder,
     /// The leaves that are left, and how large.
     pub lod: Lod,
     /// Cost of each step in units of 2^-27 bits times pixels of a view: see
-    /// [`secateur_simplify::vmi`]. Empty for methods without such costs.
+    /// [`secateur_simplify::vmi`]; 0 for the step that makes leaves coarser. Empty for
+    /// methods without such costs.
     pub costs_scaled: Vec<i64>,
     /// Why the run ended.
     pub stopped: Stopped,
@@ -184,6 +186,7 @@ pub fn simplify_on(
     };
     let seconds = clock.finish();
     let mut warnings = warnings_of(goal, &foliage);
+    warnings.extend(shortfall(settings, goal, &foliage, &lod));
     warnings.extend(engine.warning());
     Ok(Simplified {
         order: outcome.order,
@@ -258,10 +261,28 @@ fn warnings_of(goal: Goal, foliage: &Foliage) -> Vec<String> {
     let mut warnings = Vec::new();
     if asked > there {
         warnings.push(format!(
-            "{asked} {what} were asked for and there are {there}: nothing was removed"
+            "{asked} {what} were asked for and there are {there}: no leaf was removed"
         ));
     }
     warnings
+}
+
+/// What was asked for and is not so at the end.
+fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> Option<String> {
+    match (goal, settings.leaf_triangles) {
+        (Goal::Triangles(asked), _) => {
+            let left = lod.foliage(foliage).triangles().len();
+            (left > asked && left < foliage.triangles().len()).then(|| {
+                format!("{asked} triangles were asked for, and {left} is as near as it comes")
+            })
+        }
+        (Goal::MaxError(percent), LeafTriangles::AtMost(most)) if lod.is_of_originals() => {
+            Some(format!(
+                "no leaf became coarser: with {most} triangles a leaf the VMI error would exceed {percent} %, or none has more"
+            ))
+        }
+        _ => None,
+    }
 }
 
 /// The bounding sphere, if cameras about it can be computed.

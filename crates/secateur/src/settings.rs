@@ -150,7 +150,8 @@ pub enum Target {
     /// Before the first step after which the VMI error on the driving views
     /// would exceed this many per cent.
     MaxError(f64),
-    /// At this many triangles of the foliage, or as few below as whole leaves allow.
+    /// At this many triangles of the foliage, or as few below as whole leaves and
+    /// collapses of their edges allow; [`Method::Meshopt`] may end above.
     Triangles(u64),
     /// At this share of the foliage's triangles, 0 to 1, rounded to the nearest number.
     TriangleRatio(f64),
@@ -269,7 +270,8 @@ pub struct Simplify {
     pub ties: Ties,
     /// Whether holes of leaf textures count.
     pub alpha: Alpha,
-    /// [`Method::Vds`]: leaves of fewer triangles, made before any leaf goes.
+    /// [`Method::Vds`]: leaves of fewer triangles, made before any leaf goes. They are
+    /// then what costs and coverage are measured against.
     pub leaf_triangles: LeafTriangles,
     /// For methods that draw lots; others only record it.
     pub seed: u64,

@@ -11,6 +11,7 @@ mod published;
 mod readme;
 mod report;
 mod rows;
+mod shares;
 mod summary;
 mod table;
 mod trial;

@@ -3,13 +3,12 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::held_out;
 use super::published::beside;
 use super::table::Table;
 use super::trial::{WHAT_IS_BETTER, overview};
 use super::whole::note_of;
 use super::words::{duration, memory, number, percent};
-use super::{COLUMNS, Row, Study, groups, overlap, spread, summarise};
+use super::{COLUMNS, Row, Study, groups, held_out, overlap, shares, spread, summarise};
 
 /// The same study as [`report`](super::report()) without pictures: what ran on
 /// what, means of every method and level, what fails where, the paper's figures.
@@ -42,7 +41,10 @@ pub fn readme(study: &Study<'_>) -> String {
     if let Some(note) = note_of(&partial) {
         let _ = writeln!(text, "{note}\n");
     }
-    if let Some(note) = held_out::note_of(study.rows) {
+    for note in [shares::note_of(study.rows), held_out::note_of(study.rows)]
+        .iter()
+        .flatten()
+    {
         let _ = writeln!(text, "{note}\n");
     }
     stability(&mut text, &plain);

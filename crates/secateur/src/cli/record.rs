@@ -66,6 +66,10 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
             "final": result.lod.leaf_count(),
         },
         "triangles": { "original": tree.triangle_count(), "final": run.written.triangles },
+        "foliage_triangles": {
+            "original": tree.foliage().triangles().len(),
+            "final": result.lod.foliage(tree.foliage()).triangles().len(),
+        },
         "method": args.method.text(),
         "engine": result.engine,
         "adapter": result.adapter,

@@ -4,11 +4,11 @@
 //! them with half of their triangles. So triangles are shared out before leaves
 //! go: every leaf may keep as many as every other, and what that leaves over
 //! goes to the largest. A leaf becomes coarser by collapses of its edges
-//! (meshoptimizer, by quadric error, in f32), and is then grown and moved so that
-//! its area and its centre stay.
+//! (meshoptimizer, by quadric error, in f32: another processor may choose other
+//! triangles), and is then grown and moved so that its area and its centre stay.
 
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use secateur_model::{
@@ -59,13 +59,15 @@ pub struct Coarse {
 }
 
 /// Makes the leaves coarser that have more triangles than they may keep, on the
-/// threads of the current rayon pool.
+/// threads of the current rayon pool; nothing if none becomes coarser.
 ///
-/// A leaf stays as it is where no edge of it can collapse, or where it has no area.
+/// A leaf keeps more than it may where collapses of edges do not get that far: of a
+/// leaf of front and back faces a triangle of each is left. It stays as it is where
+/// no edge can collapse, or what would be left has no area.
 ///
 /// # Panics
 /// If `triangles_at_most` is not of one number for each leaf.
-pub fn coarsen(foliage: &Foliage, triangles_at_most: &[usize]) -> Coarse {
+pub fn coarsen(foliage: &Foliage, triangles_at_most: &[usize]) -> Option<Coarse> {
     assert_eq!(triangles_at_most.len(), foliage.leaves().len());
     let coarser = |(index, &at_most)| coarser_leaf(foliage, LeafId::from_index(index), at_most);
     let made: Vec<Option<NewLeaf>> = triangles_at_most
@@ -73,6 +75,9 @@ pub fn coarsen(foliage: &Foliage, triangles_at_most: &[usize]) -> Coarse {
         .enumerate()
         .map(coarser)
         .collect();
+    if made.iter().all(Option::is_none) {
+        return None;
+    }
     let mut coarse = Foliage::new(foliage.cutouts().to_vec());
     for (index, made) in made.iter().enumerate() {
         let leaf = LeafId::from_index(index);
@@ -83,10 +88,10 @@ pub fn coarsen(foliage: &Foliage, triangles_at_most: &[usize]) -> Coarse {
         let pushed = coarse.push_leaf(&triangles, foliage.leaf(leaf).cutout());
         pushed.expect("a leaf that is coarser than one that was there");
     }
-    Coarse {
+    Some(Coarse {
         foliage: coarse,
         made,
-    }
+    })
 }
 
 impl Coarse {
@@ -96,8 +101,10 @@ impl Coarse {
     }
 
     /// An order over the coarser leaves as one over those before: a first step puts
-    /// them in the place of those, the others go by their new names. The same order
-    /// where no leaf became coarser.
+    /// them in the place of those, the others go by their new names.
+    ///
+    /// # Panics
+    /// If the order is of other leaves, or makes some itself.
     pub fn order(&self, of_coarse: &RemovalOrder) -> RemovalOrder {
         let mut removed: Vec<LeafId> = Vec::new();
         let mut made: Vec<NewLeaf> = Vec::new();
@@ -112,9 +119,6 @@ impl Coarse {
             made.extend(coarser.clone());
         }
         let mut order = RemovalOrder::new(of_coarse.leaf_count());
-        if made.is_empty() {
-            return of_coarse.clone();
-        }
         order.push_step(Step {
             removed: &removed,
             grown: &[],
@@ -168,44 +172,86 @@ fn coarser_leaf(foliage: &Foliage, leaf: LeafId, at_most: usize) -> Option<NewLe
     })
 }
 
+/// How many more triangles than asked for are tried where collapses leave none.
+const TRIES: usize = 4;
+
 /// The corners, numbered as in [`secateur_model::CornerRef`], of the triangles that
 /// collapses leave; nothing if they leave none, or all.
 fn collapsed(triangles: &[LeafTriangle], at_most: usize) -> Option<Vec<[u32; 3]>> {
-    let origin = triangles[0].corners[0];
-    let corners = || triangles.iter().flat_map(|t| t.corners);
-    let size = corners()
-        .map(|corner| (corner - origin).length())
-        .fold(0.0, f64::max);
-    let mut positions: Vec<[f32; 3]> = Vec::new();
-    let mut corner_of: Vec<u32> = Vec::new();
-    let mut known: FxHashMap<[u64; 5], u32> = FxHashMap::default();
-    let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles.len());
-    let uvs = triangles.iter().flat_map(|t| t.uvs);
-    for ((position, uv), corner) in corners().zip(uvs).zip(0..) {
-        let DVec3 { x, y, z } = position;
-        let key = [x, y, z, uv.x, uv.y].map(|v| (v + 0.0).to_bits());
-        indices.push(*known.entry(key).or_insert_with(|| {
-            positions.push(((position - origin) / size).as_vec3().to_array());
-            corner_of.push(corner);
-            positions.len() as u32 - 1
-        }));
+    let mesh = Mesh::of(triangles)?;
+    let counts = at_most..triangles.len().min(at_most + TRIES);
+    let mut left = counts.map(|count| mesh.collapsed(count));
+    let kept = left.find(|kept| !kept.is_empty())?;
+    (kept.len() < triangles.len()).then(|| mesh.corners_of(triangles, &kept))
+}
+
+/// A leaf by its vertices: corners at one place of one texture coordinate.
+struct Mesh {
+    /// Relative to the first corner, the furthest at 1.
+    positions: Vec<[f32; 3]>,
+    /// Vertices by corner.
+    indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// Nothing of a leaf that is a point.
+    fn of(triangles: &[LeafTriangle]) -> Option<Self> {
+        let corners = || triangles.iter().flat_map(|t| t.corners);
+        let origin = triangles[0].corners[0];
+        let size = corners()
+            .map(|corner| (corner - origin).length())
+            .fold(0.0, f64::max);
+        let mut positions: Vec<[f32; 3]> = Vec::new();
+        let mut known: FxHashMap<[u64; 5], u32> = FxHashMap::default();
+        let uvs = triangles.iter().flat_map(|t| t.uvs);
+        let vertex = |(position, uv): (DVec3, DVec2)| {
+            let DVec3 { x, y, z } = position;
+            let key = [x, y, z, uv.x, uv.y].map(|v| (v + 0.0).to_bits());
+            *known.entry(key).or_insert_with(|| {
+                positions.push(((position - origin) / size).as_vec3().to_array());
+                positions.len() as u32 - 1
+            })
+        };
+        let indices = corners().zip(uvs).map(vertex).collect();
+        let is_sound = positions.as_flattened().iter().all(|x| x.is_finite());
+        is_sound.then_some(Self { positions, indices })
     }
-    if !positions.as_flattened().iter().all(|x| x.is_finite()) {
-        return None;
+
+    /// Triangles, as vertices, that collapses to this number leave.
+    fn collapsed(&self, triangles: usize) -> Vec<[u32; 3]> {
+        let bytes = ::meshopt::typed_to_bytes(&self.positions);
+        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
+            .expect("positions are whole vectors");
+        let (count, options) = (3 * triangles, SimplifyOptions::None);
+        let kept = ::meshopt::simplify(&self.indices, &vertices, count, f32::MAX, options, None);
+        kept.as_chunks().0.to_vec()
     }
-    let bytes = ::meshopt::typed_to_bytes(&positions);
-    let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
-        .expect("positions are whole vectors");
-    let (count, options) = (3 * at_most, SimplifyOptions::None);
-    let kept = ::meshopt::simplify(&indices, &vertices, count, f32::MAX, options, None);
-    if kept.is_empty() || kept.len() >= indices.len() {
-        return None;
+
+    /// For each vertex of each triangle that is left a corner of the leaf: of those at
+    /// that vertex, the one whose own triangle faces the most like it, so that fronts
+    /// do not get the normals of backs.
+    fn corners_of(&self, triangles: &[LeafTriangle], kept: &[[u32; 3]]) -> Vec<[u32; 3]> {
+        let mut corners_at: Vec<Vec<u32>> = vec![Vec::new(); self.positions.len()];
+        for (vertex, corner) in self.indices.iter().zip(0..) {
+            corners_at[*vertex as usize].push(corner);
+        }
+        let position = |corner: u32| triangles[corner as usize / 3].corners[corner as usize % 3];
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
+        let of_triangle = |t: &[u32; 3]| {
+            let facing = normal(t.map(|vertex| position(corners_at[vertex as usize][0])));
+            t.map(|vertex| {
+                let mut best = (f64::NEG_INFINITY, 0);
+                for &corner in &corners_at[vertex as usize] {
+                    let likeness = facing.dot(normal(triangles[corner as usize / 3].corners));
+                    if likeness > best.0 {
+                        best = (likeness, corner);
+                    }
+                }
+                best.1
+            })
+        };
+        kept.iter().map(of_triangle).collect()
     }
-    let kept = kept.as_chunks().0.iter();
-    Some(
-        kept.map(|t: &[u32; 3]| t.map(|vertex| corner_of[vertex as usize]))
-            .collect(),
-    )
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ fn triangles_are_shared_out_evenly_and_the_last_go_to_the_largest() {
 #[test]
 fn a_hexagon_becomes_a_triangle_of_its_area_at_its_place() {
     let foliage = of(&[polygon(6, 1.0, DVec3::new(1.0, 2.0, 3.0))]);
-    let coarse = coarsen(&foliage, &[1]);
+    let coarse = coarsen(&foliage, &[1]).unwrap();
     let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
     assert_eq!(coarse.foliage().triangles().len(), 1);
     assert!((before.area() - after.area()).abs() < 1e-12 * before.area());
@@ -81,12 +81,55 @@ fn a_hexagon_becomes_a_triangle_of_its_area_at_its_place() {
 fn what_cannot_be_coarser_stays() {
     let point = vec![LeafTriangle::plain([DVec3::ONE; 3]); 4];
     let line = vec![LeafTriangle::plain([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]); 3];
-    let foliage = of(&[point, line, polygon(3, 1.0, DVec3::ZERO)]);
-    let coarse = coarsen(&foliage, &[1, 1, 1]);
-    assert_eq!(coarse.foliage().triangles(), foliage.triangles());
-    let mut order = RemovalOrder::new(3);
-    order.push(LeafId::from_index(1), &[]);
-    assert_eq!(coarse.order(&order), order);
+    let triangle = polygon(3, 1.0, DVec3::ZERO);
+    let foliage = of(&[point.clone(), line.clone(), triangle.clone()]);
+    assert!(coarsen(&foliage, &[1, 1, 1]).is_none());
+    let hexagon = polygon(6, 1.0, DVec3::ZERO);
+    let foliage = of(&[point, line, triangle, hexagon]);
+    let coarse = coarsen(&foliage, &[1; 4]).unwrap();
+    assert_eq!(counts(coarse.foliage()), [4, 3, 1, 1]);
+    assert_eq!(coarse.foliage().triangles()[..8], foliage.triangles()[..8]);
+}
+
+/// Fronts and backs share their vertices: of each a triangle is left, with corners of
+/// its own side, whose normals they have.
+#[test]
+fn leaves_of_two_sides_keep_a_triangle_of_each() {
+    let front = polygon(6, 1.0, DVec3::ZERO);
+    let back = front.iter().map(|t| LeafTriangle {
+        corners: [t.corners[0], t.corners[2], t.corners[1]],
+        uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
+    });
+    let foliage = of(&[front.iter().copied().chain(back).collect()]);
+    let coarse = coarsen(&foliage, &[1]).unwrap();
+    let made = coarse.made[0].as_ref().unwrap();
+    assert_eq!(made.triangles.len(), 2);
+    let sides = made.triangles.iter().map(|t| {
+        let sides = t.map(|corner| corner.like / 3 < 4);
+        assert!(sides.iter().all(|side| *side == sides[0]), "{sides:?}");
+        sides[0]
+    });
+    let sides: Vec<bool> = sides.collect();
+    assert_ne!(sides[0], sides[1]);
+    for (triangle, is_front) in coarse.foliage().triangles().iter().zip(sides) {
+        let [a, b, c] = triangle.corners;
+        assert_eq!((b - a).cross(c - a).z > 0.0, is_front);
+    }
+}
+
+#[test]
+fn a_closed_leaf_stays_or_keeps_its_sides() {
+    let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let tetrahedron = [[a, c, b], [a, b, d], [a, d, c], [b, c, d]].map(LeafTriangle::plain);
+    let foliage = of(&[tetrahedron.to_vec()]);
+    for at_most in 1..=4 {
+        let left = coarsen(&foliage, &[at_most]);
+        let area = |foliage: &Foliage| foliage.leaves()[0].area();
+        if let Some(left) = left {
+            assert!((area(left.foliage()) - area(&foliage)).abs() < 1e-9);
+            assert!((2..4).contains(&left.foliage().triangles().len()));
+        }
+    }
 }
 
 /// Of a leaf that stays, one that becomes coarser and grows, and one that becomes
@@ -95,7 +138,7 @@ fn what_cannot_be_coarser_stays() {
 fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
     let at = |x: f64, corners| polygon(corners, 1.0, DVec3::X * x);
     let foliage = of(&[at(0.0, 3), at(5.0, 6), at(9.0, 6)]);
-    let coarse = coarsen(&foliage, &[1, 2, 2]);
+    let coarse = coarsen(&foliage, &[1, 2, 2]).unwrap();
     let leaf = LeafId::from_index;
     let mut order = RemovalOrder::new(3);
     let grown = Growth {
@@ -136,11 +179,12 @@ proptest! {
         let at_most = (share * foliage.triangles().len() as f64) as usize;
         let shares = shared_out(&foliage, at_most, |_| least);
         let coarse = coarsen(&foliage, &shares);
-        let after = counts(coarse.foliage());
+        let after = coarse.as_ref().map_or(&foliage, Coarse::foliage);
+        let (coarse, after) = (after, counts(after));
         prop_assert!(after.iter().zip(&shares).all(|(count, share)| count <= share));
         let fewest: usize = counts(&foliage).iter().map(|own| *own.min(&least)).sum();
         prop_assert_eq!(shares.iter().sum::<usize>(), at_most.max(fewest));
-        for (before, after) in foliage.leaves().iter().zip(coarse.foliage().leaves()) {
+        for (before, after) in foliage.leaves().iter().zip(coarse.leaves()) {
             prop_assert!((before.area() - after.area()).abs() <= 1e-9 * before.area());
             let tolerance = 1e-9 * (before.area().sqrt() + before.centre().length());
             prop_assert!(before.centre().distance(after.centre()) <= tolerance);

@@ -15,3 +15,4 @@ mod ties;
 
 pub use options::{Reference, Resize, Stop, Ties, VdsOptions, ViewPlan};
 pub use outcome::{Progress, Stopped, VdsError, VdsOutcome};
+pub use phases::final_views;

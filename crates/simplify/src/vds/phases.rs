@@ -61,6 +61,24 @@ pub(crate) fn final_phase(phases: &[Phase], leaves_left: usize) -> &Phase {
     found.expect("the last phase ends at the target")
 }
 
+/// The views of the last step of a run that goes from `leaf_count` leaves to
+/// `leaves_left`, whatever its options say about the end.
+///
+/// # Errors
+/// [`VdsError`] if the options are out of range.
+pub fn final_views(
+    options: &VdsOptions,
+    leaf_count: usize,
+    leaves_left: usize,
+) -> Result<ViewSet, VdsError> {
+    let mut options = options.clone();
+    options.stop.leaves = leaves_left;
+    let phases = phases(&options, leaf_count)?;
+    Ok(final_phase(&phases, leaves_left.min(leaf_count))
+        .views
+        .clone())
+}
+
 fn check(views: &ViewSet, resolution: u32) -> Result<(), VdsError> {
     if views.is_empty() {
         return Err(VdsError::NoViews);
@@ -100,5 +118,10 @@ mod tests {
         assert_eq!(plan(600), [(20, 900), (12, 700), (8, 600)]);
         assert_eq!(plan(950), [(20, 950)]);
         assert_eq!(plan(5000), [(20, 1000),], "nothing to do");
+
+        let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 64, 0);
+        options.views = ViewPlan::Variable(sphere);
+        let views = |left| final_views(&options, 1000, left).unwrap().len();
+        assert_eq!([1000, 900, 899, 600, 100].map(views), [20, 20, 12, 8, 6]);
     }
 }

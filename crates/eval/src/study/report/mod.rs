@@ -12,10 +12,10 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::chart::{chart, escaped};
-use super::held_out;
 use super::whole::{note_of, take_out_partial};
 use super::words::{duration, memory, number, overlap_of, percent};
 use super::{COLUMNS, Column, Paper, Point, Row, Trial, summarise};
+use super::{held_out, shares};
 use crate::measure::Direction;
 
 /// A picture that rows name: its path, and its bytes as JPEG.
@@ -155,8 +155,12 @@ impl Page<'_> {
             trees_of(self.given).len(),
             escaped(&trees_of(self.given).join(", "))
         );
-        if let Some(note) = held_out::note_of(self.study.rows) {
-            let _ = writeln!(html, "<p>{}</p>", escaped(&note));
+        let rows = self.study.rows;
+        for note in [shares::note_of(rows), held_out::note_of(rows)]
+            .iter()
+            .flatten()
+        {
+            let _ = writeln!(html, "<p>{}</p>", escaped(note));
         }
         for level in levels(self.given) {
             let rows = self.at(level);

@@ -3,19 +3,22 @@
 use std::fs;
 use std::path::Path;
 
-use secateur::Lod;
+use secateur::{Lod, NewLeaf, Place};
 
 use super::super::failure::Failure;
 use super::super::output;
 
-/// A bit for each original leaf, leaf 1 first: whether it is left.
+/// A bit for each original leaf, leaf 1 first: whether it is left, as it was or of
+/// another shape.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Kept(Vec<u8>);
 
 impl Kept {
     pub(super) fn of(lod: &Lod) -> Self {
         let mut bits = vec![0; lod.area_scales().len().div_ceil(8)];
-        for (leaf, _) in lod.leaves() {
+        let originals = lod.leaves().map(|(leaf, _)| leaf);
+        let changed = lod.made().filter(|(leaf, _)| is_of_one(leaf));
+        for leaf in originals.chain(changed.map(|(leaf, _)| leaf.donor)) {
             bits[leaf.index() / 8] |= 1 << (leaf.index() % 8);
         }
         Self(bits)
@@ -42,10 +45,43 @@ impl Kept {
     }
 }
 
+/// Whether a leaf has taken the place of no other than its donor.
+fn is_of_one(leaf: &NewLeaf) -> bool {
+    let corners = leaf.triangles.iter().flatten();
+    let mut own = corners.map(|corner| match corner.place {
+        Place::Of(at) => at.leaf == leaf.donor,
+        Place::At(_) => true,
+    });
+    own.all(|is_own| is_own)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur::{LeafId, Lod};
+    use secateur::{CornerRef, LeafId, Lod, NewCorner};
+
+    /// Of two leaves that were made, one of leaf 1 alone, one of leaves 1 and 2, the
+    /// first counts for leaf 1.
+    #[test]
+    fn a_leaf_of_another_shape_is_left() {
+        let corner = |leaf| NewCorner {
+            place: Place::Of(CornerRef {
+                leaf: LeafId::from_index(leaf),
+                corner: 0,
+            }),
+            like: 0,
+        };
+        let with = |other| {
+            let mut lod = Lod::original(3);
+            (0..3).for_each(|leaf| lod.remove(LeafId::from_index(leaf)));
+            lod.make(NewLeaf {
+                donor: LeafId::from_index(0),
+                triangles: vec![[corner(0), corner(0), corner(other)]],
+            });
+            Kept::of(&lod)
+        };
+        assert_eq!((with(0), with(1)), (Kept(vec![1]), Kept(vec![0])));
+    }
 
     /// Of ten leaves one run keeps 1 to 4, the other 3 to 8: two of eight.
     #[test]

@@ -188,9 +188,9 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
     let count = tree.foliage().leaves().len();
     let steps: Vec<usize> = levels
         .iter()
-        .map(|level| match job.case.is_of_triangles() {
-            true => usize::MAX,
-            false => count - (level * count as f64).round() as usize,
+        .map(|level| match job.case.has_prefixes() {
+            true => count - (level * count as f64).round() as usize,
+            false => usize::MAX,
         })
         .collect();
     let mut reached: Vec<Option<Reached>> = vec![None; levels.len()];

@@ -27,6 +27,9 @@ pub(super) struct Case {
 /// Without a number after it: the levels of a case are shares of triangles.
 const OF_TRIANGLES: &str = "--triangles";
 
+/// The option that makes leaves coarser at any target.
+const LEAF_TRIANGLES: &str = "--leaf-triangles";
+
 /// All methods, one setting each, and the variants that explain them.
 const METHODS: [&str; 10] = [
     "vds",
@@ -241,9 +244,12 @@ impl Case {
         self.options.iter().any(|option| option == OF_TRIANGLES)
     }
 
-    /// Whether one run to the coarsest level gives all finer ones.
+    /// Whether one run to the coarsest level gives all finer ones, a leaf a step.
     pub(super) fn has_prefixes(&self) -> bool {
-        self.method != Method::Meshopt.name() && !self.is_of_triangles()
+        let makes_coarser = |option: &String| option.starts_with(LEAF_TRIANGLES);
+        self.method != Method::Meshopt.name()
+            && !self.is_of_triangles()
+            && !self.options.iter().any(makes_coarser)
     }
 
     /// Whether it gives something else for another seed.
@@ -307,7 +313,7 @@ mod tests {
             assert!(case.has_prefixes());
             assert!(!case.draws_lots());
         }
-        for text in ["meshopt", "vds --triangles"] {
+        for text in ["meshopt", "vds --triangles", "vds --leaf-triangles=2"] {
             let case = Case::parse(text, Perturbation::None).unwrap();
             assert!(!case.has_prefixes(), "{text}");
         }

@@ -31,7 +31,7 @@ const COVERAGE_KEPT: &str =
     "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1";
 
 /// What spends the share on coarser leaves first.
-const OF_TRIANGLES: &str = "vds --triangles";
+const BY_TRIANGLES: &str = "vds --triangles";
 
 /// The words of a case that stand for near cameras.
 pub(super) const NEAR: &str = "NEAR";
@@ -42,7 +42,7 @@ const SMALL_LEAVES: &[&str] = &[
     "vds --resolution 256",
     "vds",
     "vds --resolution 1024",
-    OF_TRIANGLES,
+    BY_TRIANGLES,
     "fsa",
     "stochastic",
     "meshopt --preserve-area",
@@ -86,7 +86,7 @@ pub(super) const SCENES: [Scene; 8] = [
         cases: &[
             "vds",
             "vds --views NEAR",
-            OF_TRIANGLES,
+            BY_TRIANGLES,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
@@ -110,7 +110,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --ties order",
             "vds --ties spread",
             "vds",
-            OF_TRIANGLES,
+            BY_TRIANGLES,
             "fsa",
             "stochastic",
         ],
@@ -134,7 +134,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --neighbours 4",
             "vds --resize none",
             COVERAGE_KEPT,
-            OF_TRIANGLES,
+            BY_TRIANGLES,
             "stochastic",
             "meshopt --preserve-area",
         ],
@@ -160,7 +160,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --resize none",
             "vds --reference previous --resize deficit --neighbours 4",
             COVERAGE_KEPT,
-            OF_TRIANGLES,
+            BY_TRIANGLES,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",
@@ -183,7 +183,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "stochastic --area-weight 0.5",
             "fsa",
             "vds",
-            OF_TRIANGLES,
+            BY_TRIANGLES,
             "meshopt --preserve-area",
         ],
         judged_from_radii: 3.0,
@@ -205,7 +205,7 @@ pub(super) const SCENES: [Scene; 8] = [
             "vds --neighbours 4",
             "vds --reference previous --resize deficit --neighbours 4",
             COVERAGE_KEPT,
-            OF_TRIANGLES,
+            BY_TRIANGLES,
             "fsa",
             "stochastic",
             "meshopt --preserve-area",

@@ -88,8 +88,10 @@ pub fn simplify(
         match stopped {
             // The stage has gone one step too far.
             Stopped::AtMaxError => return run.outcome_from_scratch(&phases),
-            _ if is_last => return Ok(run.outcome(stage)),
-            _ => {}
+            Stopped::AtLeafCount | Stopped::AtTriangles if is_last => {
+                return Ok(run.outcome(stage));
+            }
+            Stopped::AtLeafCount | Stopped::AtTriangles => {}
         }
     }
     unreachable!("the last phase ends at the target")
