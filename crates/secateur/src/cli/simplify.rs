@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use secateur::raster::ViewSet;
 use secateur::{
-    Document, Error, Lod, PlantSkeleton, Resolution, Simplified, Simplify, Tree, Views, Written,
-    read_cameras,
+    Document, Error, Foliage, Lod, PlantSkeleton, Resolution, Simplified, Simplify, Stopped, Tree,
+    Views, Written, read_cameras,
 };
 
 use super::args::{self, Common};
@@ -188,24 +188,36 @@ fn write_picture(
     result: &Simplified,
 ) -> Result<(), Failure> {
     let selectors = &args.foliage.foliage;
-    let leaves = |n: usize| format!("{} leaves", grouped(n as u64));
     let after = Document::open(&args.output)?;
-    let kept = result.lod.leaf_count();
-    let count = result.order.leaf_count() as usize;
+    let left = result.lod.foliage(tree.foliage());
+    let in_words = |foliage: &Foliage| {
+        let [leaves, triangles] = counts(foliage).map(|n| grouped(n as u64));
+        format!("{leaves} leaves, {triangles} triangles")
+    };
+    let [[leaves_before, triangles_before], [leaves, triangles]] =
+        [tree.foliage(), &left].map(counts);
     let exhibits = [
         Exhibit {
             title: "original".to_owned(),
-            subtitle: leaves(count),
+            subtitle: in_words(tree.foliage()),
             surfaces: picture::surfaces(tree.document(), selectors)?,
         },
         Exhibit {
-            title: share(kept, count),
-            subtitle: leaves(kept),
+            title: match result.stopped {
+                Stopped::AtTriangles => share(triangles, triangles_before),
+                Stopped::AtLeafCount | Stopped::AtMaxError => share(leaves, leaves_before),
+            },
+            subtitle: in_words(&left),
             // No leaf may be left to select.
             surfaces: picture::surfaces(&after, &[])?,
         },
     ];
     output::write_file(path, &picture::sheet(&exhibits)?)
+}
+
+/// Leaves and triangles.
+fn counts(foliage: &Foliage) -> [usize; 2] {
+    [foliage.leaves().len(), foliage.triangles().len()]
 }
 
 /// "10 %" of the leaves.
@@ -240,6 +252,8 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
         let share = share(after as usize, before as usize);
         row([name.to_owned(), grouped(before), grouped(after), share])
     };
+    let left = result.lod.foliage(run.tree.foliage());
+    let [before, after] = [run.tree.foliage(), &left].map(|f| f.triangles().len());
     let mut rows = vec![
         row([
             String::new(),
@@ -253,6 +267,7 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
             result.lod.leaf_count() as u64,
         ),
         numbers("triangles", run.tree.triangle_count(), written.triangles),
+        numbers("of leaves", before as u64, after as u64),
     ];
     if let Some(before) = record::bytes_of(run.input) {
         let share = share(written.bytes as usize, before as usize);
