@@ -116,10 +116,11 @@ fn wrapped(label: &str) -> Vec<String> {
     lines
 }
 
-/// One of 7 shapes in one of 7 colours, hollow from the eighth on.
+/// One of 7 shapes in one of 7 colours, every pair once before any comes again;
+/// hollow in every other round of colours.
 fn mark(number: usize, x: f64, y: f64) -> String {
-    let color = COLORS[number % 7];
-    let fill = if (number / 7).is_multiple_of(2) {
+    let (color, round) = (COLORS[number % 7], number / 7);
+    let fill = if round.is_multiple_of(2) {
         color
     } else {
         "#fff"
@@ -132,7 +133,7 @@ fn mark(number: usize, x: f64, y: f64) -> String {
             .collect();
         format!("<polygon points=\"{}\" {style}/>", points.join(" "))
     };
-    match number % 7 {
+    match (number + 3 * round) % 7 {
         0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" {style}/>"),
         1 => polygon(&[(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)]),
         2 => polygon(&[(0.0, -6.0), (6.0, 5.0), (-6.0, 5.0)]),
@@ -285,6 +286,18 @@ mod tests {
         assert_eq!(svg.matches("<g><title>").count(), 9);
         assert!(svg.contains("m&lt;8&gt;") && svg.contains("a &amp; b"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    /// By shape and colour, not by what is hollow: crosses are not.
+    #[test]
+    fn forty_nine_points_can_be_told_apart() {
+        let mut marks: Vec<String> = (0..49)
+            .map(|number| mark(number, 0.0, 0.0).replace("fill=\"#fff\" ", ""))
+            .map(|mark| mark.replace("fill=\"#", "\""))
+            .collect();
+        marks.sort();
+        marks.dedup();
+        assert_eq!(marks.len(), 49);
     }
 
     #[test]
