@@ -1,4 +1,4 @@
-use glam::{DQuat, DVec2};
+use glam::{DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 use secateur_model::Lod;
 

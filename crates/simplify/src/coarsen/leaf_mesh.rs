@@ -1,0 +1,88 @@
+//! One leaf as a mesh, and what collapses of its edges leave.
+
+use ::meshopt::{SimplifyOptions, VertexDataAdapter};
+use glam::{DVec2, DVec3};
+use rustc_hash::FxHashMap;
+use secateur_model::LeafTriangle;
+
+/// How many more triangles than asked for are tried where collapses leave none.
+const TRIES: usize = 4;
+
+/// The corners, numbered as in [`secateur_model::CornerRef`], of the triangles that
+/// collapses leave; nothing if they leave none, or all.
+pub(super) fn collapsed(triangles: &[LeafTriangle], at_most: usize) -> Option<Vec<[u32; 3]>> {
+    let mesh = Mesh::of(triangles)?;
+    let counts = at_most..triangles.len().min(at_most + TRIES);
+    let mut left = counts.map(|count| mesh.collapsed(count));
+    let kept = left.find(|kept| !kept.is_empty())?;
+    (kept.len() < triangles.len()).then(|| mesh.corners_of(triangles, &kept))
+}
+
+/// A leaf by its vertices: corners at one place of one texture coordinate.
+struct Mesh {
+    /// Relative to the first corner, the furthest at 1.
+    positions: Vec<[f32; 3]>,
+    /// Vertices by corner.
+    indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// Nothing of a leaf that is a point.
+    fn of(triangles: &[LeafTriangle]) -> Option<Self> {
+        let corners = || triangles.iter().flat_map(|t| t.corners);
+        let origin = triangles[0].corners[0];
+        let size = corners()
+            .map(|corner| (corner - origin).length())
+            .fold(0.0, f64::max);
+        let mut positions: Vec<[f32; 3]> = Vec::new();
+        let mut known: FxHashMap<[u64; 5], u32> = FxHashMap::default();
+        let uvs = triangles.iter().flat_map(|t| t.uvs);
+        let vertex = |(position, uv): (DVec3, DVec2)| {
+            let DVec3 { x, y, z } = position;
+            let key = [x, y, z, uv.x, uv.y].map(|v| (v + 0.0).to_bits());
+            *known.entry(key).or_insert_with(|| {
+                positions.push(((position - origin) / size).as_vec3().to_array());
+                positions.len() as u32 - 1
+            })
+        };
+        let indices = corners().zip(uvs).map(vertex).collect();
+        let is_sound = positions.as_flattened().iter().all(|x| x.is_finite());
+        is_sound.then_some(Self { positions, indices })
+    }
+
+    /// Triangles, as vertices, that collapses to this number leave.
+    fn collapsed(&self, triangles: usize) -> Vec<[u32; 3]> {
+        let bytes = ::meshopt::typed_to_bytes(&self.positions);
+        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
+            .expect("positions are whole vectors");
+        let (count, options) = (3 * triangles, SimplifyOptions::None);
+        let kept = ::meshopt::simplify(&self.indices, &vertices, count, f32::MAX, options, None);
+        kept.as_chunks().0.to_vec()
+    }
+
+    /// For each vertex of each triangle that is left a corner of the leaf: of those at
+    /// that vertex, the one whose own triangle faces the most like it, so that fronts
+    /// do not get the normals of backs.
+    fn corners_of(&self, triangles: &[LeafTriangle], kept: &[[u32; 3]]) -> Vec<[u32; 3]> {
+        let mut corners_at: Vec<Vec<u32>> = vec![Vec::new(); self.positions.len()];
+        for (vertex, corner) in self.indices.iter().zip(0..) {
+            corners_at[*vertex as usize].push(corner);
+        }
+        let position = |corner: u32| triangles[corner as usize / 3].corners[corner as usize % 3];
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
+        let of_triangle = |t: &[u32; 3]| {
+            let facing = normal(t.map(|vertex| position(corners_at[vertex as usize][0])));
+            t.map(|vertex| {
+                let mut best = (f64::NEG_INFINITY, 0);
+                for &corner in &corners_at[vertex as usize] {
+                    let likeness = facing.dot(normal(triangles[corner as usize / 3].corners));
+                    if likeness > best.0 {
+                        best = (likeness, corner);
+                    }
+                }
+                best.1
+            })
+        };
+        kept.iter().map(of_triangle).collect()
+    }
+}
