@@ -144,7 +144,7 @@ impl<'a> Judge<'a> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: machine::commit().unwrap_or("unknown").to_owned(),
             machine: machine::name(),
-            command: case.command(self.path, ran.level, seed),
+            command: self.in_folder(&case.command(self.path, ran.level, seed)),
             picture: String::new(),
             difference: String::new(),
         };
@@ -156,6 +156,14 @@ impl<'a> Judge<'a> {
         self.write_picture(opaque(&picture), JPEG_QUALITY, &row.picture)?;
         self.write_picture(difference, DIFFERENCE_QUALITY, &row.difference)?;
         Ok(row)
+    }
+
+    /// A command as it is given in the study's folder, where trees are that it made:
+    /// no other machine has that folder at its place.
+    fn in_folder(&self, command: &str) -> String {
+        let folder = format!("{}/", self.folder.display());
+        let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
+        command.split(' ').map(within).collect::<Vec<_>>().join(" ")
     }
 
     /// How many leaves a level shares with the reference, and its label. The
