@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use secateur::meshopt::Mode;
-use secateur::plant::{ClusterSize, Scheme};
-use secateur::{
-    Alpha, Engine, LeafTriangles, Method, Reference, Resize, Resolution, Selector, Target, Ties,
-};
+use secateur::plant::Scheme;
+use secateur::{LeafTriangles, Resolution, Selector, Target};
 
 use super::grow_lod::Amount;
+use super::names::{
+    AlphaName, ClusterSizeName, EngineName, MeshoptModeName, MethodName, ReferenceName, ResizeName,
+    TiesName,
+};
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
 #[derive(Debug, Parser)]
@@ -402,93 +403,6 @@ fn leaf_triangles(text: &str) -> Result<LeafTriangles, String> {
         _ => Err("write auto, keep or a number from 1 upwards".to_owned()),
     }
 }
-
-/// Names on the command line for values of the library.
-macro_rules! names {
-    ($(#[$doc:meta])* $name:ident => $library:ident { $($(#[$help:meta])* $value:ident),+ $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-        pub(crate) enum $name { $($(#[$help])* $value),+ }
-
-        impl From<$name> for $library {
-            fn from(name: $name) -> Self {
-                match name { $($name::$value => $library::$value),+ }
-            }
-        }
-
-        impl $name {
-            /// As it is written.
-            pub(crate) fn text(self) -> String {
-                let value = self.to_possible_value();
-                value.map(|v| v.get_name().to_owned()).unwrap_or_default()
-            }
-        }
-    };
-}
-
-names!(MethodName => Method {
-    /// Viewpoint-driven simplification, by an exact and fast engine
-    Vds,
-    /// The same by the paper's algorithm, literally; for a few hundred leaves
-    VdsReference,
-    /// Leaf collapse: the two nearest leaves, most in one plane, become one
-    Fsa,
-    /// Stochastic pruning: a random order, all that are left grow alike
-    Stochastic,
-    /// The mesh simplifier of meshoptimizer: triangles to the share that is asked for, not leaves
-    Meshopt,
-    /// Whole branches go, the shortest first; for trees with a skeleton, as `grow` writes them
-    Chain,
-    /// Sticks and leaf clusters merge from the twigs down; for trees with a skeleton
-    Merge,
-});
-names!(EngineName => Engine {
-    /// A hardware GPU if there is one and the tree is large, else the CPU
-    Auto,
-    /// A GPU, software drivers included
-    Gpu,
-    /// The CPU
-    Cpu,
-});
-names!(ReferenceName => Reference {
-    /// The original foliage
-    Original,
-    /// The foliage before the step
-    Previous,
-});
-names!(ResizeName => Resize {
-    /// The cost over the largest cost of the step
-    Normalised,
-    /// The cost in bits, at most 1
-    Literal,
-    /// 1
-    Full,
-    /// 1 while the views together have lost information, else 0
-    Deficit,
-    /// 0
-    None,
-});
-names!(MeshoptModeName => Mode {
-    /// simplify, and drop small parts
-    Prune,
-    /// simplify alone: only collapses edges
-    Plain,
-    /// simplify_sloppy: joins what shares a cell of a grid
-    Sloppy,
-});
-names!(ClusterSizeName => ClusterSize {
-    /// The paper's radius: the mean distance and the mean radius of the leaves
-    Paper,
-    /// As much area as the leaves.
-    Area,
-});
-names!(TiesName => Ties { Order, Spread });
-names!(AlphaName => Alpha {
-    /// What an alpha mask cuts out is not there
-    Mask,
-    /// Leaves are solid polygons
-    Ignore,
-});
 
 #[cfg(test)]
 mod tests {

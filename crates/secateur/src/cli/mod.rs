@@ -10,6 +10,7 @@ mod interrupt;
 mod log;
 mod machine;
 mod measure;
+mod names;
 mod output;
 mod picture;
 mod print;
