@@ -185,6 +185,28 @@ mod tests {
         }
     }
 
+    /// VDS went on to fewer views before the order was cut.
+    #[test]
+    fn what_is_left_is_looked_at_from_the_views_of_its_last_step() {
+        let foliage = uneven(12);
+        let settings = Simplify {
+            resolution: Resolution::Pixels(64),
+            leaf_triangles: LeafTriangles::Keep,
+            views: crate::Views::Variable,
+            audit: true,
+            ..Simplify::to(Target::Triangles(18))
+        };
+        let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        let pruned_percent = 100 * result.order.len() / 12;
+        let expected = [(10, 20), (30, 12), (50, 8), (100, 6)];
+        let (_, views) = expected
+            .into_iter()
+            .find(|(most, _)| pruned_percent <= *most)
+            .unwrap();
+        assert_eq!(result.views.len(), views, "{pruned_percent} % are gone");
+        assert!(fewest_leaves(&foliage, 18) < result.lod.leaf_count());
+    }
+
     #[test]
     fn only_the_step_that_makes_leaves_coarser_has_no_cost() {
         let foliage = uneven(12);
