@@ -18,8 +18,11 @@ find_adapter() { cargo run --quiet --package secateur-raster --example find_adap
 # its backports have a sound one.
 needs_backports() {
   . /etc/os-release
-  [ "${VERSION_CODENAME:-}" = bookworm ] &&
-    apt-cache policy mesa-vulkan-drivers | grep -q 'Candidate: 22\.'
+  local policy
+  # Not into `grep -q`, which stops reading: apt-cache then dies of a broken
+  # pipe, and pipefail makes that an answer of no.
+  policy=$(apt-cache policy mesa-vulkan-drivers)
+  [ "${VERSION_CODENAME:-}" = bookworm ] && [[ $policy == *'Candidate: 22.'* ]]
 }
 
 install_with_apt() {
