@@ -29,6 +29,7 @@ const UNTOUCHED: u32 = u32::MAX;
 /// Pixels of a view for which what the background gains by them is kept.
 pub(super) const GAINS: usize = 8;
 
+#[derive(Clone)]
 struct TouchedLeaf {
     leaf: u32,
     total_before: u32,
@@ -45,6 +46,7 @@ pub(super) struct ChangedArea<'a> {
     pub own_term: &'a [i64],
 }
 
+#[derive(Clone)]
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
     view_count: usize,

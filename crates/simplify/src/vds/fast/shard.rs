@@ -1,5 +1,9 @@
 //! The leaves that one core answers for.
+//!
+//! Each shard has areas of all leaves to itself: to bring them up to date once for each
+//! core costs less than to hand them from core to core in every step.
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -8,7 +12,6 @@ use super::candidates::{Candidates, Found, Limits};
 use super::counts::Counts;
 use super::deltas::{Deltas, Sight};
 use super::edges::Edges;
-use super::events::Event;
 use super::pane::Pane;
 use super::split::Split;
 
@@ -35,20 +38,27 @@ impl Finds {
     }
 }
 
-pub(super) struct Shard {
+pub(super) struct Shard<'t> {
+    counts: Counts<'t>,
+    /// The leaf pruned by the last step that the areas know of; 0 before the
+    /// first.
+    settled: u32,
     edges: Edges,
     deltas: Deltas,
     candidates: Candidates,
     pub finds: Finds,
 }
 
-impl Shard {
+/// How far ahead the areas that an event changes are asked for.
+const EVENTS_AHEAD: usize = 6;
+
+impl<'t> Shard<'t> {
     /// The events of `panes` are what leads from nothing but background to what
     /// is there; `leaves`, neighbours close together, are those of all shards that are
     /// left; `rank_of` their ranks among equals, by leaf number; `deviations`
     /// what costs are measured with.
     pub(super) fn all(
-        counts: &Counts<'_>,
+        counts: &Counts<'t>,
         panes: &[Pane],
         split: Split,
         leaves: &[u32],
@@ -59,7 +69,7 @@ impl Shard {
         let shards = (0..split.shards()).into_par_iter();
         let shards = shards.map(|shard| {
             Self::new(
-                counts,
+                counts.clone(),
                 panes,
                 (split, shard),
                 leaves,
@@ -72,7 +82,7 @@ impl Shard {
     }
 
     fn new(
-        counts: &Counts<'_>,
+        counts: Counts<'t>,
         panes: &[Pane],
         (split, shard): (Split, usize),
         leaves: &[u32],
@@ -86,9 +96,9 @@ impl Shard {
             (counts.leaf_count(), pixels_per_view as u32),
             (split, shard),
         );
-        let deltas = Deltas::new(counts, &edges, (split, shard));
+        let deltas = Deltas::new(&counts, &edges, (split, shard));
         let sight = Sight {
-            counts,
+            counts: &counts,
             edges: &edges,
             deltas: &deltas,
         };
@@ -96,6 +106,8 @@ impl Shard {
         let own = own.filter(|leaf| split.shard(*leaf) == shard).collect();
         let candidates = Candidates::new(sight, own, rank_of, pixels_per_view, deviations);
         Self {
+            counts,
+            settled: 0,
             edges,
             deltas,
             candidates,
@@ -103,25 +115,50 @@ impl Shard {
         }
     }
 
-    /// Begins a step: `deviations` are those that costs are measured with.
-    pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
-        self.candidates.begin_step(counts, deviations);
+    pub(super) fn counts(&self) -> &Counts<'t> {
+        &self.counts
     }
 
-    /// Takes note of the events of a step that pruned a leaf.
-    pub(super) fn follow<'e>(
-        &mut self,
-        counts: &Counts<'_>,
-        events: impl Iterator<Item = &'e Event>,
-        pruned: u32,
-    ) {
+    /// Brings the areas up to date with the step that pruned a leaf, as the panes
+    /// edited it; unless they are already.
+    pub(super) fn settle(&mut self, panes: &[impl Deref<Target = Pane>], pruned: u32) {
+        if std::mem::replace(&mut self.settled, pruned) == pruned {
+            return;
+        }
+        for pane in panes {
+            let events = pane.events();
+            for (k, event) in events.iter().enumerate() {
+                if let Some(ahead) = events.get(k + EVENTS_AHEAD) {
+                    self.counts.prefetch(ahead);
+                }
+                self.counts.record(event);
+            }
+        }
+        self.counts.settle();
+    }
+
+    /// Begins a step, in which costs are measured with or without the
+    /// deviations of VMI from that of the original foliage.
+    pub(super) fn begin_step(&mut self, has_deviations: bool) {
         let Self {
+            counts, candidates, ..
+        } = self;
+        match has_deviations {
+            true => candidates.begin_step(counts, counts.deviations()),
+            false => candidates.begin_step(counts, &vec![0; counts.view_count()]),
+        }
+    }
+
+    /// Takes note of a [settled](Self::settle) step.
+    pub(super) fn follow(&mut self, panes: &[impl Deref<Target = Pane>], pruned: u32) {
+        let Self {
+            counts,
             edges,
             deltas,
             candidates,
             ..
         } = self;
-        edges.follow(events);
+        edges.follow(panes.iter().flat_map(|pane| pane.events()));
         deltas.follow(counts, edges);
         edges.forget_step();
         let sight = Sight {
@@ -140,12 +177,13 @@ impl Shard {
             candidates.prefetch(soon);
             candidates.note(sight, leaf, change);
         });
+        counts.forget_step();
     }
 
     /// Looks for the cheapest leaf and, if wanted, the largest cost.
-    pub(super) fn search(&mut self, counts: &Counts<'_>, limits: &Limits, wants_largest: bool) {
+    pub(super) fn search(&mut self, limits: &Limits, wants_largest: bool) {
         let sight = Sight {
-            counts,
+            counts: &self.counts,
             edges: &self.edges,
             deltas: &self.deltas,
         };
@@ -158,10 +196,10 @@ impl Shard {
     }
 
     /// P times the change of VMI over all views if a leaf of this shard went.
-    pub(super) fn delta_sum(&self, counts: &Counts<'_>, leaf: u32) -> i64 {
-        let mut row = vec![0; counts.view_count()];
+    pub(super) fn delta_sum(&self, leaf: u32) -> i64 {
+        let mut row = vec![0; self.counts.view_count()];
         let sight = Sight {
-            counts,
+            counts: &self.counts,
             edges: &self.edges,
             deltas: &self.deltas,
         };
@@ -177,9 +215,9 @@ impl Shard {
     }
 
     #[cfg(test)]
-    pub(super) fn exhaustively(&mut self, counts: &Counts<'_>) -> Finds {
+    pub(super) fn exhaustively(&mut self) -> Finds {
         let sight = Sight {
-            counts,
+            counts: &self.counts,
             edges: &self.edges,
             deltas: &self.deltas,
         };

@@ -1,6 +1,6 @@
 //! What the threads of a step share.
 
-use std::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard};
 
 use secateur_model::{Foliage, Growth};
 use secateur_raster::ViewSet;
@@ -20,7 +20,7 @@ pub(super) enum Job {
     /// cheapest leaf.
     Search {
         pruned: Option<u32>,
-        deviations: Vec<i64>,
+        has_deviations: bool,
         wants_largest: bool,
     },
 }
@@ -31,15 +31,11 @@ pub(super) struct Shared<'a> {
     foliage: &'a Foliage,
     views: &'a ViewSet,
     split: Split,
-    counts: RwLock<Counts<'a>>,
     panes: Vec<RwLock<Pane>>,
-    pub shards: Vec<Mutex<Shard>>,
+    pub shards: Vec<Mutex<Shard<'a>>>,
     limits: Limits,
     job: RwLock<Job>,
 }
-
-/// How far ahead the areas that an event changes are asked for.
-const EVENTS_AHEAD: usize = 6;
 
 const HELD: &str = "no thread panicked with a lock held";
 
@@ -47,21 +43,19 @@ impl<'a> Shared<'a> {
     pub(super) fn new(
         (foliage, views): (&'a Foliage, &'a ViewSet),
         split: Split,
-        counts: Counts<'a>,
         panes: Vec<Pane>,
-        shards: Vec<Shard>,
+        shards: Vec<Shard<'a>>,
     ) -> Self {
         Self {
             foliage,
             views,
             split,
-            counts: RwLock::new(counts),
             panes: panes.into_iter().map(RwLock::new).collect(),
             shards: shards.into_iter().map(Mutex::new).collect(),
             limits: Limits::none(),
             job: RwLock::new(Job::Search {
                 pruned: None,
-                deviations: Vec::new(),
+                has_deviations: false,
                 wants_largest: false,
             }),
         }
@@ -72,15 +66,7 @@ impl<'a> Shared<'a> {
         self.shards.len().max(self.panes.len())
     }
 
-    pub(super) fn counts(&self) -> RwLockReadGuard<'_, Counts<'a>> {
-        self.counts.read().expect(HELD)
-    }
-
-    pub(super) fn counts_mut(&self) -> RwLockWriteGuard<'_, Counts<'a>> {
-        self.counts.write().expect(HELD)
-    }
-
-    fn shard(&self, index: usize) -> MutexGuard<'_, Shard> {
+    fn shard(&self, index: usize) -> MutexGuard<'_, Shard<'a>> {
         self.shards[index].lock().expect(HELD)
     }
 
@@ -105,35 +91,38 @@ impl<'a> Shared<'a> {
             }
             Job::Search {
                 pruned,
-                deviations,
+                has_deviations,
                 wants_largest,
             } => {
-                let counts = self.counts();
                 let mut shard = self.shard(part);
-                shard.begin_step(&counts, deviations);
                 if let Some(leaf) = *pruned {
-                    let panes: Vec<_> = self.panes.iter().map(|p| p.read().expect(HELD)).collect();
-                    let events = panes.iter().flat_map(|pane| pane.events());
-                    shard.follow(&counts, events, leaf);
+                    let panes = self.panes_as_edited();
+                    shard.settle(&panes, leaf);
+                    shard.begin_step(*has_deviations);
+                    shard.follow(&panes, leaf);
+                } else {
+                    shard.begin_step(*has_deviations);
                 }
-                shard.search(&counts, &self.limits, *wants_largest);
+                shard.search(&self.limits, *wants_largest);
             }
         }
     }
 
-    /// Brings the areas up to date with what the panes edited.
-    pub(super) fn settle(&self) {
-        let mut counts = self.counts_mut();
-        for pane in &self.panes {
-            let pane = pane.read().expect(HELD);
-            for (k, event) in pane.events().iter().enumerate() {
-                if let Some(ahead) = pane.events().get(k + EVENTS_AHEAD) {
-                    counts.prefetch(ahead);
-                }
-                counts.record(event);
-            }
+    fn panes_as_edited(&self) -> Vec<RwLockReadGuard<'_, Pane>> {
+        self.panes.iter().map(|p| p.read().expect(HELD)).collect()
+    }
+
+    /// Areas after the last step, which may have pruned a leaf.
+    pub(super) fn with_counts<T>(
+        &self,
+        pruned: Option<u32>,
+        see: impl FnOnce(&Counts<'_>) -> T,
+    ) -> T {
+        let mut shard = self.shard(0);
+        if let Some(leaf) = pruned {
+            shard.settle(&self.panes_as_edited(), leaf);
         }
-        counts.settle();
+        see(shard.counts())
     }
 
     /// What all shards found.
@@ -145,14 +134,14 @@ impl<'a> Shared<'a> {
     /// Sum over the views of the VMI without a leaf less that of the original
     /// foliage, scaled.
     pub(super) fn deviation_without(&self, leaf: u32) -> i64 {
-        let counts = self.counts();
-        let deviation: i64 = counts.deviations().iter().sum();
-        deviation + self.shard(self.split.shard(leaf)).delta_sum(&counts, leaf)
+        let shard = self.shard(self.split.shard(leaf));
+        let deviation: i64 = shard.counts().deviations().iter().sum();
+        deviation + shard.delta_sum(leaf)
     }
 
     /// Pixels over all views that show foliage without a leaf.
     pub(super) fn covered_px_without(&self, leaf: u32) -> u64 {
         let shard = self.shard(self.split.shard(leaf));
-        self.counts().covered_px() - u64::from(shard.background_px(leaf))
+        shard.counts().covered_px() - u64::from(shard.background_px(leaf))
     }
 }

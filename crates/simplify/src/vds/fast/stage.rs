@@ -81,7 +81,7 @@ impl<'a> Stage<'a> {
             &deviations,
         );
         panes.iter_mut().for_each(Pane::forget);
-        let shared = Shared::new((foliage, views), split, counts, panes, shards);
+        let shared = Shared::new((foliage, views), split, panes, shards);
         Ok(Self {
             views,
             vmi_original,
@@ -116,7 +116,7 @@ impl<'a> Stage<'a> {
                     let finds = lead.pick(run.options, shared, crew);
                     let grown = lead.grow(run, shared, finds);
                     lead.apply(shared, crew, finds.cheapest.leaf, &grown);
-                    if error_is_over(run.options, shared, vmi_original) {
+                    if lead.error_is_over(run.options, shared, vmi_original) {
                         return Ok(Stopped::AtMaxError);
                     }
                     run.record(finds.cheapest, &grown);
@@ -135,7 +135,7 @@ impl<'a> Stage<'a> {
     }
 
     pub(super) fn areas(&self) -> AreaTable {
-        area_table(&self.shared.counts())
+        self.shared.with_counts(self.lead.pruned, area_table)
     }
 
     /// One step in which every leaf is looked at, for what should be found.
@@ -145,13 +145,9 @@ impl<'a> Stage<'a> {
             shared, crew, lead, ..
         } = self;
         let finds = lead.pick(run.options, shared, crew);
-        let counts = shared.counts();
-        let expected = shared
-            .shards
-            .iter()
-            .map(|s| s.lock().unwrap().exhaustively(&counts));
+        let shards = shared.shards.iter();
+        let expected = shards.map(|shard| shard.lock().unwrap().exhaustively());
         let expected = expected.fold(Finds::NONE, Finds::and);
-        drop(counts);
         let grown = lead.grow(run, shared, finds);
         lead.apply(shared, crew, finds.cheapest.leaf, &grown);
         run.record(finds.cheapest, &grown);
@@ -164,11 +160,10 @@ impl Lead {
     fn pick(&mut self, options: &VdsOptions, shared: &Shared<'_>, crew: &Crew) -> Finds {
         let job = Job::Search {
             pruned: self.pruned.take(),
-            deviations: cost_deviations(options, &shared.counts()),
+            has_deviations: options.reference == Reference::Original,
             wants_largest: options.resize == Resize::Normalised,
         };
         shared.do_together(crew, job);
-        shared.counts_mut().forget_step();
         let finds = shared.finds();
         assert!(finds.cheapest != Found::NONE, "a leaf is left");
         finds
@@ -207,17 +202,17 @@ impl Lead {
             grown: grown.to_vec(),
         };
         shared.do_together(crew, job);
-        shared.settle();
         self.pruned = Some(leaf);
     }
-}
 
-fn error_is_over(options: &VdsOptions, shared: &Shared<'_>, vmi_original: &Vmi) -> bool {
-    let Some(max) = options.stop.max_error_percent else {
-        return false;
-    };
-    let deviation = shared.counts().deviations().iter().map(|d| d.abs()).sum();
-    error_percent(deviation, vmi_original.scaled().iter().sum()) > max
+    fn error_is_over(&self, options: &VdsOptions, shared: &Shared<'_>, vmi_original: &Vmi) -> bool {
+        let Some(max) = options.stop.max_error_percent else {
+            return false;
+        };
+        let deviation = |counts: &Counts<'_>| counts.deviations().iter().map(|d| d.abs()).sum();
+        let deviation = shared.with_counts(self.pruned, deviation);
+        error_percent(deviation, vmi_original.scaled().iter().sum()) > max
+    }
 }
 
 /// The deviations that costs are measured with: none against the previous
