@@ -9,9 +9,10 @@
 //! equals that of [`reference`](super::reference) bit for bit: order, growth and
 //! VMI.
 //!
-//! Each core keeps the edges and costs of its own leaves (`shard`), follows the
-//! step and looks for its cheapest leaf, and edits the lists of some views at a
-//! time (`pane`). Only areas are brought up to date by one core alone (`crew`).
+//! Each core keeps the edges and costs of its own leaves, and areas of all
+//! (`shard`), follows the step and looks for its cheapest leaf, and edits the lists
+//! of some views at a time (`pane`). One core leads (`crew`): it finds out which
+//! leaves grow.
 
 mod candidates;
 mod changes;
@@ -46,7 +47,7 @@ use super::phases::{Phase, final_phase, phases};
 use crate::lg::LgTable;
 use crate::vmi::Vmi;
 
-/// The most cores that the loop uses: part of a step is one core's.
+/// The most cores that the loop uses: a step has only so much to do at a time.
 pub const MAX_CORES: usize = 4;
 
 /// Simplifies a foliage by the exact engine.
@@ -54,7 +55,8 @@ pub const MAX_CORES: usize = 4;
 /// `rasteriser` makes the first A-buffer (and one for each further view set of
 /// a variable plan); the loop runs on the threads of the current rayon pool, at
 /// most [`MAX_CORES`] of them, with the same result for any number. Memory grows
-/// with the fragments, about 20 bytes each. `progress` is called after every step and
+/// with the fragments, about 20 bytes each, and with four bytes a leaf, view and
+/// core. `progress` is called after every step and
 /// may break off the run.
 ///
 /// # Errors
