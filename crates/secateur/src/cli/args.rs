@@ -43,7 +43,14 @@ pub(crate) enum Command {
     Grow(Grow),
 }
 
+/// Headings that part the many options of `simplify`, and those of all commands.
+const OF_VDS: &str = "Of vds";
+const OF_OTHERS: &str = "Of other methods";
+const OF_RECORDS: &str = "Checks and records";
+const OF_ALL: &str = "Of every command";
+
 #[derive(Args, Debug)]
+#[command(next_help_heading = OF_ALL)]
 pub(crate) struct Common {
     /// How to print the result.
     #[arg(long, value_enum, default_value_t = Format::Pretty, global = true)]
@@ -246,6 +253,9 @@ pub(crate) struct Simplify {
     pub(crate) target: TargetArgs,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    /// Whether holes of leaf textures count.
+    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
+    pub(crate) alpha: AlphaName,
     /// How leaves are chosen.
     #[arg(long, value_enum, default_value_t = MethodName::Vds)]
     pub(crate) method: MethodName,
@@ -263,34 +273,31 @@ pub(crate) struct Simplify {
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
     /// What the cost of a leaf is measured against.
-    #[arg(long, value_enum, default_value_t = ReferenceName::Original)]
+    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = ReferenceName::Original)]
     pub(crate) reference: ReferenceName,
     /// The share of a pruned leaf's area that its neighbours gain.
-    #[arg(long, value_enum, default_value_t = ResizeName::Normalised)]
+    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = ResizeName::Normalised)]
     pub(crate) resize: ResizeName,
     /// How many nearest neighbours share it.
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(long, help_heading = OF_VDS, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) neighbours: u32,
     /// Let no leaf grow while the views show C times as much foliage as at first or more: keeps
     /// gaps open and the outline, at the cost of more VMI error [default: no limit].
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    #[arg(long, help_heading = OF_VDS, value_name = "C", allow_negative_numbers = true)]
     pub(crate) max_coverage: Option<f64>,
     /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
-    #[arg(long, value_enum, default_value_t = TiesName::Order)]
+    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
     pub(crate) ties: TiesName,
-    /// Whether holes of leaf textures count.
-    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
-    pub(crate) alpha: AlphaName,
     /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
     /// `--triangles` as few as let all leaves stay, but two where it has holes; else all.
-    #[arg(long, value_name = "auto|keep|N", default_value = "auto", value_parser = leaf_triangles)]
+    #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N", default_value = "auto", value_parser = leaf_triangles)]
     pub(crate) leaf_triangles: LeafTriangles,
     /// For methods that draw lots: which of them.
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
     /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
     #[arg(
-        long,
+        long, help_heading = OF_OTHERS,
         value_name = "W",
         default_value_t = 1.0,
         allow_negative_numbers = true
@@ -298,7 +305,7 @@ pub(crate) struct Simplify {
     pub(crate) area_weight: f64,
     /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
     #[arg(
-        long,
+        long, help_heading = OF_OTHERS,
         value_name = "W",
         default_value_t = 1.0,
         allow_negative_numbers = true
@@ -306,35 +313,35 @@ pub(crate) struct Simplify {
     pub(crate) distance_weight: f64,
     /// fsa: how much it counts that two leaves are not in one plane.
     #[arg(
-        long,
+        long, help_heading = OF_OTHERS,
         value_name = "W",
         default_value_t = 1.0,
         allow_negative_numbers = true
     )]
     pub(crate) planarity_weight: f64,
     /// meshopt: which of its simplifiers.
-    #[arg(long, value_enum, default_value_t = MeshoptModeName::Prune)]
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptModeName::Prune)]
     pub(crate) meshopt_mode: MeshoptModeName,
     /// meshopt: move the borders of what is left outwards, to give back lost area.
-    #[arg(long)]
+    #[arg(long, help_heading = OF_OTHERS)]
     pub(crate) preserve_area: bool,
     /// merge: how large clusters of leaves are.
-    #[arg(long, value_enum, default_value_t = ClusterSizeName::Paper)]
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = ClusterSizeName::Paper)]
     pub(crate) cluster_size: ClusterSizeName,
     /// Rasterise the result from scratch another way and compare [default: in debug builds].
-    #[arg(long, overrides_with = "no_audit")]
+    #[arg(long, help_heading = OF_RECORDS, overrides_with = "no_audit")]
     pub(crate) audit: bool,
     /// Do not.
-    #[arg(long, overrides_with = "audit")]
+    #[arg(long, help_heading = OF_RECORDS, overrides_with = "audit")]
     pub(crate) no_audit: bool,
     /// Write the machine-readable record of the run to this file.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
     /// Write a picture of the original and the result side by side.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.png")]
     pub(crate) picture: Option<PathBuf>,
     /// Write what the views see before and after, a colour for each leaf, into this folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, help_heading = OF_RECORDS, value_name = "DIR")]
     pub(crate) debug_images: Option<PathBuf>,
 }
 
