@@ -4,6 +4,7 @@
 //! Methods and settings are names here: what they stand for only the rows'
 //! maker knows.
 
+mod beaten;
 mod chart;
 mod columns;
 mod held_out;

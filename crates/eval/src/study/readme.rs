@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::beaten::{WHAT_IS_COUNTED, beaten};
 use super::published::beside;
 use super::table::Table;
 use super::trial::{WHAT_IS_BETTER, overview};
@@ -47,6 +48,7 @@ pub fn readme(study: &Study<'_>) -> String {
     {
         let _ = writeln!(text, "{note}\n");
     }
+    who_is_beaten(&mut text, &given);
     stability(&mut text, &plain);
     if let Some(table) = overview(study.trials, study.rows) {
         let _ = write!(
@@ -99,6 +101,14 @@ fn means(text: &mut String, plain: &[Row]) {
             percent(level),
             table.markdown()
         );
+    }
+}
+
+fn who_is_beaten(text: &mut String, given: &[Row]) {
+    let unchanged: Vec<&Row> = given.iter().filter(|r| r.change.is_empty()).collect();
+    if let Some(table) = beaten(&unchanged) {
+        let table = table.markdown();
+        let _ = writeln!(text, "## Who is beaten\n\n{WHAT_IS_COUNTED}\n\n{table}");
     }
 }
 

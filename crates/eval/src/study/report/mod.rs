@@ -11,6 +11,7 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+use super::beaten::{WHAT_IS_COUNTED, beaten};
 use super::chart::{chart, escaped};
 use super::whole::{note_of, take_out_partial};
 use super::words::{duration, memory, number, overlap_of, percent};
@@ -78,6 +79,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     );
     if !given.is_empty() {
         page.summary(&mut html);
+        page.who_is_beaten(&mut html);
         page.charts(&mut html);
     }
     if let Some(note) = note_of(&partial) {
@@ -215,6 +217,19 @@ impl Page<'_> {
                 *html += "</tr>\n";
             }
             *html += "</tbody></table></div>\n";
+        }
+    }
+
+    fn who_is_beaten(&self, html: &mut String) {
+        let unchanged: Vec<&Row> = (self.given.iter())
+            .filter(|row| row.change.is_empty())
+            .collect();
+        if let Some(table) = beaten(&unchanged) {
+            let table = table.html();
+            let _ = write!(
+                html,
+                "<h2>Who is beaten</h2>\n<p>{WHAT_IS_COUNTED}</p>\n{table}"
+            );
         }
     }
 
