@@ -1,5 +1,9 @@
 //! Studies: rows that are kept, taken up and drawn again.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
+
 use serde_json::Value;
 
 use crate::program::{Bench, Ran};
@@ -179,18 +183,22 @@ fn scenes_made_for_failures_have_a_verdict_each() {
     }
 }
 
+fn committed_studies() -> Vec<PathBuf> {
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
+    let below = |folder: PathBuf| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().path())
+    };
+    let folders = below(results).filter(|folder| folder.is_dir());
+    let studies = folders.flat_map(below);
+    studies.filter(|s| s.join("rows.jsonl").is_file()).collect()
+}
+
 /// Nobody edits a result: what is committed is what its rows say.
 #[test]
 fn committed_studies_say_what_their_rows_say() {
-    let results = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
-    let folders = std::fs::read_dir(results).unwrap();
-    let studies = folders
-        .map(|entry| entry.unwrap().path())
-        .filter(|folder| folder.is_dir())
-        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
-        .map(|entry| entry.unwrap().path());
     let mut checked = 0;
-    for study in studies.filter(|study| study.join("rows.jsonl").is_file()) {
+    for study in committed_studies() {
         let bench = Bench::new();
         std::fs::create_dir(bench.path("s")).unwrap();
         bench.put(
@@ -213,4 +221,40 @@ fn committed_studies_say_what_their_rows_say() {
         checked += 1;
     }
     assert!(checked > 0, "a study is committed");
+}
+
+/// What a run is the run of, but for where it ran.
+fn name_of(row: &Value) -> String {
+    let keys = ["tree", "method", "setting", "change", "seed", "level"];
+    keys.map(|key| row[key].to_string()).join(" ")
+}
+
+/// Every machine gets the same bits: where two committed studies of one name have a
+/// run in common, every view was judged equal to the last digit.
+#[test]
+fn committed_studies_of_several_machines_agree() {
+    let mut known: HashMap<String, Value> = HashMap::new();
+    let mut compared = 0;
+    for study in committed_studies() {
+        let name = study.file_name().unwrap().to_string_lossy().into_owned();
+        let rows = std::fs::read_to_string(study.join("rows.jsonl")).unwrap();
+        for row in rows.lines() {
+            let row: Value = serde_json::from_str(row).unwrap();
+            match known.entry(format!("{name} {}", name_of(&row))) {
+                Entry::Vacant(place) => {
+                    place.insert(row);
+                }
+                Entry::Occupied(other) => {
+                    let other = other.get();
+                    assert_ne!(row["machine"], other["machine"]);
+                    for key in ["leaves_final", "triangles_final", "values", "per_view"] {
+                        assert_eq!(row[key], other[key], "{key} of {}", name_of(&row));
+                    }
+                    compared += 1;
+                }
+            }
+        }
+    }
+    println!("{compared} runs of two machines are equal");
+    assert!(compared > 0, "two machines have run the same");
 }
