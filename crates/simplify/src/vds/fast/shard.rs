@@ -3,6 +3,7 @@
 //! Each shard has areas of all leaves to itself: to bring them up to date once for each
 //! core costs less than to hand them from core to core in every step.
 
+use std::borrow::Cow;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -43,10 +44,19 @@ pub(super) struct Shard<'t> {
     /// The leaf pruned by the last step that the areas know of; 0 before the
     /// first.
     settled: u32,
+    has_deviations: bool,
     edges: Edges,
     deltas: Deltas,
     candidates: Candidates,
     pub finds: Finds,
+}
+
+/// The deviations that costs are measured with: none against the previous foliage.
+fn cost_deviations<'c>(counts: &'c Counts<'_>, has_deviations: bool) -> Cow<'c, [i64]> {
+    match has_deviations {
+        true => counts.deviations().into(),
+        false => vec![0; counts.view_count()].into(),
+    }
 }
 
 /// How far ahead the areas that an event changes are asked for.
@@ -55,8 +65,8 @@ const EVENTS_AHEAD: usize = 6;
 impl<'t> Shard<'t> {
     /// The events of `panes` are what leads from nothing but background to what
     /// is there; `leaves`, neighbours close together, are those of all shards that are
-    /// left; `rank_of` their ranks among equals, by leaf number; `deviations`
-    /// what costs are measured with.
+    /// left; `rank_of` their ranks among equals, by leaf number; `has_deviations`
+    /// whether costs are measured with those of VMI from that of the original foliage.
     pub(super) fn all(
         counts: &Counts<'t>,
         panes: &[Pane],
@@ -64,7 +74,7 @@ impl<'t> Shard<'t> {
         leaves: &[u32],
         rank_of: &Arc<[u32]>,
         pixels_per_view: usize,
-        deviations: &[i64],
+        has_deviations: bool,
     ) -> Vec<Self> {
         let shards = (0..split.shards()).into_par_iter();
         let shards = shards.map(|shard| {
@@ -75,7 +85,7 @@ impl<'t> Shard<'t> {
                 leaves,
                 rank_of.clone(),
                 pixels_per_view,
-                deviations,
+                has_deviations,
             )
         });
         shards.collect()
@@ -88,7 +98,7 @@ impl<'t> Shard<'t> {
         leaves: &[u32],
         rank_of: Arc<[u32]>,
         pixels_per_view: usize,
-        deviations: &[i64],
+        has_deviations: bool,
     ) -> Self {
         let events = panes.iter().flat_map(Pane::events);
         let edges = Edges::new(
@@ -104,10 +114,12 @@ impl<'t> Shard<'t> {
         };
         let own = leaves.iter().copied();
         let own = own.filter(|leaf| split.shard(*leaf) == shard).collect();
-        let candidates = Candidates::new(sight, own, rank_of, pixels_per_view, deviations);
+        let deviations = cost_deviations(&counts, has_deviations);
+        let candidates = Candidates::new(sight, own, rank_of, pixels_per_view, &deviations);
         Self {
             counts,
             settled: 0,
+            has_deviations,
             edges,
             deltas,
             candidates,
@@ -137,16 +149,10 @@ impl<'t> Shard<'t> {
         self.counts.settle();
     }
 
-    /// Begins a step, in which costs are measured with or without the
-    /// deviations of VMI from that of the original foliage.
-    pub(super) fn begin_step(&mut self, has_deviations: bool) {
-        let Self {
-            counts, candidates, ..
-        } = self;
-        match has_deviations {
-            true => candidates.begin_step(counts, counts.deviations()),
-            false => candidates.begin_step(counts, &vec![0; counts.view_count()]),
-        }
+    /// Begins a step, whose areas are settled.
+    pub(super) fn begin_step(&mut self) {
+        let deviations = cost_deviations(&self.counts, self.has_deviations);
+        self.candidates.begin_step(&self.counts, &deviations);
     }
 
     /// Takes note of a [settled](Self::settle) step.

@@ -20,7 +20,6 @@ pub(super) enum Job {
     /// cheapest leaf.
     Search {
         pruned: Option<u32>,
-        has_deviations: bool,
         wants_largest: bool,
     },
 }
@@ -55,7 +54,6 @@ impl<'a> Shared<'a> {
             limits: Limits::none(),
             job: RwLock::new(Job::Search {
                 pruned: None,
-                has_deviations: false,
                 wants_largest: false,
             }),
         }
@@ -91,17 +89,16 @@ impl<'a> Shared<'a> {
             }
             Job::Search {
                 pruned,
-                has_deviations,
                 wants_largest,
             } => {
                 let mut shard = self.shard(part);
                 if let Some(leaf) = *pruned {
                     let panes = self.panes_as_edited();
                     shard.settle(&panes, leaf);
-                    shard.begin_step(*has_deviations);
+                    shard.begin_step();
                     shard.follow(&panes, leaf);
                 } else {
-                    shard.begin_step(*has_deviations);
+                    shard.begin_step();
                 }
                 shard.search(&self.limits, *wants_largest);
             }

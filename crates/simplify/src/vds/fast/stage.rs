@@ -69,7 +69,6 @@ impl<'a> Stage<'a> {
             .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
         let ranks = ranks.collect();
         let leaves = leaves_by_place(foliage, &run.lod);
-        let deviations = cost_deviations(run.options, &counts);
         let split = Split::over(cores);
         let shards = Shard::all(
             &counts,
@@ -78,7 +77,7 @@ impl<'a> Stage<'a> {
             &leaves,
             &ranks,
             pixels_per_view,
-            &deviations,
+            run.options.reference == Reference::Original,
         );
         panes.iter_mut().for_each(Pane::forget);
         let shared = Shared::new((foliage, views), split, panes, shards);
@@ -160,7 +159,6 @@ impl Lead {
     fn pick(&mut self, options: &VdsOptions, shared: &Shared<'_>, crew: &Crew) -> Finds {
         let job = Job::Search {
             pruned: self.pruned.take(),
-            has_deviations: options.reference == Reference::Original,
             wants_largest: options.resize == Resize::Normalised,
         };
         shared.do_together(crew, job);
@@ -212,15 +210,6 @@ impl Lead {
         let deviation = |counts: &Counts<'_>| counts.deviations().iter().map(|d| d.abs()).sum();
         let deviation = shared.with_counts(self.pruned, deviation);
         error_percent(deviation, vmi_original.scaled().iter().sum()) > max
-    }
-}
-
-/// The deviations that costs are measured with: none against the previous
-/// foliage.
-fn cost_deviations(options: &VdsOptions, counts: &Counts<'_>) -> Vec<i64> {
-    match options.reference {
-        Reference::Original => counts.deviations().to_vec(),
-        Reference::Previous => vec![0; counts.view_count()],
     }
 }
 
