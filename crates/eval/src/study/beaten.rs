@@ -5,11 +5,12 @@ use super::words::percent;
 use super::{COLUMNS, Row};
 
 /// What the cells of [`beaten`] count.
-pub(super) const WHAT_IS_COUNTED: &str = "On how many of the trees some other method is better in both VMI error and silhouette IoU; and, after the stroke, on how many others are better in one of them at least. VMI error alone can be had at the price of the outline, and the outline at the price of VMI error.";
+pub(super) const WHAT_IS_COUNTED: &str = "On how many of the trees some other method is better in both VMI error and silhouette IoU / in at least one of them. VMI error alone can be had at the price of the outline, and the outline at the price of VMI error.";
 
-/// A line for each method and setting, in the order of first rows; nothing of a single
-/// method. `rows` are those of trees as they are.
-pub(super) fn beaten(rows: &[&Row]) -> Option<Table> {
+/// A line for each method and setting, in the order of first rows, of trees as they
+/// are; nothing of a single method.
+pub(super) fn beaten(rows: &[Row]) -> Option<Table> {
+    let rows: Vec<&Row> = rows.iter().filter(|r| r.change.is_empty()).collect();
     let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();
     levels.sort_by(|a, b| b.total_cmp(a));
     levels.dedup();
@@ -99,7 +100,7 @@ mod tests {
             setting: "finer".into(),
             ..of("vds", "oak", 1.0, 1.0)
         });
-        let table = beaten(&rows.iter().collect::<Vec<_>>()).unwrap();
+        let table = beaten(&rows).unwrap();
         assert_eq!(table.head, ["method", "50 %", "in both by"]);
         // On the oak fsa has the better outline, sm less error, neither both;
         // its own finer setting is no rival.
@@ -110,8 +111,14 @@ mod tests {
             ["vds finer", "0 / 0 of 1", ""],
         ];
         assert_eq!(table.body, expected);
-        let alone: Vec<&Row> = rows.iter().filter(|r| r.method == "vds").collect();
-        assert_eq!(beaten(&alone), None);
+        // A changed tree is no case.
+        rows.push(Row {
+            change: "turned".into(),
+            ..of("fsa", "oak", 0.0, 1.0)
+        });
+        assert_eq!(beaten(&rows).unwrap().body, expected);
+        rows.retain(|row| row.method == "vds");
+        assert_eq!(beaten(&rows), None);
         assert_eq!(beaten(&[]), None);
     }
 }

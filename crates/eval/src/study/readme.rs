@@ -105,8 +105,7 @@ fn means(text: &mut String, plain: &[Row]) {
 }
 
 fn who_is_beaten(text: &mut String, given: &[Row]) {
-    let unchanged: Vec<&Row> = given.iter().filter(|r| r.change.is_empty()).collect();
-    if let Some(table) = beaten(&unchanged) {
+    if let Some(table) = beaten(given) {
         let table = table.markdown();
         let _ = writeln!(text, "## Who is beaten\n\n{WHAT_IS_COUNTED}\n\n{table}");
     }

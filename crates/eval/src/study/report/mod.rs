@@ -221,10 +221,7 @@ impl Page<'_> {
     }
 
     fn who_is_beaten(&self, html: &mut String) {
-        let unchanged: Vec<&Row> = (self.given.iter())
-            .filter(|row| row.change.is_empty())
-            .collect();
-        if let Some(table) = beaten(&unchanged) {
+        if let Some(table) = beaten(self.given) {
             let table = table.html();
             let _ = write!(
                 html,
