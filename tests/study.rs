@@ -229,18 +229,21 @@ fn name_of(row: &Value) -> String {
     keys.map(|key| row[key].to_string()).join(" ")
 }
 
-/// Every machine gets the same bits: where two committed studies of one name have a
-/// run in common, every view was judged equal to the last digit.
+/// Every machine gets the same bits: where two machines' studies of one day and name have
+/// a run in common, every view was judged equal to the last digit. Of other days, the
+/// program may be another.
 #[test]
 fn committed_studies_of_several_machines_agree() {
     let mut known: HashMap<String, Value> = HashMap::new();
     let mut compared = 0;
     for study in committed_studies() {
-        let name = study.file_name().unwrap().to_string_lossy().into_owned();
+        let [folder, name] = [study.parent().unwrap(), &study]
+            .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned());
+        let date = &folder[.."2026-11-22".len()];
         let rows = std::fs::read_to_string(study.join("rows.jsonl")).unwrap();
         for row in rows.lines() {
             let row: Value = serde_json::from_str(row).unwrap();
-            match known.entry(format!("{name} {}", name_of(&row))) {
+            match known.entry(format!("{date} {name} {}", name_of(&row))) {
                 Entry::Vacant(place) => {
                     place.insert(row);
                 }
