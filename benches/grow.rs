@@ -282,10 +282,7 @@ fn depth_complexity(foliage: &Foliage) -> f64 {
         resolution: 256,
     };
     let fragments = CpuRasteriser.fragments(&scene).expect("fragments");
-    let covered = fragments
-        .starts()
-        .windows(2)
-        .filter(|w| w[1] > w[0])
-        .count();
+    let lists = fragments.views().iter().flat_map(|view| view.pixels());
+    let covered = lists.filter(|list| !list.is_empty()).count();
     fragments.len() as f64 / covered.max(1) as f64
 }

@@ -29,31 +29,59 @@ impl Fragment {
     }
 }
 
-/// The fragments of all views. A leaf has at most one fragment a pixel, its
+/// The fragments of one view. A leaf has at most one fragment a pixel, its
 /// nearest.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fragments {
-    resolution: u32,
+pub struct ViewFragments {
     starts: Vec<u32>,
     fragments: Vec<Fragment>,
 }
 
-impl Fragments {
-    /// From lists laid end to end: those of pixel k (`view * P + pixel`) are
-    /// `fragments[starts[k]..starts[k + 1]]`, in order.
+impl ViewFragments {
+    /// From lists laid end to end: those of pixel k (`row * resolution + column`)
+    /// are `fragments[starts[k]..starts[k + 1]]`, in order.
     ///
     /// # Panics
-    /// If `starts` does not end with the number of fragments, or is no whole
-    /// number of views.
-    pub fn from_lists(resolution: u32, starts: Vec<u32>, fragments: Vec<Fragment>) -> Self {
-        let pixels = resolution as usize * resolution as usize;
-        assert_eq!((starts.len() - 1) % pixels, 0, "a whole number of views");
+    /// If `starts` does not end with the number of fragments.
+    pub fn from_lists(starts: Vec<u32>, fragments: Vec<Fragment>) -> Self {
         assert_eq!(starts.last().copied(), Some(fragments.len() as u32));
-        Self {
-            resolution,
-            starts,
-            fragments,
-        }
+        Self { starts, fragments }
+    }
+
+    /// The fragments of a pixel, nearest first.
+    #[inline]
+    pub fn at(&self, pixel: usize) -> &[Fragment] {
+        &self.fragments[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
+    }
+
+    /// The fragments of each pixel in turn.
+    pub fn pixels(&self) -> impl ExactSizeIterator<Item = &[Fragment]> {
+        let pixels = self.starts.windows(2);
+        pixels.map(|w| &self.fragments[w[0] as usize..w[1] as usize])
+    }
+
+    /// All fragments, pixel by pixel.
+    pub fn as_slice(&self) -> &[Fragment] {
+        &self.fragments
+    }
+}
+
+/// The fragments of all views.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fragments {
+    resolution: u32,
+    views: Vec<ViewFragments>,
+}
+
+impl Fragments {
+    /// Of views of `resolution` x `resolution` pixels.
+    ///
+    /// # Panics
+    /// If a view has another number of pixels.
+    pub fn from_views(resolution: u32, views: Vec<ViewFragments>) -> Self {
+        let pixels = resolution as usize * resolution as usize;
+        assert!(views.iter().all(|view| view.pixels().len() == pixels));
+        Self { resolution, views }
     }
 
     /// Width and height of a view in pixels.
@@ -66,49 +94,32 @@ impl Fragments {
         self.resolution as usize * self.resolution as usize
     }
 
-    /// Views.
-    pub fn view_count(&self) -> usize {
-        (self.starts.len() - 1) / self.pixels_per_view()
+    /// The views in turn.
+    pub fn views(&self) -> &[ViewFragments] {
+        &self.views
+    }
+
+    /// Takes the views apart.
+    pub fn into_views(self) -> Vec<ViewFragments> {
+        self.views
     }
 
     /// How many fragments there are over all views.
     pub fn len(&self) -> usize {
-        self.fragments.len()
+        self.views.iter().map(|view| view.fragments.len()).sum()
     }
 
     /// Whether nothing is seen in any view.
     pub fn is_empty(&self) -> bool {
-        self.fragments.is_empty()
-    }
-
-    /// The fragments of pixel `view * P + pixel`, nearest first.
-    #[inline]
-    pub fn at(&self, view_pixel: usize) -> &[Fragment] {
-        &self.fragments[self.starts[view_pixel] as usize..self.starts[view_pixel + 1] as usize]
-    }
-
-    /// Where each pixel's list starts, and the end of the last.
-    pub fn starts(&self) -> &[u32] {
-        &self.starts
-    }
-
-    /// All fragments, pixel by pixel.
-    pub fn as_slice(&self) -> &[Fragment] {
-        &self.fragments
-    }
-
-    /// Takes the lists apart: starts and fragments.
-    pub fn into_lists(self) -> (Vec<u32>, Vec<Fragment>) {
-        (self.starts, self.fragments)
+        self.len() == 0
     }
 
     /// The front fragments of one view.
     pub fn leaf_ids(&self, view: usize) -> LeafIdImage {
-        let pixels = self.pixels_per_view();
-        let front = |k: usize| self.at(k).first().map_or(0, |f| f.leaf());
+        let front = |list: &[Fragment]| list.first().map_or(0, |f| f.leaf());
         LeafIdImage {
             resolution: self.resolution,
-            leaf_ids: (view * pixels..(view + 1) * pixels).map(front).collect(),
+            leaf_ids: self.views[view].pixels().map(front).collect(),
         }
     }
 }

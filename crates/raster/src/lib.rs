@@ -39,7 +39,7 @@ mod view;
 mod view_set;
 
 pub use area_table::AreaTable;
-pub use fragments::{Fragment, Fragments};
+pub use fragments::{Fragment, Fragments, ViewFragments};
 pub use leaf_id_image::LeafIdImage;
 pub use rasteriser::{CpuRasteriser, RasterError, Rasteriser};
 pub use reveal_edge::RevealEdge;

@@ -129,7 +129,7 @@ impl<'a> Snapper<'a> {
             self.cuts_for_affine(leaf.centre(), linear_scale, triangles)
         });
         for triangle in triangles {
-            let corners = [0, 1, 2].map(|k| CameraCorner {
+            let corners = of_each([0, 1, 2], |k| CameraCorner {
                 position: self.camera_from_leaf(leaf.centre(), linear_scale, triangle.corners[k]),
                 uv: triangle.uvs[k],
             });
@@ -184,7 +184,7 @@ impl<'a> Snapper<'a> {
             return;
         }
         if in_front == 3 {
-            let image = corners.map(|c| self.project(c));
+            let image = of_each(corners, |c| self.project(c));
             let inside = |p: DVec2| p.min_element() >= 0.0 && p.max_element() <= self.resolution;
             if image.iter().all(|c| inside(c.px)) {
                 if let Some(triangle) = set_up(name, image, cutout) {
@@ -261,6 +261,12 @@ impl<'a> Snapper<'a> {
     }
 }
 
+/// `map` of an array is not always inlined, and this is where time goes.
+#[inline(always)]
+fn of_each<T: Copy, U>([a, b, c]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
+    [f(a), f(b), f(c)]
+}
+
 /// The part of a polygon where `distance` is not negative (Sutherland and
 /// Hodgman's rule for one plane).
 fn clip<C: Copy>(
@@ -314,8 +320,8 @@ fn set_up(
 ) -> Option<SnappedTriangle> {
     // Floor, not a call to round: images lie at coordinates >= 0.
     let snap = |px: f64| (px * SUBPIXELS as f64 + 0.5) as i64;
-    let x = corners.map(|c| snap(c.px.x));
-    let y = corners.map(|c| snap(c.px.y));
+    let x = of_each(corners, |c| snap(c.px.x));
+    let y = of_each(corners, |c| snap(c.px.y));
     // Pixel centres lie at multiples of 256, plus 128.
     let first = |v: [i64; 3]| (v[0].min(v[1]).min(v[2]) + 127) >> 8;
     let last = |v: [i64; 3]| (v[0].max(v[1]).max(v[2]) - 128) >> 8;
@@ -354,13 +360,13 @@ fn set_up(
             round(step_y * SUBPIXELS as f64),
         ]
     };
-    let depth = plane(corners.map(|c| c.depth));
+    let depth = plane(of_each(corners, |c| c.depth));
     let (u, v) = match cutout {
         None => ([0; 3], [0; 3]),
         Some(mask) => {
             let wrap = mask.wrap();
-            let us = texels(corners.map(|c| c.uv.x), wrap[0], mask.width());
-            let vs = texels(corners.map(|c| c.uv.y), wrap[1], mask.height());
+            let us = texels(of_each(corners, |c| c.uv.x), wrap[0], mask.width());
+            let vs = texels(of_each(corners, |c| c.uv.y), wrap[1], mask.height());
             (plane(us), plane(vs))
         }
     };

@@ -73,9 +73,7 @@ proptest! {
             let row = cpu::histogram(&image, foliage.leaves().len());
             prop_assert_eq!(row.iter().sum::<u32>(), resolution * resolution);
         }
-        let (starts, lists) = fragments.into_lists();
-        for pixel in starts.windows(2) {
-            let list = &lists[pixel[0] as usize..pixel[1] as usize];
+        for list in fragments.views().iter().flat_map(|view| view.pixels()) {
             prop_assert!(list.is_sorted());
             let mut leaves: Vec<u32> = list.iter().map(|f| f.leaf()).collect();
             leaves.sort_unstable();

@@ -205,7 +205,7 @@ fn holes_of_a_cutout_show_what_is_behind() {
         resolution: 16,
     });
     // Row 4 is the leaves' first row, columns 4..12; the hole is its left half.
-    let front = |column: usize| fragments.at(4 * 16 + column)[0].leaf();
+    let front = |column: usize| fragments.views()[0].at(4 * 16 + column)[0].leaf();
     assert_eq!([front(4), front(7), front(8), front(11)], [2, 2, 1, 1]);
 }
 
@@ -248,7 +248,7 @@ fn a_column_of_many_leaves_is_one_list() {
         resolution: 16,
     });
     assert_eq!(fragments.len(), 3000);
-    let list = fragments.at(7 * 16 + 8);
+    let list = fragments.views()[0].at(7 * 16 + 8);
     assert!(list.is_sorted());
     // The nearest layer is k % 7 == 6; leaf numbers count from 1.
     assert_eq!(list[0].leaf(), 7);

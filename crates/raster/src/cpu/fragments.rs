@@ -5,7 +5,7 @@ use secateur_model::{Foliage, LeafId};
 
 use super::{histogram, rasterise};
 use crate::snap::Snapper;
-use crate::{AreaTable, Fragment, Fragments, Scene, View};
+use crate::{AreaTable, Fragment, Fragments, Scene, View, ViewFragments};
 
 /// The fragments of all views of a scene.
 ///
@@ -16,28 +16,20 @@ use crate::{AreaTable, Fragment, Fragments, Scene, View};
 /// If the scene's resolution, pixels or fragments (over 2^32) are out of range.
 pub fn fragments(scene: &Scene<'_>) -> Fragments {
     scene.assert_in_range();
-    let views: Vec<(Vec<u32>, Vec<Fragment>)> = scene
+    let views: Vec<ViewFragments> = scene
         .views
         .views()
         .par_iter()
-        .map(|view| fragments_of_view(scene, view))
+        .map_init(|| OneView::new(scene), OneView::fragments)
         .collect();
-    let pixels = scene.pixels_per_view();
-    let total: usize = views.iter().map(|(_, fragments)| fragments.len()).sum();
+    let fragments = Fragments::from_views(scene.resolution, views);
     assert!(
-        u32::try_from(total).is_ok(),
-        "{total} fragments, at most {}",
+        u32::try_from(fragments.len()).is_ok(),
+        "{} fragments, at most {}",
+        fragments.len(),
         u32::MAX
     );
-    let mut starts = Vec::with_capacity(views.len() * pixels + 1);
-    let mut all = Vec::with_capacity(total);
-    for (view_starts, fragments) in views {
-        let before = all.len() as u32;
-        starts.extend(view_starts[..pixels].iter().map(|s| s + before));
-        all.extend_from_slice(&fragments);
-    }
-    starts.push(all.len() as u32);
-    Fragments::from_lists(scene.resolution, starts, all)
+    fragments
 }
 
 /// [`fragments`] and, from their heads, the area table.
@@ -47,41 +39,67 @@ pub fn fragments(scene: &Scene<'_>) -> Fragments {
 pub fn fragments_and_areas(scene: &Scene<'_>) -> (Fragments, AreaTable) {
     let fragments = fragments(scene);
     let leaf_count = scene.foliage.leaves().len();
-    let views = (0..fragments.view_count()).into_par_iter();
+    let views = (0..fragments.views().len()).into_par_iter();
     let rows = views.map(|view| histogram(&fragments.leaf_ids(view), leaf_count));
     let rows: Vec<Vec<u32>> = rows.collect();
     let areas = AreaTable::from_rows(leaf_count, rows.concat());
     (fragments, areas)
 }
 
-fn fragments_of_view(scene: &Scene<'_>, view: &View) -> (Vec<u32>, Vec<Fragment>) {
-    let mut leaf_fragments = LeafFragments::new(scene.resolution);
-    let mut found: Vec<(u32, Fragment)> = Vec::new();
-    for (leaf, area_scale) in scene.lod.leaves() {
-        for &(pixel, depth) in leaf_fragments.of(scene.foliage, leaf, area_scale, view) {
-            found.push((pixel, Fragment::new(depth, leaf.get())));
+/// Makes the fragments of one view at a time, reusing its memory.
+struct OneView<'a> {
+    scene: &'a Scene<'a>,
+    leaf_fragments: LeafFragments,
+    /// By pixel, leaf by leaf.
+    found: Vec<(u32, Fragment)>,
+    /// Where the next fragment of each pixel belongs.
+    next: Vec<u32>,
+}
+
+impl<'a> OneView<'a> {
+    fn new(scene: &'a Scene<'a>) -> Self {
+        Self {
+            scene,
+            leaf_fragments: LeafFragments::new(scene.resolution),
+            found: Vec::new(),
+            next: Vec::new(),
         }
     }
-    // A counting sort by pixel, then each short list by depth and leaf.
-    let pixels = scene.pixels_per_view();
-    let mut starts = vec![0u32; pixels + 1];
-    for (pixel, _) in &found {
-        starts[*pixel as usize + 1] += 1;
+
+    fn fragments(&mut self, view: &View) -> ViewFragments {
+        let Self {
+            scene,
+            leaf_fragments,
+            found,
+            next,
+        } = self;
+        found.clear();
+        for (leaf, area_scale) in scene.lod.leaves() {
+            for &(pixel, depth) in leaf_fragments.of(scene.foliage, leaf, area_scale, view) {
+                found.push((pixel, Fragment::new(depth, leaf.get())));
+            }
+        }
+        // A counting sort by pixel, then each short list by depth and leaf.
+        let pixels = scene.pixels_per_view();
+        let mut starts = vec![0u32; pixels + 1];
+        for (pixel, _) in &*found {
+            starts[*pixel as usize + 1] += 1;
+        }
+        for k in 0..pixels {
+            starts[k + 1] += starts[k];
+        }
+        next.clone_from(&starts);
+        let mut sorted = vec![Fragment::new(0, 0); found.len()];
+        for &(pixel, fragment) in &*found {
+            let slot = &mut next[pixel as usize];
+            sorted[*slot as usize] = fragment;
+            *slot += 1;
+        }
+        for k in 0..pixels {
+            sorted[starts[k] as usize..starts[k + 1] as usize].sort_unstable();
+        }
+        ViewFragments::from_lists(starts, sorted)
     }
-    for k in 0..pixels {
-        starts[k + 1] += starts[k];
-    }
-    let mut next = starts.clone();
-    let mut sorted = vec![Fragment::new(0, 0); found.len()];
-    for (pixel, fragment) in found {
-        let slot = &mut next[pixel as usize];
-        sorted[*slot as usize] = fragment;
-        *slot += 1;
-    }
-    for k in 0..pixels {
-        sorted[starts[k] as usize..starts[k + 1] as usize].sort_unstable();
-    }
-    (starts, sorted)
 }
 
 /// Rasterises leaves one at a time, reusing its memory.

@@ -7,7 +7,7 @@ use crate::{Fragments, RevealEdge};
 /// For each front leaf, leaf right behind it and view the number of such
 /// pixels, in order. The twin is `reveal_edges.wgsl`.
 pub fn reveal_edges(fragments: &Fragments) -> Vec<RevealEdge> {
-    let mut edges: Vec<RevealEdge> = (0..fragments.view_count())
+    let mut edges: Vec<RevealEdge> = (0..fragments.views().len())
         .into_par_iter()
         .flat_map_iter(|view| edges_of_view(fragments, view))
         .collect();
@@ -16,9 +16,9 @@ pub fn reveal_edges(fragments: &Fragments) -> Vec<RevealEdge> {
 }
 
 fn edges_of_view(fragments: &Fragments, view: usize) -> Vec<RevealEdge> {
-    let pixels = fragments.pixels_per_view();
-    let mut pairs: Vec<[u32; 2]> = (view * pixels..(view + 1) * pixels)
-        .filter_map(|pixel| match fragments.at(pixel) {
+    let mut pairs: Vec<[u32; 2]> = fragments.views()[view]
+        .pixels()
+        .filter_map(|list| match list {
             [] => None,
             [front] => Some([front.leaf(), 0]),
             [front, second, ..] => Some([front.leaf(), second.leaf()]),

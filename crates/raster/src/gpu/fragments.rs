@@ -13,7 +13,7 @@ use super::stages::{
     HEAP_MAX, PIXEL_WORKGROUP, PIXELS_PER_WORKGROUP, SCAN_BLOCK, TRIANGLE_WORKGROUP,
 };
 use super::{Device, GpuError, cutouts, long_lists};
-use crate::{AreaTable, Fragment, Fragments, Scene};
+use crate::{AreaTable, Fragment, Fragments, Scene, ViewFragments};
 
 /// Bytes of a fragment.
 const FRAGMENT_BYTES: u64 = 8;
@@ -68,10 +68,14 @@ struct Run<'a> {
 }
 
 /// What has come back.
-#[derive(Default)]
 struct Lists {
+    pixels_per_view: usize,
+    views: Vec<ViewFragments>,
+    /// Lists of the view after those.
     starts: Vec<u32>,
     fragments: Vec<Fragment>,
+    /// Over all views.
+    len: u64,
     area_px: Vec<u32>,
 }
 
@@ -112,7 +116,7 @@ impl<'a> Run<'a> {
             most_in_window: (list_bytes / FRAGMENT_BYTES) as u32,
             spare: None,
             pending: None,
-            result: Lists::default(),
+            result: Lists::new(scene.pixels_per_view()),
         })
     }
 
@@ -127,15 +131,10 @@ impl<'a> Run<'a> {
             pool.give_back(chunk.pieces);
         }
         self.collect()?;
-        let Lists {
-            mut starts,
-            fragments,
-            area_px,
-        } = self.result;
-        starts.push(fragments.len() as u32);
+        let Lists { views, area_px, .. } = self.result;
         let leaf_count = self.scene.foliage.leaves().len();
         Ok((
-            Fragments::from_lists(self.scene.resolution, starts, fragments),
+            Fragments::from_views(self.scene.resolution, views),
             AreaTable::from_rows(leaf_count, area_px),
         ))
     }
@@ -207,7 +206,7 @@ impl<'a> Run<'a> {
                 limit: FRAGMENT_BYTES * u64::from(u32::MAX),
             })
         };
-        let total = self.result.fragments.len() as u64 + u64::from(chunk.fragments);
+        let total = self.result.len + u64::from(chunk.fragments);
         if chunk.fragments == u32::MAX || total > u64::from(u32::MAX) {
             return too_many(total);
         }
@@ -336,6 +335,17 @@ impl<'a> Run<'a> {
 }
 
 impl Lists {
+    fn new(pixels_per_view: usize) -> Self {
+        Self {
+            pixels_per_view,
+            views: Vec::new(),
+            starts: Vec::new(),
+            fragments: Vec::new(),
+            len: 0,
+            area_px: Vec::new(),
+        }
+    }
+
     fn append(&mut self, window: &Window, table_bytes: usize, parts: &[&[u8]]) {
         let pixels = window.pixel_count as usize;
         let dropped: &[u32] = bytemuck::cast_slice(parts[0]);
@@ -343,22 +353,46 @@ impl Lists {
         let kept: &[u32] = bytemuck::cast_slice(&parts[2][..4 * pixels]);
         let list_bytes = FRAGMENT_BYTES as usize * window.fragment_count as usize;
         let lists: &[Fragment] = bytemuck::cast_slice(&parts[3][..list_bytes]);
-        let before = self.fragments.len() as u32;
-        if dropped[0] == 0 {
-            let own = starts[..pixels].iter();
-            self.starts
-                .extend(own.map(|s| s - window.first_fragment + before));
-            self.fragments.extend_from_slice(lists);
-        } else {
-            for (start, kept) in starts.iter().zip(kept) {
-                self.starts.push(self.fragments.len() as u32);
-                let first = (start - window.first_fragment) as usize;
-                self.fragments
-                    .extend_from_slice(&lists[first..first + *kept as usize]);
-            }
+        let kept = (dropped[0] > 0).then_some(kept);
+        let mut pixel = 0;
+        while pixel < pixels {
+            // A window may end within a view, and go on over several.
+            let end = pixels.min(pixel + self.pixels_per_view - self.starts.len());
+            let first = (starts[pixel] - window.first_fragment) as usize;
+            let size = (starts[end] - starts[pixel]) as usize;
+            let kept = kept.map(|kept| &kept[pixel..end]);
+            self.append_to_view(&starts[pixel..end], kept, &lists[first..first + size]);
+            pixel = end;
         }
         self.area_px
             .extend_from_slice(bytemuck::cast_slice(&parts[4][..table_bytes]));
+    }
+
+    /// Lists of pixels that follow each other; of each `kept` fragments, or all.
+    fn append_to_view(&mut self, starts: &[u32], kept: Option<&[u32]>, lists: &[Fragment]) {
+        let before = self.fragments.len();
+        match kept {
+            None => {
+                let own = starts.iter().map(|s| s - starts[0] + before as u32);
+                self.starts.extend(own);
+                self.fragments.extend_from_slice(lists);
+            }
+            Some(kept) => {
+                for (start, kept) in starts.iter().zip(kept) {
+                    self.starts.push(self.fragments.len() as u32);
+                    let list = &lists[(start - starts[0]) as usize..][..*kept as usize];
+                    self.fragments.extend_from_slice(list);
+                }
+            }
+        }
+        self.len += (self.fragments.len() - before) as u64;
+        if self.starts.len() == self.pixels_per_view {
+            self.starts.push(self.fragments.len() as u32);
+            self.views.push(ViewFragments::from_lists(
+                std::mem::take(&mut self.starts),
+                std::mem::take(&mut self.fragments),
+            ));
+        }
     }
 }
 

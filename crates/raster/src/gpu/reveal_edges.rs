@@ -21,7 +21,7 @@ pub fn reveal_edges(device: &Device, fragments: &Fragments) -> Result<Vec<Reveal
     device.check()?;
     let bindable = device.binding_limit() / (4 * SLOT_BYTES);
     let most = bindable.clamp(1, MAX_PIXELS) as usize;
-    let pixels = fragments.starts().len() - 1;
+    let pixels = fragments.pixels_per_view() * fragments.views().len();
     let mut edges = Vec::new();
     for first in (0..pixels).step_by(most) {
         let end = (first + most).min(pixels);
@@ -43,9 +43,11 @@ fn edges_of_pixels(
     pixels: std::ops::Range<usize>,
 ) -> Result<Vec<RevealEdge>, GpuError> {
     let first_pixel = pixels.start as u32;
+    let per_view = fragments.pixels_per_view();
+    let list = |pixel: usize| fragments.views()[pixel / per_view].at(pixel % per_view);
     let leaves: Vec<[u32; 2]> = pixels
         .into_par_iter()
-        .map(|pixel| match fragments.at(pixel) {
+        .map(|pixel| match list(pixel) {
             [] => [0, 0],
             [front] => [front.leaf(), 0],
             [front, second, ..] => [front.leaf(), second.leaf()],
@@ -53,12 +55,7 @@ fn edges_of_pixels(
         .collect();
     let pixel_count = leaves.len() as u32;
     let slot_count = (2 * pixel_count).next_power_of_two();
-    let table = device.uniform(&[
-        pixel_count,
-        fragments.pixels_per_view() as u32,
-        slot_count,
-        first_pixel,
-    ]);
+    let table = device.uniform(&[pixel_count, per_view as u32, slot_count, first_pixel]);
     let leaves = device.storage_of("front and second", leaves.as_flattened());
     let slots = device.storage("slots", SLOT_BYTES * u64::from(slot_count));
     let edge_count = device.storage("edge count", 4);

@@ -140,7 +140,7 @@ fn equal_depths_go_by_leaf_number() {
     };
     // The tie is real: all the fragments of the middle pixel are equally deep.
     let fragments = cpu::fragments(&scene);
-    let list = fragments.at(32 * 64 + 32);
+    let list = fragments.views()[0].at(32 * 64 + 32);
     assert_eq!(list.len(), 200);
     assert!(list.iter().all(|f| f.depth() == list[0].depth()));
 }

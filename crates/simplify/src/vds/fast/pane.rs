@@ -25,23 +25,17 @@ impl Pane {
     /// what is there.
     pub(super) fn all(fragments: Fragments, leaf_count: usize, panes: usize) -> Vec<Self> {
         let resolution = fragments.resolution();
-        let (view_count, per_view) = (fragments.view_count(), fragments.pixels_per_view());
-        let (starts, mut arena) = fragments.into_lists();
-        // From the last to the first, so that each takes the arena's end.
-        let parts = (0..panes).rev().map(|k| {
+        let pixels_per_view = fragments.pixels_per_view() as u32;
+        let view_count = fragments.views().len();
+        let mut rest = fragments.into_views().into_iter();
+        let parts = (0..panes).map(|k| {
             let views = k * view_count / panes..(k + 1) * view_count / panes;
-            let first = starts[views.start * per_view];
-            // The first takes what is left, without the room of what is gone.
-            let own = arena.split_off(first as usize);
-            arena.shrink_to_fit();
+            let own: Vec<_> = rest.by_ref().take(views.len()).collect();
             (views, own)
         });
         let parts: Vec<_> = parts.collect();
-        let panes = parts.into_par_iter().map(|(views, arena)| {
-            let starts = &starts[views.start * per_view..=views.end * per_view];
-            let first = starts[0];
-            let starts: Vec<u32> = starts.iter().map(|start| start - first).collect();
-            let pixels = PixelLists::new(&starts, arena, per_view as u32, leaf_count);
+        let panes = parts.into_par_iter().map(|(views, own)| {
+            let pixels = PixelLists::new(own, pixels_per_view, leaf_count);
             let mut events = pixels.first_events();
             events.move_views(views.start as u32);
             Self {

@@ -5,7 +5,7 @@
 //! lists stay complete. A removed leaf's fragments are left where they are and
 //! dropped when they reach the front or room runs out.
 
-use secateur_raster::Fragment;
+use secateur_raster::{Fragment, ViewFragments};
 
 use super::events::{Ends, Events};
 use super::prefetch::prefetch;
@@ -13,6 +13,10 @@ use super::prefetch::prefetch;
 /// How many pixels ahead spans and ends, and lists, are asked for.
 const SPANS_AHEAD: usize = 8;
 const LISTS_AHEAD: usize = 4;
+
+/// The part of the fragments, one in so many, for which there is room to grow
+/// at first. Memory that is never written to is never taken.
+const ROOM_TO_GROW: usize = 2;
 
 /// A pixel's list: `arena[start..start + len]`, nearest first, with room for
 /// `room` fragments. Its first two are leaves that are still there.
@@ -37,33 +41,36 @@ pub(super) struct PixelLists {
 }
 
 impl PixelLists {
-    /// Of lists laid end to end, those of pixel k at `starts[k]..starts[k + 1]`,
-    /// with `leaf_count` leaves, all of which may have fragments.
-    pub(super) fn new(
-        starts: &[u32],
-        arena: Vec<Fragment>,
-        pixels_per_view: u32,
-        leaf_count: usize,
-    ) -> Self {
-        let leaf_pixels = LeafPixels::new(starts, &arena, leaf_count);
-        let span = |w: &[u32]| Span {
-            start: w[0],
-            len: w[1] - w[0],
-            room: w[1] - w[0],
-        };
-        let spans: Vec<Span> = starts.windows(2).map(span).collect();
-        let leaf = |span: &Span, k: u32| match k < span.len {
-            true => arena[(span.start + k) as usize].leaf(),
-            false => 0,
-        };
+    /// With `leaf_count` leaves, all of which may have fragments.
+    pub(super) fn new(views: Vec<ViewFragments>, pixels_per_view: u32, leaf_count: usize) -> Self {
+        let fragments: usize = views.iter().map(|view| view.as_slice().len()).sum();
+        let pixels = views.len() * pixels_per_view as usize;
+        // Lists that grow out of their rooms move to the end.
+        let mut arena = Vec::with_capacity(fragments + fragments / ROOM_TO_GROW);
+        let mut spans = Vec::with_capacity(pixels);
+        let mut ends = Vec::with_capacity(pixels);
+        for view in views {
+            let mut start = arena.len() as u32;
+            for list in view.pixels() {
+                let len = list.len() as u32;
+                spans.push(Span {
+                    start,
+                    len,
+                    room: len,
+                });
+                ends.push([0, 1].map(|k| list.get(k).map_or(0, |f| f.leaf())));
+                start += len;
+            }
+            arena.extend_from_slice(view.as_slice());
+        }
         Self {
             pixels_per_view,
-            ends: spans.iter().map(|s| [leaf(s, 0), leaf(s, 1)]).collect(),
+            leaf_pixels: LeafPixels::new(&spans, &arena, leaf_count),
             stamps: vec![0; spans.len()],
             spans,
             arena,
+            ends,
             is_there: vec![true; leaf_count + 1],
-            leaf_pixels,
             tick: 0,
         }
     }
@@ -262,7 +269,7 @@ struct LeafPixels {
 }
 
 impl LeafPixels {
-    fn new(starts: &[u32], arena: &[Fragment], leaf_count: usize) -> Self {
+    fn new(spans: &[Span], arena: &[Fragment], leaf_count: usize) -> Self {
         let mut ranges = vec![(0u32, 0u32); leaf_count + 1];
         for fragment in arena {
             ranges[fragment.leaf() as usize].1 += 1;
@@ -273,8 +280,8 @@ impl LeafPixels {
             before += std::mem::take(&mut range.1);
         }
         let mut pixels = vec![0; arena.len()];
-        for (pixel, list) in starts.windows(2).enumerate() {
-            for fragment in &arena[list[0] as usize..list[1] as usize] {
+        for (pixel, span) in spans.iter().enumerate() {
+            for fragment in &arena[span.start as usize..][..span.len as usize] {
                 let (start, filled) = &mut ranges[fragment.leaf() as usize];
                 pixels[(*start + *filled) as usize] = pixel as u32;
                 *filled += 1;
