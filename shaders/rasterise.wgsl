@@ -1,10 +1,12 @@
 // Snapped triangles to pixels, in integers. The twin is `cpu::rasterise`.
 //
 // One invocation per triangle; its box is at most a tile (`gpu::tiles`), so no
-// invocation walks far. Entry points differ in what they do with a pixel:
+// invocation goes far. It looks at a block of pixels at a time, without branches,
+// and then only at those inside: neighbouring lanes stay together, whatever their
+// triangles look like. Entry points differ in what they do with a pixel:
 //
-//   count          fragments of each pixel
-//   emit           (leaf, depth) into the pixel's slots
+//   count          fragments of each pixel, and which pixels are covered
+//   emit           (leaf, depth) into the slots of the pixels that `count` found
 //   nearest_depth  the least depth of each pixel
 //   nearest_leaf   the lowest leaf at that depth
 //   uncover        one invocation per pixel: what `nearest_leaf` found to a leaf ID
@@ -12,6 +14,7 @@
 // Additions and multiplications wrap, as the twin's do.
 
 override WORKGROUP: u32;
+override KNOWN_BLOCKS: u32;
 
 struct Triangle {
     leaf: u32,
@@ -53,6 +56,9 @@ struct Window {
 @group(0) @binding(4) var<storage, read_write> lists: array<vec2<u32>>;
 // The complement of the lowest leaf; 0 where none is.
 @group(0) @binding(5) var<storage, read_write> nearest: array<atomic<u32>>;
+// The pixels that each triangle covers in the first KNOWN_BLOCKS blocks of its
+// box.
+@group(0) @binding(6) var<storage, read_write> masks: array<vec2<u32>>;
 
 const REPEAT: i32 = 0;
 const CLAMP_TO_EDGE: i32 = 1;
@@ -82,92 +88,124 @@ fn is_opaque(cutout: u32, u_texel: i32, v_texel: i32) -> bool {
     return ((cutouts[cutouts[entry] + texel / 32u] >> (texel % 32u)) & 1u) == 1u;
 }
 
-// Where the walk through a triangle's box stands.
-struct Walk {
-    index: u32,
-    width: u32,
+// Pixels of a block across and down.
+const BLOCK: u32 = 8u;
+
+// A block of a triangle's box, and the pixels of it still to be looked at: bit
+// 8 y + x, the upper four rows in x, the others in y.
+struct Block {
+    // First pixel, from the box's.
     x: u32,
     y: u32,
-    rows_left: u32,
-    was_inside: bool,
-    // Edge functions here, at the start of the row, and their steps.
-    at: vec3<i32>,
-    row: vec3<i32>,
-    right: vec3<i32>,
-    down: vec3<i32>,
-    // Pixel (0, 0) of the box, from the window's first.
-    corner: u32,
+    number: u32,
+    rest: vec2<u32>,
 }
 
-fn begin(index: u32) -> Walk {
+fn width_of(index: u32) -> u32 {
+    return piece.triangles[index].size & 0xFFFFu;
+}
+
+fn height_of(index: u32) -> u32 {
+    return piece.triangles[index].size >> 16u;
+}
+
+fn first_block() -> Block {
+    return Block(0u, 0u, 0u, vec2(0u));
+}
+
+fn go_on(block: ptr<function, Block>, width: u32) {
+    (*block).number += 1u;
+    (*block).x += BLOCK;
+    if (*block).x >= width {
+        (*block).x = 0u;
+        (*block).y += BLOCK;
+    }
+}
+
+// The pixels of a block that are inside the edges.
+fn pixels_inside(index: u32, block: Block) -> vec2<u32> {
     let e = piece.triangles[index].edges;
-    let first = piece.triangles[index].first_pixel;
-    let size = piece.triangles[index].size;
-    let start = vec3(e[0][0], e[1][0], e[2][0]);
-    return Walk(
-        index,
-        size & 0xFFFFu,
-        0u,
-        0u,
-        size >> 16u,
-        false,
-        start,
-        start,
-        vec3(e[0][1], e[1][1], e[2][1]),
-        vec3(e[0][2], e[1][2], e[2][2]),
-        piece.view_pixel + (first >> 16u) * window.resolution + (first & 0xFFFFu)
-            - window.first_pixel,
-    );
+    let height = min(height_of(index) - block.y, BLOCK);
+    let width_mask = (1u << min(width_of(index) - block.x, BLOCK)) - 1u;
+    let columns = i32(block.x) + vec4(0, 1, 2, 3);
+    let row = i32(block.y);
+    var a = e[0][0] + e[0][1] * columns + e[0][2] * row;
+    var b = e[1][0] + e[1][1] * columns + e[1][2] * row;
+    var c = e[2][0] + e[2][1] * columns + e[2][2] * row;
+    var mask = vec2(0u);
+    for (var y = 0u; y < height; y++) {
+        let outside = signs(a | b | c)
+            | (signs((a + 4 * e[0][1]) | (b + 4 * e[1][1]) | (c + 4 * e[2][1])) << 4u);
+        let bits = (~outside & width_mask) << (BLOCK * (y & 3u));
+        mask |= select(vec2(0u, bits), vec2(bits, 0u), y < 4u);
+        a += e[0][2];
+        b += e[1][2];
+        c += e[2][2];
+    }
+    return mask;
+}
+
+// A bit for each that is negative.
+fn signs(v: vec4<i32>) -> u32 {
+    let bits = (vec4<u32>(v) >> vec4(31u)) << vec4(0u, 1u, 2u, 3u);
+    return bits.x | bits.y | bits.z | bits.w;
 }
 
 struct Pixel {
-    is_covered: bool,
     // From the window's first.
     index: u32,
+    // From the box's first.
     x: u32,
     y: u32,
+    bit: vec2<u32>,
 }
 
-// Looks at one pixel and goes on to the next: to the right, or to the next row
-// when this one ends or the triangle was left.
-fn step(walk: ptr<function, Walk>) -> Pixel {
-    let at = (*walk).at;
-    let x = (*walk).x;
-    let y = (*walk).y;
-    let is_inside = (at.x | at.y | at.z) >= 0;
-    let index = (*walk).corner + y * window.resolution + x;
-    let is_left = !is_inside && (*walk).was_inside;
-    if is_left || x + 1u == (*walk).width {
-        let row = (*walk).row + (*walk).down;
-        (*walk).row = row;
-        (*walk).at = row;
-        (*walk).x = 0u;
-        (*walk).y = y + 1u;
-        (*walk).rows_left -= 1u;
-        (*walk).was_inside = false;
-    } else {
-        (*walk).at = at + (*walk).right;
-        (*walk).x = x + 1u;
-        (*walk).was_inside = is_inside;
-    }
-    var is_covered = is_inside && index < window.pixel_count;
-    if is_covered {
-        let cutout = piece.triangles[(*walk).index].cutout;
-        if cutout != 0u {
-            let u = plane(piece.triangles[(*walk).index].u, x, y) >> 16u;
-            let v = plane(piece.triangles[(*walk).index].v, x, y) >> 16u;
-            is_covered = is_opaque(cutout, u, v);
-        }
-    }
-    return Pixel(is_covered, index, x, y);
+// Takes the next of the pixels that are left; there is one. `corner` as
+// `corner_of`.
+fn take_pixel(block: ptr<function, Block>, corner: u32) -> Pixel {
+    let rest = (*block).rest;
+    let in_upper = rest.x != 0u;
+    let word = select(rest.y, rest.x, in_upper);
+    let place = firstTrailingBit(word) + select(BLOCK * 4u, 0u, in_upper);
+    let lowest = word & (~word + 1u);
+    let bit = select(vec2(0u, lowest), vec2(lowest, 0u), in_upper);
+    (*block).rest ^= bit;
+    let x = (*block).x + place % BLOCK;
+    let y = (*block).y + place / BLOCK;
+    return Pixel(corner + y * window.resolution + x, x, y, bit);
 }
 
-fn plane(p: array<i32, 3>, x: u32, y: u32) -> i32 {
-    return p[0] + p[1] * i32(x) + p[2] * i32(y);
+fn has_pixels(block: Block) -> bool {
+    return (block.rest.x | block.rest.y) != 0u;
+}
+
+// The box's first pixel, from the window's.
+fn corner_of(index: u32) -> u32 {
+    let first = piece.triangles[index].first_pixel;
+    return piece.view_pixel + (first >> 16u) * window.resolution + (first & 0xFFFFu)
+        - window.first_pixel;
+}
+
+// Whether a pixel inside the edges is in the window, and kept by the cut-out, from
+// 1 or none.
+fn is_covered(index: u32, cutout: u32, pixel: Pixel) -> bool {
+    if pixel.index >= window.pixel_count {
+        return false;
+    }
+    if cutout == 0u {
+        return true;
+    }
+    let u = plane(piece.triangles[index].u, pixel) >> 16u;
+    let v = plane(piece.triangles[index].v, pixel) >> 16u;
+    return is_opaque(cutout, u, v);
+}
+
+fn plane(p: array<i32, 3>, pixel: Pixel) -> i32 {
+    return p[0] + p[1] * i32(pixel.x) + p[2] * i32(pixel.y);
 }
 
 fn depth_at(index: u32, pixel: Pixel) -> u32 {
-    return u32(plane(piece.triangles[index].depth, pixel.x, pixel.y));
+    return u32(plane(piece.triangles[index].depth, pixel));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -175,12 +213,26 @@ fn count(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= piece.triangle_count {
         return;
     }
-    var walk = begin(id.x);
-    while walk.rows_left != 0u {
-        let pixel = step(&walk);
-        if pixel.is_covered {
-            atomicAdd(&per_pixel[window.first_pixel + pixel.index], 1u);
+    let width = width_of(id.x);
+    let height = height_of(id.x);
+    let corner = corner_of(id.x);
+    let cutout = piece.triangles[id.x].cutout;
+    var block = first_block();
+    while block.y < height {
+        block.rest = pixels_inside(id.x, block);
+        var covered = block.rest;
+        while has_pixels(block) {
+            let pixel = take_pixel(&block, corner);
+            if is_covered(id.x, cutout, pixel) {
+                atomicAdd(&per_pixel[window.first_pixel + pixel.index], 1u);
+            } else {
+                covered ^= pixel.bit;
+            }
         }
+        if block.number < KNOWN_BLOCKS {
+            masks[KNOWN_BLOCKS * id.x + block.number] = covered;
+        }
+        go_on(&block, width);
     }
 }
 
@@ -189,14 +241,28 @@ fn emit(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= piece.triangle_count {
         return;
     }
+    let width = width_of(id.x);
+    let height = height_of(id.x);
+    let corner = corner_of(id.x);
     let leaf = piece.triangles[id.x].leaf;
-    var walk = begin(id.x);
-    while walk.rows_left != 0u {
-        let pixel = step(&walk);
-        if pixel.is_covered {
-            let slot = atomicAdd(&per_pixel[window.first_pixel + pixel.index], 1u);
-            lists[slot - window.first_fragment] = vec2(leaf, depth_at(id.x, pixel));
+    var block = first_block();
+    while block.y < height {
+        // What is known has been through the cut-out.
+        var cutout = 0u;
+        if block.number < KNOWN_BLOCKS {
+            block.rest = masks[KNOWN_BLOCKS * id.x + block.number];
+        } else {
+            block.rest = pixels_inside(id.x, block);
+            cutout = piece.triangles[id.x].cutout;
         }
+        while has_pixels(block) {
+            let pixel = take_pixel(&block, corner);
+            if is_covered(id.x, cutout, pixel) {
+                let slot = atomicAdd(&per_pixel[window.first_pixel + pixel.index], 1u);
+                lists[slot - window.first_fragment] = vec2(leaf, depth_at(id.x, pixel));
+            }
+        }
+        go_on(&block, width);
     }
 }
 
@@ -205,12 +271,20 @@ fn nearest_depth(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= piece.triangle_count {
         return;
     }
-    var walk = begin(id.x);
-    while walk.rows_left != 0u {
-        let pixel = step(&walk);
-        if pixel.is_covered {
-            atomicMax(&per_pixel[window.first_pixel + pixel.index], ~depth_at(id.x, pixel));
+    let width = width_of(id.x);
+    let height = height_of(id.x);
+    let corner = corner_of(id.x);
+    let cutout = piece.triangles[id.x].cutout;
+    var block = first_block();
+    while block.y < height {
+        block.rest = pixels_inside(id.x, block);
+        while has_pixels(block) {
+            let pixel = take_pixel(&block, corner);
+            if is_covered(id.x, cutout, pixel) {
+                atomicMax(&per_pixel[window.first_pixel + pixel.index], ~depth_at(id.x, pixel));
+            }
         }
+        go_on(&block, width);
     }
 }
 
@@ -219,16 +293,24 @@ fn nearest_leaf(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= piece.triangle_count {
         return;
     }
+    let width = width_of(id.x);
+    let height = height_of(id.x);
+    let corner = corner_of(id.x);
+    let cutout = piece.triangles[id.x].cutout;
     let leaf = piece.triangles[id.x].leaf;
-    var walk = begin(id.x);
-    while walk.rows_left != 0u {
-        let pixel = step(&walk);
-        if pixel.is_covered {
-            let at = window.first_pixel + pixel.index;
-            if atomicLoad(&per_pixel[at]) == ~depth_at(id.x, pixel) {
-                atomicMax(&nearest[at], ~leaf);
+    var block = first_block();
+    while block.y < height {
+        block.rest = pixels_inside(id.x, block);
+        while has_pixels(block) {
+            let pixel = take_pixel(&block, corner);
+            if is_covered(id.x, cutout, pixel) {
+                let at = window.first_pixel + pixel.index;
+                if atomicLoad(&per_pixel[at]) == ~depth_at(id.x, pixel) {
+                    atomicMax(&nearest[at], ~leaf);
+                }
             }
         }
+        go_on(&block, width);
     }
 }
 

@@ -162,6 +162,7 @@ impl<'a> Run<'a> {
                     (1, piece.buffer()),
                     (2, &self.cutouts),
                     (3, &per_pixel),
+                    (6, piece.masks()),
                 ];
                 let workgroups = piece.triangle_count().div_ceil(TRIANGLE_WORKGROUP);
                 let count = &device.stages.count;
@@ -256,6 +257,7 @@ impl<'a> Run<'a> {
                 (2, &self.cutouts),
                 (3, &chunk.per_pixel),
                 (4, &lists),
+                (6, piece.masks()),
             ];
             let workgroups = piece.triangle_count().div_ceil(TRIANGLE_WORKGROUP);
             let emit = &device.stages.emit;

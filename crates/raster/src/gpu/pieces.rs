@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::memory::Mapping;
+use super::stages::KNOWN_BLOCKS;
 use super::tiles::{TILE_PX, split_into_tiles};
 use super::{Device, GpuError};
 use crate::snap::Snapper;
@@ -15,6 +16,9 @@ const TRIANGLE_BYTES: u64 = size_of::<SnappedTriangle>() as u64;
 
 /// Words before a piece's triangles: their number and the view's first pixel.
 const HEADER_BYTES: u64 = 8;
+
+/// Bits of a block of a triangle's box.
+const MASK_BYTES: u64 = 8;
 
 /// The most triangles of a piece: a few megabytes, a short dispatch.
 const MAX_PIECE_TRIANGLES: u64 = 1 << 15;
@@ -28,6 +32,8 @@ pub(super) struct Piece {
     /// What the CPU writes; what the GPU reads too where memory is shared.
     host: wgpu::Buffer,
     device: Option<wgpu::Buffer>,
+    /// Which pixels of the first blocks are covered, from `count` to `emit`.
+    masks: wgpu::Buffer,
     triangle_count: u32,
 }
 
@@ -39,6 +45,10 @@ impl Piece {
     /// What shaders bind.
     pub(super) fn buffer(&self) -> &wgpu::Buffer {
         self.device.as_ref().unwrap_or(&self.host)
+    }
+
+    pub(super) fn masks(&self) -> &wgpu::Buffer {
+        &self.masks
     }
 
     /// Records the copy to the GPU where one is needed.
@@ -159,6 +169,10 @@ impl<'a> PiecePool<'a> {
                 mapped_at_creation: true,
             }),
             device: (!shared).then(|| self.device.storage("triangles", size)),
+            masks: self.device.storage(
+                "masks",
+                MASK_BYTES * u64::from(KNOWN_BLOCKS * self.capacity),
+            ),
             triangle_count: 0,
         }
     }

@@ -10,6 +10,10 @@ pub(super) const TRIANGLE_WORKGROUP: u32 = 64;
 /// largest image in fewer than 65,536 workgroups.
 pub(super) const PIXEL_WORKGROUP: u32 = 256;
 
+/// Blocks of 8 x 8 pixels of a triangle's box whose covered pixels are kept from
+/// counting to emitting.
+pub(super) const KNOWN_BLOCKS: u32 = 4;
+
 /// Pixels that one invocation of the prefix sum adds up.
 pub(super) const SCAN_BLOCK: u32 = 256;
 
@@ -130,14 +134,15 @@ impl Stages {
         let probe = shader!(device, "probe.wgsl");
         let reveal_edges = shader!(device, "reveal_edges.wgsl");
         let lanes = ("WORKGROUP", TRIANGLE_WORKGROUP);
+        let blocks = ("KNOWN_BLOCKS", KNOWN_BLOCKS);
         let pixel_lanes = ("WORKGROUP", PIXEL_WORKGROUP);
         let block = ("BLOCK", SCAN_BLOCK);
         let stage =
             |module, entry, constants: &[(&str, u32)]| stage(device, module, entry, constants);
         Self {
             probe: stage(&probe, "count_up", &[]),
-            count: stage(&rasterise, "count", &[lanes]),
-            emit: stage(&rasterise, "emit", &[lanes]),
+            count: stage(&rasterise, "count", &[lanes, blocks]),
+            emit: stage(&rasterise, "emit", &[lanes, blocks]),
             nearest_depth: stage(&rasterise, "nearest_depth", &[lanes]),
             nearest_leaf: stage(&rasterise, "nearest_leaf", &[lanes]),
             uncover: stage(&rasterise, "uncover", &[pixel_lanes]),
