@@ -94,6 +94,7 @@ impl PixelLists {
 
     /// Takes a leaf away, and notes where that changes the first two.
     pub(super) fn remove(&mut self, leaf: u32, events: &mut Events) {
+        events.begin_round();
         self.is_there[leaf as usize] = false;
         let range = self.leaf_pixels.range(leaf);
         for at in range.clone() {
@@ -110,6 +111,7 @@ impl PixelLists {
     /// Gives a leaf new fragments: pairs of pixel (over these views) and depth,
     /// each pixel once.
     pub(super) fn replace(&mut self, leaf: u32, fragments: &[(u32, u32)], events: &mut Events) {
+        events.begin_round();
         let (is_new, is_both) = (self.tick + 1, self.tick + 2);
         self.tick += 2;
         for (pixel, _) in fragments {
