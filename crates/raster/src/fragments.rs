@@ -42,9 +42,10 @@ impl ViewFragments {
     /// are `fragments[starts[k]..starts[k + 1]]`, in order.
     ///
     /// # Panics
-    /// If `starts` does not end with the number of fragments.
+    /// If `starts` does not lead from 0 to the number of fragments.
     pub fn from_lists(starts: Vec<u32>, fragments: Vec<Fragment>) -> Self {
-        assert_eq!(starts.last().copied(), Some(fragments.len() as u32));
+        let ends = [starts.first(), starts.last()].map(|end| end.map(|end| *end as usize));
+        assert_eq!(ends, [Some(0), Some(fragments.len())]);
         Self { starts, fragments }
     }
 
@@ -77,11 +78,18 @@ impl Fragments {
     /// Of views of `resolution` x `resolution` pixels.
     ///
     /// # Panics
-    /// If a view has another number of pixels.
+    /// If a view has another number of pixels, or there are over 2^32 fragments.
     pub fn from_views(resolution: u32, views: Vec<ViewFragments>) -> Self {
         let pixels = resolution as usize * resolution as usize;
         assert!(views.iter().all(|view| view.pixels().len() == pixels));
-        Self { resolution, views }
+        let fragments = Self { resolution, views };
+        assert!(
+            u32::try_from(fragments.len()).is_ok(),
+            "{} fragments, at most {}",
+            fragments.len(),
+            u32::MAX
+        );
+        fragments
     }
 
     /// Width and height of a view in pixels.

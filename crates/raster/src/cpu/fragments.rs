@@ -22,14 +22,7 @@ pub fn fragments(scene: &Scene<'_>) -> Fragments {
         .par_iter()
         .map_init(|| OneView::new(scene), OneView::fragments)
         .collect();
-    let fragments = Fragments::from_views(scene.resolution, views);
-    assert!(
-        u32::try_from(fragments.len()).is_ok(),
-        "{} fragments, at most {}",
-        fragments.len(),
-        u32::MAX
-    );
-    fragments
+    Fragments::from_views(scene.resolution, views)
 }
 
 /// [`fragments`] and, from their heads, the area table.

@@ -9,8 +9,8 @@ use crate::SnappedTriangle;
 /// Calls `emit(column, row, depth)` for each pixel whose centre the triangle
 /// covers and its cut-out keeps, row by row.
 ///
-/// `cutouts` are those of the foliage. The twin is `step` in
-/// `rasterise.wgsl`.
+/// `cutouts` are those of the foliage. The twins are `pixels_inside`
+/// and `is_covered` in `rasterise.wgsl`.
 #[inline]
 pub fn rasterise(
     triangle: &SnappedTriangle,

@@ -65,8 +65,8 @@ pub(super) fn chunks_of_views(
         .collect())
 }
 
-/// Cuts a chunk's pixels into windows of at most `most` fragments; `starts` as
-/// in [`Fragments::starts`](crate::Fragments::starts).
+/// Cuts a chunk's pixels into windows of at most `most` fragments; `starts` is
+/// where each pixel's list begins, and the end of the last.
 pub(super) fn windows_of_at_most(most: u32, starts: &[u32]) -> Result<Vec<Window>, GpuError> {
     let mut windows = Vec::new();
     let mut first = 0;

@@ -373,6 +373,9 @@ impl Lists {
     /// Lists of pixels that follow each other; of each `kept` fragments, or all.
     fn append_to_view(&mut self, starts: &[u32], kept: Option<&[u32]>, lists: &[Fragment]) {
         let before = self.fragments.len();
+        // And for the end of the last.
+        self.starts.reserve(starts.len() + 1);
+        self.fragments.reserve(lists.len());
         match kept {
             None => {
                 let own = starts.iter().map(|s| s - starts[0] + before as u32);

@@ -17,7 +17,7 @@ const TRIANGLE_BYTES: u64 = size_of::<SnappedTriangle>() as u64;
 /// Words before a piece's triangles: their number and the view's first pixel.
 const HEADER_BYTES: u64 = 8;
 
-/// Bits of a block of a triangle's box.
+/// Bytes for the pixels of a block of a triangle's box.
 const MASK_BYTES: u64 = 8;
 
 /// The most triangles of a piece: a few megabytes, a short dispatch.

@@ -1,8 +1,8 @@
-//! Large triangles in parts, so that no invocation walks over a whole image.
+//! Large triangles in parts, so that no invocation goes over a whole image.
 
 use crate::SnappedTriangle;
 
-/// The largest width and height of a box that one invocation walks over.
+/// The largest width and height of a box that one invocation goes over.
 pub const TILE_PX: u32 = 64;
 
 /// Calls `emit` with triangles that together cover what `triangle` covers, at

@@ -77,7 +77,7 @@ fn an_empty_scene_is_background() {
 }
 
 #[test]
-fn a_leaf_that_fills_the_view_is_walked_in_tiles() {
+fn a_leaf_that_fills_the_view_is_drawn_in_tiles() {
     let mut foliage = spiral(50);
     foliage
         .push_leaf(&quad([0.0, 0.0], 1e5, 9.0), None)

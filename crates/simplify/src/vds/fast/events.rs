@@ -15,8 +15,8 @@ pub(super) struct Event {
 /// Events of which this many are remembered as they come.
 const RECENT: usize = 64;
 
-/// Events in turn, but of a [round](Self::begin_round) those alike are one:
-/// shards follow events, not pixels.
+/// Events in turn, but of a [round](Self::begin_round) those alike are mostly
+/// one: shards follow events, not pixels.
 pub(super) struct Events {
     all: Vec<Event>,
     /// Where those of the round begin.

@@ -15,7 +15,7 @@ const SPANS_AHEAD: usize = 8;
 const LISTS_AHEAD: usize = 4;
 
 /// The part of the fragments, one in so many, for which there is room to grow
-/// at first. Memory that is never written to is never taken.
+/// at first. Where memory is given when it is first written to, it costs nothing.
 const ROOM_TO_GROW: usize = 2;
 
 /// A pixel's list: `arena[start..start + len]`, nearest first, with room for
