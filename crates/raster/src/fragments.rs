@@ -131,3 +131,27 @@ impl Fragments {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "left: [Some(1), Some(1)]")]
+    fn lists_begin_with_the_first_fragment() {
+        ViewFragments::from_lists(vec![1, 1], vec![Fragment::new(0, 1)]);
+    }
+
+    #[test]
+    #[should_panic(expected = "left: [Some(0), Some(2)]")]
+    fn lists_end_with_the_last_fragment() {
+        ViewFragments::from_lists(vec![0, 2], vec![Fragment::new(0, 1)]);
+    }
+
+    #[test]
+    #[should_panic(expected = "== pixels")]
+    fn a_view_has_all_its_pixels() {
+        let view = ViewFragments::from_lists(vec![0, 0], Vec::new());
+        Fragments::from_views(2, vec![view]);
+    }
+}

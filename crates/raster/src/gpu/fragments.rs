@@ -430,3 +430,62 @@ pub(super) fn whole(pixels: u32, fragments: u32) -> Window {
         fragment_count: fragments,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three views of two pixels with lists of 1, 2, 1, 2, 0 and 3 fragments, in
+    /// two windows of three pixels; of each list so many are kept.
+    fn appended(kept: [u32; 6]) -> Lists {
+        let starts = [0u32, 1, 3, 4, 6, 6, 9];
+        let fragments: Vec<Fragment> = (1..=9).map(|leaf| Fragment::new(9, leaf)).collect();
+        let mut lists = Lists::new(2);
+        for pixels in [0..3usize, 3..6] {
+            let (first, end) = (starts[pixels.start], starts[pixels.end]);
+            let window = Window {
+                first_pixel: pixels.start as u32,
+                pixel_count: pixels.len() as u32,
+                first_fragment: first,
+                fragment_count: end - first,
+            };
+            let kept = &kept[pixels.clone()];
+            let dropped = end - first - kept.iter().sum::<u32>();
+            let parts: [&[u8]; 5] = [
+                bytemuck::bytes_of(&dropped),
+                bytemuck::cast_slice(&starts[pixels.start..=pixels.end]),
+                bytemuck::cast_slice(kept),
+                bytemuck::cast_slice(&fragments[first as usize..end as usize]),
+                bytemuck::cast_slice::<u32, u8>(&[]),
+            ];
+            lists.append(&window, 0, &parts);
+        }
+        lists
+    }
+
+    fn leaves(lists: &Lists) -> Vec<Vec<Vec<u32>>> {
+        let of_list = |list: &[Fragment]| list.iter().map(|f| f.leaf()).collect();
+        let of_view = |view: &ViewFragments| view.pixels().map(of_list).collect();
+        lists.views.iter().map(of_view).collect()
+    }
+
+    #[test]
+    fn windows_begin_and_end_within_views() {
+        let lists = appended([1, 2, 1, 2, 0, 3]);
+        let expected = [
+            [vec![1], vec![2, 3]],
+            [vec![4], vec![5, 6]],
+            [vec![], vec![7, 8, 9]],
+        ];
+        assert_eq!(leaves(&lists), expected);
+        assert_eq!(lists.len, 9);
+    }
+
+    #[test]
+    fn what_was_dropped_is_left_out() {
+        let lists = appended([1, 1, 1, 1, 0, 2]);
+        let expected = [[vec![1], vec![2]], [vec![4], vec![5]], [vec![], vec![7, 8]]];
+        assert_eq!(leaves(&lists), expected);
+        assert_eq!(lists.len, 6);
+    }
+}
