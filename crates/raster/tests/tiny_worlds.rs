@@ -108,6 +108,14 @@ fn the_diagonal_belongs_to_one_triangle() {
 }
 
 #[test]
+fn an_edge_through_pixel_centres_has_those_on_top_and_left() {
+    let small = quad(-3.5, -2.5, 3.5, 2.5, 8.0);
+    assert_eq!(areas_of(&[&small]), [256 - 7 * 5, 7 * 5]);
+    let wide = quad(-7.5, -2.5, 6.5, 2.5, 8.0);
+    assert_eq!(areas_of(&[&wide]), [256 - 14 * 5, 14 * 5]);
+}
+
+#[test]
 fn equal_depth_goes_to_the_lowest_number() {
     let leaf = quad(-4.0, -4.0, 4.0, 4.0, 8.0);
     assert_eq!(areas_of(&[&leaf, &leaf, &leaf]), [192, 64, 0, 0]);

@@ -7,8 +7,8 @@ use crate::{Fragment, LeafIdImage, Scene, View};
 /// Draws one view of a scene: at each pixel the nearest leaf, at equal depth
 /// the lowest number.
 ///
-/// It shares only the triangle rasteriser with [`fragments`](super::fragments),
-/// and so serves as its check.
+/// It shares nothing with [`fragments`](super::fragments) but the snapped
+/// triangles, and so serves as its check.
 ///
 /// # Panics
 /// If the scene's resolution or pixels are out of range.

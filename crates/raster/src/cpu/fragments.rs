@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId};
 
-use super::{histogram, rasterise};
+use super::canvas::Canvas;
+use super::histogram;
 use crate::snap::Snapper;
-use crate::{AreaTable, Fragment, Fragments, Scene, View, ViewFragments};
+use crate::{AreaTable, Fragment, Fragments, Scene, SnappedTriangle, View, ViewFragments};
 
 /// The fragments of all views of a scene.
 ///
@@ -68,7 +69,8 @@ impl<'a> OneView<'a> {
         } = self;
         found.clear();
         for (leaf, area_scale) in scene.lod.leaves() {
-            for &(pixel, depth) in leaf_fragments.of(scene.foliage, leaf, area_scale, view) {
+            let views = std::slice::from_ref(view);
+            for &(pixel, depth) in leaf_fragments.of(scene.foliage, leaf, area_scale, views) {
                 found.push((pixel, Fragment::new(depth, leaf.get())));
             }
         }
@@ -99,9 +101,10 @@ impl<'a> OneView<'a> {
 #[derive(Clone, Debug)]
 pub struct LeafFragments {
     resolution: u32,
+    triangles: Vec<SnappedTriangle>,
+    canvas: Canvas,
+    /// Pixels, over the views, and depths.
     found: Vec<(u32, u32)>,
-    /// For each pixel, where in `found` it would be.
-    place: Vec<u32>,
 }
 
 impl LeafFragments {
@@ -109,24 +112,27 @@ impl LeafFragments {
     pub fn new(resolution: u32) -> Self {
         Self {
             resolution,
+            triangles: Vec::new(),
+            canvas: Canvas::default(),
             found: Vec::new(),
-            place: vec![0; resolution as usize * resolution as usize],
         }
     }
 
-    /// The pixels of a leaf in one view, each once, with its nearest depth
-    /// there: pairs of pixel (`row * resolution + column`) and depth.
+    /// The pixels of a leaf in some views in turn, each once, with its nearest
+    /// depth there: pairs of pixel, `(view * resolution + row) * resolution +
+    /// column`, and depth; in the order of the pixels.
     pub fn of(
         &mut self,
         foliage: &Foliage,
         leaf: LeafId,
         area_scale: f64,
-        view: &View,
+        views: &[View],
     ) -> &[(u32, u32)] {
         let Self {
             resolution,
+            triangles: snapped,
+            canvas,
             found,
-            place,
         } = self;
         found.clear();
         let triangles = foliage.triangles_of(leaf);
@@ -134,31 +140,22 @@ impl LeafFragments {
         let cutout = geometry
             .cutout()
             .map(|index| &*foliage.cutouts()[index as usize]);
-        let mut first = true;
-        Snapper::new(view, *resolution).snap_leaf(
-            leaf.get(),
-            geometry,
-            triangles,
-            area_scale,
-            cutout,
-            |triangle| {
-                rasterise(triangle, foliage.cutouts(), |x, y, depth| {
-                    let pixel = y * *resolution + x;
-                    if !first {
-                        // `place` may be left over from another leaf: it
-                        // counts only where `found` agrees.
-                        let slot = place[pixel as usize] as usize;
-                        if let Some(known) = found.get_mut(slot).filter(|f| f.0 == pixel) {
-                            known.1 = known.1.min(depth);
-                            return;
-                        }
-                    }
-                    place[pixel as usize] = found.len() as u32;
-                    found.push((pixel, depth));
-                });
-                first = false;
-            },
-        );
+        let mut first_row = 0;
+        for view in views {
+            snapped.clear();
+            Snapper::new(view, *resolution).snap_leaf(
+                leaf.get(),
+                geometry,
+                triangles,
+                area_scale,
+                cutout,
+                |triangle| snapped.push(*triangle),
+            );
+            canvas.draw(snapped, foliage.cutouts(), |x, y, depth| {
+                found.push(((first_row + y) * *resolution + x, depth));
+            });
+            first_row += *resolution;
+        }
         found
     }
 }

@@ -1,9 +1,11 @@
 //! The twins that run on the CPU; the GPU's must give the same bits.
 
+mod canvas;
 mod draw;
 mod fragments;
 mod histogram;
 mod reveal_edges;
+mod runs;
 mod triangle;
 
 pub use draw::draw_leaf_ids;

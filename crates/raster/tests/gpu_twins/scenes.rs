@@ -1,5 +1,6 @@
 //! Any scene: leaves and cut-outs of any kind at any size.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -105,6 +106,32 @@ proptest! {
                 found.sort_unstable();
                 assert_eq!(found, expected);
             });
+        }
+    }
+
+    #[test]
+    fn a_leaf_is_what_its_triangles_cover(
+        (foliage, lod) in any_world(1..6),
+        resolution in prop_oneof![1u32..40, 100u32..300],
+    ) {
+        let views = ViewSet::octahedron(foliage.bounding_sphere().unwrap());
+        let mut leaf_fragments = cpu::LeafFragments::new(resolution);
+        for (leaf, area_scale) in lod.leaves() {
+            let geometry = foliage.leaf(leaf);
+            let cutout = geometry.cutout().map(|c| &*foliage.cutouts()[c as usize]);
+            let triangles = foliage.triangles_of(leaf);
+            let mut expected = BTreeMap::new();
+            for (first_row, view) in (0..).step_by(resolution as usize).zip(views.views()) {
+                let snapper = Snapper::new(view, resolution);
+                snapper.snap_leaf(leaf.get(), geometry, triangles, area_scale, cutout, |triangle| {
+                    cpu::rasterise(triangle, foliage.cutouts(), |x, y, depth| {
+                        let known = expected.entry((first_row + y) * resolution + x).or_insert(depth);
+                        *known = (*known).min(depth);
+                    });
+                });
+            }
+            let found = leaf_fragments.of(&foliage, leaf, area_scale, views.views());
+            prop_assert_eq!(found, expected.into_iter().collect::<Vec<_>>());
         }
     }
 }

@@ -15,8 +15,6 @@ pub(super) struct Pane {
     views: Range<usize>,
     pixels: PixelLists,
     leaf_fragments: LeafFragments,
-    /// Pixel over the pane's views, and depth, of a leaf that grows.
-    drawn: Vec<(u32, u32)>,
     events: Events,
 }
 
@@ -39,10 +37,9 @@ impl Pane {
             let mut events = pixels.first_events();
             events.move_views(views.start as u32);
             Self {
+                leaf_fragments: LeafFragments::new(resolution),
                 views,
                 pixels,
-                leaf_fragments: LeafFragments::new(resolution),
-                drawn: Vec::new(),
                 events,
             }
         });
@@ -61,21 +58,14 @@ impl Pane {
         let Self {
             pixels,
             leaf_fragments,
-            drawn,
             events,
             ..
         } = self;
         events.clear();
         pixels.remove(pruned, events);
+        let views = &views.views()[self.views.clone()];
         for growth in grown {
-            drawn.clear();
-            let mut first_pixel = 0;
-            for view in &views.views()[self.views.clone()] {
-                let found = leaf_fragments.of(foliage, growth.leaf, growth.area_scale, view);
-                let of_pane = |(pixel, depth): &(u32, u32)| (first_pixel + pixel, *depth);
-                drawn.extend(found.iter().map(of_pane));
-                first_pixel += pixels.pixels_per_view();
-            }
+            let drawn = leaf_fragments.of(foliage, growth.leaf, growth.area_scale, views);
             pixels.replace(growth.leaf.get(), drawn, events);
         }
         events.move_views(self.views.start as u32);

@@ -5,14 +5,16 @@
 //! lists stay complete. A removed leaf's fragments are left where they are and
 //! dropped when they reach the front or room runs out.
 
+use std::ops::Range;
+
 use secateur_raster::{Fragment, ViewFragments};
 
 use super::events::{Ends, Events};
 use super::prefetch::prefetch;
 
-/// How many pixels ahead spans and ends, and lists, are asked for.
-const SPANS_AHEAD: usize = 8;
-const LISTS_AHEAD: usize = 4;
+/// How many pixels ahead spans, and lists, are asked for.
+const SPANS_AHEAD: usize = 24;
+const LISTS_AHEAD: usize = 8;
 
 /// The part of the fragments, one in so many, for which there is room to grow
 /// at first. Where memory is given when it is first written to, it costs nothing.
@@ -27,17 +29,19 @@ struct Span {
     room: u32,
 }
 
+impl Span {
+    fn range(self) -> Range<usize> {
+        self.start as usize..(self.start + self.len) as usize
+    }
+}
+
 /// The lists of some views.
 pub(super) struct PixelLists {
     pixels_per_view: u32,
     spans: Vec<Span>,
     arena: Vec<Fragment>,
-    ends: Vec<Ends>,
     is_there: Vec<bool>,
     leaf_pixels: LeafPixels,
-    /// When a pixel was last among those of a growing leaf.
-    stamps: Vec<u32>,
-    tick: u32,
 }
 
 impl PixelLists {
@@ -48,7 +52,6 @@ impl PixelLists {
         // Lists that grow out of their rooms move to the end.
         let mut arena = Vec::with_capacity(fragments + fragments / ROOM_TO_GROW);
         let mut spans = Vec::with_capacity(pixels);
-        let mut ends = Vec::with_capacity(pixels);
         for view in views {
             let mut start = arena.len() as u32;
             for list in view.pixels() {
@@ -58,7 +61,6 @@ impl PixelLists {
                     len,
                     room: len,
                 });
-                ends.push([0, 1].map(|k| list.get(k).map_or(0, |f| f.leaf())));
                 start += len;
             }
             arena.extend_from_slice(view.as_slice());
@@ -66,27 +68,20 @@ impl PixelLists {
         Self {
             pixels_per_view,
             leaf_pixels: LeafPixels::new(&spans, &arena, leaf_count),
-            stamps: vec![0; spans.len()],
             spans,
             arena,
-            ends,
             is_there: vec![true; leaf_count + 1],
-            tick: 0,
         }
-    }
-
-    pub(super) fn pixels_per_view(&self) -> u32 {
-        self.pixels_per_view
     }
 
     /// What leads from nothing but background to the first two leaves of every
     /// pixel.
     pub(super) fn first_events(&self) -> Events {
         let mut events = Events::default();
-        for (pixel, ends) in self.ends.iter().enumerate() {
-            if ends[0] != 0 {
+        for (pixel, span) in self.spans.iter().enumerate() {
+            if span.len > 0 {
                 let view = pixel as u32 / self.pixels_per_view;
-                events.push(view, [0, 0], *ends);
+                events.push(view, [0, 0], ends(&self.arena[span.range()]));
             }
         }
         events
@@ -101,46 +96,40 @@ impl PixelLists {
             let pixels = &self.leaf_pixels.pixels[at..range.end];
             let pixel = pixels[0];
             self.prefetch_lists(pixels.get(SPANS_AHEAD), pixels.get(LISTS_AHEAD));
-            if self.ends[pixel as usize].contains(&leaf) {
-                self.settle(pixel, events);
+            let before = ends(self.list(pixel));
+            if before.contains(&leaf) {
+                self.settle(pixel, before, events);
             }
         }
         self.leaf_pixels.clear(leaf);
     }
 
-    /// Gives a leaf new fragments: pairs of pixel (over these views) and depth,
-    /// each pixel once.
+    /// Gives a leaf new fragments instead of its own: pairs of pixel (over these
+    /// views) and depth, in the order of the pixels.
     pub(super) fn replace(&mut self, leaf: u32, fragments: &[(u32, u32)], events: &mut Events) {
         events.begin_round();
-        let (is_new, is_both) = (self.tick + 1, self.tick + 2);
-        self.tick += 2;
-        for (pixel, _) in fragments {
-            self.stamps[*pixel as usize] = is_new;
-        }
-        for at in self.leaf_pixels.range(leaf) {
-            let pixel = self.leaf_pixels.pixels[at];
-            let stamp = &mut self.stamps[pixel as usize];
-            if *stamp == is_new {
-                *stamp = is_both;
-            } else {
-                self.take_out(pixel, leaf);
-                if self.ends[pixel as usize].contains(&leaf) {
-                    self.settle(pixel, events);
-                }
-            }
-        }
+        let mut own = self.leaf_pixels.range(leaf);
         for (k, &(pixel, depth)) in fragments.iter().enumerate() {
             let ahead = [SPANS_AHEAD, LISTS_AHEAD].map(|ahead| fragments.get(k + ahead));
             let [soon, sooner] = ahead.map(|fragment| fragment.map(|(pixel, _)| pixel));
             self.prefetch_lists(soon, sooner);
-            let fragment = Fragment::new(depth, leaf);
-            let place = match self.stamps[pixel as usize] == is_both {
-                true => self.move_to(pixel, fragment),
-                false => Some(self.insert(pixel, fragment)),
-            };
-            if place.is_some_and(|place| place < 2 || self.ends[pixel as usize].contains(&leaf)) {
-                self.settle(pixel, events);
+            let mut is_own = false;
+            while !is_own && !own.is_empty() && self.leaf_pixels.pixels[own.start] <= pixel {
+                let known = self.leaf_pixels.pixels[own.start];
+                own.start += 1;
+                is_own = known == pixel;
+                if !is_own {
+                    self.take_out(known, leaf, events);
+                }
             }
+            let fragment = Fragment::new(depth, leaf);
+            match is_own {
+                true => self.move_to(pixel, fragment, events),
+                false => self.insert(pixel, fragment, events),
+            }
+        }
+        for at in own {
+            self.take_out(self.leaf_pixels.pixels[at], leaf, events);
         }
         self.leaf_pixels.replace(leaf, fragments);
     }
@@ -151,7 +140,6 @@ impl PixelLists {
     fn prefetch_lists(&self, soon: Option<&u32>, sooner: Option<&u32>) {
         if let Some(pixel) = soon {
             prefetch(&self.spans, *pixel as usize);
-            prefetch(&self.ends, *pixel as usize);
         }
         if let Some(pixel) = sooner {
             let span = self.spans[*pixel as usize];
@@ -161,14 +149,13 @@ impl PixelLists {
     }
 
     fn list(&mut self, pixel: u32) -> &mut [Fragment] {
-        let span = self.spans[pixel as usize];
-        &mut self.arena[span.start as usize..(span.start + span.len) as usize]
+        &mut self.arena[self.spans[pixel as usize].range()]
     }
 
     /// Makes the first two entries leaves that are there, and notes a change.
-    fn settle(&mut self, pixel: u32, events: &mut Events) {
+    fn settle(&mut self, pixel: u32, before: Ends, events: &mut Events) {
         let span = &mut self.spans[pixel as usize];
-        let list = &mut self.arena[span.start as usize..(span.start + span.len) as usize];
+        let list = &mut self.arena[span.range()];
         let there = |f: &Fragment| self.is_there[f.leaf() as usize];
         let front = list.iter().position(there).unwrap_or(list.len());
         let gap = list
@@ -187,25 +174,28 @@ impl PixelLists {
         span.start += drop as u32;
         span.len -= drop as u32;
         span.room -= drop as u32;
-        let ends = &mut self.ends[pixel as usize];
-        let before = std::mem::replace(ends, after);
         if before != after {
             events.push(pixel / self.pixels_per_view, before, after);
         }
     }
 
-    fn take_out(&mut self, pixel: u32, leaf: u32) {
+    fn take_out(&mut self, pixel: u32, leaf: u32, events: &mut Events) {
         let list = self.list(pixel);
+        let before = ends(list);
         let place = place_of(list, leaf);
         list.copy_within(place + 1.., place);
         self.spans[pixel as usize].len -= 1;
+        if place < 2 {
+            self.settle(pixel, before, events);
+        }
     }
 
-    /// Moves the leaf's fragment to where its new depth belongs; the foremost
-    /// place that changes, if it does not stay between its neighbours.
-    fn move_to(&mut self, pixel: u32, fragment: Fragment) -> Option<usize> {
+    /// Moves the leaf's fragment to where its new depth belongs.
+    #[inline]
+    fn move_to(&mut self, pixel: u32, fragment: Fragment, events: &mut Events) {
         let list = self.list(pixel);
         let from = place_of(list, fragment.leaf());
+        let before = ends(list);
         let mut to = from;
         while to > 0 && list[to - 1] > fragment {
             list[to] = list[to - 1];
@@ -216,26 +206,36 @@ impl PixelLists {
             to += 1;
         }
         list[to] = fragment;
-        (to != from).then(|| to.min(from))
+        if to != from && to.min(from) < 2 {
+            self.settle(pixel, before, events);
+        }
     }
 
-    fn insert(&mut self, pixel: u32, fragment: Fragment) -> usize {
-        if self.spans[pixel as usize].len == self.spans[pixel as usize].room {
+    #[inline]
+    fn insert(&mut self, pixel: u32, fragment: Fragment, events: &mut Events) {
+        let span = self.spans[pixel as usize];
+        if span.len == span.room {
             self.make_room(pixel);
         }
         self.spans[pixel as usize].len += 1;
         let list = self.list(pixel);
         let last = list.len() - 1;
+        let before = ends(&list[..last]);
         let place = list[..last].partition_point(|f| *f < fragment);
         list.copy_within(place..last, place + 1);
         list[place] = fragment;
-        place
+        let after = match place {
+            0 => [fragment.leaf(), before[0]],
+            1 => [before[0], fragment.leaf()],
+            _ => return,
+        };
+        events.push(pixel / self.pixels_per_view, before, after);
     }
 
     #[cold]
     fn make_room(&mut self, pixel: u32) {
         let span = &mut self.spans[pixel as usize];
-        let range = span.start as usize..(span.start + span.len) as usize;
+        let range = span.range();
         let mut kept = range.start;
         for at in range.clone() {
             let fragment = self.arena[at];
@@ -254,6 +254,10 @@ impl PixelLists {
             (span.start, span.room) = (start, room);
         }
     }
+}
+
+fn ends(list: &[Fragment]) -> Ends {
+    [0, 1].map(|k| list.get(k).map_or(0, |f| f.leaf()))
 }
 
 fn place_of(list: &[Fragment], leaf: u32) -> usize {
@@ -296,7 +300,7 @@ impl LeafPixels {
         }
     }
 
-    fn range(&self, leaf: u32) -> std::ops::Range<usize> {
+    fn range(&self, leaf: u32) -> Range<usize> {
         let (start, len) = self.ranges[leaf as usize];
         start as usize..(start + len) as usize
     }
