@@ -213,16 +213,20 @@ impl PixelLists {
 
     #[inline]
     fn insert(&mut self, pixel: u32, fragment: Fragment, events: &mut Events) {
-        let span = self.spans[pixel as usize];
+        let span = &self.spans[pixel as usize];
         if span.len == span.room {
             self.make_room(pixel);
         }
-        self.spans[pixel as usize].len += 1;
-        let list = self.list(pixel);
-        let last = list.len() - 1;
+        let span = &mut self.spans[pixel as usize];
+        let last = span.len as usize;
+        span.len += 1;
+        let list = &mut self.arena[span.range()];
         let before = ends(&list[..last]);
-        let place = list[..last].partition_point(|f| *f < fragment);
-        list.copy_within(place..last, place + 1);
+        let mut place = last;
+        while place > 0 && list[place - 1] > fragment {
+            list[place] = list[place - 1];
+            place -= 1;
+        }
         list[place] = fragment;
         let after = match place {
             0 => [fragment.leaf(), before[0]],
