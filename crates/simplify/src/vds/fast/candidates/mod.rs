@@ -110,7 +110,10 @@ pub(super) struct Candidates {
     place_of: Vec<u32>,
     /// The leaves that were left at the last rebuild.
     order: Vec<u32>,
-    left: usize,
+    /// The leaves that are left to all shards, now and at the last rebuild: all
+    /// rebuild in the same step, so that none waits for another.
+    all_left: usize,
+    all_at_rebuild: usize,
 
     epochs: Epochs,
     background: Background,
@@ -137,11 +140,12 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// `leaves` are the numbers of the leaves that are there, neighbours close
-    /// together; `rank_of` their ranks among equals, by leaf number.
+    /// `leaves` are the numbers of the shard's leaves that are there, neighbours
+    /// close together, of `all_left` of all shards; `rank_of` their ranks among
+    /// equals, by leaf number.
     pub(super) fn new(
         sight: Sight<'_>,
-        leaves: Vec<u32>,
+        (leaves, all_left): (Vec<u32>, usize),
         rank_of: Arc<[u32]>,
         pixels_per_view: usize,
         deviations: &[i64],
@@ -159,7 +163,8 @@ impl Candidates {
             residents: Vec::new(),
             deltas: Vec::new(),
             widths: Vec::new(),
-            left: leaves.len(),
+            all_left,
+            all_at_rebuild: all_left,
             order: leaves,
             epochs: Epochs::new(
                 deviations,
@@ -193,17 +198,17 @@ impl Candidates {
 
     fn build(&mut self, sight: Sight<'_>) {
         self.without_effect.clear();
-        let mut order = std::mem::take(&mut self.order);
-        // Who need not be looked at last; by n to within a quarter; by what
-        // would go to the background; among those, neighbours stay together.
-        order.sort_by_cached_key(|&leaf| {
-            sight.deltas(leaf, &mut self.row);
-            let n: u64 = self.row.iter().map(|d| d.unsigned_abs()).sum();
-            let exponent = n.max(4).ilog2();
-            let waits = n == 0 || self.twins.is_hidden(self.rank_of[leaf as usize], leaf);
-            let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-            (waits, exponent, n >> (exponent - 2), background_px.min(16))
-        });
+        self.all_at_rebuild = self.all_left;
+        let order = std::mem::take(&mut self.order);
+        let mut keyed: Vec<_> = (0u32..)
+            .zip(&order)
+            .map(|(at, &leaf)| {
+                prefetch_ahead(sight, &order[at as usize..]);
+                (self.key(sight, leaf), at)
+            })
+            .collect();
+        keyed.sort_unstable();
+        let order: Vec<u32> = keyed.iter().map(|(_, at)| order[*at as usize]).collect();
         let block_count = order.len().div_ceil(LANES);
         self.drift_at_rebuild = sight.counts.background_drift();
         let empty = Block::empty(self.epochs.current(), self.signs);
@@ -216,10 +221,25 @@ impl Candidates {
         for (place, &leaf) in order.iter().enumerate() {
             self.place_of[leaf as usize] = place as u32;
         }
-        for &leaf in &order {
+        for (at, &leaf) in order.iter().enumerate() {
+            prefetch_ahead(sight, &order[at..]);
             self.enter(sight, leaf);
         }
         self.order = order;
+    }
+
+    /// Who need not be looked at last; by n to within a quarter; by what would go
+    /// to the background. Among those, neighbours stay together.
+    fn key(&mut self, sight: Sight<'_>, leaf: u32) -> (bool, u32, u64, u32) {
+        let background_px = sight.deltas_but_rise(leaf, &mut self.row);
+        let rise = sight.counts.background_rise(background_px);
+        let deltas = self.row.iter().zip(sight.counts.areas(0));
+        let n: u64 = deltas
+            .map(|(d, &area)| (d - (u64::from(area) * rise) as i64).unsigned_abs())
+            .sum();
+        let exponent = n.max(4).ilog2();
+        let waits = n == 0 || self.twins.is_hidden(self.rank_of[leaf as usize], leaf);
+        (waits, exponent, n >> (exponent - 2), background_px.min(16))
     }
 
     /// Begins a step: `deviations` are those that costs are measured with.
@@ -255,7 +275,8 @@ impl Candidates {
     pub(super) fn keep_up(&mut self, sight: Sight<'_>) {
         let has_jumped = sight.counts.background_jumps() != self.background_jumps;
         self.background_jumps = sight.counts.background_jumps();
-        if has_jumped || self.order.len() - self.left > self.order.len() / 8 + 4 * LANES {
+        let gone = self.all_at_rebuild - self.all_left;
+        if has_jumped || gone > self.all_at_rebuild / 8 + 4 * LANES {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
             self.build(sight);
         } else {
@@ -291,5 +312,20 @@ impl Candidates {
         self.rises.clear();
         let rises = (0..RISES as u32).map(|px| counts.background_rise(px) as f32);
         self.rises.extend(rises);
+    }
+}
+
+/// How many leaves ahead what is known of them is asked for, and where that is.
+const LEAVES_AHEAD: usize = 4;
+const PLACES_AHEAD: usize = 8;
+
+/// Asks for what is known of leaves that follow the first.
+#[inline(always)]
+fn prefetch_ahead(sight: Sight<'_>, leaves: &[u32]) {
+    if let Some(leaf) = leaves.get(PLACES_AHEAD) {
+        sight.prefetch_place(*leaf);
+    }
+    if let Some(leaf) = leaves.get(LEAVES_AHEAD) {
+        sight.prefetch(*leaf);
     }
 }

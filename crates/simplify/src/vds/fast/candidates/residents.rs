@@ -38,12 +38,12 @@ impl Residents {
 }
 
 impl Candidates {
-    /// Takes a leaf out for good, if it is one of these.
+    /// Takes a leaf of any shard out for good.
     pub(in super::super) fn remove(&mut self, sight: Sight<'_>, leaf: u32) {
+        self.all_left -= 1;
         if self.place_of[leaf as usize] == NOWHERE {
             return;
         }
-        self.left -= 1;
         self.leave(leaf);
         self.place_of[leaf as usize] = NOWHERE;
         let rank = self.rank_of[leaf as usize];
