@@ -142,7 +142,7 @@ impl<'a> Snapper<'a> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn camera_from_leaf(&self, centre: DVec3, linear_scale: f64, corner: DVec3) -> DVec3 {
         let world = if linear_scale == 1.0 {
             corner
@@ -153,10 +153,11 @@ impl<'a> Snapper<'a> {
     }
 
     fn cuts_for_affine(&self, centre: DVec3, linear_scale: f64, triangles: &[LeafTriangle]) -> u32 {
-        let (mut lo, mut hi) = (f64::INFINITY, 0.0f64);
-        for corner in triangles.iter().flat_map(|t| t.corners) {
-            let w = self.camera_from_leaf(centre, linear_scale, corner).z;
-            (lo, hi) = (lo.min(w), hi.max(w));
+        let (mut lo, mut hi) = (f64::INFINITY, 0.0);
+        for corner in triangles.iter().flat_map(|t| &t.corners) {
+            let w = self.camera_from_leaf(centre, linear_scale, *corner).z;
+            lo = if w < lo { w } else { lo };
+            hi = if w > hi { w } else { hi };
         }
         if hi <= self.view.near {
             return 0;
