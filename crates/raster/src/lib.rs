@@ -8,6 +8,7 @@
 //! | stage | CPU twin | shader |
 //! |---|---|---|
 //! | [`SnappedTriangle`] to pixels | [`cpu::rasterise`] | `rasterise.wgsl` |
+//! | a leaf's triangles to its pixels | [`cpu::LeafFragments`] | |
 //! | pixels to [`Fragments`], the A-buffer | [`cpu::fragments`] | `fragments_*.wgsl` |
 //! | pixels to a [`LeafIdImage`], by depth | [`cpu::draw_leaf_ids`] | `rasterise.wgsl` |
 //! | front fragments to a [`LeafIdImage`] | [`Fragments::leaf_ids`] | `leaf_ids.wgsl` |

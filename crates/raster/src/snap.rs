@@ -4,17 +4,18 @@
 //! and the image, and snapped to 1/256 of a pixel. What leaves here is, for
 //! each triangle, a box of pixels and a few planes over it, each three 32-bit
 //! integers `[value at the box's first pixel centre, step to the right, step
-//! down]`. Both twins then evaluate them by wrapping additions:
+//! down]`. Both twins then evaluate them by additions, which may wrap:
 //!
 //! - three *edge functions*, `>= 0` inside. With corners on the grid, the exact
 //!   edge function changes by multiples of 256 between pixel centres, so
 //!   `floor(E / 256)` keeps its sign. Inside the box `|E| <= width * height` of
 //!   the box in grid units, at most (2048 * 256)^2 = 2^38, so the value fits
-//!   `i32` after the division; a step may not, which wrapping forgives. The
-//!   top-left rule is a bias of one before the division.
+//!   `i32` after the division, and steps are at most 2^19. The top-left rule is
+//!   a bias of one before the division.
 //! - *depth*: affine in 1/w, hence exactly linear on the image:
-//!   `2^20 + (1 - near / w) * (2^31 - 2^21)`; smaller is nearer. Rounding a step moves a far corner by
-//!   at most 2048 units, which the margins of 2^20 absorb.
+//!   `2^20 + (1 - near / w) * (2^31 - 2^21)`; smaller is nearer. A step may not
+//!   fit `i32`, which wrapping forgives; rounding it moves a far corner by at
+//!   most 2048 units, which the margins of 2^20 absorb.
 //! - *texel coordinates* in 1/65536 texel. They are linear in space, not on the
 //!   image, so leaves with a cut-out that are deep for their distance are cut
 //!   into smaller triangles first ([`AFFINE_DEPTH_RATIO`]).

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use secateur_model::{Foliage, LeafTriangle, Lod};
-use secateur_raster::{AreaTable, Scene, ViewSet, cpu};
+use secateur_raster::snap::Snapper;
+use secateur_raster::{AreaTable, MAX_RESOLUTION, Scene, View, ViewSet, cpu};
 
 fn corner() -> impl Strategy<Value = DVec3> {
     prop_oneof![
@@ -99,5 +100,34 @@ proptest! {
         // corner near the border of two steps may snap the other way and turn
         // a pixel or two along its edges.
         prop_assert!(differing <= 40, "{differing} pixels of {}", 6 * 64 * 64);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Corners up to a quarter beyond the edges of the largest image.
+    #[test]
+    fn a_leaf_may_cross_the_largest_image(
+        corners in prop::array::uniform4([-1.25..1.25f64, -1.25..1.25, -3.0..-1.0]),
+    ) {
+        let [a, b, c, d] = corners.map(|[x, y, z]| DVec3::new(-x * z, -y * z, z));
+        let triangles = [[a, b, c], [a, c, d]].map(LeafTriangle::plain);
+        let mut foliage = Foliage::default();
+        let leaf = foliage.push_leaf(&triangles, None).unwrap();
+        let view = View::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, 0.5).unwrap();
+        let size = MAX_RESOLUTION;
+        let mut expected = vec![u32::MAX; (size * size) as usize];
+        Snapper::new(&view, size).snap_leaf(1, foliage.leaf(leaf), &triangles, 1.0, None, |t| {
+            cpu::rasterise(t, &[], |x, y, depth| {
+                let known = &mut expected[(y * size + x) as usize];
+                *known = (*known).min(depth);
+            });
+        });
+        let mut found = vec![u32::MAX; expected.len()];
+        for (pixel, depth) in cpu::LeafFragments::new(size).of(&foliage, leaf, 1.0, &[view]) {
+            found[*pixel as usize] = *depth;
+        }
+        prop_assert!(found == expected);
     }
 }

@@ -86,7 +86,7 @@ impl Simplified {
 ///
 /// Time is about in proportion to the leaves at equal crown density, and to the
 /// number of views times the pixels that a leaf covers; memory about 20 bytes a
-/// fragment. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
+/// fragment and 12 a pixel. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
 ///
 /// # Errors
 /// [`Error`] if the foliage is empty or out of range, a setting is, the GPU

@@ -8,12 +8,12 @@ use super::runs::runs;
 use crate::SnappedTriangle;
 
 /// Behind any depth.
-const NOTHING: i32 = i32::MAX;
+const NOTHING: u32 = u32::MAX;
 
 /// The nearest depths in a box of pixels. Between two leaves it is empty.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Canvas {
-    depths: Vec<i32>,
+    depths: Vec<u32>,
     /// By row, the first column drawn to and the one after the last.
     drawn: Vec<(u32, u32)>,
 }
@@ -52,12 +52,13 @@ impl Canvas {
                 *to = (*to).max(left + end);
                 let start = row * width + (left + first) as usize;
                 let depths = &mut depths[start..start + (end - first) as usize];
-                let mut depth = at(triangle.depth, first, y);
+                let mut depth = at(triangle.depth, first, y) as u32;
+                let step = triangle.depth[1] as u32;
                 match cutout {
                     None => {
                         for known in depths {
                             *known = (*known).min(depth);
-                            depth = depth.wrapping_add(triangle.depth[1]);
+                            depth = depth.wrapping_add(step);
                         }
                     }
                     Some(mask) => {
@@ -67,7 +68,7 @@ impl Canvas {
                             {
                                 *known = (*known).min(depth);
                             }
-                            depth = depth.wrapping_add(triangle.depth[1]);
+                            depth = depth.wrapping_add(step);
                         }
                     }
                 }
@@ -79,7 +80,7 @@ impl Canvas {
                 let depths = &mut depths[start + from as usize..start + to as usize];
                 for (x, depth) in (frame.x0 + from..).zip(depths) {
                     if *depth != NOTHING {
-                        emit(x, frame.y0 + row as u32, *depth as u32);
+                        emit(x, frame.y0 + row as u32, *depth);
                         *depth = NOTHING;
                     }
                 }
@@ -96,7 +97,7 @@ fn at(plane: [i32; 3], x: u32, y: u32) -> i32 {
         .wrapping_add(plane[2].wrapping_mul(y as i32))
 }
 
-/// A box of pixels, without its last column and row.
+/// A box of pixels; `x1` and `y1` are the column and row after its last.
 struct Frame {
     x0: u32,
     y0: u32,

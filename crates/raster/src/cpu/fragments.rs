@@ -10,7 +10,8 @@ use crate::{AreaTable, Fragment, Fragments, Scene, SnappedTriangle, View, ViewFr
 
 /// The fragments of all views of a scene.
 ///
-/// Takes time in proportion to triangles times views plus fragments, and 8
+/// Takes time in proportion to triangles times views, with the rows of their
+/// boxes, plus fragments, and 8
 /// bytes a fragment, plus 16 for those of the views at work.
 ///
 /// # Panics
@@ -120,7 +121,8 @@ impl LeafFragments {
 
     /// The pixels of a leaf in some views in turn, each once, with its nearest
     /// depth there: pairs of pixel, `(view * resolution + row) * resolution +
-    /// column`, and depth; in the order of the pixels.
+    /// column`, and depth; in the order of the pixels. There must be fewer than
+    /// 2^32 pixels over all these views.
     pub fn of(
         &mut self,
         foliage: &Foliage,

@@ -51,8 +51,8 @@ struct Edge {
     down: i32,
     /// Where pixels begin to be inside, or stop to be; from 0 to the box's width.
     limit: u32,
-    /// The value at the pixel next to `limit` on the side that is inside; at the
-    /// first pixel if there is no step.
+    /// The value at the pixel next to `limit` on the side that is inside, which may
+    /// be one beside the box; at the first pixel if there is no step.
     value: i32,
 }
 

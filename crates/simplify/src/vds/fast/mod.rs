@@ -55,8 +55,8 @@ pub const MAX_CORES: usize = 4;
 /// `rasteriser` makes the first A-buffer (and one for each further view set of
 /// a variable plan); the loop runs on the threads of the current rayon pool, at
 /// most [`MAX_CORES`] of them, with the same result for any number. Memory grows
-/// with the fragments, about 20 bytes each, and with four bytes a leaf, view and
-/// core. `progress` is called after every step and
+/// with the fragments, about 20 bytes each, with the pixels, 12 bytes each, and
+/// with four bytes a leaf, view and core. `progress` is called after every step and
 /// may break off the run.
 ///
 /// # Errors

@@ -18,7 +18,7 @@ struct Site {
 pub(super) struct Neighbours {
     tree: KdTree,
     /// By leaf number: the bucket of those that are left.
-    buckets: Vec<u32>,
+    bucket_of: Vec<u32>,
     left: usize,
 }
 
@@ -34,7 +34,7 @@ impl Neighbours {
     fn of(sites: Vec<Site>, leaf_count: usize) -> Self {
         let mut neighbours = Self {
             tree: KdTree::default(),
-            buckets: vec![0; leaf_count + 1],
+            bucket_of: vec![0; leaf_count + 1],
             left: 0,
         };
         neighbours.plant(sites);
@@ -46,7 +46,7 @@ impl Neighbours {
         self.tree = KdTree::new(sites);
         for (bucket, range) in self.tree.buckets.iter().enumerate() {
             for site in &self.tree.sites[range.start..range.start + range.len] {
-                self.buckets[site.leaf.get() as usize] = bucket as u32;
+                self.bucket_of[site.leaf.get() as usize] = bucket as u32;
             }
         }
     }
@@ -54,7 +54,7 @@ impl Neighbours {
     /// Takes a leaf away that is there.
     pub(super) fn remove(&mut self, leaf: LeafId) {
         self.tree
-            .remove(leaf, self.buckets[leaf.get() as usize] as usize);
+            .remove(leaf, self.bucket_of[leaf.get() as usize] as usize);
         self.left -= 1;
         if 2 * self.left < self.tree.sites.len() {
             let left = self.tree.left().collect();
@@ -69,6 +69,7 @@ impl Neighbours {
     }
 
     fn nearest_to(&self, point: [f64; 3], count: usize) -> Vec<LeafId> {
+        let count = count.min(self.left);
         let mut nearest = Nearest {
             point,
             count,
@@ -114,7 +115,8 @@ impl Nearest {
 #[derive(Default)]
 struct KdTree {
     sites: Vec<Site>,
-    /// Axis and place of each split: those of k are 2 k, below, and 2 k + 1.
+    /// Axis and place of each split, from 1, the root, on: those of k are 2 k,
+    /// below, and 2 k + 1.
     splits: Vec<(usize, f64)>,
     buckets: Vec<Bucket>,
 }
@@ -191,9 +193,8 @@ impl KdTree {
         let mut far = away;
         far[axis] = beyond.abs();
         let [x, y, z] = far;
-        // Less what rounding may have added.
-        let least = (x * x + y * y + z * z) * (1.0 - 1e-12);
-        if least <= nearest.reach() {
+        // Rounding never turns round which of two distances is less.
+        if x * x + y * y + z * z <= nearest.reach() {
             self.look(near ^ 1, far, nearest);
         }
     }

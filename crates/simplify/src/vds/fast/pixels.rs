@@ -16,6 +16,9 @@ use super::prefetch::prefetch;
 const SPANS_AHEAD: usize = 24;
 const LISTS_AHEAD: usize = 8;
 
+/// Up to so many fragments are moved one by one to make room for another.
+const LONG_LIST: usize = 16;
+
 /// The part of the fragments, one in so many, for which there is room to grow
 /// at first. Where memory is given when it is first written to, it costs nothing.
 const ROOM_TO_GROW: usize = 2;
@@ -223,9 +226,14 @@ impl PixelLists {
         let list = &mut self.arena[span.range()];
         let before = ends(&list[..last]);
         let mut place = last;
-        while place > 0 && list[place - 1] > fragment {
-            list[place] = list[place - 1];
-            place -= 1;
+        if last > LONG_LIST {
+            place = list[..last].partition_point(|f| *f < fragment);
+            list.copy_within(place..last, place + 1);
+        } else {
+            while place > 0 && list[place - 1] > fragment {
+                list[place] = list[place - 1];
+                place -= 1;
+            }
         }
         list[place] = fragment;
         let after = match place {

@@ -114,9 +114,14 @@ impl<'t> Shard<'t> {
         };
         let own = leaves.iter().copied();
         let own = own.filter(|leaf| split.shard(*leaf) == shard).collect();
-        let own = (own, leaves.len());
         let deviations = cost_deviations(&counts, has_deviations);
-        let candidates = Candidates::new(sight, own, rank_of, pixels_per_view, &deviations);
+        let candidates = Candidates::new(
+            sight,
+            (own, leaves.len()),
+            rank_of,
+            pixels_per_view,
+            &deviations,
+        );
         Self {
             counts,
             settled: 0,
