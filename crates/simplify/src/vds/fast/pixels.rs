@@ -343,3 +343,93 @@ impl LeafPixels {
         self.pixels = kept;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const PIXELS: usize = 4;
+
+    /// Depths of a leaf at the pixels where it is.
+    type Depths = [Option<u32>; PIXELS];
+
+    fn any_depths() -> impl Strategy<Value = Depths> {
+        prop::array::uniform4(prop::option::weighted(0.8, 0u32..100))
+    }
+
+    fn ends_of(lists: &[BTreeSet<Fragment>]) -> Vec<Ends> {
+        let ends = |list: &BTreeSet<Fragment>| {
+            let mut leaves = list.iter().map(|f| f.leaf());
+            [0, 1].map(|_| leaves.next().unwrap_or(0))
+        };
+        lists.iter().map(ends).collect()
+    }
+
+    proptest! {
+        /// Lists of up to 60 leaves, long and short, as leaves go and change.
+        #[test]
+        fn events_are_what_sorted_lists_say(
+            leaves in prop::collection::vec(any_depths(), 1..60),
+            steps in prop::collection::vec(
+                (any::<prop::sample::Index>(), prop::option::weighted(0.7, any_depths())),
+                1..60,
+            ),
+        ) {
+            let mut lists = vec![BTreeSet::new(); PIXELS];
+            let put = |lists: &mut Vec<BTreeSet<Fragment>>, leaf: u32, depths: &Depths| {
+                for (list, depth) in lists.iter_mut().zip(depths) {
+                    list.retain(|f: &Fragment| f.leaf() != leaf);
+                    list.extend(depth.map(|depth| Fragment::new(depth, leaf)));
+                }
+            };
+            for (leaf, depths) in (1..).zip(&leaves) {
+                put(&mut lists, leaf, depths);
+            }
+            let mut starts = vec![0];
+            for list in &lists {
+                starts.push(starts[starts.len() - 1] + list.len() as u32);
+            }
+            let fragments = lists.iter().flatten().copied().collect();
+            let view = ViewFragments::from_lists(starts, fragments);
+            let mut pixels = PixelLists::new(vec![view], PIXELS as u32, leaves.len());
+            let mut left: Vec<u32> = (1..=leaves.len() as u32).collect();
+            let mut events = Events::default();
+            for (index, depths) in steps {
+                if left.is_empty() {
+                    break;
+                }
+                let before = ends_of(&lists);
+                let at = index.index(left.len());
+                events.clear();
+                match depths {
+                    None => {
+                        let leaf = left.swap_remove(at);
+                        put(&mut lists, leaf, &[None; PIXELS]);
+                        pixels.remove(leaf, &mut events);
+                    }
+                    Some(depths) => {
+                        put(&mut lists, left[at], &depths);
+                        let drawn = (0..).zip(depths);
+                        let drawn: Vec<_> = drawn.filter_map(|(p, d)| Some((p, d?))).collect();
+                        pixels.replace(left[at], &drawn, &mut events);
+                    }
+                }
+                let mut expected = BTreeMap::new();
+                for change in before.into_iter().zip(ends_of(&lists)) {
+                    if change.0 != change.1 {
+                        *expected.entry(change).or_insert(0) += 1;
+                    }
+                }
+                let mut found = BTreeMap::new();
+                for event in events.all() {
+                    *found.entry((event.before, event.after)).or_insert(0) += event.pixels;
+                }
+                prop_assert_eq!(found, expected);
+            }
+        }
+    }
+}
