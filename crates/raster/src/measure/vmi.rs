@@ -84,13 +84,18 @@ pub fn scaled_to_bits(scaled: i64, pixels_per_view: u32) -> f64 {
     scaled as f64 / (f64::from(pixels_per_view) * f64::from(1u32 << LG_FRACTION_BITS))
 }
 
-/// VMI error in per cent, of the scaled sums `sum_v |I(v;F) - I(v;F')|` and
-/// `sum_v I(v;F)`. 0 for no deviation, even from nothing.
+/// VMI error in per cent, at least 0, of the scaled sums
+/// `sum_v |I(v;F) - I(v;F')|` and `sum_v I(v;F)`. 0 for no deviation, even from
+/// nothing.
+///
+/// Information is never negative, but logarithms are rounded: where a view
+/// tells next to nothing, its scaled VMI may lie a few units below 0, and its
+/// size counts.
 pub fn error_percent(deviation: i64, original: i64) -> f64 {
     if deviation == 0 {
         0.0
     } else {
-        100.0 * deviation as f64 / original as f64
+        100.0 * deviation as f64 / original.abs() as f64
     }
 }
 
@@ -116,6 +121,15 @@ mod tests {
         // Two views of 64 pixels. Each is half background and half a leaf that
         // the other view does not see: I = 1 + 1/64 [32 (5 - 6) + 32 (5 - 5)].
         assert_eq!(bits(2, &[32, 32, 0, 32, 0, 32]), [0.5, 0.5]);
+    }
+
+    #[test]
+    fn an_error_is_never_negative() {
+        let vmi = |rows: &[u32]| Vmi::of(&AreaTable::from_rows(1, rows.to_vec()), &LgTable::new());
+        let original = vmi(&[5, 3, 5, 3, 5, 3]);
+        let nothing = vmi(&[8, 0, 8, 0, 8, 0]);
+        assert!(original.scaled().iter().all(|&s| s < 0), "rounded below 0");
+        assert_eq!(original.error_percent(&nothing), 100.0);
     }
 
     #[test]
