@@ -95,10 +95,14 @@ impl LgTable {
     }
 
     fn beyond_table(&self, n: u32) -> u32 {
-        let (page, at) = (n as usize / PAGE, n as usize % PAGE);
-        let Some(page_of_n) = self.pages.get(page) else {
-            return lg(n);
-        };
+        match self.page(n as usize / PAGE) {
+            Some(page) => page[n as usize % PAGE],
+            None => lg(n),
+        }
+    }
+
+    fn page(&self, page: usize) -> Option<&[u32; PAGE]> {
+        let page_of_n = self.pages.get(page)?;
         let first = (page * PAGE) as u32;
         let fill = || {
             let mut page = Box::new([0; PAGE]);
@@ -109,7 +113,7 @@ impl LgTable {
             }
             page
         };
-        page_of_n.get_or_init(fill)[at]
+        Some(page_of_n.get_or_init(fill))
     }
 
     /// [`lg`] of n; 0 for 0, which only ever stands beside a factor 0.
@@ -118,6 +122,25 @@ impl LgTable {
         match self.lg.get(n as usize) {
             Some(l) => i64::from(*l),
             None => i64::from(self.beyond_table(n)),
+        }
+    }
+
+    /// [`lg`](Self::lg) of `first` and the numbers that follow it.
+    pub fn lg_from(&self, first: u32, mut lgs: &mut [u32]) {
+        let mut n = first as usize;
+        while !lgs.is_empty() {
+            let (page, at) = (n / PAGE, n % PAGE);
+            let known = match self.lg.get(n..) {
+                Some(known) if !known.is_empty() => known,
+                _ => self.page(page).map_or(&[][..], |page| &page[at..]),
+            };
+            let count = known.len().min(lgs.len()).max(1);
+            let (head, rest) = lgs.split_at_mut(count);
+            match known.get(..count) {
+                Some(known) => head.copy_from_slice(known),
+                None => head[0] = lg(n as u32),
+            }
+            (n, lgs) = (n + count, rest);
         }
     }
 
@@ -187,6 +210,21 @@ mod tests {
             for n in around - 300..around + 300 {
                 assert_eq!(table.lg(n), i64::from(lg(n)), "{n}");
                 assert_eq!(table.n_lg_n(n), i64::from(n) * i64::from(lg(n)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_run_of_logarithms_is_one_after_the_other() {
+        let table = LgTable::new();
+        let last_of_pages = (PAGE * PAGES) as u32 - 1;
+        for first in [0, 1, 65_530, 1 << 16, 70_000, 1_310_700, last_of_pages - 9] {
+            for count in [0, 1, 7, 300] {
+                let mut lgs = vec![0; count];
+                table.lg_from(first, &mut lgs);
+                for (n, lg_n) in (first..).zip(lgs) {
+                    assert_eq!(i64::from(lg_n), table.lg(n), "{n} of {count} from {first}");
+                }
             }
         }
     }

@@ -62,6 +62,8 @@ pub(super) struct Counts<'t> {
     /// `n lg n` of the background with 1, 2, ... pixels more, less without, by
     /// view.
     background_gains: Vec<[i64; GAINS]>,
+    /// The areas of the background that those are for.
+    gains_at: Vec<u32>,
     background_jumps: u32,
 
     touched_leaves: Vec<TouchedLeaf>,
@@ -107,6 +109,7 @@ impl<'t> Counts<'t> {
             deviations: vec![0; view_count],
             background_drift: BackgroundDrift::default(),
             background_gains: vec![[0; GAINS]; view_count],
+            gains_at: vec![u32::MAX; view_count],
             background_jumps: 0,
             touched_leaves: Vec::new(),
             areas_before: Vec::new(),
@@ -180,6 +183,18 @@ impl<'t> Counts<'t> {
         }
     }
 
+    /// [`background_rise`](Self::background_rise) of 0, 1, 2, ... pixels.
+    pub(super) fn background_rises(&self, rises: &mut [u32]) {
+        let background = self.target(0);
+        let Some((none, some)) = rises.split_first_mut() else {
+            return;
+        };
+        *none = 0;
+        self.table.lg_from(background.total + 1, some);
+        let lg_total = background.lg_total as u32;
+        some.iter_mut().for_each(|rise| *rise -= lg_total);
+    }
+
     /// What the term of the background gains by 1, 2, ... pixels more in a view,
     /// but for its total: `n lg n` with them less without, by view.
     pub(super) fn background_gains(&self) -> &[[i64; GAINS]] {
@@ -191,19 +206,23 @@ impl<'t> Counts<'t> {
     pub(super) fn background_gain(&self, view: u32, pixels: u32) -> i64 {
         match self.background_gains[view as usize].get(pixels as usize - 1) {
             Some(gain) => *gain,
-            None => self.gain(self.areas[view as usize], pixels),
+            None => {
+                let area = self.areas[view as usize];
+                self.table.n_lg_n(area + pixels) - self.table.n_lg_n(area)
+            }
         }
     }
 
-    fn gain(&self, area: u32, pixels: u32) -> i64 {
-        self.table.n_lg_n(area + pixels) - self.table.n_lg_n(area)
-    }
-
     fn note_gains(&mut self) {
-        for view in 0..self.view_count {
-            let area = self.areas[view];
-            let gains = std::array::from_fn(|k| self.gain(area, k as u32 + 1));
-            self.background_gains[view] = gains;
+        let background = &self.areas[..self.view_count];
+        let views = self.gains_at.iter_mut().zip(&mut self.background_gains);
+        for (&area, (gains_at, gains)) in background.iter().zip(views) {
+            // Mostly a step changes it in few views.
+            if std::mem::replace(gains_at, area) != area {
+                let without = self.table.n_lg_n(area);
+                let with = |pixels| self.table.n_lg_n(area + pixels);
+                *gains = std::array::from_fn(|k| with(k as u32 + 1) - without);
+            }
         }
     }
 

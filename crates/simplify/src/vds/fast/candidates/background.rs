@@ -31,7 +31,7 @@ pub(super) struct Background {
     /// summed over the views, from each other.
     gains_rounding: [f32; GAINS],
     /// By epoch, then pixels.
-    rises: Vec<[i32; RISES_KEPT]>,
+    rises: Vec<[u32; RISES_KEPT]>,
     lg_totals: [i64; EPOCHS],
     /// Now, in pixels.
     total: f32,
@@ -93,9 +93,7 @@ impl Background {
                 }
             }
         }
-        for (rise, px) in self.rises[epoch].iter_mut().zip(0..) {
-            *rise = counts.background_rise(px) as i32;
-        }
+        counts.background_rises(&mut self.rises[epoch]);
         self.lg_totals[epoch] = counts.target(0).lg_total;
         self.total = counts.target(0).total as f32;
         self.current = epoch;
@@ -211,13 +209,13 @@ impl Background {
         let whole = then.len() - then.len() % VIEWS_AT_ONCE;
         let mut largest = [0f32; VIEWS_AT_ONCE];
         for at in (0..whole).step_by(VIEWS_AT_ONCE) {
-            let then: &[i32; VIEWS_AT_ONCE] =
+            let then: &[u32; VIEWS_AT_ONCE] =
                 then[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
-            let now: &[i32; VIEWS_AT_ONCE] =
+            let now: &[u32; VIEWS_AT_ONCE] =
                 now[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
             for k in 0..VIEWS_AT_ONCE {
-                let rise = (now[k] - then[k]).abs() as f32;
-                let moved = rise * self.total + then[k] as f32 * areas_moved;
+                let rise = now[k].abs_diff(then[k]) as i32 as f32;
+                let moved = rise * self.total + then[k] as i32 as f32 * areas_moved;
                 largest[k] = if moved > largest[k] {
                     moved
                 } else {
@@ -226,7 +224,7 @@ impl Background {
             }
         }
         for at in whole..then.len() {
-            let rise = (now[at] - then[at]).abs() as f32;
+            let rise = now[at].abs_diff(then[at]) as f32;
             let moved = rise * self.total + then[at] as f32 * areas_moved;
             largest[0] = if moved > largest[0] {
                 moved

@@ -2,7 +2,7 @@
 //! stand against them.
 
 use super::super::changes::BackgroundDrift;
-use super::along::{Along, BackgroundMoved};
+use super::along::{AllMoved, Along, Alongs, BackgroundMoved};
 use super::drift::Drift;
 use super::widths::Width;
 use crate::lg::LgTable;
@@ -36,9 +36,11 @@ pub(super) struct Epochs {
     /// |E| by epoch, then view; 0 where D has another sign.
     kept: Vec<f32>,
     /// The background along g, by epoch: then.
-    background_then: [Along; EPOCHS],
+    background_then: Alongs,
+    /// The same in integers: its areas along g, and its total.
+    background_areas: [(i64, u32); EPOCHS],
     /// What the background's total takes away along g, now less then.
-    background_moved: [BackgroundMoved; EPOCHS],
+    background_moved: AllMoved,
     /// A little less than the background's drift, by epoch, and a little more
     /// than it is now.
     drifts: [Drift; EPOCHS],
@@ -69,8 +71,9 @@ impl Epochs {
             runs: [0; EPOCHS],
             flipped: [0.0; EPOCHS],
             kept: vec![0.0; EPOCHS * views],
-            background_then: [now; EPOCHS],
-            background_moved: [BackgroundMoved::NONE; EPOCHS],
+            background_then: Alongs::all(&now),
+            background_areas: [(now.areas, now.total); EPOCHS],
+            background_moved: AllMoved::NONE,
             drifts: [Drift::then(drift); EPOCHS],
             drift: Drift::now(drift),
             flipped_most: 0.0,
@@ -136,25 +139,26 @@ impl Epochs {
             false => self.keep(self.current),
         }
         let now = Along::new(along(deviations, background), total(background));
-        self.background_then[self.current] = now;
+        self.background_then.set(self.current, &now);
+        self.background_areas[self.current] = (now.areas, now.total);
         self.drifts[self.current] = Drift::then(drift);
         self.drift = Drift::now(drift);
+        self.flipped = [0.0; EPOCHS];
         self.flipped_most = 0.0;
-        self.moved_most = BackgroundMoved::NONE;
+        let mut all_now = Alongs::all(&now);
         for epoch in 0..EPOCHS {
-            let (mut flipped, mut now) = (0, now);
             if self.runs[epoch] != self.run {
                 let then = self.deviations(epoch);
-                now = Along::new(along(then, background), now.total);
-                flipped =
+                all_now.set(epoch, &Along::new(along(then, background), now.total));
+                let flipped =
                     along_signs(deviations, then) - deviations.iter().map(|d| d.abs()).sum::<i64>();
+                self.flipped[epoch] = flipped as f32;
+                self.flipped_most = self.flipped_most.min(flipped as f32);
             }
-            self.flipped[epoch] = flipped as f32;
-            self.flipped_most = self.flipped_most.min(flipped as f32);
-            let moved = BackgroundMoved::new(&self.background_then[epoch], &now);
-            self.background_moved[epoch] = moved;
-            self.moved_most = self.moved_most.or(moved);
         }
+        self.moved_most = self
+            .background_moved
+            .compare(&self.background_then, &all_now);
     }
 
     fn keep(&mut self, epoch: usize) {
@@ -183,8 +187,8 @@ impl Epochs {
     }
 
     #[inline]
-    pub(super) fn background_moved(&self, epoch: usize) -> &BackgroundMoved {
-        &self.background_moved[epoch]
+    pub(super) fn background_moved(&self, epoch: usize) -> BackgroundMoved {
+        self.background_moved.of(epoch)
     }
 
     /// Not below any epoch's, and its slope not below 0.
@@ -212,10 +216,10 @@ impl Epochs {
     /// What the background's total took away along the signs of an epoch, then,
     /// from a leaf that hands it so many pixels.
     pub(super) fn risen_along(&self, epoch: usize, px: u32, table: &LgTable) -> i64 {
-        let then = &self.background_then[epoch];
+        let (areas, total) = self.background_areas[epoch];
         match px {
             0 => 0,
-            px => then.areas * (table.lg(then.total + px) - table.lg(then.total)),
+            px => areas * (table.lg(total + px) - table.lg(total)),
         }
     }
 

@@ -26,7 +26,7 @@ impl Candidates {
                 px => {
                     open.0[lane] = 0.0;
                     rises.0[lane] = match self.rises.get(px as usize) {
-                        Some(rise) => *rise,
+                        Some(rise) => *rise as f32,
                         None => sight.counts.background_rise(px) as f32,
                     };
                     moved.0[lane] = self.moved_since_read((index, lane));

@@ -121,7 +121,8 @@ pub(super) struct Candidates {
     deviations: Vec<i64>,
     deviation_sum: i64,
     views: Vec<ViewNow>,
-    rises: Vec<f32>,
+    /// How the logarithm of the background's total would rise, by pixels.
+    rises: [u32; RISES],
     /// Numbers the runs of steps in which no deviation changed its sign.
     signs: u32,
     /// How many steps that is so.
@@ -175,7 +176,7 @@ impl Candidates {
             deviations: deviations.to_vec(),
             deviation_sum: 0,
             views: Vec::new(),
-            rises: Vec::new(),
+            rises: [0; RISES],
             signs: 0,
             signs_age: 0,
             least_deviation: 0.0,
@@ -309,9 +310,7 @@ impl Candidates {
             sign: if *d < 0 { -1.0 } else { 1.0 },
             background_px: area as f32,
         }));
-        self.rises.clear();
-        let rises = (0..RISES as u32).map(|px| counts.background_rise(px) as f32);
-        self.rises.extend(rises);
+        counts.background_rises(&mut self.rises);
     }
 }
 
