@@ -1,13 +1,15 @@
 //! Reveal edges: which leaf hands how many pixels to which.
 
-use rustc_hash::FxHashMap;
-
+use super::edge_map::EdgeMap;
 use super::events::Event;
 use super::prefetch::prefetch;
 use super::reveals::Reveals;
 use super::split::Split;
 
 const NO_EDGE: u32 = u32::MAX;
+
+/// How many events ahead edges are asked for.
+const EVENTS_AHEAD: usize = 8;
 
 /// What leaf `from` would hand to leaf `to` behind it if it went.
 #[repr(align(64))]
@@ -45,7 +47,7 @@ pub(super) struct Edges {
     pixels_per_view: u32,
     all: Vec<Edge>,
     free: Vec<u32>,
-    by_ends: FxHashMap<(u32, u32), u32>,
+    by_ends: EdgeMap,
     /// By leaf they lead to.
     incoming: Vec<Vec<u32>>,
     /// By row of the leaf they come from.
@@ -68,7 +70,7 @@ impl Edges {
             pixels_per_view,
             all: Vec::new(),
             free: Vec::new(),
-            by_ends: FxHashMap::default(),
+            by_ends: EdgeMap::new(),
             incoming: vec![Vec::new(); leaf_count + 1],
             to_background: vec![NO_EDGE; split.rows(leaf_count)],
             touched: Vec::new(),
@@ -141,11 +143,17 @@ impl Edges {
     }
 
     /// Takes note of what a step changed.
-    pub(super) fn follow<'e>(&mut self, events: impl Iterator<Item = &'e Event>) {
+    pub(super) fn follow<'e>(&mut self, events: impl Iterator<Item = &'e Event> + Clone) {
         // All edges are looked up, and their memory asked for, before the first
         // is changed.
         let mut changes = std::mem::take(&mut self.changes);
+        let mut ahead = events.clone().skip(EVENTS_AHEAD);
         for event in events {
+            if let Some(ahead) = ahead.next() {
+                for [from, to] in [ahead.before, ahead.after] {
+                    self.by_ends.prefetch(from, to);
+                }
+            }
             let pixels = event.pixels as i32;
             for ([from, to], by) in [(event.before, -pixels), (event.after, pixels)] {
                 if self.is_own(from) {
@@ -173,7 +181,7 @@ impl Edges {
             to_background,
             ..
         } = self;
-        *by_ends.entry((from, to)).or_insert_with(|| {
+        by_ends.get_or_insert_with((from, to), || {
             let list = &mut incoming[to as usize];
             let edge = Edge {
                 from,
@@ -229,7 +237,7 @@ impl Edges {
         let Edge {
             from, to, place, ..
         } = self.all[index as usize];
-        self.by_ends.remove(&(from, to));
+        self.by_ends.remove(from, to);
         self.free.push(index);
         if to == 0 {
             self.to_background[self.split.row(from)] = NO_EDGE;

@@ -19,6 +19,7 @@ mod changes;
 mod counts;
 mod crew;
 mod deltas;
+mod edge_map;
 mod edges;
 mod events;
 mod neighbours;
