@@ -187,3 +187,23 @@ fn what_is_no_budget_is_refused() {
     );
     assert_eq!(bench.names(), ["oak.glb", "out.glb"]);
 }
+
+/// Collapses are decided in f32 by C++, which rounds alike everywhere only where
+/// it is told to (`.cargo/config.toml`); `tests/architectures.sh` compares more.
+#[test]
+fn coarser_leaves_are_the_same_on_every_processor() {
+    let bench = with_rowan();
+    for (options, order, areas) in [
+        (&["--triangles", "0.1"][..], "ceb67a6c44a3", "632c503c560a"),
+        (
+            &["--method", "meshopt", "--triangles", "0.3"],
+            "27bf9c8f23dc",
+            "bead9989a9c8",
+        ),
+    ] {
+        let (_, report) = simplified(&bench, "rowan.glb", options);
+        let found =
+            ["order_sha256", "areas_sha256"].map(|key| &report[key].as_str().unwrap()[..12]);
+        assert_eq!(found, [order, areas], "{options:?}");
+    }
+}

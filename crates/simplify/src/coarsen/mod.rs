@@ -4,8 +4,9 @@
 //! them with half of their triangles. So triangles are shared out before leaves
 //! go: every leaf may keep as many as every other, and what that leaves over
 //! goes to the largest. A leaf becomes coarser by collapses of its edges
-//! (meshoptimizer, by quadric error, in f32: another processor may choose other
-//! triangles), and is then grown and moved so that its area and its centre stay.
+//! (meshoptimizer, by quadric error, in f32: the same triangles on every processor
+//! if its C++ is compiled with `-ffp-contract=off`, as this workspace does), and
+//! is then grown and moved so that its area and its centre stay.
 
 mod leaf_mesh;
 mod shares;

@@ -1,7 +1,8 @@
 //! What most people use today: a mesh simplifier on the mesh of all leaves.
 //!
 //! meshoptimizer (Arseny Kapoulkine, MIT) collapses edges by quadric error; its
-//! crate `meshopt` is called as it is. It knows triangles, not leaves: a level
+//! crate `meshopt` is called as it is, but compiled with `-ffp-contract=off`, so
+//! that it chooses alike on every processor. It knows triangles, not leaves: a level
 //! is asked for as a share of the triangles, and how many leaves are left is
 //! what comes of it. Afterwards the border of what is left may be moved
 //! outwards to give back lost area (`dilate`).
