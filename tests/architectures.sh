@@ -6,7 +6,10 @@
 # minutes, nearly all of them building; installs with apt what is missing.
 #
 # usage: tests/architectures.sh [TREE.glb ...]
-set -euo pipefail
+set -Eeuo pipefail
+trap 'echo "tests/architectures.sh: line $LINENO failed: $BASH_COMMAND" >&2' ERR
+# What is set outside would take the place of what .cargo/config.toml says.
+unset CFLAGS CXXFLAGS
 
 trees=()
 for tree in "$@"; do trees+=("$(realpath "$tree")"); done
@@ -50,7 +53,8 @@ compare() {
 
 for species in oak carya birch alder maple rowan pine palmetto willow bush; do
   for on in here there; do
-    "$on" grow "$species" --leaves 400 --seed 3 -o "$folder/$species-$on.glb" > /dev/null 2>&1
+    "$on" grow "$species" --leaves 400 --seed 3 -o "$folder/$species-$on.glb" > /dev/null 2> "$folder/log" ||
+      { cat "$folder/log"; exit 1; }
     mv "$folder/$species-$on.glb" "$folder/$on"
   done
   compare "grow $species"
@@ -75,13 +79,14 @@ for tree in "${trees[@]}"; do
     for on in here there; do
       # Word by word.
       # shellcheck disable=SC2086
-      "$on" simplify "$tree" -o "$folder/$on.glb" --resolution 128 $setting > /dev/null 2>&1
+      "$on" simplify "$tree" -o "$folder/$on.glb" --resolution 128 $setting > /dev/null 2> "$folder/log" ||
+        { cat "$folder/log"; exit 1; }
       mv "$folder/$on.glb" "$folder/$on"
     done
     compare "$(basename "$tree") $setting"
   done
+  # The last of them, but for how long it took, and where.
   for on in here there; do
-    # Not how long it took, and where.
     "$on" measure "$tree" "$folder/here" --format json |
       grep -vE '"(total|cpu|arch)"' > "$folder/$on.json"
   done

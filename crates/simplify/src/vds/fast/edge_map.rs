@@ -74,7 +74,7 @@ impl EdgeMap {
         let ends = ends(from, to);
         let mut gap = self.home(ends);
         while self.slots[gap].ends != ends {
-            debug_assert!(self.slots[gap].ends != 0, "the edge is there");
+            assert!(self.slots[gap].ends != 0, "the edge is there");
             gap = self.after(gap);
         }
         self.len -= 1;

@@ -331,15 +331,21 @@ mod tests {
             moves in prop::collection::vec(-2_000_000_000i64..2_000_000_000, 5),
             deltas in prop::collection::vec(-1_500_000_000i64..1_500_000_000, 5),
             shrink in 0u32..12,
+            // Where it is large, it is the rounding of logarithms that counts.
+            background in prop_oneof![
+                prop::collection::vec(1u32..10, 5),
+                prop::collection::vec(1000u32..60_000, 5),
+            ],
+            more in prop::collection::vec(0u32..8, 5),
         ) {
             let deltas: Vec<i64> = deltas.iter().map(|d| d >> shrink).collect();
             let now: Vec<i64> = then.iter().zip(&moves).map(|(e, m)| e + m).collect();
-            let mut epochs = Epochs::new(&then, &[1, 2, 3, 4, 5], BackgroundDrift::default());
+            let mut epochs = Epochs::new(&then, &background, BackgroundDrift::default());
             let epoch = epochs.current();
             let widths: Vec<Width> = deltas.iter().map(|d| Width::ZERO.with(*d as f32)).collect();
-            epochs.begin(&now, &[2, 2, 9, 4, 5], BackgroundDrift::default());
+            let background: Vec<u32> = background.iter().zip(&more).map(|(b, m)| b + m).collect();
+            epochs.begin(&now, &background, BackgroundDrift::default());
             let table = LgTable::new();
-            let background = [2, 2, 9, 4, 5u32];
             let total = background.iter().sum::<u32>();
             for px in 1..20 {
                 let rise = table.lg(total + px) - table.lg(total);
