@@ -50,7 +50,7 @@ pub const METRICS: &[Metric] = &[
     COVERAGE_RATIO,
 ];
 
-/// `100 * sum_v |I(v;F) - I(v;F')| / sum_v I(v;F)` (Entropy 2018, 20, 213,
+/// `100 * sum_v |I(v;F) - I(v;F')| / |sum_v I(v;F)|` (Entropy 2018, 20, 213,
 /// section 4.2). 0 or more; infinite where the original is without information
 /// and the simplified foliage is not.
 pub const VMI_ERROR_PERCENT: Metric = Metric {

@@ -60,7 +60,7 @@ impl Vmi {
     }
 
     /// VMI error of a simplified foliage against this, the original one, in per
-    /// cent: `100 * sum_v |I(v;F) - I(v;F')| / sum_v I(v;F)`. 0 where both are
+    /// cent: `100 * sum_v |I(v;F) - I(v;F')| / |sum_v I(v;F)|`. 0 where both are
     /// without information.
     ///
     /// # Panics

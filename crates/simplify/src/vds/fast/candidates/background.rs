@@ -214,6 +214,8 @@ impl Background {
             let now: &[u32; VIEWS_AT_ONCE] =
                 now[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
             for k in 0..VIEWS_AT_ONCE {
+                // They fit 31 bits, and signed numbers are what vector instructions
+                // convert.
                 let rise = now[k].abs_diff(then[k]) as i32 as f32;
                 let moved = rise * self.total + then[k] as i32 as f32 * areas_moved;
                 largest[k] = if moved > largest[k] {
