@@ -145,6 +145,18 @@ impl Lod {
         scales.filter_map(|(index, scale)| Some((LeafId::from_index(index), (*scale)?)))
     }
 
+    /// All leaves that are left with their area scales, in the order of
+    /// [`foliage`](Self::foliage): original ones, then made ones.
+    pub fn all_leaves(&self) -> impl Iterator<Item = (LeafId, f64)> + '_ {
+        let originals = self.area_scales.len();
+        let made = self.made.iter().enumerate();
+        let made = made.filter_map(move |(index, made)| {
+            let name = LeafId::from_index(originals + index);
+            made.as_ref().map(|made| (name, made.area_scale))
+        });
+        self.leaves().chain(made)
+    }
+
     /// How many leaves are left, made ones included.
     pub fn leaf_count(&self) -> usize {
         self.area_scales.iter().flatten().count() + self.made().count()

@@ -7,6 +7,7 @@
 //! - [`stochastic`]: a random order, and survivors that grow alike.
 //! - [`meshopt`](mod@meshopt): a mesh simplifier that knows triangles, not leaves.
 //! - [`mod@coarsen`]: leaves of fewer triangles, before any goes.
+//! - [`mod@fit`]: sizes of the leaves that are left, fitted to outline and VMI.
 //! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
 //!   on the GPU.
 //! - [`resolution`]: how fine the images must be.
@@ -15,6 +16,7 @@
 
 pub mod coarsen;
 pub mod first_costs;
+pub mod fit;
 pub mod fsa;
 pub mod meshopt;
 pub mod resolution;

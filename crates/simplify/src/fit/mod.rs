@@ -1,0 +1,235 @@
+//! Sizes of the leaves that are left, fitted to the outline and the information of
+//! the original.
+//!
+//! Whatever chose the leaves gave each its size one step at a time. What it came to
+//! is seen at the end only: some stick out of the crown where another would have
+//! closed the same gap unseen, and the information that is missing is missing in every
+//! view. So each leaf is tried a little larger and a little smaller, and takes the
+//! size at which
+//!
+//! ```text
+//! J = w sum_v X_v + sum_v P |I(v;F') - I(v;F)|
+//! ```
+//!
+//! is least, where `X_v` are the pixels of view v that show foliage in only one of the
+//! two, F being the original and F' what is left, I the VMI in bits, P the pixels of a
+//! view, and w the weight of the outline. All of it is integers, so the sizes are the
+//! same on every machine.
+//!
+//! Leaves are tried a few at a time, far from each other in the order of the leaves,
+//! against what the others of them were. What a size would do to the outline is counted
+//! exactly; to the information, to the first order in the pixels taken from other
+//! leaves. J itself is counted after each few, and what made it worse is undone.
+
+mod ledger;
+mod screen;
+#[cfg(test)]
+mod tests;
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+use secateur_model::{Foliage, LeafId, Lod};
+use secateur_raster::{Scene, ViewSet, cpu};
+
+use self::ledger::Ledger;
+use self::screen::{Change, Screen, Seen};
+use crate::lg::LG_FRACTION_BITS;
+
+/// The largest weight of the outline: beyond it VMI counts for nothing.
+pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
+
+/// By what areas are multiplied and divided in the rounds. The first is repeated
+/// while it pays.
+const FACTORS: [f64; 4] = [2.0, 1.5, 1.25, 1.1];
+
+/// The first factor is tried again if it took this share of J away.
+const PAYS: i128 = 10;
+
+/// As often at most: a leaf gains at most a factor of 2^8.
+const MOST_REPEATS: usize = 8;
+
+/// Leaves that are tried at a time.
+const BATCH: usize = 64;
+
+/// But at most this share of them, so that few leaves see each other's changes.
+const BATCHES_AT_LEAST: usize = 16;
+
+/// Areas stay within this of what they were, and its inverse.
+const MAX_FACTOR: f64 = 1e6;
+
+/// What is fitted to what.
+#[derive(Clone, Copy)]
+pub struct Fit<'a> {
+    /// The foliage that should be seen.
+    pub original: &'a Foliage,
+    /// The leaves that are left of it, at the sizes that they have.
+    pub left: &'a Foliage,
+    /// Where they are looked at from.
+    pub views: &'a ViewSet,
+    /// Image width and height in pixels.
+    pub resolution: u32,
+    /// What a pixel of outline counts, in bits of VMI times pixels: from 0 to
+    /// [`MAX_OUTLINE_WEIGHT`].
+    pub outline_weight: f64,
+}
+
+/// Leaf by leaf the factor of its area that fits best (see the module).
+///
+/// A round over all leaves takes about the time of drawing them in all views three times,
+/// and those that change twice more; there are at least 4 and at most 11 rounds, on the
+/// threads of the current rayon pool, with the same result for any number of them. Memory:
+/// about 25 bytes a pixel over all views and 8 to 16 a fragment. `progress` gets the
+/// number of leaves tried and that of those to be tried at most, and may break off.
+///
+/// # Panics
+/// If the resolution or the pixels are out of range or the weight is.
+pub fn fit(
+    fit: &Fit<'_>,
+    progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> ControlFlow<(), Vec<f64>> {
+    assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&fit.outline_weight));
+    let mut stage = Stage::new(fit);
+    let mut done = 0;
+    let at_most = stage.scales.len() * (FACTORS.len() - 1 + MOST_REPEATS);
+    for (k, factor) in FACTORS.into_iter().enumerate() {
+        let repeats = if k == 0 { MOST_REPEATS } else { 1 };
+        for _ in 0..repeats {
+            let before = stage.objective();
+            stage.round(factor, &mut |tried| {
+                done += tried;
+                progress(done, at_most)
+            })?;
+            if (before - stage.objective()) * PAYS < before {
+                break;
+            }
+        }
+    }
+    ControlFlow::Continue(stage.scales)
+}
+
+/// The views and what is counted in them.
+struct Stage<'a> {
+    left: &'a Foliage,
+    screens: Vec<Screen<'a>>,
+    ledger: Ledger,
+    /// Factors of area, leaf by leaf.
+    scales: Vec<f64>,
+    /// What a pixel of outline counts, scaled as VMI is.
+    outline_unit: i64,
+}
+
+impl<'a> Stage<'a> {
+    fn new(fit: &Fit<'a>) -> Self {
+        let original = Lod::original(fit.original.leaves().len());
+        let scene = Scene {
+            foliage: fit.original,
+            lod: &original,
+            views: fit.views,
+            resolution: fit.resolution,
+        };
+        let count = fit.left.leaves().len();
+        let views = fit.views.views().par_iter();
+        let screens = views.map(|view| {
+            let image = cpu::draw_leaf_ids(&scene, view);
+            let mut screen = Screen::new(view, &image);
+            screen.draw(fit.left);
+            let areas_px = screen.areas_px(count);
+            (
+                screen,
+                (cpu::histogram(&image, original.leaf_count()), areas_px),
+            )
+        });
+        let (screens, areas_px): (Vec<Screen<'_>>, Vec<_>) = screens.unzip();
+        let (original_px, left_px): (Vec<_>, Vec<_>) = areas_px.into_iter().unzip();
+        Self {
+            left: fit.left,
+            screens,
+            ledger: Ledger::new(&original_px, left_px),
+            scales: vec![1.0; count],
+            outline_unit: (fit.outline_weight * f64::from(1u32 << LG_FRACTION_BITS)) as i64,
+        }
+    }
+
+    /// J, scaled.
+    fn objective(&self) -> i128 {
+        let screens = self.screens.iter();
+        let px: u64 = screens.map(|s| u64::from(s.outline_error_px())).sum();
+        let deviations = self.ledger.deviations().iter();
+        let deviation: i128 = deviations.map(|d| i128::from(d.unsigned_abs())).sum();
+        i128::from(px) * i128::from(self.outline_unit) + deviation
+    }
+
+    /// Tries every leaf once.
+    fn round(
+        &mut self,
+        factor: f64,
+        progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let count = self.scales.len();
+        let size = BATCH.min(count.div_ceil(BATCHES_AT_LEAST)).max(1);
+        let stride = count.div_ceil(size);
+        for first in 0..stride {
+            let members: Vec<usize> = (first..count).step_by(stride).collect();
+            self.try_batch(&members, factor);
+            progress(members.len())?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn try_batch(&mut self, members: &[usize], factor: f64) {
+        let Self {
+            left,
+            screens,
+            ledger,
+            scales,
+            outline_unit,
+        } = self;
+        let sizes_of = |k: usize| [scales[k], scales[k] * factor, scales[k] / factor];
+        let seen = screens.par_iter_mut().enumerate().map(|(view, screen)| {
+            let values = ledger.pixel_values(view);
+            let of = |&k: &usize| screen.seen(left, LeafId::from_index(k), sizes_of(k), values);
+            members.iter().map(of).collect::<Vec<_>>()
+        });
+        let seen: Vec<Vec<[Seen; 3]>> = seen.collect();
+        let choose = |(member, &k): (usize, &usize)| {
+            let sizes = sizes_of(k);
+            let of_leaf: Vec<&[Seen; 3]> = seen.iter().map(|view| &view[member]).collect();
+            let gain = |size: usize| ledger.gain(&of_leaf, size, *outline_unit);
+            let in_range = |size: &usize| {
+                (1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&sizes[*size]) && gain(*size) > 0
+            };
+            let size = (1..3).filter(in_range).max_by_key(|s| (gain(*s), *s))?;
+            Some(Change {
+                leaf: LeafId::from_index(k),
+                from: sizes[0],
+                to: sizes[size],
+            })
+        };
+        let changes = members.iter().enumerate().filter_map(choose);
+        let changes: Vec<Change> = changes.collect();
+        if changes.is_empty() {
+            return;
+        }
+        let before = self.objective();
+        self.change(&changes);
+        if self.objective() > before {
+            let back = |change: &Change| Change {
+                leaf: change.leaf,
+                from: change.to,
+                to: change.from,
+            };
+            self.change(&changes.iter().map(back).collect::<Vec<_>>());
+        }
+    }
+
+    fn change(&mut self, changes: &[Change]) {
+        let left = self.left;
+        let screens = self.screens.par_iter_mut();
+        let moved = screens.map(|screen| screen.change(left, changes));
+        self.ledger.apply(&moved.collect::<Vec<_>>());
+        for change in changes {
+            self.scales[change.leaf.index()] = change.to;
+        }
+    }
+}

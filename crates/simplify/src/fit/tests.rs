@@ -1,0 +1,234 @@
+use glam::DVec3;
+use proptest::prelude::*;
+use secateur_model::LeafTriangle;
+use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+use secateur_raster::AreaTable;
+
+use super::*;
+use crate::lg::LgTable;
+use crate::vmi::Vmi;
+
+fn crown(leaves: u32, seed: u64) -> Foliage {
+    ellipsoid_crown(leaves, seed, &EllipsoidCrown::default()).unwrap()
+}
+
+/// Every `every`-th leaf, its area multiplied.
+fn thinned(foliage: &Foliage, every: usize, area_scale: f64) -> Foliage {
+    let mut lod = Lod::original(foliage.leaves().len());
+    for index in 0..foliage.leaves().len() {
+        let leaf = LeafId::from_index(index);
+        match index % every {
+            0 => lod.resize(leaf, area_scale),
+            _ => lod.remove(leaf),
+        }
+    }
+    lod.foliage(foliage)
+}
+
+fn fitted(original: &Foliage, left: &Foliage, outline_weight: f64) -> Vec<f64> {
+    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+    let way = Fit {
+        original,
+        left,
+        views: &views,
+        resolution: 48,
+        outline_weight,
+    };
+    match fit(&way, &mut |_, _| ControlFlow::Continue(())) {
+        ControlFlow::Continue(factors) => factors,
+        ControlFlow::Break(()) => panic!("nobody broke it off"),
+    }
+}
+
+/// J as its formula says, everything drawn.
+fn objective(original: &Foliage, left: &Foliage, factors: &[f64], outline_weight: f64) -> i128 {
+    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+    let table = LgTable::new();
+    let drawn = |foliage: &Foliage, lod: &Lod| {
+        let scene = Scene {
+            foliage,
+            lod,
+            views: &views,
+            resolution: 48,
+        };
+        let views = scene.views.views().iter();
+        let images: Vec<_> = views.map(|v| cpu::draw_leaf_ids(&scene, v)).collect();
+        let leaves = foliage.leaves().len();
+        let rows = images.iter().flat_map(|i| cpu::histogram(i, leaves));
+        let vmi = Vmi::of(&AreaTable::from_rows(leaves, rows.collect()), &table);
+        (images, vmi)
+    };
+    let mut lod = Lod::original(left.leaves().len());
+    for (index, factor) in factors.iter().enumerate() {
+        lod.resize(LeafId::from_index(index), *factor);
+    }
+    let [before, after] = [
+        drawn(original, &Lod::original(original.leaves().len())),
+        drawn(left, &lod),
+    ];
+    let pairs = before.0.iter().zip(&after.0);
+    let wrong = pairs.flat_map(|(a, b)| a.leaf_ids.iter().zip(&b.leaf_ids));
+    let wrong_px = wrong.filter(|(a, b)| (**a == 0) != (**b == 0)).count();
+    let pairs = before.1.scaled().iter().zip(after.1.scaled());
+    let deviation: i64 = pairs.map(|(a, b)| (a - b).abs()).sum();
+    let unit = (outline_weight * f64::from(1u32 << LG_FRACTION_BITS)) as i128;
+    wrong_px as i128 * unit + i128::from(deviation)
+}
+
+/// A square that faces the first view of the dodecahedron, and others.
+fn square(side: f64) -> Foliage {
+    let corner = |x: f64, y: f64| side * DVec3::new(x, y, -x);
+    let [a, b, c, d] =
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| corner(x, y));
+    let triangles = [[a, b, c], [a, c, d]].map(LeafTriangle::plain);
+    let mut foliage = Foliage::default();
+    foliage.push_leaf(&triangles, None).unwrap();
+    foliage
+}
+
+#[test]
+fn what_is_as_it_was_stays() {
+    let crown = crown(120, 1);
+    assert_eq!(fitted(&crown, &crown, 2.0), vec![1.0; 120]);
+    assert_eq!(fitted(&crown, &Foliage::default(), 2.0), Vec::<f64>::new());
+}
+
+#[test]
+fn a_leaf_of_another_size_gets_its_own_back() {
+    let original = square(1.0);
+    for (area_scale, expected) in [(4.0, 0.25), (0.5, 2.0), (1.0 / 1.5, 1.5)] {
+        let mut lod = Lod::original(1);
+        lod.resize(LeafId::from_index(0), area_scale);
+        let factors = fitted(&original, &lod.foliage(&original), 2.0);
+        assert!((factors[0] / expected - 1.0).abs() < 0.11, "{factors:?}");
+    }
+}
+
+#[test]
+fn what_is_left_of_a_crown_fits_better() {
+    let original = crown(400, 3);
+    let left = thinned(&original, 4, 2.0);
+    let before = objective(&original, &left, &[1.0; 100], 2.0);
+    let factors = fitted(&original, &left, 2.0);
+    let after = objective(&original, &left, &factors, 2.0);
+    assert!(10 * after < 6 * before, "{after} of {before}");
+    assert!(factors.iter().any(|f| *f > 1.0) && factors.iter().any(|f| *f < 1.0));
+}
+
+#[test]
+fn more_weight_brings_the_outline_nearer() {
+    let original = crown(400, 5);
+    let left = thinned(&original, 8, 8.0);
+    // With a weight of 0 what is left of J is VMI alone.
+    let vmi_alone = |w: f64| objective(&original, &left, &fitted(&original, &left, w), 0.0);
+    let outline = |w: f64| {
+        let factors = fitted(&original, &left, w);
+        objective(&original, &left, &factors, 1.0) - objective(&original, &left, &factors, 0.0)
+    };
+    assert!(vmi_alone(0.0) < vmi_alone(8.0));
+    assert!(outline(8.0) < outline(0.0));
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let original = crown(300, 7);
+    let left = thinned(&original, 3, 3.0);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap().install(|| fitted(&original, &left, 2.0))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn it_can_be_broken_off() {
+    let original = crown(64, 9);
+    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let left = thinned(&original, 2, 4.0);
+    let way = Fit {
+        original: &original,
+        left: &left,
+        views: &views,
+        resolution: 32,
+        outline_weight: 1.0,
+    };
+    let mut calls = 0;
+    let end = fit(&way, &mut |done, at_most| {
+        assert!(done <= at_most);
+        calls += 1;
+        match calls {
+            3 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    });
+    assert_eq!((end, calls), (ControlFlow::Break(()), 3));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// What is kept up to date is what is drawn anew, after every batch.
+    #[test]
+    fn the_ledger_is_true(seed in 0u64..1000, every in 1usize..5, scale in 0.3..6.0f64, weight in 0.0..8.0f64) {
+        let original = crown(90, seed);
+        let left = thinned(&original, every, scale);
+        let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+        let way = Fit {
+            original: &original,
+            left: &left,
+            views: &views,
+            resolution: 48,
+            outline_weight: weight,
+        };
+        let mut stage = Stage::new(&way);
+        let mut last = stage.objective();
+        prop_assert_eq!(last, objective(&original, &left, &stage.scales, weight));
+        for factor in [2.0, 1.3, 1.1] {
+            let count = stage.scales.len();
+            for first in 0..3.min(count) {
+                let members: Vec<usize> = (first..count).step_by(3).collect();
+                stage.try_batch(&members, factor);
+                let now = stage.objective();
+                prop_assert!(now <= last);
+                last = now;
+            }
+            prop_assert_eq!(last, objective(&original, &left, &stage.scales, weight));
+        }
+    }
+
+    /// What one leaf gains is what J loses: of the outline to the pixel, of VMI but for
+    /// what others lose to the second order (a pixel of outline counts 100 bits).
+    #[test]
+    fn a_gain_is_what_j_loses(seed in 0u64..1000, larger in any::<bool>()) {
+        let original = crown(60, seed);
+        let left = thinned(&original, 2, 2.0);
+        let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+        let weight = 100.0;
+        let way = Fit {
+            original: &original,
+            left: &left,
+            views: &views,
+            resolution: 48,
+            outline_weight: weight,
+        };
+        let mut stage = Stage::new(&way);
+        let before = stage.objective();
+        let factor = 1.05;
+        let k = seed as usize % stage.scales.len();
+        let sizes = [1.0, factor, 1.0 / factor];
+        let size = if larger { 1 } else { 2 };
+        let leaf = LeafId::from_index(k);
+        let unit = stage.outline_unit;
+        let Stage { screens, ledger, .. } = &mut stage;
+        let seen: Vec<[Seen; 3]> = screens
+            .iter_mut()
+            .enumerate()
+            .map(|(v, s)| s.seen(&left, leaf, sizes, ledger.pixel_values(v)))
+            .collect();
+        let gain = ledger.gain(&seen.iter().collect::<Vec<_>>(), size, unit);
+        stage.change(&[Change { leaf, from: 1.0, to: sizes[size] }]);
+        let lost = before - stage.objective();
+        let bits = |scaled: i128| scaled as f64 / f64::from(1u32 << LG_FRACTION_BITS);
+        prop_assert!(bits(gain - lost).abs() < 50.0, "{} {}", bits(gain), bits(lost));
+    }
+}
