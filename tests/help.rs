@@ -37,6 +37,7 @@ fn help_names_every_flag() {
                 "--resize",
                 "--neighbours",
                 "--max-coverage",
+                "--fit",
                 "--ties",
                 "--foliage",
                 "--alpha",

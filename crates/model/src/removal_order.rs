@@ -14,7 +14,8 @@ pub struct Growth {
     pub area_scale: f64,
 }
 
-/// One step: leaves disappear, and what is named beside them takes their place.
+/// One step: leaves disappear, and what is named beside them takes their place; or
+/// leaves change their size.
 ///
 /// | method | removed | grown | made | survivors |
 /// |---|---|---|---|---|
@@ -22,6 +23,7 @@ pub struct Growth {
 /// | VDS on coarser leaves, first step | all that get coarser | none | as many | as they were |
 /// | FSA | two | none | one | as they were |
 /// | stochastic | one | none | none | all of one scale |
+/// | fitted sizes, last step | none | any, or less than they were | none | as they were |
 /// | meshoptimizer, in one step | any | none | any | as they were |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<'a> {

@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use secateur_model::{Foliage, Lod, PlantSkeleton, RemovalOrder};
 use secateur_plant::{Metric, chain_order, check_depth, merge_order};
 use secateur_raster::{Rasteriser, Scene, ViewSet};
+use secateur_simplify::fit::MAX_OUTLINE_WEIGHT;
 use secateur_simplify::lg::LgTable;
 use secateur_simplify::vds::{Stopped, VdsOptions, VdsOutcome, ViewPlan};
 use secateur_simplify::vmi::Vmi;
@@ -90,6 +91,11 @@ pub(crate) fn check(foliage: &Foliage, settings: &Simplify) -> Result<(), Error>
     };
     if settings.leaf_triangles == LeafTriangles::AtMost(0) {
         return refuse("number of a leaf's triangles", 0.0, "from 1 upwards");
+    }
+    if let Some(weight) = settings.fit
+        && !(0.0..=MAX_OUTLINE_WEIGHT).contains(&weight)
+    {
+        return refuse("weight of the outline", weight, "from 0 to 100");
     }
     let fsa = &settings.fsa;
     if !(0.0..=1.0).contains(&settings.area_weight) {

@@ -76,6 +76,7 @@
 //! | judging | [`measure()`], [`measure_pictures`], [`eval`] |
 //! | one stage alone | [`raster`], [`vds`], [`vmi`] |
 //! | budgets of triangles | [`Target::Triangles`], [`LeafTriangles`], [`mod@coarsen`] |
+//! | sizes of what is left | [`Simplify::fit`], [`mod@fit`] |
 //! | other methods | [`Method`], [`fsa`], [`stochastic`], [`meshopt`](mod@meshopt) |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`plant::chain_order`], [`plant::merge_order`] |
 //! | trees without files | [`plant`] |
@@ -90,6 +91,7 @@ mod cameras;
 mod driven;
 mod engine;
 mod error;
+mod fitted;
 mod measure;
 mod run;
 mod settings;
@@ -123,6 +125,8 @@ pub use secateur_plant as plant;
 pub use secateur_raster as raster;
 /// Coarser leaves, below [`simplify`].
 pub use secateur_simplify::coarsen;
+/// Sizes of what is left, below [`simplify`].
+pub use secateur_simplify::fit;
 /// Leaf collapse, below [`simplify`].
 pub use secateur_simplify::fsa;
 /// Mesh simplification, below [`simplify`].

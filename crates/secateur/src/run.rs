@@ -12,6 +12,7 @@ use secateur_simplify::vmi::Vmi;
 use crate::audit::audit;
 use crate::baseline;
 use crate::driven::Driven;
+use crate::fitted::fitted;
 use crate::settings::Goal;
 use crate::{Error, LeafTriangles, Method, OpenEngine, Resolution, Simplify};
 
@@ -22,7 +23,8 @@ pub enum Progress {
     /// A stage begins; the name is that of its entry in
     /// [`Simplified::seconds`].
     Stage(&'static str),
-    /// A step was made: one leaf less.
+    /// A step was made: one leaf less; or, in the stage `fit`, some were tried in other
+    /// sizes, which may end early.
     Step {
         /// Steps done.
         done: usize,
@@ -36,12 +38,14 @@ pub enum Progress {
 pub struct Simplified {
     /// Which leaves went, in order, and which grew for them. Every prefix of it
     /// is a LOD: [`Lod::after`]. Where leaves became coarser that is its first step,
-    /// and all finer levels are of these leaves.
+    /// and all finer levels are of these leaves. Where sizes were fitted that is its last,
+    /// in which no leaf goes.
     pub order: RemovalOrder,
     /// The leaves that are left, and how large.
     pub lod: Lod,
     /// Cost of each step in units of 2^-27 bits times pixels of a view: see
-    /// [`secateur_simplify::vmi`]; 0 for the step that makes leaves coarser. Empty for
+    /// [`secateur_simplify::vmi`]; 0 for the step that makes leaves coarser and for that which fits
+    /// their sizes. Empty for
     /// methods without such costs.
     pub costs_scaled: Vec<i64>,
     /// Why the run ended.
@@ -86,7 +90,8 @@ impl Simplified {
 ///
 /// Time is about in proportion to the leaves at equal crown density, and to the
 /// number of views times the pixels that a leaf covers; memory about 20 bytes a
-/// fragment and 12 a pixel. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
+/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of 512 x 512
+/// at least. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
 ///
 /// # Errors
 /// [`Error`] if the foliage is empty or out of range, a setting is, the GPU
@@ -160,10 +165,34 @@ pub fn simplify_on(
         (clock.progress)(Progress::Step { done, at_most })
     })?;
     let outcome = match order {
-        None => by_views(&foliage, settings, goal, options, engine, &mut clock)?,
+        None => by_views(
+            &foliage,
+            settings,
+            goal,
+            options.clone(),
+            engine,
+            &mut clock,
+        )?,
         Some(order) => {
             clock.begin("areas")?;
             baseline::outcome(&foliage, order, goal, &options, engine)?
+        }
+    };
+    let steps = outcome.order.len();
+    let outcome = match settings.fit {
+        None => outcome,
+        Some(outline_weight) => {
+            clock.begin("fit")?;
+            let mut tried = |done, at_most| (clock.progress)(Progress::Step { done, at_most });
+            fitted(
+                &foliage,
+                outcome,
+                goal,
+                outline_weight,
+                &options,
+                engine,
+                &mut tried,
+            )?
         }
     };
     let lod = Lod::after(&outcome.order, outcome.order.len());
@@ -187,6 +216,12 @@ pub fn simplify_on(
     let seconds = clock.finish();
     let mut warnings = warnings_of(goal, &foliage);
     warnings.extend(shortfall(settings, goal, &foliage, &lod));
+    if settings.fit.is_some() && outcome.order.len() == steps {
+        warnings.push(
+            "leaves keep their sizes: none fits better, or the VMI error would exceed what was asked for"
+                .to_owned(),
+        );
+    }
     warnings.extend(engine.warning());
     Ok(Simplified {
         order: outcome.order,

@@ -273,6 +273,11 @@ pub struct Simplify {
     /// [`Method::Vds`]: leaves of fewer triangles, made before any leaf goes. They are
     /// then what costs and coverage are measured against.
     pub leaf_triangles: LeafTriangles,
+    /// Whether the sizes of what is left are fitted to the original at the end, whatever the
+    /// method made of them: the weight of a pixel of outline against a bit of VMI times a pixel, 0
+    /// to [`MAX_OUTLINE_WEIGHT`](crate::fit::MAX_OUTLINE_WEIGHT); see
+    /// [`mod@crate::fit`].
+    pub fit: Option<f64>,
     /// For methods that draw lots; others only record it.
     pub seed: u64,
     /// [`Method::Stochastic`]: the share of the lost area that the survivors
@@ -308,6 +313,7 @@ impl Simplify {
             ties: Ties::default(),
             alpha: Alpha::default(),
             leaf_triangles: LeafTriangles::default(),
+            fit: None,
             seed: 0,
             area_weight: 1.0,
             fsa: FsaOptions::default(),

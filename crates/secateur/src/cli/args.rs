@@ -272,6 +272,18 @@ pub(crate) struct Simplify {
     /// need it.
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
+    /// Fit the sizes of what is left to the outline and the information of the original, at the
+    /// end; W says how much a pixel of outline counts against a bit of information of a pixel,
+    /// 1 if not given: with less, information is nearer, with more, the outline.
+    #[arg(
+        long,
+        value_name = "W",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1",
+        allow_negative_numbers = true
+    )]
+    pub(crate) fit: Option<f64>,
     /// What the cost of a leaf is measured against.
     #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = ReferenceName::Original)]
     pub(crate) reference: ReferenceName,

@@ -104,6 +104,7 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "max_coverage": args.max_coverage,
         "ties": args.ties.text(),
         "leaf_triangles": args.leaf_triangles.to_string(),
+        "fit": args.fit,
         "alpha": args.alpha.text(),
         "engine": args.engine.text(),
         "foliage": selectors.collect::<Vec<_>>(),

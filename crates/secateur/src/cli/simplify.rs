@@ -102,6 +102,7 @@ pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
     settings.ties = args.ties.into();
     settings.alpha = args.alpha.into();
     settings.leaf_triangles = args.leaf_triangles;
+    settings.fit = args.fit;
     settings.seed = args.seed;
     settings.area_weight = args.area_weight;
     settings.fsa.distance_weight = args.distance_weight;

@@ -13,8 +13,8 @@ pub(super) struct Ledger {
     /// By view and leaf, the background first.
     areas_px: Vec<Vec<u32>>,
     totals_px: Vec<u32>,
-    /// By view and leaf, lg(a/S), scaled: by how much the VMI falls with a pixel of
-    /// this area, to the first order; 0 where there is none.
+    /// By view and leaf, lg(a/S), scaled: by how much the VMI of all views together
+    /// changes with a pixel of this area, to the first order; 0 where there is none.
     lg_shares: Vec<Vec<i64>>,
     /// `P * (I(v;F') - I(v;F))`, scaled.
     deviations: Vec<i64>,
@@ -57,7 +57,7 @@ impl Ledger {
         &self.deviations
     }
 
-    /// By how much the VMI of a view falls with each pixel of a leaf, to the first order,
+    /// By how much the VMI changes with each pixel of a leaf in a view, to the first order,
     /// scaled; the background first, 0 for leaves that are not seen.
     pub(super) fn pixel_values(&self, view: usize) -> &[i64] {
         &self.lg_shares[view]

@@ -18,8 +18,12 @@
 //!
 //! Leaves are tried a few at a time, far from each other in the order of the leaves,
 //! against what the others of them were. What a size would do to the outline is counted
-//! exactly; to the information, to the first order in the pixels taken from other
-//! leaves. J itself is counted after each few, and what made it worse is undone.
+//! exactly; to the information, for the leaf itself exactly, for those from which it
+//! takes pixels to the first order, all of it put down to the view where it happens. J itself is counted after each few, and what made it worse is undone.
+//!
+//! A size must be better by more than chance: of n pixels that a leaf covers more or less
+//! as many are right as wrong but for about the root of n, and so many it has to gain,
+//! each counted as one of outline or a bit, whichever is more. Else small leaves would fit the pixels of these views, and of no others.
 
 mod ledger;
 mod screen;
@@ -36,7 +40,7 @@ use self::ledger::Ledger;
 use self::screen::{Change, Screen, Seen};
 use crate::lg::LG_FRACTION_BITS;
 
-/// The largest weight of the outline: beyond it VMI counts for nothing.
+/// The largest weight of the outline: there VMI counts for next to nothing.
 pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
 
 /// By what areas are multiplied and divided in the rounds. The first is repeated
@@ -46,7 +50,7 @@ const FACTORS: [f64; 4] = [2.0, 1.5, 1.25, 1.1];
 /// The first factor is tried again if it took this share of J away.
 const PAYS: i128 = 10;
 
-/// As often at most: a leaf gains at most a factor of 2^8.
+/// As often at most: all rounds together make no leaf more than 528 times as large.
 const MOST_REPEATS: usize = 8;
 
 /// Leaves that are tried at a time.
@@ -54,9 +58,6 @@ const BATCH: usize = 64;
 
 /// But at most this share of them, so that few leaves see each other's changes.
 const BATCHES_AT_LEAST: usize = 16;
-
-/// Areas stay within this of what they were, and its inverse.
-const MAX_FACTOR: f64 = 1e6;
 
 /// What is fitted to what.
 #[derive(Clone, Copy)]
@@ -77,17 +78,20 @@ pub struct Fit<'a> {
 /// Leaf by leaf the factor of its area that fits best (see the module).
 ///
 /// A round over all leaves takes about the time of drawing them in all views three times,
-/// and those that change twice more; there are at least 4 and at most 11 rounds, on the
-/// threads of the current rayon pool, with the same result for any number of them. Memory:
-/// about 25 bytes a pixel over all views and 8 to 16 a fragment. `progress` gets the
-/// number of leaves tried and that of those to be tried at most, and may break off.
+/// and those that change, or are changed back, twice more; there are at least 4 and at most
+/// 11 rounds, on the threads of the current rayon pool, with the same result for any number
+/// of them. Memory: about 25 bytes a pixel over all views, 8 to 16 a fragment, 12 a view and
+/// leaf that is left, and while it begins 8 a view and original leaf. `progress` gets, after
+/// every few leaves, the number tried and that of those to be tried at most, and may break
+/// off.
 ///
 /// # Panics
-/// If the resolution or the pixels are out of range or the weight is.
+/// If there is no view, or the resolution, the pixels or the weight are out of range.
 pub fn fit(
     fit: &Fit<'_>,
     progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> ControlFlow<(), Vec<f64>> {
+    assert!(!fit.views.is_empty(), "at least one view");
     assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&fit.outline_weight));
     let mut stage = Stage::new(fit);
     let mut done = 0;
@@ -100,12 +104,22 @@ pub fn fit(
                 done += tried;
                 progress(done, at_most)
             })?;
-            if (before - stage.objective()) * PAYS < before {
+            if (before - stage.objective()) * PAYS <= before {
                 break;
             }
         }
     }
     ControlFlow::Continue(stage.scales)
+}
+
+/// A bit of VMI times a pixel, scaled.
+const ONE_BIT: i64 = 1 << LG_FRACTION_BITS;
+
+/// By how many pixels a size must be better than what a leaf has, as the
+/// views saw both: the root of those that only one of the two covers.
+fn chance_px(seen: &[&[Seen; 3]], size: usize) -> u32 {
+    let changed_px = seen.iter().map(|view| view[size].changed_px);
+    changed_px.sum::<u32>().isqrt()
 }
 
 /// The views and what is counted in them.
@@ -167,7 +181,7 @@ impl<'a> Stage<'a> {
         progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let count = self.scales.len();
-        let size = BATCH.min(count.div_ceil(BATCHES_AT_LEAST)).max(1);
+        let size = (count / BATCHES_AT_LEAST).clamp(1, BATCH);
         let stride = count.div_ceil(size);
         for first in 0..stride {
             let members: Vec<usize> = (first..count).step_by(stride).collect();
@@ -195,11 +209,13 @@ impl<'a> Stage<'a> {
         let choose = |(member, &k): (usize, &usize)| {
             let sizes = sizes_of(k);
             let of_leaf: Vec<&[Seen; 3]> = seen.iter().map(|view| &view[member]).collect();
-            let gain = |size: usize| ledger.gain(&of_leaf, size, *outline_unit);
-            let in_range = |size: &usize| {
-                (1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&sizes[*size]) && gain(*size) > 0
+            let gain = |size: usize| {
+                let chance = i128::from(chance_px(&of_leaf, size))
+                    * i128::from((*outline_unit).max(ONE_BIT));
+                ledger.gain(&of_leaf, size, *outline_unit) - chance
             };
-            let size = (1..3).filter(in_range).max_by_key(|s| (gain(*s), *s))?;
+            let gains = [1, 2].map(|size| (gain(size), size));
+            let (_, size) = gains.into_iter().filter(|(gain, _)| *gain > 0).max()?;
             Some(Change {
                 leaf: LeafId::from_index(k),
                 from: sizes[0],

@@ -18,6 +18,8 @@ pub(super) struct Change {
 pub(super) struct Seen {
     /// Pixels that only it covers: those within the outline less those outside.
     pub outline_px: i64,
+    /// Pixels, seen or not, that it covers now or at this size and not both.
+    pub changed_px: u32,
     /// Pixels that it owns.
     pub area_px: u32,
     /// What these would be worth to who owns them without it, scaled.
@@ -103,10 +105,12 @@ impl<'a> Screen<'a> {
                 0 => now,
                 _ => self.at_other.of(left, leaf, scale, view),
             };
+            seen.changed_px = (now.len() + then.len()) as u32;
             let mut own = now.iter().map(|(pixel, _)| *pixel).peekable();
             for &(index, depth) in then {
                 while own.next_if(|pixel| *pixel < index).is_some() {}
                 let is_there = own.peek() == Some(&index);
+                seen.changed_px -= 2 * u32::from(is_there);
                 let pixel = &self.pixels[index as usize];
                 if pixel.len() == usize::from(is_there) {
                     seen.outline_px += if self.outline[index as usize] { 1 } else { -1 };

@@ -14,12 +14,16 @@ fn crown(leaves: u32, seed: u64) -> Foliage {
 
 /// Every `every`-th leaf, its area multiplied.
 fn thinned(foliage: &Foliage, every: usize, area_scale: f64) -> Foliage {
+    thinned_by(foliage, |index| index % every == 0, area_scale)
+}
+
+fn thinned_by(foliage: &Foliage, stays: impl Fn(usize) -> bool, area_scale: f64) -> Foliage {
     let mut lod = Lod::original(foliage.leaves().len());
     for index in 0..foliage.leaves().len() {
         let leaf = LeafId::from_index(index);
-        match index % every {
-            0 => lod.resize(leaf, area_scale),
-            _ => lod.remove(leaf),
+        match stays(index) {
+            true => lod.resize(leaf, area_scale),
+            false => lod.remove(leaf),
         }
     }
     lod.foliage(foliage)
@@ -75,7 +79,32 @@ fn objective(original: &Foliage, left: &Foliage, factors: &[f64], outline_weight
     wrong_px as i128 * unit + i128::from(deviation)
 }
 
-/// A square that faces the first view of the dodecahedron, and others.
+/// Pixels of the judging views where only one of the two shows foliage.
+fn outline_error_px(original: &Foliage, left: &Foliage, factors: &[f64]) -> usize {
+    let views = ViewSet::icosahedron(original.bounding_sphere().unwrap());
+    let mut lod = Lod::original(left.leaves().len());
+    for (index, factor) in factors.iter().enumerate() {
+        lod.resize(LeafId::from_index(index), *factor);
+    }
+    let whole = Lod::original(original.leaves().len());
+    let drawn = |foliage: &Foliage, lod: &Lod| {
+        let scene = Scene {
+            foliage,
+            lod,
+            views: &views,
+            resolution: 48,
+        };
+        let images = views.views().iter().map(|v| cpu::draw_leaf_ids(&scene, v));
+        images
+            .flat_map(|image| image.leaf_ids)
+            .collect::<Vec<u32>>()
+    };
+    let [before, after] = [drawn(original, &whole), drawn(left, &lod)];
+    let pairs = before.iter().zip(&after);
+    pairs.filter(|(a, b)| (**a == 0) != (**b == 0)).count()
+}
+
+/// A flat leaf, of this side in one direction.
 fn square(side: f64) -> Foliage {
     let corner = |x: f64, y: f64| side * DVec3::new(x, y, -x);
     let [a, b, c, d] =
@@ -127,6 +156,82 @@ fn more_weight_brings_the_outline_nearer() {
     };
     assert!(vmi_alone(0.0) < vmi_alone(8.0));
     assert!(outline(8.0) < outline(0.0));
+}
+
+/// Of two leaves in the same place the first is seen.
+#[test]
+fn at_equal_depth_the_first_leaf_owns_a_pixel() {
+    let original = square(1.0);
+    let mut left = square(1.0);
+    left.push_leaf(original.triangles(), None).unwrap();
+    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let way = Fit {
+        original: &original,
+        left: &left,
+        views: &views,
+        resolution: 32,
+        outline_weight: 1.0,
+    };
+    let mut stage = Stage::new(&way);
+    let [first, second] = [0, 1].map(|k| {
+        let leaf = LeafId::from_index(k);
+        let seen = stage.screens[0].seen(&left, leaf, [1.0; 3], stage.ledger.pixel_values(0));
+        seen[0]
+    });
+    assert!(first.area_px > 20);
+    assert_eq!(second.area_px, 0);
+    // Neither is alone.
+    assert_eq!((first.outline_px, second.outline_px), (0, 0));
+}
+
+#[test]
+fn only_pixels_that_change_hands_are_chance() {
+    let original = square(1.0);
+    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let way = Fit {
+        original: &original,
+        left: &original,
+        views: &views,
+        resolution: 32,
+        outline_weight: 1.0,
+    };
+    let mut stage = Stage::new(&way);
+    let leaf = LeafId::from_index(0);
+    let sizes = [1.0, 4.0, 0.25];
+    let values = stage.ledger.pixel_values(0);
+    let [now, larger, smaller] = stage.screens[0].seen(&original, leaf, sizes, values);
+    // It hides itself at no size.
+    assert_eq!(now.changed_px, 0);
+    assert_eq!(larger.changed_px, larger.area_px - now.area_px);
+    assert_eq!(smaller.changed_px, now.area_px - smaller.area_px);
+}
+
+#[test]
+fn a_size_must_gain_more_than_chance() {
+    let changes = |changed_px: [u32; 3]| {
+        changed_px.map(|changed_px| Seen {
+            changed_px,
+            ..Seen::default()
+        })
+    };
+    let views = [changes([0, 5, 0]), changes([0, 1, 3]), changes([0, 4, 2])];
+    let views: Vec<&[Seen; 3]> = views.iter().collect();
+    assert_eq!([0, 1, 2].map(|size| chance_px(&views, size)), [0, 3, 2]);
+}
+
+/// In views that it was not fitted in its outline stays within 1.4 times as wrong, for
+/// the information that it gains; 1.2 times, and 1.7 if any gain were enough.
+#[test]
+fn a_crown_of_small_leaves_is_not_fitted_to_the_pixels_of_its_views() {
+    let (mut before, mut after) = (0, 0);
+    for seed in 0..6 {
+        let original = crown(900, seed);
+        let left = thinned_by(&original, |index| index % 10 != 0, 1.0);
+        let factors = fitted(&original, &left, 1.0);
+        before += outline_error_px(&original, &left, &vec![1.0; factors.len()]);
+        after += outline_error_px(&original, &left, &factors);
+    }
+    assert!(10 * after < 14 * before, "{after} of {before}");
 }
 
 #[test]
@@ -197,7 +302,8 @@ proptest! {
     }
 
     /// What one leaf gains is what J loses: of the outline to the pixel, of VMI but for
-    /// what others lose to the second order (a pixel of outline counts 100 bits).
+    /// what others lose to the second order (a pixel of outline counts 100 bits, and J
+    /// changes by thousands).
     #[test]
     fn a_gain_is_what_j_loses(seed in 0u64..1000, larger in any::<bool>()) {
         let original = crown(60, seed);
@@ -213,7 +319,7 @@ proptest! {
         };
         let mut stage = Stage::new(&way);
         let before = stage.objective();
-        let factor = 1.05;
+        let factor = 1.1;
         let k = seed as usize % stage.scales.len();
         let sizes = [1.0, factor, 1.0 / factor];
         let size = if larger { 1 } else { 2 };
@@ -229,6 +335,6 @@ proptest! {
         stage.change(&[Change { leaf, from: 1.0, to: sizes[size] }]);
         let lost = before - stage.objective();
         let bits = |scaled: i128| scaled as f64 / f64::from(1u32 << LG_FRACTION_BITS);
-        prop_assert!(bits(gain - lost).abs() < 50.0, "{} {}", bits(gain), bits(lost));
+        prop_assert!(bits(gain - lost).abs() < 60.0, "{} {}", bits(gain), bits(lost));
     }
 }

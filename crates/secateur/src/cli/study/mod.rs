@@ -179,7 +179,8 @@ fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
 fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
     let coarsest = levels.iter().copied().fold(1.0, f64::min);
     let mut settings = job.case.settings(coarsest, job.seed)?;
-    if !is_vds(&settings) {
+    let sees_pixels = is_vds(&settings) || settings.fit.is_some();
+    if !sees_pixels {
         // A method that sees no pixels does not have to choose how many.
         settings.resolution = Resolution::Pixels(1);
     }
@@ -195,6 +196,7 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
         .collect();
     let mut reached: Vec<Option<Reached>> = vec![None; levels.len()];
     let mut end = None;
+    let mut fitting: Option<(Instant, Instant)> = None;
     let mut begun = Instant::now();
     machine::forget_peak_rss();
     let result = secateur::simplify(&changed.foliage, &changed.settings, &mut |progress| {
@@ -202,6 +204,13 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
             Progress::Stage("simplify") => begun = Instant::now(),
             // All that comes after is no part of the method.
             Progress::Stage("areas") => end = Some(Reached::now(begun)),
+            Progress::Stage("fit") => {
+                end.get_or_insert_with(|| Reached::now(begun));
+                fitting = Some((Instant::now(), Instant::now()));
+            }
+            Progress::Step { .. } if fitting.is_some() => {
+                fitting = fitting.map(|(from, _)| (from, Instant::now()));
+            }
             Progress::Step { done, .. } => {
                 for (at, steps) in reached.iter_mut().zip(&steps) {
                     if done == *steps {
@@ -221,20 +230,25 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
         let stage = result.seconds.iter().find(|(stage, _)| *stage == name);
         stage.map_or(0.0, |(_, seconds)| *seconds)
     };
-    let is_vds = is_vds(&settings);
-    let choosing = if is_vds { of_stage("resolution") } else { 0.0 };
+    let choosing = if sees_pixels {
+        of_stage("resolution")
+    } else {
+        0.0
+    };
+    let fitted = fitting.map_or(0.0, |(from, to)| (to - from).as_secs_f64());
     let whole = Reached {
         seconds: of_stage("simplify"),
         peak_rss_bytes: machine::peak_rss_bytes(),
     };
+    let fitting_peak = fitting.and(whole.peak_rss_bytes);
     let ran = |(level, (steps, reached)): (&f64, (&usize, Option<Reached>))| {
         let reached = reached.or(end).unwrap_or(whole);
         Ran {
             level: *level,
             lod: Lod::after(&order, (*steps).min(order.len())),
-            seconds: choosing + reached.seconds,
-            peak_rss_bytes: reached.peak_rss_bytes,
-            resolution: if is_vds { result.resolution } else { 0 },
+            seconds: choosing + reached.seconds + fitted,
+            peak_rss_bytes: reached.peak_rss_bytes.max(fitting_peak),
+            resolution: if sees_pixels { result.resolution } else { 0 },
             engine: result.engine.to_owned(),
             adapter: result.adapter.clone(),
         }

@@ -30,13 +30,17 @@ const OF_TRIANGLES: &str = "--triangles";
 /// The option that makes leaves coarser at any target.
 const LEAF_TRIANGLES: &str = "--leaf-triangles";
 
+/// The option that fits sizes at the end.
+const FIT: &str = "--fit";
+
 /// All methods, one setting each, and the variants that explain them.
-const METHODS: [&str; 10] = [
+const METHODS: [&str; 11] = [
     "vds",
     "vds --resize none",
     "vds --reference previous --resize deficit --neighbours 4",
     "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1",
     "vds --triangles",
+    "vds --triangles --fit",
     "fsa",
     "stochastic",
     "stochastic --area-weight 0.5",
@@ -246,10 +250,11 @@ impl Case {
 
     /// Whether one run to the coarsest level gives all finer ones, a leaf a step.
     pub(super) fn has_prefixes(&self) -> bool {
-        let makes_coarser = |option: &String| option.starts_with(LEAF_TRIANGLES);
+        let is_of_one_level =
+            |option: &String| option.starts_with(LEAF_TRIANGLES) || option.starts_with(FIT);
         self.method != Method::Meshopt.name()
             && !self.is_of_triangles()
-            && !self.options.iter().any(makes_coarser)
+            && !self.options.iter().any(is_of_one_level)
     }
 
     /// Whether it gives something else for another seed.
@@ -313,7 +318,13 @@ mod tests {
             assert!(case.has_prefixes());
             assert!(!case.draws_lots());
         }
-        for text in ["meshopt", "vds --triangles", "vds --leaf-triangles=2"] {
+        for text in [
+            "meshopt",
+            "vds --triangles",
+            "vds --leaf-triangles=2",
+            "vds --fit",
+            "fsa --fit=3",
+        ] {
             let case = Case::parse(text, Perturbation::None).unwrap();
             assert!(!case.has_prefixes(), "{text}");
         }

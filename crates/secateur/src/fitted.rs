@@ -1,0 +1,238 @@
+//! The last step: sizes of what is left, fitted to the original.
+
+use std::ops::ControlFlow;
+
+use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
+use secateur_raster::ViewSet;
+use secateur_simplify::fit::{Fit, fit};
+use secateur_simplify::vds::{VdsOptions, VdsOutcome, ViewPlan};
+
+use crate::baseline;
+use crate::settings::Goal;
+use crate::{Error, OpenEngine};
+
+/// Sizes are fitted in images of at least this many pixels a side, that of the
+/// judging views: what is good for coarser ones is too large in finer ones.
+const LEAST_RESOLUTION: u32 = 512;
+
+/// But for that no more pixels over all views than these are taken, of 128 views.
+const MOST_PIXELS: u64 = 1 << 25;
+
+/// An outcome with a step more, in which leaves take the sizes that fit best; itself
+/// where that changes nothing, or would exceed the error that is asked for.
+/// `progress` gets leaves tried and to be tried at most.
+pub(crate) fn fitted(
+    foliage: &Foliage,
+    outcome: VdsOutcome,
+    goal: Goal,
+    outline_weight: f64,
+    options: &VdsOptions,
+    engine: &OpenEngine,
+    progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<VdsOutcome, Error> {
+    let lod = Lod::after(&outcome.order, outcome.order.len());
+    let left = lod.foliage(foliage);
+    let way = Fit {
+        original: foliage,
+        left: &left,
+        views: &outcome.views,
+        resolution: resolution(options.resolution, &outcome.views),
+        outline_weight,
+    };
+    let ControlFlow::Continue(factors) = fit(&way, progress) else {
+        return Err(Error::Stopped);
+    };
+    let Some(order) = with_sizes(&outcome.order, &lod, &factors) else {
+        return Ok(outcome);
+    };
+    let options = VdsOptions {
+        views: ViewPlan::Fixed(outcome.views.clone()),
+        ..options.clone()
+    };
+    // What is left is settled.
+    let settled = Goal::Leaves(left.leaves().len());
+    let mut better = baseline::outcome(foliage, order, settled, &options, engine)?;
+    if let Goal::MaxError(percent) = goal
+        && better.vmi_original.error_percent(&better.vmi_final) > percent
+    {
+        return Ok(outcome);
+    }
+    better.stopped = outcome.stopped;
+    better.costs_scaled = outcome.costs_scaled;
+    if better.costs_scaled.len() + 1 == better.order.len() {
+        better.costs_scaled.push(0);
+    }
+    Ok(better)
+}
+
+/// The resolution at which sizes are fitted.
+fn resolution(driving: u32, views: &ViewSet) -> u32 {
+    let of_each_view = (MOST_PIXELS / views.len() as u64).isqrt();
+    let finer = of_each_view.min(u64::from(LEAST_RESOLUTION)) as u32;
+    driving.max(finer)
+}
+
+/// The order with a step more, after which the areas of what is left are multiplied by
+/// these factors; nothing if all are 1.
+fn with_sizes(order: &RemovalOrder, lod: &Lod, factors: &[f64]) -> Option<RemovalOrder> {
+    let survivors_area_scale = order
+        .steps()
+        .last()
+        .map_or(1.0, |step| step.survivors_area_scale);
+    let is_original = |leaf: LeafId| leaf.index() < lod.area_scales().len();
+    let sized = |((leaf, area_scale), &factor): ((LeafId, f64), &f64)| {
+        // Survivors are scaled after their own growth.
+        let common = if is_original(leaf) {
+            survivors_area_scale
+        } else {
+            1.0
+        };
+        (factor != 1.0).then_some(Growth {
+            leaf,
+            area_scale: area_scale / common * factor,
+        })
+    };
+    let grown: Vec<Growth> = lod.all_leaves().zip(factors).filter_map(sized).collect();
+    if grown.is_empty() {
+        return None;
+    }
+    let mut order = order.clone();
+    order.push_step(Step {
+        removed: &[],
+        grown: &grown,
+        made: &[],
+        survivors_area_scale,
+    });
+    Some(order)
+}
+
+#[cfg(test)]
+mod tests {
+    use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+
+    use super::*;
+    use crate::{LeafTriangles, Method, Resolution, Simplified, Simplify, Target, simplify};
+
+    fn crown() -> Foliage {
+        ellipsoid_crown(200, 11, &EllipsoidCrown::default()).unwrap()
+    }
+
+    fn to(target: Target) -> Simplify {
+        Simplify {
+            resolution: Resolution::Pixels(32),
+            fit: Some(2.0),
+            audit: true,
+            ..Simplify::to(target)
+        }
+    }
+
+    fn run(settings: &Simplify) -> Simplified {
+        simplify(&crown(), settings, &mut |_| ControlFlow::Continue(())).unwrap()
+    }
+
+    /// The result, and what the same run is without a fit.
+    fn with_and_without(settings: Simplify) -> (Simplified, Simplified) {
+        let without = Simplify {
+            fit: None,
+            ..settings.clone()
+        };
+        (run(&settings), run(&without))
+    }
+
+    #[test]
+    fn it_is_a_step_more_in_which_no_leaf_goes() {
+        let triangles = Simplify {
+            leaf_triangles: LeafTriangles::AtMost(1),
+            ..to(Target::Ratio(0.25))
+        };
+        let stochastic = Simplify {
+            method: Method::Stochastic,
+            ..to(Target::Ratio(0.25))
+        };
+        let fsa = Simplify {
+            method: Method::Fsa,
+            ..to(Target::Ratio(0.25))
+        };
+        let share = to(Target::TriangleRatio(0.25));
+        for settings in [to(Target::Ratio(0.25)), share, triangles, stochastic, fsa] {
+            let (fitted, plain) = with_and_without(settings);
+            let steps = plain.order.len();
+            assert_eq!(fitted.order.len(), steps + 1);
+            let last = fitted.order.steps().last().unwrap();
+            assert!(last.removed.is_empty() && last.made.is_empty());
+            // All before is as it was.
+            assert_eq!(Lod::after(&fitted.order, steps), plain.lod);
+            assert_eq!(fitted.lod.leaf_count(), plain.lod.leaf_count());
+            assert_eq!(fitted.stopped, plain.stopped);
+            if !plain.costs_scaled.is_empty() {
+                assert_eq!(fitted.costs_scaled.len(), steps + 1);
+                assert_eq!(fitted.costs_scaled[steps], 0);
+            }
+        }
+    }
+
+    #[test]
+    fn factors_apply_to_the_sizes_that_leaves_have() {
+        // Leaves of FSA are made, and go again.
+        for method in [Method::Stochastic, Method::Fsa] {
+            let (_, plain) = with_and_without(Simplify {
+                method,
+                ..to(Target::Leaves(20))
+            });
+            let factors: Vec<f64> = (1..=20).map(f64::from).collect();
+            let order = with_sizes(&plain.order, &plain.lod, &factors).unwrap();
+            let sized = Lod::after(&order, order.len());
+            let areas = |lod: &Lod| {
+                let left = lod.foliage(&crown());
+                left.leaves().iter().map(|l| l.area()).collect::<Vec<_>>()
+            };
+            for (k, (before, after)) in areas(&plain.lod).iter().zip(areas(&sized)).enumerate() {
+                assert!((after / before / factors[k] - 1.0).abs() < 1e-9, "{k}");
+            }
+            assert!(with_sizes(&plain.order, &plain.lod, &[1.0; 20]).is_none());
+        }
+    }
+
+    #[test]
+    fn an_error_that_is_asked_for_is_kept() {
+        let mut refused = 0;
+        for percent in [0.5, 5.0, 40.0] {
+            // An outline alone may cost information.
+            let (fitted, plain) = with_and_without(Simplify {
+                fit: Some(100.0),
+                ..to(Target::MaxError(percent))
+            });
+            assert!(fitted.driving_error_percent() <= percent);
+            if fitted.order == plain.order {
+                refused += 1;
+                let says = |w: &String| w.starts_with("leaves keep their sizes");
+                assert!(fitted.warnings.iter().any(says));
+            }
+        }
+        assert!(refused > 0);
+    }
+
+    #[test]
+    fn images_are_at_least_as_fine_as_the_judging_ones() {
+        let views = ViewSet::dodecahedron(crown().bounding_sphere().unwrap());
+        assert_eq!(
+            [64, 512, 1024].map(|n| resolution(n, &views)),
+            [512, 512, 1024]
+        );
+        let many = ViewSet::new(vec![views.views()[0]; 4096]);
+        assert_eq!([64, 200].map(|n| resolution(n, &many)), [90, 200]);
+    }
+
+    #[test]
+    fn a_weight_out_of_range_is_refused() {
+        for weight in [-1.0, 100.5, f64::NAN] {
+            let settings = Simplify {
+                fit: Some(weight),
+                ..to(Target::Leaves(20))
+            };
+            let error = simplify(&crown(), &settings, &mut |_| ControlFlow::Continue(()));
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains("weight of the outline"), "{error}");
+        }
+    }
+}
