@@ -68,6 +68,8 @@ settings=(
   "--ratio 0.25 --views vnc --ties spread"
   "--triangles 0.5"
   "--triangles 0.1"
+  "--ratio 0.25 --fit"
+  "--triangles 0.1 --fit=4"
   "--method fsa --ratio 0.25"
   "--method stochastic --ratio 0.25"
   "--method meshopt --triangles 0.25"

@@ -6,6 +6,7 @@ mod baselines;
 mod browser;
 mod demo;
 mod engines;
+mod fit;
 mod formats;
 mod grow;
 mod help;

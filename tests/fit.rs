@@ -1,0 +1,87 @@
+//! Sizes that are fitted at the end.
+
+use secateur::plant::{GrowOptions, Species, grow};
+use secateur::plant_to_glb;
+use serde_json::Value;
+
+use crate::program::Bench;
+
+fn simplified(bench: &Bench, out: &str, options: &[&str]) -> Value {
+    let files = [
+        "simplify", "oak.glb", "-o", out, "--report", "r.json", "--audit",
+    ];
+    let rest = ["--ratio", "0.25", "--resolution", "128"];
+    bench
+        .run(&[&files[..], &rest, options].concat())
+        .succeeded();
+    bench.json("r.json")
+}
+
+/// VMI error in per cent and silhouette IoU.
+fn judged(bench: &Bench, out: &str) -> [f64; 2] {
+    let measured = ["measure", "oak.glb", out, "--format", "json"];
+    let measured = bench.run(&measured).succeeded().stdout;
+    let record: Value = serde_json::from_str(&measured).unwrap();
+    ["vmi_error_percent", "silhouette_iou"].map(|key| record[key].as_f64().unwrap())
+}
+
+#[test]
+fn what_any_method_left_fits_better() {
+    let bench = Bench::new();
+    let options = GrowOptions {
+        leaves: 2000,
+        seed: 3,
+    };
+    let oak = grow(Species::Oak, &options).unwrap();
+    bench.put("oak.glb", &plant_to_glb(&oak));
+    for method in ["vds", "fsa", "stochastic"] {
+        let plain = ["--method", method];
+        simplified(&bench, "plain.glb", &plain);
+        let report = simplified(&bench, "fitted.glb", &[&plain[..], &["--fit"]].concat());
+        assert_eq!(report["settings"]["fit"], 1.0);
+        assert_eq!(report["leaves"]["final"], 500);
+        let [plain, fitted] = ["plain.glb", "fitted.glb"].map(|out| judged(&bench, out));
+        let better = fitted[0] < 0.9 * plain[0] && fitted[1] > plain[1];
+        assert!(better, "{method}: {plain:?}, {fitted:?}");
+    }
+}
+
+/// The order is what it was; the areas are those of fitted sizes.
+#[test]
+fn fitted_sizes_are_the_same_on_every_processor_and_thread() {
+    let bench = Bench::new();
+    let hashes = |options: &[&str]| {
+        let report = simplified(&bench, "out.glb", options);
+        ["order_sha256", "areas_sha256"].map(|key| report[key].as_str().unwrap()[..12].to_owned())
+    };
+    let [order, _] = hashes(&[]);
+    for (weight, areas) in [
+        ("--fit=0", "152bcabd0b08"),
+        ("--fit", "2d6c5ab60ec0"),
+        ("--fit=4", "645558488c51"),
+    ] {
+        for threads in ["1", "2"] {
+            let found = hashes(&[weight, "--threads", threads]);
+            assert_eq!(
+                found,
+                [order.as_str(), areas],
+                "{weight}, {threads} threads"
+            );
+        }
+    }
+}
+
+#[test]
+fn weights_out_of_range_are_refused_in_one_sentence() {
+    let bench = Bench::new();
+    for weight in ["-1", "101", "NaN"] {
+        let fit = format!("--fit={weight}");
+        let arguments = ["oak.glb", "-o", "out.glb", "--ratio", "0.5", &fit];
+        bench.simplify(&arguments).failed_saying(&[
+            "weight of the outline",
+            weight,
+            "from 0 to 100",
+        ]);
+        assert!(!bench.path("out.glb").exists());
+    }
+}
