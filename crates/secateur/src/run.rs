@@ -83,6 +83,9 @@ impl Simplified {
     }
 }
 
+/// A VMI error worth a word, where it was half as large.
+const CLEAR_ERROR_PERCENT: f64 = 10.0;
+
 /// Simplifies a foliage.
 ///
 /// `progress` is called when a stage begins and after every step; it may break
@@ -178,7 +181,8 @@ pub fn simplify_on(
             baseline::outcome(&foliage, order, goal, &options, engine)?
         }
     };
-    let steps = outcome.order.len();
+    let error_percent = |o: &VdsOutcome| o.vmi_original.error_percent(&o.vmi_final);
+    let (steps, unfitted_percent) = (outcome.order.len(), error_percent(&outcome));
     let outcome = match settings.fit {
         None => outcome,
         Some(outline_weight) => {
@@ -216,11 +220,13 @@ pub fn simplify_on(
     let seconds = clock.finish();
     let mut warnings = warnings_of(goal, &foliage);
     warnings.extend(shortfall(settings, goal, &foliage, &lod));
-    if settings.fit.is_some() && outcome.order.len() == steps {
-        warnings.push(
-            "leaves keep their sizes: none fits better, or the VMI error would exceed what was asked for"
-                .to_owned(),
-        );
+    if settings.fit.is_some() {
+        let is_same = outcome.order.len() == steps;
+        warnings.extend(about_fit(
+            is_same,
+            unfitted_percent,
+            error_percent(&outcome),
+        ));
     }
     warnings.extend(engine.warning());
     Ok(Simplified {
@@ -318,6 +324,21 @@ fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> O
         }
         _ => None,
     }
+}
+
+/// What a fit did that is not what it is for: it changed nothing, or cost information.
+fn about_fit(is_same: bool, before_percent: f64, after_percent: f64) -> Option<String> {
+    if is_same {
+        return Some(
+            "leaves keep their sizes: none fits better, or the VMI error would exceed what was asked for"
+                .to_owned(),
+        );
+    }
+    (after_percent > 2.0 * before_percent && after_percent > CLEAR_ERROR_PERCENT).then(|| {
+        format!(
+            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: a smaller weight than that of `--fit` keeps more of the information"
+        )
+    })
 }
 
 /// The bounding sphere, if cameras about it can be computed.
@@ -420,6 +441,20 @@ mod tests {
         let views = ViewSet::new(vec![one; 513]);
         let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
         assert_eq!(chosen.0, 256);
+    }
+
+    #[test]
+    fn a_fit_that_costs_information_says_so() {
+        assert_eq!(about_fit(false, 8.0, 9.0), None);
+        assert_eq!(about_fit(false, 2.0, 9.9), None);
+        assert_eq!(about_fit(false, 30.0, 50.0), None);
+        let warning = about_fit(false, 10.3, 62.1).unwrap();
+        assert!(warning.contains("VMI error of 62.1 %") && warning.contains("10.3 % before"));
+        assert!(
+            about_fit(true, 2.0, 2.0)
+                .unwrap()
+                .starts_with("leaves keep their sizes")
+        );
     }
 
     #[test]
