@@ -29,15 +29,25 @@ fn thinned_by(foliage: &Foliage, stays: impl Fn(usize) -> bool, area_scale: f64)
     lod.foliage(foliage)
 }
 
-fn fitted(original: &Foliage, left: &Foliage, outline_weight: f64) -> Vec<f64> {
-    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
-    let way = Fit {
+/// The original and what is left of it.
+fn way<'a>(
+    [original, left]: [&'a Foliage; 2],
+    views: &'a ViewSet,
+    resolution: u32,
+    outline_weight: f64,
+) -> Fit<'a> {
+    Fit {
         original,
         left,
-        views: &views,
-        resolution: 48,
+        views,
+        resolution,
         outline_weight,
-    };
+    }
+}
+
+fn fitted(original: &Foliage, left: &Foliage, outline_weight: f64) -> Vec<f64> {
+    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+    let way = way([original, left], &views, 48, outline_weight);
     match fit(&way, &mut |_, _| ControlFlow::Continue(())) {
         ControlFlow::Continue(factors) => factors,
         ControlFlow::Break(()) => panic!("nobody broke it off"),
@@ -165,13 +175,7 @@ fn at_equal_depth_the_first_leaf_owns_a_pixel() {
     let mut left = square(1.0);
     left.push_leaf(original.triangles(), None).unwrap();
     let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
-    let way = Fit {
-        original: &original,
-        left: &left,
-        views: &views,
-        resolution: 32,
-        outline_weight: 1.0,
-    };
+    let way = way([&original, &left], &views, 32, 1.0);
     let mut stage = Stage::new(&way);
     let [first, second] = [0, 1].map(|k| {
         let leaf = LeafId::from_index(k);
@@ -188,13 +192,7 @@ fn at_equal_depth_the_first_leaf_owns_a_pixel() {
 fn only_pixels_that_change_hands_are_chance() {
     let original = square(1.0);
     let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
-    let way = Fit {
-        original: &original,
-        left: &original,
-        views: &views,
-        resolution: 32,
-        outline_weight: 1.0,
-    };
+    let way = way([&original, &original], &views, 32, 1.0);
     let mut stage = Stage::new(&way);
     let leaf = LeafId::from_index(0);
     let sizes = [1.0, 4.0, 0.25];
@@ -250,13 +248,7 @@ fn it_can_be_broken_off() {
     let original = crown(64, 9);
     let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
     let left = thinned(&original, 2, 4.0);
-    let way = Fit {
-        original: &original,
-        left: &left,
-        views: &views,
-        resolution: 32,
-        outline_weight: 1.0,
-    };
+    let way = way([&original, &left], &views, 32, 1.0);
     let mut calls = 0;
     let end = fit(&way, &mut |done, at_most| {
         assert!(done <= at_most);
@@ -278,13 +270,7 @@ proptest! {
         let original = crown(90, seed);
         let left = thinned(&original, every, scale);
         let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
-        let way = Fit {
-            original: &original,
-            left: &left,
-            views: &views,
-            resolution: 48,
-            outline_weight: weight,
-        };
+        let way = way([&original, &left], &views, 48, weight);
         let mut stage = Stage::new(&way);
         let mut last = stage.objective();
         prop_assert_eq!(last, objective(&original, &left, &stage.scales, weight));
@@ -310,13 +296,7 @@ proptest! {
         let left = thinned(&original, 2, 2.0);
         let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
         let weight = 100.0;
-        let way = Fit {
-            original: &original,
-            left: &left,
-            views: &views,
-            resolution: 48,
-            outline_weight: weight,
-        };
+        let way = way([&original, &left], &views, 48, weight);
         let mut stage = Stage::new(&way);
         let before = stage.objective();
         let factor = 1.1;
