@@ -19,11 +19,13 @@
 //! Leaves are tried a few at a time, far from each other in the order of the leaves,
 //! against what the others of them were. What a size would do to the outline is counted
 //! exactly; to the information, for the leaf itself exactly, for those from which it
-//! takes pixels to the first order, all of it put down to the view where it happens. J itself is counted after each few, and what made it worse is undone.
+//! takes pixels to the first order, all of it put down to the view where it happens. J
+//! itself is counted after each few, and what made it worse is undone.
 //!
 //! A size must be better by more than chance: of n pixels that a leaf covers more or less
 //! as many are right as wrong but for about the root of n, and so many it has to gain,
-//! each counted as one of outline or a bit, whichever is more. Else small leaves would fit the pixels of these views, and of no others.
+//! each counted as one of outline or a bit, whichever is more. Else small leaves would fit
+//! the pixels of these views, and of no others.
 
 mod ledger;
 mod screen;
@@ -47,7 +49,7 @@ pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
 /// while it pays.
 const FACTORS: [f64; 4] = [2.0, 1.5, 1.25, 1.1];
 
-/// The first factor is tried again if it took this share of J away.
+/// The first factor is tried again if it took one part in so many of J away.
 const PAYS: i128 = 10;
 
 /// As often at most: all rounds together make no leaf more than 528 times as large.
@@ -56,7 +58,8 @@ const MOST_REPEATS: usize = 8;
 /// Leaves that are tried at a time.
 const BATCH: usize = 64;
 
-/// But at most this share of them, so that few leaves see each other's changes.
+/// But of few leaves fewer, so that a round has so many batches: leaves of one do not see
+/// each other's changes.
 const BATCHES_AT_LEAST: usize = 16;
 
 /// What is fitted to what.
@@ -161,7 +164,7 @@ impl<'a> Stage<'a> {
             screens,
             ledger: Ledger::new(&original_px, left_px),
             scales: vec![1.0; count],
-            outline_unit: (fit.outline_weight * f64::from(1u32 << LG_FRACTION_BITS)) as i64,
+            outline_unit: (fit.outline_weight * ONE_BIT as f64) as i64,
         }
     }
 

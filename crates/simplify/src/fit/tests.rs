@@ -2,7 +2,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use secateur_model::LeafTriangle;
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
-use secateur_raster::AreaTable;
+use secateur_raster::{AreaTable, LeafIdImage};
 
 use super::*;
 use crate::lg::LgTable;
@@ -54,64 +54,44 @@ fn fitted(original: &Foliage, left: &Foliage, outline_weight: f64) -> Vec<f64> {
     }
 }
 
+/// Every view of leaves in these sizes, drawn from scratch.
+fn drawn(foliage: &Foliage, factors: &[f64], views: &ViewSet) -> Vec<LeafIdImage> {
+    let mut lod = Lod::original(foliage.leaves().len());
+    for (index, factor) in factors.iter().enumerate() {
+        lod.resize(LeafId::from_index(index), *factor);
+    }
+    let scene = Scene {
+        foliage,
+        lod: &lod,
+        views,
+        resolution: 48,
+    };
+    let views = views.views().iter();
+    views.map(|v| cpu::draw_leaf_ids(&scene, v)).collect()
+}
+
+/// Pixels where only one of the two shows foliage.
+fn outline_error_px(before: &[LeafIdImage], after: &[LeafIdImage]) -> usize {
+    let pairs = before.iter().zip(after);
+    let pixels = pairs.flat_map(|(a, b)| a.leaf_ids.iter().zip(&b.leaf_ids));
+    pixels.filter(|(a, b)| (**a == 0) != (**b == 0)).count()
+}
+
 /// J as its formula says, everything drawn.
 fn objective(original: &Foliage, left: &Foliage, factors: &[f64], outline_weight: f64) -> i128 {
     let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
     let table = LgTable::new();
-    let drawn = |foliage: &Foliage, lod: &Lod| {
-        let scene = Scene {
-            foliage,
-            lod,
-            views: &views,
-            resolution: 48,
-        };
-        let views = scene.views.views().iter();
-        let images: Vec<_> = views.map(|v| cpu::draw_leaf_ids(&scene, v)).collect();
-        let leaves = foliage.leaves().len();
+    let vmi = |images: &[LeafIdImage], leaves: usize| {
         let rows = images.iter().flat_map(|i| cpu::histogram(i, leaves));
-        let vmi = Vmi::of(&AreaTable::from_rows(leaves, rows.collect()), &table);
-        (images, vmi)
+        Vmi::of(&AreaTable::from_rows(leaves, rows.collect()), &table)
     };
-    let mut lod = Lod::original(left.leaves().len());
-    for (index, factor) in factors.iter().enumerate() {
-        lod.resize(LeafId::from_index(index), *factor);
-    }
-    let [before, after] = [
-        drawn(original, &Lod::original(original.leaves().len())),
-        drawn(left, &lod),
-    ];
-    let pairs = before.0.iter().zip(&after.0);
-    let wrong = pairs.flat_map(|(a, b)| a.leaf_ids.iter().zip(&b.leaf_ids));
-    let wrong_px = wrong.filter(|(a, b)| (**a == 0) != (**b == 0)).count();
-    let pairs = before.1.scaled().iter().zip(after.1.scaled());
+    let [before, after] = [drawn(original, &[], &views), drawn(left, factors, &views)];
+    let [then, now] = [(&before, original), (&after, left)]
+        .map(|(images, foliage)| vmi(images, foliage.leaves().len()));
+    let pairs = then.scaled().iter().zip(now.scaled());
     let deviation: i64 = pairs.map(|(a, b)| (a - b).abs()).sum();
     let unit = (outline_weight * f64::from(1u32 << LG_FRACTION_BITS)) as i128;
-    wrong_px as i128 * unit + i128::from(deviation)
-}
-
-/// Pixels of the judging views where only one of the two shows foliage.
-fn outline_error_px(original: &Foliage, left: &Foliage, factors: &[f64]) -> usize {
-    let views = ViewSet::icosahedron(original.bounding_sphere().unwrap());
-    let mut lod = Lod::original(left.leaves().len());
-    for (index, factor) in factors.iter().enumerate() {
-        lod.resize(LeafId::from_index(index), *factor);
-    }
-    let whole = Lod::original(original.leaves().len());
-    let drawn = |foliage: &Foliage, lod: &Lod| {
-        let scene = Scene {
-            foliage,
-            lod,
-            views: &views,
-            resolution: 48,
-        };
-        let images = views.views().iter().map(|v| cpu::draw_leaf_ids(&scene, v));
-        images
-            .flat_map(|image| image.leaf_ids)
-            .collect::<Vec<u32>>()
-    };
-    let [before, after] = [drawn(original, &whole), drawn(left, &lod)];
-    let pairs = before.iter().zip(&after);
-    pairs.filter(|(a, b)| (**a == 0) != (**b == 0)).count()
+    outline_error_px(&before, &after) as i128 * unit + i128::from(deviation)
 }
 
 /// A flat leaf, of this side in one direction.
@@ -226,8 +206,10 @@ fn a_crown_of_small_leaves_is_not_fitted_to_the_pixels_of_its_views() {
         let original = crown(900, seed);
         let left = thinned_by(&original, |index| index % 10 != 0, 1.0);
         let factors = fitted(&original, &left, 1.0);
-        before += outline_error_px(&original, &left, &vec![1.0; factors.len()]);
-        after += outline_error_px(&original, &left, &factors);
+        let views = ViewSet::icosahedron(original.bounding_sphere().unwrap());
+        let expected = drawn(&original, &[], &views);
+        before += outline_error_px(&expected, &drawn(&left, &[], &views));
+        after += outline_error_px(&expected, &drawn(&left, &factors, &views));
     }
     assert!(10 * after < 14 * before, "{after} of {before}");
 }
