@@ -6,15 +6,27 @@ use serde_json::Value;
 
 use crate::program::Bench;
 
-fn simplified(bench: &Bench, out: &str, options: &[&str]) -> Value {
+fn run(bench: &Bench, out: &str, options: &[&str]) -> Value {
     let files = [
         "simplify", "oak.glb", "-o", out, "--report", "r.json", "--audit",
     ];
-    let rest = ["--ratio", "0.25", "--resolution", "128"];
-    bench
-        .run(&[&files[..], &rest, options].concat())
-        .succeeded();
+    bench.run(&[&files[..], options].concat()).succeeded();
     bench.json("r.json")
+}
+
+fn simplified(bench: &Bench, out: &str, options: &[&str]) -> Value {
+    let quarter = ["--ratio", "0.25", "--resolution", "128"];
+    run(bench, out, &[&quarter[..], options].concat())
+}
+
+/// Instead of the smaller one of every bench.
+fn put_oak(bench: &Bench) {
+    let options = GrowOptions {
+        leaves: 2000,
+        seed: 3,
+    };
+    let oak = grow(Species::Oak, &options).unwrap();
+    bench.put("oak.glb", &plant_to_glb(&oak));
 }
 
 /// VMI error in per cent and silhouette IoU.
@@ -28,22 +40,46 @@ fn judged(bench: &Bench, out: &str) -> [f64; 2] {
 #[test]
 fn what_any_method_left_fits_better() {
     let bench = Bench::new();
-    let options = GrowOptions {
-        leaves: 2000,
-        seed: 3,
-    };
-    let oak = grow(Species::Oak, &options).unwrap();
-    bench.put("oak.glb", &plant_to_glb(&oak));
+    put_oak(&bench);
     for method in ["vds", "fsa", "stochastic"] {
         let plain = ["--method", method];
         simplified(&bench, "plain.glb", &plain);
         let report = simplified(&bench, "fitted.glb", &[&plain[..], &["--fit"]].concat());
-        assert_eq!(report["settings"]["fit"], 1.0);
+        assert_eq!(report["settings"]["fit"], 1.5);
         assert_eq!(report["leaves"]["final"], 500);
         let [plain, fitted] = ["plain.glb", "fitted.glb"].map(|out| judged(&bench, out));
         let better = fitted[0] < 0.9 * plain[0] && fitted[1] > plain[1];
         assert!(better, "{method}: {plain:?}, {fitted:?}");
     }
+}
+
+/// Where resolution and coarser leaves are the program's affair, sizes are too.
+#[test]
+fn to_triangles_sizes_are_fitted_unasked() {
+    let bench = Bench::new();
+    put_oak(&bench);
+    let quarter = ["--triangles", "0.25"];
+    let fitted = run(&bench, "fitted.glb", &quarter);
+    assert_eq!(fitted["settings"]["fit"], 1.5);
+    assert!(fitted["seconds"]["fit"].is_number());
+    let none = run(
+        &bench,
+        "none.glb",
+        &[&quarter[..], &["--fit=none"]].concat(),
+    );
+    assert!(none["settings"]["fit"].is_null() && none["seconds"]["fit"].is_null());
+    assert_eq!(fitted["foliage_triangles"], none["foliage_triangles"]);
+    let [plain, better] = ["none.glb", "fitted.glb"].map(|out| judged(&bench, out));
+    assert!(
+        better[0] < 0.9 * plain[0] && better[1] > plain[1],
+        "{plain:?}, {better:?}"
+    );
+    let fixed = run(
+        &bench,
+        "fixed.glb",
+        &[&quarter[..], &["--resolution", "128"]].concat(),
+    );
+    assert!(fixed["settings"]["fit"].is_null());
 }
 
 /// The order is what it was; the areas are those of fitted sizes.
@@ -56,9 +92,9 @@ fn fitted_sizes_are_the_same_on_every_processor_and_thread() {
     };
     let [order, _] = hashes(&[]);
     for (weight, areas) in [
-        ("--fit=0", "152bcabd0b08"),
-        ("--fit", "2d6c5ab60ec0"),
-        ("--fit=4", "645558488c51"),
+        ("--fit=0", "39363aa8f33b"),
+        ("--fit", "a7ce88cdd531"),
+        ("--fit=4", "964e972890a2"),
     ] {
         for threads in ["1", "2"] {
             let found = hashes(&[weight, "--threads", threads]);

@@ -92,7 +92,7 @@ pub(crate) fn check(foliage: &Foliage, settings: &Simplify) -> Result<(), Error>
     if settings.leaf_triangles == LeafTriangles::AtMost(0) {
         return refuse("number of a leaf's triangles", 0.0, "from 1 upwards");
     }
-    if let Some(weight) = settings.fit
+    if let Some(weight) = settings.outline_weight()
         && !(0.0..=MAX_OUTLINE_WEIGHT).contains(&weight)
     {
         return refuse("weight of the outline", weight, "from 0 to 100");

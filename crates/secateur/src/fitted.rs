@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
+use secateur_model::{BoundingSphere, Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
 use secateur_raster::ViewSet;
 use secateur_simplify::fit::{Fit, fit};
 use secateur_simplify::vds::{VdsOptions, VdsOutcome, ViewPlan};
 
 use crate::baseline;
 use crate::settings::Goal;
-use crate::{Error, OpenEngine};
+use crate::{Error, OpenEngine, Views};
 
 /// Sizes are fitted in images of at least this many pixels a side, that of the
 /// judging views: what is good for coarser ones is too large in finer ones.
@@ -18,51 +18,70 @@ const LEAST_RESOLUTION: u32 = 512;
 /// But for that no more pixels over all views than these are taken, of 128 views.
 const MOST_PIXELS: u64 = 1 << 25;
 
-/// An outcome with a step more, in which leaves take the sizes that fit best; itself
-/// where that changes nothing, or would exceed the error that is asked for.
-/// `progress` gets leaves tried and to be tried at most.
-pub(crate) fn fitted(
-    foliage: &Foliage,
-    outcome: VdsOutcome,
-    goal: Goal,
-    outline_weight: f64,
-    options: &VdsOptions,
-    engine: &OpenEngine,
-    progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<VdsOutcome, Error> {
-    let lod = Lod::after(&outcome.order, outcome.order.len());
-    let left = lod.foliage(foliage);
-    let way = Fit {
-        original: foliage,
-        left: &left,
-        views: &outcome.views,
-        resolution: resolution(options.resolution, &outcome.views),
-        outline_weight,
-    };
-    let ControlFlow::Continue(factors) = fit(&way, progress) else {
-        return Err(Error::Stopped);
-    };
-    let Some(order) = with_sizes(&outcome.order, &lod, &factors) else {
-        return Ok(outcome);
-    };
-    let options = VdsOptions {
-        views: ViewPlan::Fixed(outcome.views.clone()),
-        ..options.clone()
-    };
-    // What is left is settled.
-    let settled = Goal::Leaves(left.leaves().len());
-    let mut better = baseline::outcome(foliage, order, settled, &options, engine)?;
-    if let Goal::MaxError(percent) = goal
-        && better.vmi_original.error_percent(&better.vmi_final) > percent
-    {
-        return Ok(outcome);
+/// How sizes are fitted.
+pub(crate) struct Fitted<'a> {
+    pub(crate) views: ViewSet,
+    pub(crate) outline_weight: f64,
+    pub(crate) goal: Goal,
+    /// Those of the run.
+    pub(crate) options: &'a VdsOptions,
+}
+
+impl Fitted<'_> {
+    /// An outcome with a step more, in which leaves take the sizes that fit best; itself
+    /// where that changes nothing, or would exceed the error that is asked for.
+    /// `progress` gets leaves tried and to be tried at most.
+    pub(crate) fn of(
+        &self,
+        foliage: &Foliage,
+        outcome: VdsOutcome,
+        engine: &OpenEngine,
+        progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    ) -> Result<VdsOutcome, Error> {
+        let lod = Lod::after(&outcome.order, outcome.order.len());
+        let left = lod.foliage(foliage);
+        let way = Fit {
+            original: foliage,
+            left: &left,
+            views: &self.views,
+            resolution: resolution(self.options.resolution, &self.views),
+            outline_weight: self.outline_weight,
+        };
+        let ControlFlow::Continue(factors) = fit(&way, progress) else {
+            return Err(Error::Stopped);
+        };
+        let Some(order) = with_sizes(&outcome.order, &lod, &factors) else {
+            return Ok(outcome);
+        };
+        let options = VdsOptions {
+            views: ViewPlan::Fixed(outcome.views.clone()),
+            ..self.options.clone()
+        };
+        // What is left is settled.
+        let settled = Goal::Leaves(left.leaves().len());
+        let mut better = baseline::outcome(foliage, order, settled, &options, engine)?;
+        if let Goal::MaxError(percent) = self.goal
+            && better.vmi_original.error_percent(&better.vmi_final) > percent
+        {
+            return Ok(outcome);
+        }
+        better.stopped = outcome.stopped;
+        better.costs_scaled = outcome.costs_scaled;
+        if better.costs_scaled.len() + 1 == better.order.len() {
+            better.costs_scaled.push(0);
+        }
+        Ok(better)
     }
-    better.stopped = outcome.stopped;
-    better.costs_scaled = outcome.costs_scaled;
-    if better.costs_scaled.len() + 1 == better.order.len() {
-        better.costs_scaled.push(0);
+}
+
+/// Where from sizes are fitted: one's own cameras; or the driving views and 20 others,
+/// for which no leaf was chosen.
+pub(crate) fn fitting_views(views: &Views, sphere: BoundingSphere, driving: &ViewSet) -> ViewSet {
+    if let Views::Cameras(_) = views {
+        return driving.clone();
     }
-    Ok(better)
+    let others = ViewSet::turned_dodecahedron(sphere);
+    ViewSet::new([driving.views(), others.views()].concat())
 }
 
 /// The resolution at which sizes are fitted.
@@ -111,7 +130,9 @@ mod tests {
     use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 
     use super::*;
-    use crate::{LeafTriangles, Method, Resolution, Simplified, Simplify, Target, simplify};
+    use crate::{
+        Fitting, LeafTriangles, Method, Resolution, Simplified, Simplify, Target, simplify,
+    };
 
     fn crown() -> Foliage {
         ellipsoid_crown(200, 11, &EllipsoidCrown::default()).unwrap()
@@ -120,7 +141,7 @@ mod tests {
     fn to(target: Target) -> Simplify {
         Simplify {
             resolution: Resolution::Pixels(32),
-            fit: Some(2.0),
+            fit: Fitting::Weight(2.0),
             audit: true,
             ..Simplify::to(target)
         }
@@ -133,7 +154,7 @@ mod tests {
     /// The result, and what the same run is without a fit.
     fn with_and_without(settings: Simplify) -> (Simplified, Simplified) {
         let without = Simplify {
-            fit: None,
+            fit: Fitting::None,
             ..settings.clone()
         };
         (run(&settings), run(&without))
@@ -199,7 +220,7 @@ mod tests {
         for percent in [0.5, 5.0, 40.0] {
             // An outline alone may cost information.
             let (fitted, plain) = with_and_without(Simplify {
-                fit: Some(100.0),
+                fit: Fitting::Weight(100.0),
                 ..to(Target::MaxError(percent))
             });
             assert!(fitted.driving_error_percent() <= percent);
@@ -224,10 +245,21 @@ mod tests {
     }
 
     #[test]
+    fn others_look_too_but_where_cameras_are_ones_own() {
+        let sphere = crown().bounding_sphere().unwrap();
+        let driving = ViewSet::cube(sphere);
+        let both = fitting_views(&Views::Cube, sphere, &driving);
+        assert_eq!(both.len(), 28);
+        assert_eq!(&both.views()[..8], driving.views());
+        let own = fitting_views(&Views::Cameras(driving.clone()), sphere, &driving);
+        assert_eq!(own, driving);
+    }
+
+    #[test]
     fn a_weight_out_of_range_is_refused() {
         for weight in [-1.0, 100.5, f64::NAN] {
             let settings = Simplify {
-                fit: Some(weight),
+                fit: Fitting::Weight(weight),
                 ..to(Target::Leaves(20))
             };
             let error = simplify(&crown(), &settings, &mut |_| ControlFlow::Continue(()));

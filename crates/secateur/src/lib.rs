@@ -101,7 +101,9 @@ pub use engine::OpenEngine;
 pub use error::Error;
 pub use measure::{measure, measure_pictures};
 pub use run::{Progress, Simplified, simplify, simplify_on, sphere_of};
-pub use settings::{Alpha, Engine, LeafTriangles, Method, Resolution, Simplify, Target, Views};
+pub use settings::{
+    Alpha, Engine, Fitting, LeafTriangles, Method, Resolution, Simplify, Target, Views,
+};
 
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_model::gltf::{

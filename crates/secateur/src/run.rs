@@ -12,9 +12,9 @@ use secateur_simplify::vmi::Vmi;
 use crate::audit::audit;
 use crate::baseline;
 use crate::driven::Driven;
-use crate::fitted::fitted;
+use crate::fitted::{Fitted, fitting_views};
 use crate::settings::Goal;
-use crate::{Error, LeafTriangles, Method, OpenEngine, Resolution, Simplify};
+use crate::{Error, Fitting, LeafTriangles, Method, OpenEngine, Resolution, Simplify};
 
 /// Where a run stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,20 +183,18 @@ pub fn simplify_on(
     };
     let error_percent = |o: &VdsOutcome| o.vmi_original.error_percent(&o.vmi_final);
     let (steps, unfitted_percent) = (outcome.order.len(), error_percent(&outcome));
-    let outcome = match settings.fit {
+    let outcome = match settings.outline_weight() {
         None => outcome,
         Some(outline_weight) => {
             clock.begin("fit")?;
             let mut tried = |done, at_most| (clock.progress)(Progress::Step { done, at_most });
-            fitted(
-                &foliage,
-                outcome,
-                goal,
+            let fitting = Fitted {
+                views: fitting_views(&settings.views, sphere, &outcome.views),
                 outline_weight,
-                &options,
-                engine,
-                &mut tried,
-            )?
+                goal,
+                options: &options,
+            };
+            fitting.of(&foliage, outcome, engine, &mut tried)?
         }
     };
     let lod = Lod::after(&outcome.order, outcome.order.len());
@@ -220,14 +218,12 @@ pub fn simplify_on(
     let seconds = clock.finish();
     let mut warnings = warnings_of(goal, &foliage);
     warnings.extend(shortfall(settings, goal, &foliage, &lod));
-    if settings.fit.is_some() {
-        let is_same = outcome.order.len() == steps;
-        warnings.extend(about_fit(
-            is_same,
-            unfitted_percent,
-            error_percent(&outcome),
-        ));
+    if let Fitting::Weight(_) = settings.fit
+        && outcome.order.len() == steps
+    {
+        warnings.push(NOTHING_FITS.to_owned());
     }
+    warnings.extend(about_fit(unfitted_percent, error_percent(&outcome)));
     warnings.extend(engine.warning());
     Ok(Simplified {
         order: outcome.order,
@@ -326,17 +322,15 @@ fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> O
     }
 }
 
-/// What a fit did that is not what it is for: it changed nothing, or cost information.
-fn about_fit(is_same: bool, before_percent: f64, after_percent: f64) -> Option<String> {
-    if is_same {
-        return Some(
-            "leaves keep their sizes: none fits better, or the VMI error would exceed what was asked for"
-                .to_owned(),
-        );
-    }
+/// A fit was asked for and changed nothing.
+const NOTHING_FITS: &str =
+    "leaves keep their sizes: none fits better, or the VMI error would exceed what was asked for";
+
+/// That a fit cost information of the driving views.
+fn about_fit(before_percent: f64, after_percent: f64) -> Option<String> {
     (after_percent > 2.0 * before_percent && after_percent > CLEAR_ERROR_PERCENT).then(|| {
         format!(
-            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: a smaller weight than that of `--fit` keeps more of the information"
+            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: a smaller weight, as of `--fit=0.25`, keeps more of the information"
         )
     })
 }
@@ -445,16 +439,11 @@ mod tests {
 
     #[test]
     fn a_fit_that_costs_information_says_so() {
-        assert_eq!(about_fit(false, 8.0, 9.0), None);
-        assert_eq!(about_fit(false, 2.0, 9.9), None);
-        assert_eq!(about_fit(false, 30.0, 50.0), None);
-        let warning = about_fit(false, 10.3, 62.1).unwrap();
+        assert_eq!(about_fit(8.0, 9.0), None);
+        assert_eq!(about_fit(2.0, 9.9), None);
+        assert_eq!(about_fit(30.0, 50.0), None);
+        let warning = about_fit(10.3, 62.1).unwrap();
         assert!(warning.contains("VMI error of 62.1 %") && warning.contains("10.3 % before"));
-        assert!(
-            about_fit(true, 2.0, 2.0)
-                .unwrap()
-                .starts_with("leaves keep their sizes")
-        );
     }
 
     #[test]

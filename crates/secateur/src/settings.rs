@@ -6,6 +6,7 @@ use std::sync::Arc;
 use secateur_model::{BoundingSphere, Foliage, PlantSkeleton};
 use secateur_plant::ClusterSize;
 use secateur_raster::ViewSet;
+use secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT;
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::MeshoptOptions;
 use secateur_simplify::vds::{Reference, Resize, Ties, ViewPlan};
@@ -244,6 +245,21 @@ impl Alpha {
     }
 }
 
+/// Whether the sizes of what is left are fitted to the original at the end, whatever
+/// the method made of them: see [`mod@crate::fit`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Fitting {
+    /// For [`Method::Vds`] to triangles at [`Resolution::Auto`]: where it is for the
+    /// program to say how what is left is best used. Else none.
+    #[default]
+    Auto,
+    /// None.
+    None,
+    /// With this weight of a pixel of outline against a bit of VMI times a pixel, 0 to
+    /// [`MAX_OUTLINE_WEIGHT`](crate::fit::MAX_OUTLINE_WEIGHT).
+    Weight(f64),
+}
+
 /// The settings of a run; [`Simplify::to`] has the defaults of the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simplify {
@@ -273,11 +289,8 @@ pub struct Simplify {
     /// [`Method::Vds`]: leaves of fewer triangles, made before any leaf goes. They are
     /// then what costs and coverage are measured against.
     pub leaf_triangles: LeafTriangles,
-    /// Whether the sizes of what is left are fitted to the original at the end, whatever the
-    /// method made of them: the weight of a pixel of outline against a bit of VMI times a pixel, 0
-    /// to [`MAX_OUTLINE_WEIGHT`](crate::fit::MAX_OUTLINE_WEIGHT); see
-    /// [`mod@crate::fit`].
-    pub fit: Option<f64>,
+    /// Whether the sizes of what is left are fitted to the original at the end.
+    pub fit: Fitting,
     /// For methods that draw lots; others only record it.
     pub seed: u64,
     /// [`Method::Stochastic`]: the share of the lost area that the survivors
@@ -313,7 +326,7 @@ impl Simplify {
             ties: Ties::default(),
             alpha: Alpha::default(),
             leaf_triangles: LeafTriangles::default(),
-            fit: None,
+            fit: Fitting::default(),
             seed: 0,
             area_weight: 1.0,
             fsa: FsaOptions::default(),
@@ -323,6 +336,18 @@ impl Simplify {
             audit: cfg!(debug_assertions),
         }
     }
+
+    /// The weight of the outline if sizes are fitted.
+    pub fn outline_weight(&self) -> Option<f64> {
+        let is_auto = self.method == Method::Vds
+            && self.resolution == Resolution::Auto
+            && matches!(self.target, Target::Triangles(_) | Target::TriangleRatio(_));
+        match self.fit {
+            Fitting::Auto => is_auto.then_some(DEFAULT_OUTLINE_WEIGHT),
+            Fitting::None => None,
+            Fitting::Weight(weight) => Some(weight),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -330,6 +355,32 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use secateur_model::LeafTriangle;
+
+    #[test]
+    fn sizes_are_fitted_unasked_where_all_else_is_left_to_the_program_too() {
+        let auto = Simplify::to(Target::TriangleRatio(0.5));
+        assert_eq!(auto.outline_weight(), Some(DEFAULT_OUTLINE_WEIGHT));
+        let others = [
+            Simplify::to(Target::Ratio(0.5)),
+            Simplify {
+                resolution: Resolution::Pixels(512),
+                ..auto.clone()
+            },
+            Simplify {
+                method: Method::Fsa,
+                ..auto.clone()
+            },
+            Simplify {
+                fit: Fitting::None,
+                ..auto.clone()
+            },
+        ];
+        for other in others {
+            assert_eq!(other.outline_weight(), None, "{other:?}");
+            let fit = Fitting::Weight(3.0);
+            assert_eq!(Simplify { fit, ..other }.outline_weight(), Some(3.0));
+        }
+    }
 
     /// So many leaves of two triangles.
     fn foliage(leaves: usize) -> Foliage {

@@ -27,6 +27,9 @@ impl Canvas {
         cutouts: &[Arc<Cutout>],
         mut emit: impl FnMut(u32, u32, u32),
     ) {
+        if let [triangle] = triangles {
+            return draw_alone(triangle, cutouts, emit);
+        }
         let Some(frame) = Frame::around(triangles) else {
             return;
         };
@@ -39,10 +42,7 @@ impl Canvas {
         drawn.clear();
         drawn.resize(height, (u32::MAX, 0));
         for triangle in triangles {
-            let cutout = match triangle.cutout {
-                0 => None,
-                name => Some(&*cutouts[name as usize - 1]),
-            };
+            let cutout = cutout_of(triangle, cutouts);
             let left = (triangle.first_pixel & 0xFFFF) - frame.x0;
             let top = (triangle.first_pixel >> 16) - frame.y0;
             runs(triangle, |y, first, end| {
@@ -86,6 +86,36 @@ impl Canvas {
                 }
             }
         }
+    }
+}
+
+/// A triangle that nothing else of its leaf covers needs no canvas.
+fn draw_alone(
+    triangle: &SnappedTriangle,
+    cutouts: &[Arc<Cutout>],
+    mut emit: impl FnMut(u32, u32, u32),
+) {
+    let cutout = cutout_of(triangle, cutouts);
+    let (left, top) = (triangle.first_pixel & 0xFFFF, triangle.first_pixel >> 16);
+    runs(triangle, |y, first, end| {
+        let mut depth = at(triangle.depth, first, y) as u32;
+        for x in first..end {
+            let is_there = cutout.is_none_or(|mask| {
+                mask.is_opaque(at(triangle.u, x, y) >> 16, at(triangle.v, x, y) >> 16)
+            });
+            if is_there && depth != NOTHING {
+                emit(left + x, top + y, depth);
+            }
+            depth = depth.wrapping_add(triangle.depth[1] as u32);
+        }
+    });
+}
+
+/// What its texture leaves out.
+fn cutout_of<'a>(triangle: &SnappedTriangle, cutouts: &'a [Arc<Cutout>]) -> Option<&'a Cutout> {
+    match triangle.cutout {
+        0 => None,
+        name => Some(&*cutouts[name as usize - 1]),
     }
 }
 

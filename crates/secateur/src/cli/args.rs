@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use secateur::plant::Scheme;
-use secateur::{LeafTriangles, Resolution, Selector, Target};
+use secateur::{Fitting, LeafTriangles, Resolution, Selector, Target};
 
 use super::grow_lod::Amount;
 use super::names::{
@@ -272,18 +272,22 @@ pub(crate) struct Simplify {
     /// need it.
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
-    /// Fit the sizes of what is left to the outline and the information of the original, at the
-    /// end; W says how much a pixel of outline counts against a bit of information of a pixel,
-    /// 1 if not given: with less, information is nearer, with more, the outline.
+    /// Whether to fit the sizes of what is left to the outline and the information of the
+    /// original, at the end: a weight of how much a pixel of outline counts against a bit of
+    /// information of a pixel (with less, information is nearer, with more, the outline; 1.5 if
+    /// there is none after --fit), none, or auto: 1.5 for vds with --triangles where no
+    /// --resolution is given, else none.
     #[arg(
         long,
-        value_name = "W",
+        value_name = "auto|none|W",
         num_args = 0..=1,
         require_equals = true,
-        default_missing_value = "1",
-        allow_negative_numbers = true
+        default_value = "auto",
+        default_missing_value = "1.5",
+        allow_negative_numbers = true,
+        value_parser = fitting
     )]
-    pub(crate) fit: Option<f64>,
+    pub(crate) fit: Fitting,
     /// What the cost of a leaf is measured against.
     #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = ReferenceName::Original)]
     pub(crate) reference: ReferenceName,
@@ -406,6 +410,15 @@ fn resolution(text: &str) -> Result<Resolution, String> {
     }
 }
 
+fn fitting(text: &str) -> Result<Fitting, String> {
+    match (text, text.parse()) {
+        ("auto", _) => Ok(Fitting::Auto),
+        ("none", _) => Ok(Fitting::None),
+        (_, Ok(weight)) => Ok(Fitting::Weight(weight)),
+        _ => Err("write auto, none or a weight of the outline such as 1.5".to_owned()),
+    }
+}
+
 fn triangles(text: &str) -> Result<Target, String> {
     match (text.parse(), text.parse()) {
         (Ok(count), _) => Ok(Target::Triangles(count)),
@@ -431,6 +444,26 @@ mod tests {
     #[test]
     fn the_interface_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_weight_that_is_left_out_is_the_default() {
+        let parse = |fit: &[&str]| {
+            let words = [
+                "secateur", "simplify", "a.glb", "-o", "b.glb", "--leaves", "9",
+            ];
+            let cli = Cli::try_parse_from([&words[..], fit].concat()).unwrap();
+            match cli.command {
+                Command::Simplify(args) => args.fit,
+                _ => unreachable!("it is simplify"),
+            }
+        };
+        let usual = Fitting::Weight(secateur::fit::DEFAULT_OUTLINE_WEIGHT);
+        assert_eq!(parse(&["--fit"]), usual);
+        assert_eq!(parse(&[]), Fitting::Auto);
+        assert_eq!(parse(&["--fit=auto"]), Fitting::Auto);
+        assert_eq!(parse(&["--fit=none"]), Fitting::None);
+        assert_eq!(parse(&["--fit=0.25"]), Fitting::Weight(0.25));
     }
 
     #[test]

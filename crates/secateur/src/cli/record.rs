@@ -48,6 +48,8 @@ pub(crate) struct Run<'a> {
     pub(crate) input: &'a Path,
     pub(crate) tree: &'a Tree,
     pub(crate) result: &'a Simplified,
+    /// If sizes were to be fitted.
+    pub(crate) outline_weight: Option<f64>,
     pub(crate) written: &'a Written,
     pub(crate) stages: &'a [(&'static str, f64)],
     pub(crate) total_seconds: f64,
@@ -83,7 +85,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
         "driving_vmi_error_percent": result.driving_error_percent(),
         "stopped": stopped(result.stopped),
         "audit": result.audited_by,
-        "settings": settings(args, result),
+        "settings": settings(run, args),
         "foliage": foliage(tree.inspection()),
         "warnings": run.warnings,
         "notes": run.written.notes,
@@ -91,7 +93,8 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
     })
 }
 
-fn settings(args: &args::Simplify, result: &Simplified) -> Value {
+fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
+    let result = run.result;
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     json!({
         "views": args.views,
@@ -104,7 +107,7 @@ fn settings(args: &args::Simplify, result: &Simplified) -> Value {
         "max_coverage": args.max_coverage,
         "ties": args.ties.text(),
         "leaf_triangles": args.leaf_triangles.to_string(),
-        "fit": args.fit,
+        "fit": run.outline_weight,
         "alpha": args.alpha.text(),
         "engine": args.engine.text(),
         "foliage": selectors.collect::<Vec<_>>(),

@@ -58,6 +58,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         input: &args.tree,
         tree: &tree,
         result: &result,
+        outline_weight: settings.outline_weight(),
         written: &written,
         stages: &stages,
         total_seconds: start.elapsed().as_secs_f64(),

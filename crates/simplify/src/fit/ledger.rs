@@ -2,10 +2,21 @@
 //! the original.
 
 use secateur_raster::AreaTable;
+use smallvec::SmallVec;
 
 use super::screen::{Moved, Seen};
 use crate::lg::LgTable;
 use crate::vmi::Vmi;
+
+/// Of the information of a view one part in so many is free.
+const FREE: i64 = 100;
+
+/// Above one part in so many of all information each bit counts [`DEAR`] times more,
+/// or above what was missing.
+const MUCH: i128 = 10;
+
+/// See [`MUCH`].
+const DEAR: i128 = 3;
 
 /// See the module.
 pub(super) struct Ledger {
@@ -18,6 +29,32 @@ pub(super) struct Ledger {
     lg_shares: Vec<Vec<i64>>,
     /// `P * (I(v;F') - I(v;F))`, scaled.
     deviations: Vec<i64>,
+    price: Price,
+}
+
+/// What it costs that information is missing, or too much.
+struct Price {
+    /// How much of each view's is free.
+    free: Vec<i64>,
+    /// Above which all together is dear.
+    much: i128,
+}
+
+impl Price {
+    fn new(original: &[i64], deviations: &[i64]) -> Self {
+        let information: i128 = original.iter().map(|bits| i128::from(*bits)).sum();
+        Self {
+            // Rounding may leave next to nothing below 0.
+            free: original.iter().map(|bits| bits.max(&0) / FREE).collect(),
+            much: magnitude(deviations).max(information / MUCH),
+        }
+    }
+
+    fn of(&self, deviations: &[i64]) -> i128 {
+        let pairs = deviations.iter().zip(&self.free);
+        let costs = pairs.map(|(deviation, free)| i128::from((deviation.abs() - free).max(0)));
+        costs.sum::<i128>() + DEAR * (magnitude(deviations) - self.much).max(0)
+    }
 }
 
 impl Ledger {
@@ -32,7 +69,7 @@ impl Ledger {
         };
         let (original, left) = (vmi(original_px), vmi(&left_px));
         let pairs = left.scaled().iter().zip(original.scaled());
-        let deviations = pairs.map(|(now, then)| now - then).collect();
+        let deviations: Vec<i64> = pairs.map(|(now, then)| now - then).collect();
         let mut totals_px = vec![0; left_px[0].len()];
         for row in &left_px {
             for (total, area_px) in totals_px.iter_mut().zip(row) {
@@ -48,13 +85,14 @@ impl Ledger {
             table,
             areas_px: left_px,
             totals_px,
+            price: Price::new(original.scaled(), &deviations),
             deviations,
         }
     }
 
-    /// `P * (I(v;F') - I(v;F))` per view, scaled.
-    pub(super) fn deviations(&self) -> &[i64] {
-        &self.deviations
+    /// J without the outline, scaled.
+    pub(super) fn cost(&self) -> i128 {
+        self.price.of(&self.deviations)
     }
 
     /// By how much the VMI changes with each pixel of a leaf in a view, to the first order,
@@ -70,14 +108,16 @@ impl Ledger {
         let total = |size: usize| seen.iter().map(|view| view[size].area_px).sum::<u32>();
         let totals = [total(0), total(size)];
         let value = |seen: &Seen, total: u32| self.term(seen.area_px, total) - seen.worth_to_others;
-        let mut gain = 0i128;
-        for (view, &deviation) in seen.iter().zip(&self.deviations) {
-            let [now, then] = [&view[0], &view[size]];
-            let change = value(then, totals[1]) - value(now, totals[0]);
-            gain += i128::from(then.outline_px - now.outline_px) * i128::from(outline_unit);
-            gain += i128::from(deviation.abs()) - i128::from((deviation + change).abs());
-        }
-        gain
+        let outline_px = seen
+            .iter()
+            .map(|view| view[size].outline_px - view[0].outline_px);
+        let pairs = seen.iter().zip(&self.deviations);
+        let deviations = pairs.map(|(view, deviation)| {
+            deviation + value(&view[size], totals[1]) - value(&view[0], totals[0])
+        });
+        let deviations: SmallVec<[i64; 64]> = deviations.collect();
+        i128::from(outline_px.sum::<i64>()) * i128::from(outline_unit) + self.cost()
+            - self.price.of(&deviations)
     }
 
     /// Areas that changed, view by view.
@@ -122,10 +162,35 @@ impl Ledger {
     }
 }
 
+/// All of them together, whichever way they are.
+fn magnitude(deviations: &[i64]) -> i128 {
+    let sizes = deviations.iter().map(|d| i128::from(d.unsigned_abs()));
+    sizes.sum()
+}
+
 /// lg(a/S), scaled; 0 for no area.
 fn lg_share(table: &LgTable, area_px: u32, total_px: u32) -> i64 {
     match area_px {
         0 => 0,
         _ => table.lg(area_px) - table.lg(total_px),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_little_is_free_and_much_is_dear() {
+        // Free: 10 and 20; much: 300, a tenth of all, or what was missing.
+        let information = [1000, 2010, -10];
+        let price = Price::new(&information, &[-100, 0, 0]);
+        assert_eq!(price.of(&[-10, 20, 0]), 0);
+        assert_eq!(price.of(&[-11, 22, 3]), 1 + 2 + 3);
+        assert_eq!(price.of(&[10, -290, 0]), 270);
+        assert_eq!(price.of(&[-10, 291, 0]), 271 + 3);
+        let price = Price::new(&information, &[-300, 100, 0]);
+        assert_eq!(price.of(&[-10, 390, 0]), 370);
+        assert_eq!(price.of(&[-10, 391, 1]), 371 + 1 + 3 * 2);
     }
 }

@@ -85,13 +85,24 @@ fn objective(original: &Foliage, left: &Foliage, factors: &[f64], outline_weight
         let rows = images.iter().flat_map(|i| cpu::histogram(i, leaves));
         Vmi::of(&AreaTable::from_rows(leaves, rows.collect()), &table)
     };
-    let [before, after] = [drawn(original, &[], &views), drawn(left, factors, &views)];
-    let [then, now] = [(&before, original), (&after, left)]
-        .map(|(images, foliage)| vmi(images, foliage.leaves().len()));
-    let pairs = then.scaled().iter().zip(now.scaled());
-    let deviation: i64 = pairs.map(|(a, b)| (a - b).abs()).sum();
+    let before = drawn(original, &[], &views);
+    let information = vmi(&before, original.leaves().len());
+    let seen = |factors: &[f64]| {
+        let images = drawn(left, factors, &views);
+        let vmi = vmi(&images, left.leaves().len());
+        let pairs = information.scaled().iter().zip(vmi.scaled());
+        let missing = pairs.map(|(a, b)| (a - b).abs()).collect();
+        (images, missing)
+    };
+    let (_, at_first): (_, Vec<i64>) = seen(&[]);
+    let (after, missing) = seen(factors);
+    let all: i64 = information.scaled().iter().sum();
+    let [at_first, together] = [&at_first, &missing].map(|m| m.iter().sum::<i64>());
+    let dear = (together - at_first.max(all / 10)).max(0);
+    let pairs = missing.iter().zip(information.scaled());
+    let each: i64 = pairs.map(|(m, i)| (m - i.max(&0) / 100).max(0)).sum();
     let unit = (outline_weight * f64::from(1u32 << LG_FRACTION_BITS)) as i128;
-    outline_error_px(&before, &after) as i128 * unit + i128::from(deviation)
+    outline_error_px(&before, &after) as i128 * unit + i128::from(each + 3 * dear)
 }
 
 /// A flat leaf, of this side in one direction.
@@ -115,7 +126,7 @@ fn what_is_as_it_was_stays() {
 #[test]
 fn a_leaf_of_another_size_gets_its_own_back() {
     let original = square(1.0);
-    for (area_scale, expected) in [(4.0, 0.25), (0.5, 2.0), (1.0 / 1.5, 1.5)] {
+    for (area_scale, expected) in [(2.0, 0.5), (0.25, 4.0), (1.0 / 1.3, 1.3)] {
         let mut lod = Lod::original(1);
         lod.resize(LeafId::from_index(0), area_scale);
         let factors = fitted(&original, &lod.foliage(&original), 2.0);
@@ -214,6 +225,33 @@ fn a_crown_of_small_leaves_is_not_fitted_to_the_pixels_of_its_views() {
     assert!(10 * after < 14 * before, "{after} of {before}");
 }
 
+/// The VMI in all views of leaves in these sizes, in bits.
+fn information_bits(foliage: &Foliage, factors: &[f64], views: &ViewSet) -> f64 {
+    let images = drawn(foliage, factors, views);
+    let leaves = foliage.leaves().len();
+    let rows = images.iter().flat_map(|i| cpu::histogram(i, leaves));
+    let areas = AreaTable::from_rows(leaves, rows.collect());
+    Vmi::of(&areas, &LgTable::new()).bits().iter().sum()
+}
+
+/// Leaves of a sparse crown that took the places of others are mostly wrong: its outline
+/// alone is nearest with hardly any of them left.
+#[test]
+fn an_outline_costs_no_more_information_than_was_missing() {
+    let original = crown(60, 13);
+    let left = thinned(&original, 6, 4.0);
+    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+    let [of_original, before] =
+        [&original, &left].map(|foliage| information_bits(foliage, &[], &views));
+    for weight in [1.5, 4.0] {
+        let factors = fitted(&original, &left, weight);
+        let after = information_bits(&left, &factors, &views);
+        let missing = |bits: f64| (of_original - bits).abs() / of_original;
+        println!("{weight} {} {}", missing(before), missing(after));
+        assert!(missing(after) < missing(before).max(0.1) + 0.05);
+    }
+}
+
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let original = crown(300, 7);
@@ -223,6 +261,27 @@ fn the_number_of_threads_changes_nothing() {
         pool.unwrap().install(|| fitted(&original, &left, 2.0))
     };
     assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn progress_says_what_is_tried_at_most() {
+    let original = crown(160, 9);
+    let left = thinned(&original, 4, 6.0);
+    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let way = way([&original, &left], &views, 32, 1.0);
+    let mut told = Vec::new();
+    let end = fit(&way, &mut |done, at_most| {
+        told.push((done, at_most));
+        ControlFlow::Continue(())
+    });
+    assert!(end.is_continue());
+    // Eight rounds over all leaves and one more, if every leaf changed in every round.
+    assert_eq!(told[0].1, 40 * 9);
+    assert!(told.is_sorted_by(|a, b| a.0 < b.0 && a.1 >= b.1));
+    let &(done, at_most) = told.last().unwrap();
+    assert_eq!(done, at_most);
+    // More than two rounds, and of fewer leaves.
+    assert!(done > 80 && done % 40 != 0, "{done}");
 }
 
 #[test]
@@ -270,8 +329,8 @@ proptest! {
     }
 
     /// What one leaf gains is what J loses: of the outline to the pixel, of VMI but for
-    /// what others lose to the second order (a pixel of outline counts 100 bits, and J
-    /// changes by thousands).
+    /// what others lose to the second order, and where it is dear four times that (a pixel of
+    /// outline counts 100 bits, and J changes by thousands).
     #[test]
     fn a_gain_is_what_j_loses(seed in 0u64..1000, larger in any::<bool>()) {
         let original = crown(60, seed);
@@ -297,6 +356,6 @@ proptest! {
         stage.change(&[Change { leaf, from: 1.0, to: sizes[size] }]);
         let lost = before - stage.objective();
         let bits = |scaled: i128| scaled as f64 / f64::from(1u32 << LG_FRACTION_BITS);
-        prop_assert!(bits(gain - lost).abs() < 60.0, "{} {}", bits(gain), bits(lost));
+        prop_assert!(bits(gain - lost).abs() < 240.0, "{} {}", bits(gain), bits(lost));
     }
 }

@@ -179,7 +179,7 @@ fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
 fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
     let coarsest = levels.iter().copied().fold(1.0, f64::min);
     let mut settings = job.case.settings(coarsest, job.seed)?;
-    let sees_pixels = is_vds(&settings) || settings.fit.is_some();
+    let sees_pixels = is_vds(&settings) || settings.outline_weight().is_some();
     if !sees_pixels {
         // A method that sees no pixels does not have to choose how many.
         settings.resolution = Resolution::Pixels(1);

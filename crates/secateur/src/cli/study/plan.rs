@@ -32,6 +32,7 @@ const LEAF_TRIANGLES: &str = "--leaf-triangles";
 
 /// The option that fits sizes at the end.
 const FIT: &str = "--fit";
+const FIT_NONE: &str = "--fit=none";
 
 /// All methods, one setting each, and the variants that explain them.
 const METHODS: [&str; 11] = [
@@ -40,7 +41,7 @@ const METHODS: [&str; 11] = [
     "vds --reference previous --resize deficit --neighbours 4",
     "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1",
     "vds --triangles",
-    "vds --triangles --fit",
+    "vds --triangles --fit=none",
     "fsa",
     "stochastic",
     "stochastic --area-weight 0.5",
@@ -250,8 +251,9 @@ impl Case {
 
     /// Whether one run to the coarsest level gives all finer ones, a leaf a step.
     pub(super) fn has_prefixes(&self) -> bool {
-        let is_of_one_level =
-            |option: &String| option.starts_with(LEAF_TRIANGLES) || option.starts_with(FIT);
+        let is_of_one_level = |option: &String| {
+            option.starts_with(LEAF_TRIANGLES) || option.starts_with(FIT) && option != FIT_NONE
+        };
         self.method != Method::Meshopt.name()
             && !self.is_of_triangles()
             && !self.options.iter().any(is_of_one_level)
@@ -323,6 +325,7 @@ mod tests {
             "vds --triangles",
             "vds --leaf-triangles=2",
             "vds --fit",
+            "vds --fit=auto",
             "fsa --fit=3",
         ] {
             let case = Case::parse(text, Perturbation::None).unwrap();
@@ -332,6 +335,8 @@ mod tests {
 
     #[test]
     fn levels_of_a_case_of_triangles_are_shares_of_them() {
+        let unfitted = Case::parse("vds --fit=none", Perturbation::None).unwrap();
+        assert!(unfitted.has_prefixes());
         let text = "vds --triangles --neighbours 4";
         let case = Case::parse(text, Perturbation::None).unwrap();
         assert_eq!(case.setting(), "triangles neighbours 4");
