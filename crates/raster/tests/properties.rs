@@ -20,13 +20,14 @@ fn any_foliage(leaves: std::ops::Range<usize>) -> impl Strategy<Value = Foliage>
         corner(),
         [corner(), corner(), corner(), corner()],
         0.01..1.0f64,
+        1..3usize,
     );
     proptest::collection::vec(leaf, leaves).prop_map(|leaves| {
         let mut foliage = Foliage::default();
-        for (at, corners, size) in leaves {
+        for (at, corners, size, count) in leaves {
             let [a, b, c, d] = corners.map(|p| at + p * size);
             let triangles = [[a, b, c], [a, c, d]].map(LeafTriangle::plain);
-            foliage.push_leaf(&triangles, None).unwrap();
+            foliage.push_leaf(&triangles[..count], None).unwrap();
         }
         foliage
     })

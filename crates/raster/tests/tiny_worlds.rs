@@ -217,6 +217,28 @@ fn holes_of_a_cutout_show_what_is_behind() {
     assert_eq!([front(4), front(7), front(8), front(11)], [2, 2, 1, 1]);
 }
 
+/// The same by each triangle alone, in each of two ways to draw it.
+#[test]
+fn holes_of_a_triangle_show_what_is_behind() {
+    let mask = Cutout::from_fn([4, 2], [Wrap::Repeat; 2], |x, y| x >= 2 || y >= 1);
+    let mut both = 0;
+    for triangle in quad(-2.0, -2.0, 2.0, 2.0, 4.0) {
+        let mut foliage = Foliage::new(vec![Arc::new(mask.clone())]);
+        foliage.push_leaf(&[triangle], Some(0)).unwrap();
+        let area_px = areas(&foliage, &Lod::original(1))[1];
+        let fragments = cpu::fragments(&Scene {
+            foliage: &foliage,
+            lod: &Lod::original(1),
+            views: &ruler(),
+            resolution: 16,
+        });
+        let lists = fragments.views()[0].pixels();
+        assert_eq!(lists.map(|list| list.len() as u32).sum::<u32>(), area_px);
+        both += area_px;
+    }
+    assert_eq!(both, 48);
+}
+
 #[test]
 fn texture_coordinates_stay_right_on_a_deep_leaf() {
     // A floor from distance 1 to 15 below the eye, its texture's far half

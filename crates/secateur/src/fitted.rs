@@ -15,8 +15,8 @@ use crate::{Error, OpenEngine, Views};
 /// judging views: what is good for coarser ones is too large in finer ones.
 const LEAST_RESOLUTION: u32 = 512;
 
-/// But for that no more pixels over all views than these are taken, of 128 views.
-const MOST_PIXELS: u64 = 1 << 25;
+/// But of no more pixels over all views, those of 48 views of 1024 x 1024.
+const MOST_PIXELS: u64 = 48 << 20;
 
 /// How sizes are fitted.
 pub(crate) struct Fitted<'a> {
@@ -86,9 +86,8 @@ pub(crate) fn fitting_views(views: &Views, sphere: BoundingSphere, driving: &Vie
 
 /// The resolution at which sizes are fitted.
 fn resolution(driving: u32, views: &ViewSet) -> u32 {
-    let of_each_view = (MOST_PIXELS / views.len() as u64).isqrt();
-    let finer = of_each_view.min(u64::from(LEAST_RESOLUTION)) as u32;
-    driving.max(finer)
+    let most = (MOST_PIXELS / views.len() as u64).isqrt();
+    u64::from(driving.max(LEAST_RESOLUTION)).min(most) as u32
 }
 
 /// The order with a step more, after which the areas of what is left are multiplied by
@@ -241,7 +240,7 @@ mod tests {
             [512, 512, 1024]
         );
         let many = ViewSet::new(vec![views.views()[0]; 4096]);
-        assert_eq!([64, 200].map(|n| resolution(n, &many)), [90, 200]);
+        assert_eq!([64, 200].map(|n| resolution(n, &many)), [110, 110]);
     }
 
     #[test]

@@ -48,6 +48,8 @@ pub struct Simplified {
     /// their sizes. Empty for
     /// methods without such costs.
     pub costs_scaled: Vec<i64>,
+    /// Whether the last step fits sizes.
+    pub is_fitted: bool,
     /// Why the run ended.
     pub stopped: Stopped,
     /// The views of the last step.
@@ -93,8 +95,8 @@ const CLEAR_ERROR_PERCENT: f64 = 10.0;
 ///
 /// Time is about in proportion to the leaves at equal crown density, and to the
 /// number of views times the pixels that a leaf covers; memory about 20 bytes a
-/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of 512 x 512
-/// at least. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
+/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of twice
+/// the views, of 512 x 512 pixels at least (1.3 GB at most), and 12 a view and leaf. [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
 ///
 /// # Errors
 /// [`Error`] if the foliage is empty or out of range, a setting is, the GPU
@@ -218,8 +220,9 @@ pub fn simplify_on(
     let seconds = clock.finish();
     let mut warnings = warnings_of(goal, &foliage);
     warnings.extend(shortfall(settings, goal, &foliage, &lod));
+    let is_fitted = outcome.order.len() > steps;
     if let Fitting::Weight(_) = settings.fit
-        && outcome.order.len() == steps
+        && !is_fitted
     {
         warnings.push(NOTHING_FITS.to_owned());
     }
@@ -229,6 +232,7 @@ pub fn simplify_on(
         order: outcome.order,
         lod,
         costs_scaled: outcome.costs_scaled,
+        is_fitted,
         stopped: outcome.stopped,
         views: outcome.views,
         areas: outcome.areas,
@@ -330,7 +334,7 @@ const NOTHING_FITS: &str =
 fn about_fit(before_percent: f64, after_percent: f64) -> Option<String> {
     (after_percent > 2.0 * before_percent && after_percent > CLEAR_ERROR_PERCENT).then(|| {
         format!(
-            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: a smaller weight, as of `--fit=0.25`, keeps more of the information"
+            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: `--fit=none`, or a smaller weight, keeps more of the information"
         )
     })
 }

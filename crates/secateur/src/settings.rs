@@ -246,11 +246,14 @@ impl Alpha {
 }
 
 /// Whether the sizes of what is left are fitted to the original at the end, whatever
-/// the method made of them: see [`mod@crate::fit`].
+/// the method made of them, in the driving views and 20 others, or, with
+/// [`Views::Cameras`], in these alone: see [`mod@crate::fit`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Fitting {
-    /// For [`Method::Vds`] to triangles at [`Resolution::Auto`]: where it is for the
-    /// program to say how what is left is best used. Else none.
+    /// For [`Method::Vds`] to triangles at [`Resolution::Auto`], where nothing is said of
+    /// how leaves grow either: it is for the program then to say how what is left is best
+    /// used. Else none.
     #[default]
     Auto,
     /// None.
@@ -341,6 +344,8 @@ impl Simplify {
     pub fn outline_weight(&self) -> Option<f64> {
         let is_auto = self.method == Method::Vds
             && self.resolution == Resolution::Auto
+            && self.resize == Resize::default()
+            && self.max_coverage.is_none()
             && matches!(self.target, Target::Triangles(_) | Target::TriangleRatio(_));
         match self.fit {
             Fitting::Auto => is_auto.then_some(DEFAULT_OUTLINE_WEIGHT),
@@ -368,6 +373,14 @@ mod tests {
             },
             Simplify {
                 method: Method::Fsa,
+                ..auto.clone()
+            },
+            Simplify {
+                resize: Resize::None,
+                ..auto.clone()
+            },
+            Simplify {
+                max_coverage: Some(1.0),
                 ..auto.clone()
             },
             Simplify {

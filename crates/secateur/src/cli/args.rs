@@ -273,10 +273,11 @@ pub(crate) struct Simplify {
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
     /// Whether to fit the sizes of what is left to the outline and the information of the
-    /// original, at the end: a weight of how much a pixel of outline counts against a bit of
-    /// information of a pixel (with less, information is nearer, with more, the outline; 1.5 if
-    /// there is none after --fit), none, or auto: 1.5 for vds with --triangles where no
-    /// --resolution is given, else none.
+    /// original, at the end, in these views and 20 others (in cameras of your own alone): a
+    /// weight of how much a pixel of outline counts against a bit of information of a pixel (with
+    /// less, information is nearer, with more, the outline; 1.5 if there is none after --fit),
+    /// none, or auto: 1.5 for vds with --triangles where --resolution, --resize and
+    /// --max-coverage are left as they are, else none.
     #[arg(
         long,
         value_name = "auto|none|W",

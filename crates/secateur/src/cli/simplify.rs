@@ -296,6 +296,10 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     if args.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }
+    if let (Some(weight), true) = (run.outline_weight, result.is_fitted) {
+        let what = format!("fitted to the original at the end, outlines with a weight of {weight}");
+        say("sizes", what);
+    }
     say(
         "loss",
         format!(

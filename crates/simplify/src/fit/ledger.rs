@@ -11,11 +11,11 @@ use crate::vmi::Vmi;
 /// Of the information of a view one part in so many is free.
 const FREE: i64 = 100;
 
-/// Above one part in so many of all information each bit counts [`DEAR`] times more,
-/// or above what was missing.
+/// Much is one part in so many of all information, or what was missing at first if that
+/// is more.
 const MUCH: i128 = 10;
 
-/// See [`MUCH`].
+/// Each bit above much counts so many times more.
 const DEAR: i128 = 3;
 
 /// See the module.

@@ -59,8 +59,8 @@ const FACTORS: [f64; 2] = [2.0, 1.3];
 /// The first factor is tried again if it took one part in so many of J away.
 const PAYS: i128 = 10;
 
-/// As often at most: all rounds together make no leaf more than 333 times as large.
-const MOST_REPEATS: usize = 8;
+/// But in no more rounds: all together make no leaf more than 333 times as large.
+const MOST_ROUNDS: usize = 8;
 
 /// Leaves that are tried at a time.
 const BATCH: usize = 64;
@@ -104,11 +104,14 @@ pub fn fit(
     assert!(!fit.views.is_empty(), "at least one view");
     assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&fit.outline_weight));
     let mut stage = Stage::new(fit);
+    if stage.objective() == 0 {
+        return ControlFlow::Continue(stage.scales);
+    }
     let all: Vec<usize> = (0..stage.scales.len()).collect();
     let mut done = 0;
     for (k, factor) in FACTORS.into_iter().enumerate() {
         let later = (FACTORS.len() - 1 - k) * all.len();
-        let rounds = if k == 0 { MOST_REPEATS } else { 1 };
+        let rounds = if k == 0 { MOST_ROUNDS } else { 1 };
         let mut tried = all.clone();
         for left in (0..rounds).rev() {
             let before = stage.objective();

@@ -71,7 +71,13 @@ const SPEED: [&str; 13] = [
 ];
 
 /// What is looked at under every perturbation.
-const STABILITY: [&str; 4] = ["vds", "fsa", "stochastic", "meshopt --preserve-area"];
+const STABILITY: [&str; 5] = [
+    "vds",
+    "vds --triangles",
+    "fsa",
+    "stochastic",
+    "meshopt --preserve-area",
+];
 
 /// Settings whose spread is looked at beside the perturbations.
 const STABILITY_SETTINGS: [&str; 10] = [
@@ -331,12 +337,12 @@ mod tests {
             let case = Case::parse(text, Perturbation::None).unwrap();
             assert!(!case.has_prefixes(), "{text}");
         }
+        let unfitted = Case::parse("vds --fit=none", Perturbation::None).unwrap();
+        assert!(unfitted.has_prefixes());
     }
 
     #[test]
     fn levels_of_a_case_of_triangles_are_shares_of_them() {
-        let unfitted = Case::parse("vds --fit=none", Perturbation::None).unwrap();
-        assert!(unfitted.has_prefixes());
         let text = "vds --triangles --neighbours 4";
         let case = Case::parse(text, Perturbation::None).unwrap();
         assert_eq!(case.setting(), "triangles neighbours 4");
