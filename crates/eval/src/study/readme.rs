@@ -8,7 +8,7 @@ use super::published::beside;
 use super::table::Table;
 use super::trial::{WHAT_IS_BETTER, overview};
 use super::whole::note_of;
-use super::words::{duration, memory, number, percent};
+use super::words::{duration, memory, number, percent, trees};
 use super::{COLUMNS, Row, Study, groups, held_out, overlap, shares, spread, summarise};
 
 /// The same study as [`report`](super::report()) without pictures: what ran on
@@ -20,16 +20,12 @@ pub fn readme(study: &Study<'_>) -> String {
         let all: BTreeSet<String> = study.rows.iter().map(what).collect();
         all.into_iter().collect::<Vec<_>>().join("; ")
     };
+    let names: BTreeSet<&String> = study.rows.iter().map(|r| &r.tree).collect();
     let _ = write!(
         text,
-        "- {} rows of {} trees: {}\n- machine: {}\n- secateur {}, commit {}\n- leaves drawn by: {}\n- every row has the command that gives it again; this text and the charts need the rows alone\n\n",
+        "- {} rows of {}: {}\n- machine: {}\n- secateur {}, commit {}\n- leaves drawn by: {}\n- every row has the command that gives it again; this text and the charts need the rows alone\n\n",
         study.rows.len(),
-        study
-            .rows
-            .iter()
-            .map(|r| &r.tree)
-            .collect::<BTreeSet<_>>()
-            .len(),
+        trees(names.len()),
         each(|r| format!("{} ({} leaves)", r.tree, r.leaves_original)),
         each(|r| r.machine.clone()),
         each(|r| r.version.clone()),
@@ -163,7 +159,7 @@ mod tests {
         };
         let text = study(&rows);
         assert!(
-            text.contains("- 2 rows of 1 trees: oak (100 leaves)"),
+            text.contains("- 2 rows of 1 tree: oak (100 leaves)"),
             "{text}"
         );
         assert!(

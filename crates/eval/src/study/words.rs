@@ -30,6 +30,14 @@ pub(super) fn overlap_of(overlap: Option<f64>) -> String {
     overlap.map_or(String::new(), |share| format!("{share:.3}"))
 }
 
+/// "1 tree", "2 trees".
+pub(super) fn trees(count: usize) -> String {
+    match count {
+        1 => "1 tree".to_owned(),
+        _ => format!("{count} trees"),
+    }
+}
+
 /// A row's value of a metric.
 pub(super) fn number_of(row: &Row, column: &Column) -> String {
     let value = row.values.get(column.key).copied().flatten();

@@ -14,7 +14,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::beaten::{WHAT_IS_COUNTED, beaten};
 use super::chart::{chart, escaped};
 use super::whole::{note_of, take_out_partial};
-use super::words::{duration, memory, number, overlap_of, percent};
+use super::words::{duration, memory, number, overlap_of, percent, trees};
 use super::{COLUMNS, Column, Paper, Point, Row, Trial, summarise};
 use super::{held_out, shares};
 use crate::measure::Direction;
@@ -153,8 +153,8 @@ impl Page<'_> {
     fn summary(&self, html: &mut String) {
         let _ = write!(
             html,
-            "<h2>Summary</h2>\n<p>Means over {} trees ({}) from the 12 judging views; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
-            trees_of(self.given).len(),
+            "<h2>Summary</h2>\n<p>Means over {} ({}) from the 12 judging views; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
+            trees(trees_of(self.given).len()),
             escaped(&trees_of(self.given).join(", "))
         );
         let rows = self.study.rows;
@@ -418,7 +418,7 @@ mod tests {
         ] {
             assert!(html.contains(part), "{part}");
         }
-        assert!(html.contains("Means over 1 trees (oak)"));
+        assert!(html.contains("Means over 1 tree (oak)"));
         assert_eq!(html.matches("class=\"tree\"").count(), 1);
     }
 
@@ -447,7 +447,7 @@ mod tests {
         };
         assert_eq!(study.given_rows().len(), 1);
         let html = report(&study, &[]);
-        assert!(html.contains("Means over 1 trees (oak)"));
+        assert!(html.contains("Means over 1 tree (oak)"));
         assert!(html.contains("<td>3.00 %</td><td>40.00 %</td>"));
         assert!(html.contains("What compares."));
     }
