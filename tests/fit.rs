@@ -6,12 +6,21 @@ use serde_json::Value;
 
 use crate::program::Bench;
 
+/// The report; what is printed says so where sizes were fitted.
 fn run(bench: &Bench, out: &str, options: &[&str]) -> Value {
     let files = [
         "simplify", "oak.glb", "-o", out, "--report", "r.json", "--audit",
     ];
-    bench.run(&[&files[..], options].concat()).succeeded();
-    bench.json("r.json")
+    let said = bench.run(&[&files[..], options].concat()).succeeded();
+    let report = bench.json("r.json");
+    let is_said = said.stdout.contains("  sizes      fitted to the original");
+    assert_eq!(
+        is_said,
+        !report["settings"]["fit"].is_null(),
+        "{}",
+        said.stdout
+    );
+    report
 }
 
 fn simplified(bench: &Bench, out: &str, options: &[&str]) -> Value {

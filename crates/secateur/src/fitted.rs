@@ -178,6 +178,7 @@ mod tests {
             let (fitted, plain) = with_and_without(settings);
             let steps = plain.order.len();
             assert_eq!(fitted.order.len(), steps + 1);
+            assert!(fitted.is_fitted && !plain.is_fitted);
             let last = fitted.order.steps().last().unwrap();
             assert!(last.removed.is_empty() && last.made.is_empty());
             // All before is as it was.
@@ -225,6 +226,7 @@ mod tests {
             assert!(fitted.driving_error_percent() <= percent);
             if fitted.order == plain.order {
                 refused += 1;
+                assert!(!fitted.is_fitted);
                 let says = |w: &String| w.starts_with("leaves keep their sizes");
                 assert!(fitted.warnings.iter().any(says));
             }

@@ -124,6 +124,15 @@ fn what_is_as_it_was_stays() {
 }
 
 #[test]
+fn where_nothing_is_to_be_fitted_nothing_is_tried() {
+    let crown = crown(120, 1);
+    let views = ViewSet::octahedron(crown.bounding_sphere().unwrap());
+    let way = way([&crown, &crown], &views, 32, 2.0);
+    let end = fit(&way, &mut |_, _| panic!("a leaf was tried"));
+    assert_eq!(end, ControlFlow::Continue(vec![1.0; 120]));
+}
+
+#[test]
 fn a_leaf_of_another_size_gets_its_own_back() {
     let original = square(1.0);
     for (area_scale, expected) in [(2.0, 0.5), (0.25, 4.0), (1.0 / 1.3, 1.3)] {
