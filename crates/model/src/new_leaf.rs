@@ -33,6 +33,14 @@ pub enum Place {
     Of(CornerRef),
     /// Anywhere, in world space.
     At(DVec3),
+    /// In the plane of a triangle of the donor, within it or not. The texture goes on
+    /// there: texture coordinates are of the same weights, as are, in files, normals.
+    InPlaneOf {
+        /// Which of [`Foliage::triangles_of`] the donor.
+        triangle: u32,
+        /// Of its corners; together 1, some may be negative.
+        weights: [f64; 3],
+    },
 }
 
 /// A corner of a [`NewLeaf`].
@@ -41,7 +49,7 @@ pub struct NewCorner {
     /// Where it is.
     pub place: Place,
     /// The corner of the donor, numbered as in [`CornerRef`], whose texture
-    /// coordinates and other attributes it has.
+    /// coordinates and other attributes it has, but for those of [`Place::InPlaneOf`].
     pub like: u32,
 }
 
@@ -57,7 +65,7 @@ pub struct NewLeaf {
 }
 
 impl NewLeaf {
-    /// Its triangles in world space, with the donor's texture coordinates, grown
+    /// Its triangles in world space, with texture coordinates of the donor, grown
     /// about its centre to this multiple of its area.
     ///
     /// # Panics
@@ -65,11 +73,19 @@ impl NewLeaf {
     pub fn triangles_in(&self, foliage: &Foliage, area_scale: f64) -> Vec<LeafTriangle> {
         let like = foliage.triangles_of(self.donor);
         let corner = |c: &NewCorner| {
-            let position = match c.place {
-                Place::Of(corner) => corner.position(foliage),
-                Place::At(position) => position,
-            };
-            (position, like[c.like as usize / 3].uvs[c.like as usize % 3])
+            let uv = like[c.like as usize / 3].uvs[c.like as usize % 3];
+            match c.place {
+                Place::Of(corner) => (corner.position(foliage), uv),
+                Place::At(position) => (position, uv),
+                Place::InPlaneOf { triangle, weights } => {
+                    let LeafTriangle { corners, uvs } = like[triangle as usize];
+                    let [a, b, c] = weights;
+                    (
+                        a * corners[0] + b * corners[1] + c * corners[2],
+                        a * uvs[0] + b * uvs[1] + c * uvs[2],
+                    )
+                }
+            }
         };
         let triangle = |t: &[NewCorner; 3]| {
             let [a, b, c] = [corner(&t[0]), corner(&t[1]), corner(&t[2])];

@@ -2,14 +2,14 @@
 //! number of leaves or of triangles, or to an error.
 
 use secateur_model::{Foliage, LeafId, RemovalOrder};
-use secateur_simplify::coarsen::{Coarse, coarsen, shared_out};
+use secateur_simplify::coarsen::{Cards, Coarse, coarsen, shared_out};
 use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan, final_views};
 
 use crate::baseline;
 use crate::settings::Goal;
 use crate::{Error, LeafTriangles, OpenEngine};
 
-/// A leaf with a cut-out keeps two triangles: one shows too little of its texture.
+/// A leaf with a cut-out keeps two triangles where fewer show too little of its texture.
 const LEAST_WITH_CUTOUT: usize = 2;
 
 /// What VDS is asked for.
@@ -28,8 +28,7 @@ impl Driven {
         foliage: &Foliage,
         vds: impl FnOnce(&Foliage, &VdsOptions) -> Result<VdsOutcome, Error>,
     ) -> Result<(Option<RemovalOrder>, VdsOutcome), Error> {
-        let most = most_triangles(foliage, self.leaf_triangles, self.goal);
-        let coarse = most.and_then(|most| coarsen(foliage, &most));
+        let coarse = coarser(foliage, self.leaf_triangles, self.goal);
         let driving = coarse.as_ref().map_or(foliage, Coarse::foliage);
         let (leaves, max_error_percent) = match self.goal {
             Goal::Leaves(leaves) => (leaves, None),
@@ -93,20 +92,22 @@ impl Driven {
     }
 }
 
-/// How many triangles each leaf may keep; nothing if all may keep all.
-fn most_triangles(
-    foliage: &Foliage,
-    leaf_triangles: LeafTriangles,
-    goal: Goal,
-) -> Option<Vec<usize>> {
+/// Coarser leaves for a goal; nothing if they stay as they are.
+fn coarser(foliage: &Foliage, leaf_triangles: LeafTriangles, goal: Goal) -> Option<Coarse> {
     match (leaf_triangles, goal) {
-        (LeafTriangles::AtMost(most), _) => Some(vec![most as usize; foliage.leaves().len()]),
-        (LeafTriangles::Auto, Goal::Triangles(at_most)) => {
-            let least = |leaf: LeafId| match foliage.leaf(leaf).cutout() {
-                Some(_) => LEAST_WITH_CUTOUT,
-                None => 1,
+        (LeafTriangles::AtMost(most), _) => {
+            let most = vec![most as usize; foliage.leaves().len()];
+            coarsen(foliage, &Cards::of(foliage), &most)
+        }
+        (LeafTriangles::Auto, Goal::Triangles(at_most)) if at_most < foliage.triangles().len() => {
+            let cards = Cards::of(foliage);
+            let least = |leaf: LeafId| match (foliage.leaf(leaf).cutout(), cards.triangles_of(leaf))
+            {
+                (Some(_), Some(triangles)) => triangles.len(),
+                (Some(_), None) => LEAST_WITH_CUTOUT,
+                (None, _) => 1,
             };
-            Some(shared_out(foliage, at_most, least))
+            coarsen(foliage, &cards, &shared_out(foliage, at_most, least))
         }
         (LeafTriangles::Auto | LeafTriangles::Keep, _) => None,
     }
@@ -217,5 +218,47 @@ mod tests {
         assert_eq!((fewer.order.len(), fewer.lod.leaf_count()), (8, 5));
         assert_eq!(fewer.costs_scaled.len(), 8);
         assert!(fewer.costs_scaled[7] > 0);
+    }
+
+    /// Cards whose textures are empty at their borders: half of the triangles show all of
+    /// them, each at its place, as it was.
+    #[test]
+    fn all_cards_stay_where_every_one_may_keep_a_triangle() {
+        use std::sync::Arc;
+
+        use glam::DVec2;
+        use secateur_model::{Cutout, Wrap};
+
+        let middle = |x: u32| (8..24).contains(&x);
+        let mask = Cutout::from_fn([32, 32], [Wrap::ClampToEdge; 2], |x, y| {
+            middle(x) && middle(y)
+        });
+        let mut foliage = Foliage::new(vec![Arc::new(mask)]);
+        for k in 0..9 {
+            let at = DVec3::new((k % 3) as f64, (k / 3) as f64, 0.1 * k as f64);
+            let corner = |(u, v): (f64, f64)| (at + DVec3::new(u, v, 0.2 * u), DVec2::new(u, v));
+            let triangle = |corners: [(f64, f64); 3]| LeafTriangle {
+                corners: corners.map(|c| corner(c).0),
+                uvs: corners.map(|c| corner(c).1),
+            };
+            let [a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+            let card = [triangle([a, b, c]), triangle([a, c, d])];
+            foliage.push_leaf(&card, Some(0)).unwrap();
+        }
+        let result = to(&foliage, 9, LeafTriangles::Auto);
+        assert_eq!(result.lod.leaf_count(), 9);
+        assert_eq!(result.lod.foliage(&foliage).triangles().len(), 9);
+        let measured = crate::measure(&foliage, &result.lod.foliage(&foliage)).unwrap();
+        assert!(
+            measured.silhouette_iou() > 0.99,
+            "{}",
+            measured.silhouette_iou()
+        );
+        assert!(measured.vmi_error_percent() < 0.5);
+
+        let fewer = to(&foliage, 5, LeafTriangles::Auto);
+        assert_eq!(fewer.lod.leaf_count(), 5);
+        let kept = to(&foliage, 9, LeafTriangles::Keep);
+        assert_eq!(kept.lod.leaf_count(), 4);
     }
 }

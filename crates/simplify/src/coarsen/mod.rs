@@ -8,9 +8,12 @@
 //! if its C++ is compiled with `-ffp-contract=off`, as this workspace does), and
 //! is then grown and moved so that its area and its centre stay.
 
+mod around;
+mod cards;
 mod leaf_mesh;
 mod shares;
 
+pub use cards::Cards;
 pub use shares::shared_out;
 
 use rayon::prelude::*;
@@ -38,10 +41,23 @@ pub struct Coarse {
 /// no edge can collapse, or what would be left has no area.
 ///
 /// # Panics
-/// If `triangles_at_most` is not of one number for each leaf.
-pub fn coarsen(foliage: &Foliage, triangles_at_most: &[usize]) -> Option<Coarse> {
+/// If `triangles_at_most` is not of one number for each leaf, or the cards are of other
+/// leaves.
+pub fn coarsen(foliage: &Foliage, cards: &Cards, triangles_at_most: &[usize]) -> Option<Coarse> {
     assert_eq!(triangles_at_most.len(), foliage.leaves().len());
-    let coarser = |(index, &at_most)| coarser_leaf(foliage, LeafId::from_index(index), at_most);
+    let coarser = |(index, &at_most): (usize, &usize)| {
+        let leaf = LeafId::from_index(index);
+        if foliage.triangles_of(leaf).len() <= at_most {
+            return None;
+        }
+        match cards.triangles_of(leaf) {
+            Some(triangles) if triangles.len() <= at_most => Some(NewLeaf {
+                donor: leaf,
+                triangles: triangles.to_vec(),
+            }),
+            _ => coarser_leaf(foliage, leaf, at_most),
+        }
+    };
     let made: Vec<Option<NewLeaf>> = triangles_at_most
         .par_iter()
         .enumerate()
@@ -116,9 +132,6 @@ impl Coarse {
 /// What takes the place of a leaf, if anything does.
 fn coarser_leaf(foliage: &Foliage, leaf: LeafId, at_most: usize) -> Option<NewLeaf> {
     let triangles = foliage.triangles_of(leaf);
-    if triangles.len() <= at_most {
-        return None;
-    }
     let kept = leaf_mesh::collapsed(triangles, at_most)?;
     let position = |corner: u32| triangles[corner as usize / 3].corners[corner as usize % 3];
     let mut left = Foliage::default();

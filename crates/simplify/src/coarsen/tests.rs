@@ -62,7 +62,7 @@ fn triangles_are_shared_out_evenly_and_the_last_go_to_the_largest() {
 #[test]
 fn a_hexagon_becomes_a_triangle_of_its_area_at_its_place() {
     let foliage = of(&[polygon(6, 1.0, DVec3::new(1.0, 2.0, 3.0))]);
-    let coarse = coarsen(&foliage, &[1]).unwrap();
+    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1]).unwrap();
     let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
     assert_eq!(coarse.foliage().triangles().len(), 1);
     assert!((before.area() - after.area()).abs() < 1e-12 * before.area());
@@ -83,10 +83,10 @@ fn what_cannot_be_coarser_stays() {
     let line = vec![LeafTriangle::plain([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]); 3];
     let triangle = polygon(3, 1.0, DVec3::ZERO);
     let foliage = of(&[point.clone(), line.clone(), triangle.clone()]);
-    assert!(coarsen(&foliage, &[1, 1, 1]).is_none());
+    assert!(coarsen(&foliage, &Cards::of(&foliage), &[1, 1, 1]).is_none());
     let hexagon = polygon(6, 1.0, DVec3::ZERO);
     let foliage = of(&[point, line, triangle, hexagon]);
-    let coarse = coarsen(&foliage, &[1; 4]).unwrap();
+    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1; 4]).unwrap();
     assert_eq!(counts(coarse.foliage()), [4, 3, 1, 1]);
     assert_eq!(coarse.foliage().triangles()[..8], foliage.triangles()[..8]);
 }
@@ -101,7 +101,7 @@ fn leaves_of_two_sides_keep_a_triangle_of_each() {
         uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
     });
     let foliage = of(&[front.iter().copied().chain(back).collect()]);
-    let coarse = coarsen(&foliage, &[1]).unwrap();
+    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1]).unwrap();
     let made = coarse.made[0].as_ref().unwrap();
     assert_eq!(made.triangles.len(), 2);
     let sides = made.triangles.iter().map(|t| {
@@ -123,7 +123,7 @@ fn a_closed_leaf_stays_or_keeps_its_sides() {
     let tetrahedron = [[a, c, b], [a, b, d], [a, d, c], [b, c, d]].map(LeafTriangle::plain);
     let foliage = of(&[tetrahedron.to_vec()]);
     for at_most in 1..=4 {
-        let left = coarsen(&foliage, &[at_most]);
+        let left = coarsen(&foliage, &Cards::of(&foliage), &[at_most]);
         let area = |foliage: &Foliage| foliage.leaves()[0].area();
         if let Some(left) = left {
             assert!((area(left.foliage()) - area(&foliage)).abs() < 1e-9);
@@ -138,7 +138,7 @@ fn a_closed_leaf_stays_or_keeps_its_sides() {
 fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
     let at = |x: f64, corners| polygon(corners, 1.0, DVec3::X * x);
     let foliage = of(&[at(0.0, 3), at(5.0, 6), at(9.0, 6)]);
-    let coarse = coarsen(&foliage, &[1, 2, 2]).unwrap();
+    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1, 2, 2]).unwrap();
     let leaf = LeafId::from_index;
     let mut order = RemovalOrder::new(3);
     let grown = Growth {
@@ -178,7 +178,7 @@ proptest! {
         let foliage = of(&leaves);
         let at_most = (share * foliage.triangles().len() as f64) as usize;
         let shares = shared_out(&foliage, at_most, |_| least);
-        let coarse = coarsen(&foliage, &shares);
+        let coarse = coarsen(&foliage, &Cards::of(&foliage), &shares);
         let after = coarse.as_ref().map_or(&foliage, Coarse::foliage);
         let (coarse, after) = (after, counts(after));
         prop_assert!(after.iter().zip(&shares).all(|(count, share)| count <= share));

@@ -6,7 +6,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use super::vertices::Resize;
 use crate::gltf::tree::Tree;
-use crate::{LeafId, Lod, NewCorner, NewLeaf};
+use crate::{LeafId, Lod, NewCorner, NewLeaf, Place};
 
 /// What becomes of one leaf of a part.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +43,16 @@ pub(super) struct MadeCorner {
     pub(super) like: (u32, usize),
     /// Where the copy goes, in the primitive's local space.
     pub(super) position_local: DVec3,
+    /// What the copy's texture coordinates and normal are, where they are not the vertex's.
+    pub(super) blend: Option<Blend>,
+}
+
+/// A sum of the vertices of a triangle, by weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blend {
+    /// A triangle of the primitive's list.
+    pub(super) triangle: u32,
+    pub(super) weights: [f64; 3],
 }
 
 impl<'t> Fates<'t> {
@@ -80,10 +90,21 @@ impl<'t> Fates<'t> {
         let world_from_local = &self.tree.parts[part].world_from_local;
         let corner = |donor: LeafId, corner: &NewCorner, position_world: DVec3| {
             let source = &self.tree.leaf_sources[donor.index()];
-            let triangle = self.tree.triangles_of(source)[corner.like as usize / 3];
+            let triangles = self.tree.triangles_of(source);
+            let blend = match corner.place {
+                Place::InPlaneOf { triangle, weights } => Some(Blend {
+                    triangle: triangles[triangle as usize],
+                    weights,
+                }),
+                Place::Of(_) | Place::At(_) => None,
+            };
             MadeCorner {
-                like: (triangle, corner.like as usize % 3),
+                like: (
+                    triangles[corner.like as usize / 3],
+                    corner.like as usize % 3,
+                ),
                 position_local: origin_of_point(world_from_local, position_world),
+                blend,
             }
         };
         let mut triangles = Vec::new();

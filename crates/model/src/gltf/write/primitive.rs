@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
-use super::fates::Fates;
+use super::fates::{Blend, Fates, MadeCorner};
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::gltf::accessor::{Component, Elements, Shape};
@@ -25,7 +25,11 @@ pub(super) fn rewrite_primitive(
     part_number: usize,
 ) -> Result<Option<Value>, Fault> {
     let part = &tree.parts[part_number];
-    let (kept, resizes) = kept_triangles(draft, fates, part_number, part)?;
+    let Kept {
+        triangles: kept,
+        resizes,
+        blends,
+    } = kept_triangles(draft, fates, part_number, part)?;
     if kept.is_empty() {
         return Ok(None);
     }
@@ -43,6 +47,7 @@ pub(super) fn rewrite_primitive(
     let moves = Moves {
         vertices: &vertices,
         resizes: &resizes,
+        blends: &blends,
         place: document.primitive_place(part.mesh, part.primitive),
     };
     moves.rewrite_attributes(draft, &mut primitive["attributes"], &sources, Mover::Point)?;
@@ -70,12 +75,21 @@ fn accessor_of(number: &Value) -> usize {
     as_index(number).expect("a primitive with triangles was read")
 }
 
+/// The triangles that a primitive has from now on.
+struct Kept {
+    triangles: Vec<KeptTriangle>,
+    resizes: Vec<Resize>,
+    /// By resize: old vertices, and how much what it moves has of each, where it has not all
+    /// of one.
+    blends: HashMap<u32, ([u32; 3], [f64; 3])>,
+}
+
 fn kept_triangles(
     draft: &Draft,
     fates: &Fates,
     part_number: usize,
     part: &Part,
-) -> Result<(Vec<KeptTriangle>, Vec<Resize>), Fault> {
+) -> Result<Kept, Fault> {
     let triangles = draft.document.triangles(part.mesh, part.primitive)?;
     let mut is_kept = vec![true; triangles.len()];
     let mut resize_of = vec![None; triangles.len()];
@@ -105,16 +119,26 @@ fn kept_triangles(
     // A vertex that shrinks to a point is one that moves there. Corners that
     // are alike and at one place stay one vertex.
     let mut placed = HashMap::new();
+    let mut blends = HashMap::new();
     for triangle in fates.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
         let mut resize = |k: usize| {
-            let bits = triangle[k].position_local.to_array().map(f64::to_bits);
-            *placed.entry(bits).or_insert_with(|| {
+            let MadeCorner {
+                position_local,
+                blend,
+                ..
+            } = triangle[k];
+            let bits = position_local.to_array().map(f64::to_bits);
+            let blend_bits = blend.map(|t: Blend| (t.triangle, t.weights.map(f64::to_bits)));
+            *placed.entry((bits, blend_bits)).or_insert_with(|| {
+                let number = resizes.len() as u32;
                 resizes.push(Resize {
-                    centre_local: triangle[k].position_local,
+                    centre_local: position_local,
                     linear_scale: 0.0,
                 });
-                resizes.len() as u32 - 1
+                let of_vertices = |t: Blend| (triangles[t.triangle as usize], t.weights);
+                blends.extend(blend.map(|t| (number, of_vertices(t))));
+                number
             })
         };
         kept.push(KeptTriangle {
@@ -122,7 +146,11 @@ fn kept_triangles(
             resizes: [0, 1, 2].map(|k| Some(resize(k))),
         });
     }
-    Ok((kept, resizes))
+    Ok(Kept {
+        triangles: kept,
+        resizes,
+        blends,
+    })
 }
 
 /// How a resize acts on a vector of a vertex.
@@ -138,6 +166,7 @@ enum Mover {
 struct Moves<'a> {
     vertices: &'a Vertices,
     resizes: &'a [Resize],
+    blends: &'a HashMap<u32, ([u32; 3], [f64; 3])>,
     place: String,
 }
 
@@ -157,14 +186,77 @@ impl Moves<'_> {
                 continue;
             };
             let moves = semantic == "POSITION" && !self.vertices.moved.is_empty();
+            let is_blended = matches!(mover, Mover::Point) && !self.blends.is_empty();
             let new = if moves {
                 self.move_vectors(draft, old, sources, mover)?
+            } else if is_blended && semantic.starts_with("TEXCOORD_") {
+                self.blend::<2>(draft, old, sources, |sum, _| sum)?
+            } else if is_blended && semantic == "NORMAL" {
+                self.blend::<3>(draft, old, sources, |sum, like| {
+                    let unit = DVec3::from_array(sum).try_normalize();
+                    unit.map_or(like, |unit| unit.to_array())
+                })?
             } else {
                 draft.gather(old, Role::Vertex, sources)?
             };
             *number = new.into();
         }
         Ok(())
+    }
+
+    /// The accessor of an attribute that some new vertices have of several old ones, of
+    /// that sum and what the vertex that they are copies of has. As f32: sums may leave
+    /// the range or the grid of integers.
+    fn blend<const N: usize>(
+        &self,
+        draft: &mut Draft,
+        old: usize,
+        sources: &Rc<[u32]>,
+        of_sum: impl Fn([f64; N], [f64; N]) -> [f64; N],
+    ) -> Result<usize, Fault> {
+        let elements = draft.document.elements(old)?;
+        if elements.accessor.shape != Shape::Vector(N) {
+            return draft.gather(old, Role::Vertex, sources);
+        }
+        let at = || draft.document.place("accessors", old);
+        let mut vectors = gather_vectors::<N>(&elements, sources).at(at)?;
+        for (vertex, resize) in &self.vertices.moved {
+            let Some((corners, weights)) = self.blends.get(resize) else {
+                continue;
+            };
+            let of_corners = gather_vectors::<N>(&elements, corners).at(at)?;
+            let sum = std::array::from_fn(|k| {
+                let pairs = of_corners.iter().zip(weights);
+                pairs.map(|(vector, weight)| weight * vector[k]).sum()
+            });
+            let vector = &mut vectors[*vertex as usize];
+            *vector = of_sum(sum, *vector);
+        }
+        if elements.accessor.component != Component::F32 {
+            draft.notes.push(format!(
+                "{}: quantised texture coordinates or normals became f32, because those of new leaves leave their grid",
+                self.place
+            ));
+        }
+        let fields = &draft.document.root["accessors"][old];
+        let in_range = |x: &f64| (*x as f32).clamp(f32::MIN, f32::MAX);
+        let new = NewElements {
+            component: Component::F32,
+            shape: Shape::Vector(N),
+            normalized: false,
+            count: sources.len(),
+            bytes: Some(
+                vectors
+                    .as_flattened()
+                    .iter()
+                    .map(in_range)
+                    .flat_map(f32::to_le_bytes)
+                    .collect(),
+            ),
+            bounded: fields.get("min").is_some() || fields.get("max").is_some(),
+            role: Role::Vertex,
+        };
+        Ok(draft.push_accessor(Some(old), new))
     }
 
     /// The accessor of positions, or of their displacements, of which some move.
@@ -183,8 +275,9 @@ impl Moves<'_> {
         {
             return draft.gather(old, Role::Vertex, sources);
         }
-        let mut vectors =
-            gather_vectors(&elements, sources).at(|| draft.document.place("accessors", old))?;
+        let vectors = gather_vectors::<3>(&elements, sources)
+            .at(|| draft.document.place("accessors", old))?;
+        let mut vectors: Vec<DVec3> = vectors.into_iter().map(DVec3::from_array).collect();
         for &(vertex, resize) in &self.vertices.moved {
             let vector = &mut vectors[vertex as usize];
             *vector = moved(*vector, &self.resizes[resize as usize], mover);
@@ -214,12 +307,15 @@ impl Moves<'_> {
 }
 
 /// Vectors that are f32 in the file come back to the same bits.
-fn gather_vectors(elements: &Elements, sources: &[u32]) -> Result<Vec<DVec3>, Problem> {
+fn gather_vectors<const N: usize>(
+    elements: &Elements,
+    sources: &[u32],
+) -> Result<Vec<[f64; N]>, Problem> {
     let gathered = Elements {
         accessor: elements.accessor,
         bytes: Cow::Owned(gather_bytes(elements, sources)?),
     };
-    Ok(gathered.vectors().map(DVec3::from_array).collect())
+    Ok(gathered.vectors().collect())
 }
 
 fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {

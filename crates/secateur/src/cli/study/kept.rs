@@ -50,7 +50,7 @@ fn is_of_one(leaf: &NewLeaf) -> bool {
     let corners = leaf.triangles.iter().flatten();
     let mut own = corners.map(|corner| match corner.place {
         Place::Of(at) => at.leaf == leaf.donor,
-        Place::At(_) => true,
+        Place::At(_) | Place::InPlaneOf { .. } => true,
     });
     own.all(|is_own| is_own)
 }

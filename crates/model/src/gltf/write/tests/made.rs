@@ -6,6 +6,7 @@ use super::encodings;
 use super::fixture::read;
 use super::validator::assert_valid;
 use crate::gltf::Tree;
+use crate::gltf::write::content::lod_content;
 use crate::{CornerRef, LeafId, Lod, NewCorner, NewLeaf, Place};
 
 /// The first two leaves gone; in their place one that reaches from one to the
@@ -130,4 +131,83 @@ fn places_whose_new_leaves_agree_share_a_mesh() {
             }
         }
     }
+}
+
+/// The first leaf gone; in its place a triangle in its plane, twice as far out about the
+/// first corner of its own first triangle.
+fn beyond_its_corners(tree: &Tree) -> Lod {
+    let leaf = LeafId::new(1).unwrap();
+    let corner = |weights, like| NewCorner {
+        place: Place::InPlaneOf {
+            triangle: 0,
+            weights,
+        },
+        like,
+    };
+    let mut lod = Lod::original(tree.foliage.leaves().len());
+    lod.remove(leaf);
+    lod.make(NewLeaf {
+        donor: leaf,
+        triangles: vec![[
+            corner([1.0, 0.0, 0.0], 0),
+            corner([-1.0, 2.0, 0.0], 1),
+            corner([-1.0, 0.0, 2.0], 2),
+        ]],
+    });
+    lod
+}
+
+#[test]
+fn a_texture_goes_on_beyond_the_corners_of_its_triangle() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let mut textured = 0;
+    for (name, fixture) in encodings::all() {
+        let tree = fixture.tree();
+        let lod = beyond_its_corners(&tree);
+        let path = folder.path().join(format!("{name}.glb"));
+        tree.write_lod(&lod, &path).unwrap();
+        let after = read(std::fs::read(&path).unwrap());
+        files.push(path);
+
+        let before = tree.foliage.triangles()[0];
+        let expected = lod.foliage(&tree.foliage);
+        let made = expected.triangles().last().unwrap();
+        for k in 0..3 {
+            let out = if k == 0 { 1.0 } else { 2.0 };
+            let uv = before.uvs[0] + out * (before.uvs[k] - before.uvs[0]);
+            assert!(made.uvs[k].distance(uv) < 1e-12, "{name}");
+        }
+        let size = tree.foliage.bounding_sphere().unwrap();
+        let tolerance = 1e-6 * (size.radius + size.centre.length());
+        let is_made = |found: &&crate::LeafTriangle| {
+            (0..3).all(|k| {
+                made.corners[k].distance(found.corners[k]) <= tolerance
+                    && made.uvs[k].distance(found.uvs[k]) <= 1e-6
+            })
+        };
+        let count = after.foliage.triangles().iter().filter(is_made).count();
+        assert_eq!(count, 1, "{name}");
+        textured += usize::from(before.uvs[0] != before.uvs[1]);
+    }
+    assert!(textured > 0);
+    assert_valid(&files);
+}
+
+#[test]
+fn every_set_of_texture_coordinates_goes_on() {
+    let tree = encodings::rich().tree();
+    let lod = beyond_its_corners(&tree);
+    let content = lod_content(&tree, &lod).unwrap();
+    let primitive = &content.root["meshes"][1]["primitives"][0];
+    let accessor = |semantic: &str| {
+        let number = primitive["attributes"][semantic].as_u64().unwrap();
+        content.root["accessors"][number as usize].clone()
+    };
+    for semantic in ["TEXCOORD_0", "TEXCOORD_1"] {
+        assert_eq!(accessor(semantic)["componentType"], 5126, "{semantic}");
+    }
+    assert_eq!(accessor("NORMAL")["componentType"], 5126);
+    let became_f32 = |note: &&String| note.contains("texture coordinates or normals became f32");
+    assert!(content.notes.iter().any(|note| became_f32(&note)));
 }

@@ -1,0 +1,472 @@
+//! The triangle around what a texture shows of a card.
+
+use std::ops::Range;
+
+use glam::DVec2;
+use secateur_model::Cutout;
+
+/// Cards that take up more of a texture's repetitions along a side are not looked at.
+const MOST_REPETITIONS: f64 = 4.0;
+
+/// Texture coordinates further from 0 are not drawn exactly.
+const FURTHEST: f64 = 6.0;
+
+/// One part in so many of what a triangle shows may be what the card does not.
+const WRONG: usize = 100;
+
+/// Of the triangles that hold everything, so many of the smallest are looked at.
+const SMALLEST: usize = 4096;
+
+/// A triangle so many times as large as another is taken for what it shows less that is
+/// wrong.
+const LARGER: f64 = 1.25;
+
+/// How far beyond a card on every side a triangle may reach, in cards.
+const REACH: i64 = 2;
+
+/// Sides of triangles face the points with whole coordinates on the border of a square
+/// of twice this side: in whole numbers everything is the same on every machine.
+const STEPS: i64 = 8;
+
+/// How much a point of a plane has of each corner of a triangle; together 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Weights(pub(super) [f64; 3]);
+
+impl Weights {
+    /// Not finite where the triangle has no area.
+    pub(super) fn of(triangle: &[DVec2; 3], point: DVec2) -> Self {
+        let [a, b, c] = *triangle;
+        let area = (b - a).perp_dot(c - a);
+        let y = (point - a).perp_dot(c - a) / area;
+        let z = (b - a).perp_dot(point - a) / area;
+        Self([1.0 - y - z, y, z])
+    }
+
+    pub(super) fn at(self, triangle: &[DVec2; 3]) -> DVec2 {
+        let pairs = self.0.iter().zip(triangle);
+        pairs.map(|(weight, corner)| *weight * *corner).sum()
+    }
+
+    fn is_within(self) -> bool {
+        self.0.iter().all(|weight| *weight >= -1e-9)
+    }
+}
+
+/// What is to be seen of a card.
+pub(super) struct Picture<'a> {
+    /// Texture coordinates of its triangles, at least one.
+    pub(super) triangles: Vec<[DVec2; 3]>,
+    pub(super) mask: &'a Cutout,
+}
+
+/// The corners of a triangle that shows what the card does, and hardly more, as weights
+/// of those of its first triangle, which it faces alike: nothing if there is none. The
+/// texture is looked at in at most this many places along each side of the card.
+pub(super) fn around(picture: &Picture<'_>, places_a_side: usize) -> Option<[Weights; 3]> {
+    let grid = Grid::of(picture, places_a_side)?;
+    let seen = grid.seen(picture);
+    let hull = grid.support(&seen)?;
+    let sides = triples().filter_map(|sides| Around::new(sides, &hull));
+    let mut triangles: Vec<Around> = sides.filter(|t| grid.is_in_reach(t)).collect();
+    triangles.sort_by(|a, b| a.twice_area.total_cmp(&b.twice_area));
+    triangles.truncate(SMALLEST);
+    let right = seen.iter().filter(|is_seen| **is_seen).count();
+    let elsewhere = grid.elsewhere(picture.mask, &seen);
+    let mut best: Option<(usize, &Around)> = None;
+    let mut most_area = f64::INFINITY;
+    for triangle in &triangles {
+        if triangle.twice_area > most_area || best.is_some_and(|(wrong, _)| wrong == 0) {
+            break;
+        }
+        let wrong = elsewhere.within(triangle);
+        if WRONG * wrong > right || best.is_some_and(|(least, _)| least <= wrong) {
+            continue;
+        }
+        most_area = most_area.min(LARGER * triangle.twice_area);
+        best = Some((wrong, triangle));
+    }
+    let (_, best) = best?;
+    let first = &picture.triangles[0];
+    let mut corners = best.corners.map(|corner| grid.uv(corner));
+    if (first[1] - first[0]).perp_dot(first[2] - first[0]) < 0.0 {
+        corners.reverse();
+    }
+    Some(corners.map(|uv| Weights::of(first, uv)))
+}
+
+/// Places in a texture, evenly over a card and beyond it.
+struct Grid {
+    origin: DVec2,
+    step: DVec2,
+    /// How many are over the card.
+    size: [i64; 2],
+}
+
+impl Grid {
+    fn of(picture: &Picture<'_>, places_a_side: usize) -> Option<Self> {
+        let corners = || picture.triangles.iter().flatten();
+        let low = corners().copied().reduce(DVec2::min)?;
+        let high = corners().copied().reduce(DVec2::max)?;
+        let span = high - low;
+        if !(span.min_element() > 0.0 && span.max_element() <= MOST_REPETITIONS) {
+            return None;
+        }
+        let texels = span * DVec2::new(picture.mask.width().into(), picture.mask.height().into());
+        let size = texels.ceil().min(DVec2::splat(places_a_side as f64));
+        Some(Self {
+            origin: low,
+            step: span / size,
+            size: [size.x as i64, size.y as i64],
+        })
+    }
+
+    fn uv(&self, at: DVec2) -> DVec2 {
+        self.origin + at * self.step
+    }
+
+    /// Whether the mask is opaque in the middle of a place.
+    fn is_opaque(&self, mask: &Cutout, x: i64, y: i64) -> bool {
+        let uv = self.uv(DVec2::new(x as f64, y as f64) + 0.5);
+        let texel = uv * DVec2::new(mask.width().into(), mask.height().into());
+        mask.is_opaque(texel.x.floor() as i32, texel.y.floor() as i32)
+    }
+
+    /// For each place over the card, row by row, whether it shows something.
+    fn seen(&self, picture: &Picture<'_>) -> Vec<bool> {
+        let [width, height] = self.size;
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let is_seen = |(x, y): (i64, i64)| {
+            let uv = self.uv(DVec2::new(x as f64, y as f64) + 0.5);
+            let is_within = |t: &[DVec2; 3]| Weights::of(t, uv).is_within();
+            self.is_opaque(picture.mask, x, y) && picture.triangles.iter().any(is_within)
+        };
+        places.map(is_seen).collect()
+    }
+
+    /// How far what is seen, and a place more around it, reaches in each direction; nothing
+    /// if nothing is.
+    fn support(&self, seen: &[bool]) -> Option<Vec<i64>> {
+        let mut reach: Option<Vec<i64>> = None;
+        for (row, y) in seen.chunks_exact(self.size[0] as usize).zip(0..) {
+            let first = row.iter().position(|is_seen| *is_seen);
+            let last = row.iter().rposition(|is_seen| *is_seen);
+            let (Some(first), Some(last)) = (first, last) else {
+                continue;
+            };
+            let (left, right) = (first as i64 - 1, last as i64 + 2);
+            let reach = reach.get_or_insert_with(|| vec![i64::MIN; DIRECTIONS]);
+            for (reach, (dx, dy)) in reach.iter_mut().zip(directions()) {
+                let x = if dx < 0 { left } else { right };
+                let y = if dy < 0 { y - 1 } else { y + 2 };
+                *reach = (*reach).max(dx * x + dy * y);
+            }
+        }
+        reach
+    }
+
+    fn is_in_reach(&self, triangle: &Around) -> bool {
+        triangle.corners.iter().all(|corner| {
+            let within = |at: f64, size: i64| {
+                (-REACH * size) as f64 <= at && at <= ((1 + REACH) * size) as f64
+            };
+            within(corner.x, self.size[0])
+                && within(corner.y, self.size[1])
+                && self.uv(*corner).abs().max_element() <= FURTHEST
+        })
+    }
+
+    /// The places where the texture shows something that the card does not.
+    fn elsewhere(&self, mask: &Cutout, seen: &[bool]) -> Elsewhere {
+        let [width, height] = self.size;
+        let columns = -REACH * width..(1 + REACH) * width;
+        let is_card = |x: i64, y: i64| {
+            (0..width).contains(&x) && (0..height).contains(&y) && seen[(y * width + x) as usize]
+        };
+        let rows = (-REACH * height..(1 + REACH) * height).map(|y| {
+            let mut sum = 0;
+            let sums = columns.clone().map(|x| {
+                sum += u32::from(!is_card(x, y) && self.is_opaque(mask, x, y));
+                sum
+            });
+            std::iter::once(0).chain(sums).collect()
+        });
+        Elsewhere {
+            first: [-REACH * width, -REACH * height],
+            sums: rows.collect(),
+        }
+    }
+}
+
+/// Places where something is that should not be.
+struct Elsewhere {
+    /// The lowest column and row.
+    first: [i64; 2],
+    /// By row how many there are before each column, and in all.
+    sums: Vec<Vec<u32>>,
+}
+
+impl Elsewhere {
+    fn within(&self, triangle: &Around) -> usize {
+        let rows = self.sums.iter().zip(self.first[1]..);
+        let in_row = |(sums, y): (&Vec<u32>, i64)| {
+            let columns = self.first[0]..self.first[0] + sums.len() as i64 - 1;
+            let held = triangle.columns(y, columns);
+            let sum = |x: i64| sums[(x - self.first[0]) as usize];
+            (sum(held.end) - sum(held.start)) as usize
+        };
+        rows.map(in_row).sum()
+    }
+}
+
+const DIRECTIONS: usize = 8 * STEPS as usize;
+
+/// Counterclockwise.
+fn directions() -> impl Iterator<Item = (i64, i64)> {
+    (0..DIRECTIONS as i64).map(|k| {
+        let (side, along) = (k / (2 * STEPS), k % (2 * STEPS) - STEPS);
+        match side {
+            0 => (STEPS, along),
+            1 => (-along, STEPS),
+            2 => (-STEPS, -along),
+            _ => (along, -STEPS),
+        }
+    })
+}
+
+fn cross(a: (i64, i64), b: (i64, i64)) -> i64 {
+    a.0 * b.1 - a.1 * b.0
+}
+
+/// Directions, by number, that the sides of a triangle can face.
+fn triples() -> impl Iterator<Item = [Side; 3]> {
+    let all: Vec<Side> = directions().enumerate().collect();
+    let is_left = |a: Side, b: Side| cross(a.1, b.1) > 0;
+    let count = all.len();
+    (0..count).flat_map(move |a| {
+        let all = all.clone();
+        (a + 1..count).flat_map(move |b| {
+            let all = all.clone();
+            (b + 1..count).filter_map(move |c| {
+                let (a, b, c) = (all[a], all[b], all[c]);
+                (is_left(a, b) && is_left(b, c) && is_left(c, a)).then_some([a, b, c])
+            })
+        })
+    })
+}
+
+type Side = (usize, (i64, i64));
+
+/// A triangle in places of a grid: what lies behind three lines.
+struct Around {
+    /// Where each line faces, and how far from the origin it is, in lengths of that.
+    sides: [((i64, i64), i64); 3],
+    corners: [DVec2; 3],
+    twice_area: f64,
+}
+
+impl Around {
+    /// With sides that face these directions, as far away as they must be; nothing if that
+    /// has no area.
+    fn new(sides: [Side; 3], reach: &[i64]) -> Option<Self> {
+        let sides = sides.map(|(number, direction)| (direction, reach[number]));
+        let corner = |k: usize| {
+            let ((a, reach_a), (b, reach_b)) = (sides[k], sides[(k + 1) % 3]);
+            let numerator = DVec2::new(
+                (reach_a * b.1 - reach_b * a.1) as f64,
+                (a.0 * reach_b - b.0 * reach_a) as f64,
+            );
+            numerator / cross(a, b) as f64
+        };
+        let corners = [0, 1, 2].map(corner);
+        let twice_area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
+        (twice_area > 0.0).then_some(Self {
+            sides,
+            corners,
+            twice_area,
+        })
+    }
+
+    /// Of these columns those whose place in a row has its middle in it.
+    fn columns(&self, y: i64, all: Range<i64>) -> Range<i64> {
+        let mut columns = all.clone();
+        for ((dx, dy), reach) in self.sides {
+            // dx (2 x + 1) <= left.
+            let left = 2 * reach - dy * (2 * y + 1);
+            match dx {
+                0 if left < 0 => columns.end = all.start,
+                0 => (),
+                1.. => columns.end = columns.end.min((left - dx).div_euclid(2 * dx) + 1),
+                _ => {
+                    let first = -(left - dx).div_euclid(-2 * dx);
+                    columns.start = columns.start.max(first);
+                }
+            }
+        }
+        columns.start = columns.start.min(all.end);
+        columns.end = columns.end.max(columns.start);
+        columns
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use secateur_model::Wrap;
+
+    use super::*;
+
+    const CARD: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+    fn card() -> Vec<[DVec2; 3]> {
+        let corners = CARD.map(DVec2::from_array);
+        [[0, 1, 2], [0, 2, 3]]
+            .map(|t: [usize; 3]| t.map(|k| corners[k]))
+            .to_vec()
+    }
+
+    fn found(mask: &Cutout, triangles: Vec<[DVec2; 3]>) -> Option<[DVec2; 3]> {
+        let picture = Picture { triangles, mask };
+        let corners = around(&picture, 256)?;
+        Some(corners.map(|weights| weights.at(&picture.triangles[0])))
+    }
+
+    fn twice_area([a, b, c]: [DVec2; 3]) -> f64 {
+        (b - a).perp_dot(c - a)
+    }
+
+    fn disc(wrap: Wrap, radius: f64) -> Cutout {
+        Cutout::from_fn([128, 128], [wrap; 2], |x, y| {
+            DVec2::new(f64::from(x) - 63.5, f64::from(y) - 63.5).length() < 128.0 * radius
+        })
+    }
+
+    /// The smallest triangle around a disc of radius r has an area of 3 sqrt(3) r^2.
+    #[test]
+    fn a_disc_is_held_by_a_triangle_of_hardly_more_than_the_least_area() {
+        let around = found(&disc(Wrap::ClampToEdge, 0.3), card()).unwrap();
+        let least = 27_f64.sqrt() * 0.3 * 0.3;
+        let area = 0.5 * twice_area(around);
+        // A place more on every side, and sides that face one of 64 directions.
+        assert!((least..1.15 * least).contains(&area), "{area} of {least}");
+    }
+
+    #[test]
+    fn it_faces_as_the_card_does() {
+        let mask = disc(Wrap::ClampToEdge, 0.3);
+        let back = card().iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+        assert!(twice_area(found(&mask, card()).unwrap()) > 0.0);
+        assert!(twice_area(found(&mask, back).unwrap()) < 0.0);
+    }
+
+    /// The corners of the triangle reach beyond the card, where discs are again.
+    #[test]
+    fn a_texture_that_repeats_may_show_but_little_of_itself_again() {
+        assert!(found(&disc(Wrap::Repeat, 0.4), card()).is_none());
+        assert!(found(&disc(Wrap::MirroredRepeat, 0.4), card()).is_none());
+        assert!(found(&disc(Wrap::Repeat, 0.15), card()).is_some());
+        assert!(found(&disc(Wrap::ClampToEdge, 0.4), card()).is_some());
+    }
+
+    #[test]
+    fn what_reaches_the_border_goes_on_beyond_it() {
+        let all = Cutout::from_fn([16, 16], [Wrap::ClampToEdge; 2], |_, _| true);
+        assert!(found(&all, card()).is_none());
+        // The middle half of the texture, of which the rest is empty.
+        let middle = |x: u32| (4..12).contains(&x);
+        let inside = Cutout::from_fn([16, 16], [Wrap::ClampToEdge; 2], |x, y| {
+            middle(x) && middle(y)
+        });
+        assert!(found(&inside, card()).is_some());
+        // A card of that half alone, in an atlas where its neighbours are not empty.
+        let half = card()
+            .iter()
+            .map(|t| t.map(|uv| 0.25 + 0.5 * uv))
+            .collect::<Vec<_>>();
+        assert!(found(&inside, half.clone()).is_some());
+        assert!(found(&all, half).is_none());
+    }
+
+    #[test]
+    fn nothing_is_around_nothing() {
+        let mask = |opaque: bool| {
+            Cutout::from_fn([8, 8], [Wrap::ClampToEdge; 2], move |x, _| opaque && x == 3)
+        };
+        assert!(found(&mask(false), card()).is_none());
+        let point = vec![[DVec2::splat(0.5); 3]];
+        let line = vec![[DVec2::ZERO, DVec2::X, 2.0 * DVec2::X]];
+        let far = vec![[DVec2::ZERO, 1e300 * DVec2::X, 1e300 * DVec2::Y]];
+        for triangles in [point, line, far] {
+            assert!(found(&mask(true), triangles).is_none());
+        }
+    }
+
+    /// Row by row and place by place, of sides of every slope, within the columns looked at
+    /// and beyond them.
+    #[test]
+    fn columns_of_a_row_are_those_whose_middles_lie_behind_all_sides() {
+        let reach: Vec<i64> = directions().map(|(dx, dy)| 40 + 3 * dx - 5 * dy).collect();
+        let triangles = triples().filter_map(|sides| Around::new(sides, &reach));
+        let mut held = 0;
+        for triangle in triangles.step_by(37) {
+            for y in -20..20 {
+                let columns = triangle.columns(y, -9..11);
+                for x in -9..11 {
+                    let is_behind = |((dx, dy), reach): &((i64, i64), i64)| {
+                        dx * (2 * x + 1) + dy * (2 * y + 1) <= 2 * reach
+                    };
+                    let is_held = triangle.sides.iter().all(is_behind);
+                    assert_eq!(columns.contains(&x), is_held, "{x} {y}");
+                    held += u32::from(is_held);
+                }
+            }
+        }
+        assert!(held > 1000);
+    }
+
+    proptest! {
+        /// Blots anywhere on a card, wherever in the texture it is and however turned: the
+        /// triangle holds all of them but a texel here and there, and hardly shows what is
+        /// none of the card.
+        #[test]
+        fn all_that_a_card_shows_is_in_the_triangle(
+            blots in prop::collection::vec((0.1..0.9, 0.1..0.9, 0.01..0.2), 1..5),
+            is_repeated: bool,
+            turned in -1.0..1.0,
+        ) {
+            let wrap = if is_repeated { Wrap::Repeat } else { Wrap::ClampToEdge };
+            let is_blot = |x: u32, y: u32| {
+                let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 64.0;
+                blots.iter().any(|(u, v, size)| at.distance(DVec2::new(*u, *v)) < *size)
+            };
+            let mask = Cutout::from_fn([64, 64], [wrap; 2], is_blot);
+            let turn = DVec2::new(1.0, turned).normalize();
+            let triangles: Vec<[DVec2; 3]> = card()
+                .iter()
+                .map(|t| t.map(|uv| 0.5 + turn.rotate(uv - 0.5)))
+                .collect();
+            let is_on_card = |uv: DVec2| triangles.iter().any(|t| Weights::of(t, uv).is_within());
+            if let Some(around) = found(&mask, triangles.clone()) {
+                let (mut right, mut missing, mut wrong) = (0, 0, 0);
+                for y in -128..192 {
+                    for x in -128..192 {
+                        let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 64.0;
+                        if !mask.is_opaque(x, y) {
+                            continue;
+                        }
+                        let is_held = Weights::of(&around, uv).is_within();
+                        match is_on_card(uv) {
+                            true => {
+                                right += 1;
+                                missing += i32::from(!is_held);
+                            }
+                            false => wrong += i32::from(is_held),
+                        }
+                    }
+                }
+                // The program looks in other places than the middles of texels.
+                prop_assert!(missing <= right / 100 + 1, "{missing} of {right} are missing");
+                prop_assert!(wrong <= right / 20 + 4, "{wrong} of {right}");
+            }
+        }
+    }
+}
