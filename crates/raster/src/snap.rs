@@ -33,10 +33,10 @@ pub const SUBPIXELS: i64 = 256;
 
 /// A leaf whose farthest corner is up to this part farther than its nearest is
 /// textured as if texel coordinates were linear on the image: an error of at
-/// most a 64th of the leaf.
+/// most a 64th of the leaf. [`View::with_exact_textures`] asks for less.
 pub const AFFINE_DEPTH_RATIO: f64 = 1.0 / 16.0;
 
-/// How often a leaf is cut in four at most, for [`AFFINE_DEPTH_RATIO`].
+/// How often a leaf is cut in four at most, for exact textures.
 const MAX_CUTS: u32 = 4;
 
 const DEPTH_MARGIN: f64 = (1u64 << 20) as f64;
@@ -165,7 +165,7 @@ impl<'a> Snapper<'a> {
         }
         let mut excess = hi / lo.max(self.view.near) - 1.0;
         let mut cuts = 0;
-        while excess > AFFINE_DEPTH_RATIO && cuts < MAX_CUTS {
+        while excess > self.view.affine_depth_ratio && cuts < MAX_CUTS {
             excess *= 0.5;
             cuts += 1;
         }

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::snap::AFFINE_DEPTH_RATIO;
+
 /// Why a camera cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ViewError {
@@ -28,6 +30,7 @@ pub struct View {
     pub(crate) forward: DVec3,
     pub(crate) tan_half_fov: f64,
     pub(crate) near: f64,
+    pub(crate) affine_depth_ratio: f64,
 }
 
 impl View {
@@ -82,7 +85,19 @@ impl View {
             forward,
             tan_half_fov,
             near,
+            affine_depth_ratio: AFFINE_DEPTH_RATIO,
         })
+    }
+
+    /// The same camera, with textures 16 times as exact: not a 64th of a leaf but a
+    /// 1024th out of place ([`AFFINE_DEPTH_RATIO`]), but for leaves as deep as they are
+    /// far. It takes several times as long to draw leaves that have a cut-out.
+    #[must_use]
+    pub fn with_exact_textures(self) -> Self {
+        Self {
+            affine_depth_ratio: AFFINE_DEPTH_RATIO / 16.0,
+            ..self
+        }
     }
 
     /// World-space position of the camera.

@@ -20,21 +20,36 @@ impl ViewSet {
         Self { views }
     }
 
+    /// Each [`View::with_exact_textures`].
+    #[must_use]
+    pub fn with_exact_textures(self) -> Self {
+        Self::new(
+            self.views
+                .into_iter()
+                .map(View::with_exact_textures)
+                .collect(),
+        )
+    }
+
     /// The 20 vertices of a dodecahedron, the paper's driving set (Entropy
     /// 2018, 20, 213, section 4.2, Fig. 4a).
     pub fn dodecahedron(sphere: BoundingSphere) -> Self {
         Self::around(sphere, &dodecahedron())
     }
 
-    /// The same, half a turn about (3, 2, 0) further: 20 views that are no nearer than
-    /// 18 degrees to one of [`dodecahedron`](Self::dodecahedron), and 14 to one of
-    /// [`icosahedron`](Self::icosahedron). For what was chosen by the former and is
-    /// judged by the latter.
-    pub fn turned_dodecahedron(sphere: BoundingSphere) -> Self {
-        let axis = DVec3::new(3.0, 2.0, 0.0);
-        let turned = |d: DVec3| 2.0 * axis.dot(d) * axis - axis.length_squared() * d;
-        let directions: Vec<DVec3> = dodecahedron().into_iter().map(turned).collect();
-        Self::around(sphere, &directions)
+    /// Three times the same, half a turn about (3, 2, 0), (0, 3, 2) and (2, 0, 3) further:
+    /// 60 views of which none is nearer than 18 degrees to one of
+    /// [`dodecahedron`](Self::dodecahedron), 14 to one of
+    /// [`icosahedron`](Self::icosahedron) and 13 to each other. For what was chosen by the
+    /// former and is judged by the latter.
+    pub fn turned_dodecahedra(sphere: BoundingSphere) -> [Self; 3] {
+        let axes = [(3.0, 2.0, 0.0), (0.0, 3.0, 2.0), (2.0, 0.0, 3.0)];
+        axes.map(|(x, y, z)| {
+            let axis = DVec3::new(x, y, z);
+            let turned = |d: DVec3| 2.0 * axis.dot(d) * axis - axis.length_squared() * d;
+            let directions: Vec<DVec3> = dodecahedron().into_iter().map(turned).collect();
+            Self::around(sphere, &directions)
+        })
     }
 
     /// The 12 vertices of an icosahedron, the paper's judging set (section 4.2,

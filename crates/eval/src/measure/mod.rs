@@ -33,14 +33,15 @@ impl Judging {
 
     /// The held-out views: the 12 vertices of an icosahedron about the
     /// original's bounding sphere (Entropy 2018, 20, 213, section 4.2) at
-    /// 512 x 512.
+    /// 512 x 512, with exact textures: else a card that is another triangle of the same
+    /// picture would count as another outline.
     ///
     /// # Errors
     /// [`MeasureError::NoFoliage`] if the original has no leaf.
     pub fn held_out(original: &Foliage) -> Result<Self, MeasureError> {
         let sphere = original.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
         Ok(Self {
-            views: ViewSet::icosahedron(sphere),
+            views: ViewSet::icosahedron(sphere).with_exact_textures(),
             resolution: Self::RESOLUTION,
         })
     }
