@@ -20,7 +20,7 @@ const MOST_PIXELS: u64 = 48 << 20;
 
 /// How sizes are fitted.
 pub(crate) struct Fitted<'a> {
-    pub(crate) views: ViewSet,
+    pub(crate) views: Vec<ViewSet>,
     pub(crate) outline_weight: f64,
     pub(crate) goal: Goal,
     /// Those of the run.
@@ -74,19 +74,23 @@ impl Fitted<'_> {
     }
 }
 
-/// Where from sizes are fitted: one's own cameras; or the driving views and 20 others,
-/// for which no leaf was chosen.
-pub(crate) fn fitting_views(views: &Views, sphere: BoundingSphere, driving: &ViewSet) -> ViewSet {
-    if let Views::Cameras(_) = views {
-        return driving.clone();
+/// Where from sizes are fitted: one's own cameras; or views from which no leaf was chosen,
+/// since what is left was kept for what it shows in those.
+pub(crate) fn fitting_views(
+    views: &Views,
+    sphere: BoundingSphere,
+    driving: &ViewSet,
+) -> Vec<ViewSet> {
+    match views {
+        Views::Cameras(_) => vec![driving.clone()],
+        _ => ViewSet::turned_dodecahedra(sphere).to_vec(),
     }
-    let others = ViewSet::turned_dodecahedron(sphere);
-    ViewSet::new([driving.views(), others.views()].concat())
 }
 
 /// The resolution at which sizes are fitted.
-fn resolution(driving: u32, views: &ViewSet) -> u32 {
-    let most = (MOST_PIXELS / views.len() as u64).isqrt();
+fn resolution(driving: u32, sets: &[ViewSet]) -> u32 {
+    let views: usize = sets.iter().map(ViewSet::len).sum();
+    let most = (MOST_PIXELS / views as u64).isqrt();
     u64::from(driving.max(LEAST_RESOLUTION)).min(most) as u32
 }
 
@@ -238,22 +242,28 @@ mod tests {
     fn images_are_at_least_as_fine_as_the_judging_ones() {
         let views = ViewSet::dodecahedron(crown().bounding_sphere().unwrap());
         assert_eq!(
-            [64, 512, 1024].map(|n| resolution(n, &views)),
+            [64, 512, 1024].map(|n| resolution(n, &[views.clone(), views.clone()])),
             [512, 512, 1024]
         );
         let many = ViewSet::new(vec![views.views()[0]; 4096]);
-        assert_eq!([64, 200].map(|n| resolution(n, &many)), [110, 110]);
+        assert_eq!(
+            [64, 200].map(|n| resolution(n, std::slice::from_ref(&many))),
+            [110, 110]
+        );
     }
 
     #[test]
-    fn others_look_too_but_where_cameras_are_ones_own() {
+    fn other_views_look_but_where_cameras_are_ones_own() {
         let sphere = crown().bounding_sphere().unwrap();
         let driving = ViewSet::cube(sphere);
-        let both = fitting_views(&Views::Cube, sphere, &driving);
-        assert_eq!(both.len(), 28);
-        assert_eq!(&both.views()[..8], driving.views());
+        let others = fitting_views(&Views::Cube, sphere, &driving);
+        assert_eq!(others.len(), 3);
+        let is_driving = |view| driving.views().contains(view);
+        let views = others.iter().flat_map(ViewSet::views);
+        assert!(!views.clone().any(is_driving));
+        assert_eq!(views.count(), 60);
         let own = fitting_views(&Views::Cameras(driving.clone()), sphere, &driving);
-        assert_eq!(own, driving);
+        assert_eq!(own, [driving]);
     }
 
     #[test]

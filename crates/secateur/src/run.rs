@@ -95,8 +95,8 @@ const CLEAR_ERROR_PERCENT: f64 = 10.0;
 ///
 /// Time is about in proportion to the leaves at equal crown density, and to the
 /// number of views times the pixels that a leaf covers; memory about 20 bytes a
-/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of twice
-/// the views, of 512 x 512 pixels at least (1.3 GB at most), and 12 a view and leaf.
+/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of 60
+/// views, of 512 x 512 pixels at least (1.3 GB at most), and 12 a view and leaf.
 /// [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
 ///
 /// # Errors

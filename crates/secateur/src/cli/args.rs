@@ -273,10 +273,10 @@ pub(crate) struct Simplify {
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
     /// Whether to fit the sizes of what is left to the outline and the information of the
-    /// original, at the end, in these views and 20 others (in cameras of your own alone): a
+    /// original, at the end, in 60 other views (with cameras of your own, in these): a
     /// weight of how much a pixel of outline counts against a bit of information of a pixel (with
-    /// less, information is nearer, with more, the outline; 1.5 if there is none after --fit),
-    /// none, or auto: 1.5 for vds with --triangles where --resolution, --resize and
+    /// less, information is nearer, with more, the outline; 0.95 if there is none after --fit),
+    /// none, or auto: 0.95 for vds with --triangles where --resolution, --resize and
     /// --max-coverage are left as they are, else none.
     #[arg(
         long,
@@ -284,7 +284,7 @@ pub(crate) struct Simplify {
         num_args = 0..=1,
         require_equals = true,
         default_value = "auto",
-        default_missing_value = "1.5",
+        default_missing_value = "0.95",
         allow_negative_numbers = true,
         value_parser = fitting
     )]
@@ -306,7 +306,8 @@ pub(crate) struct Simplify {
     #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
     pub(crate) ties: TiesName,
     /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
-    /// `--triangles` as few as let all leaves stay, but two where it has holes; else all.
+    /// `--triangles` as few as let all leaves stay, but where it has holes those that show the
+    /// same, or two; else all.
     #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N", default_value = "auto", value_parser = leaf_triangles)]
     pub(crate) leaf_triangles: LeafTriangles,
     /// For methods that draw lots: which of them.
@@ -416,7 +417,7 @@ fn fitting(text: &str) -> Result<Fitting, String> {
         ("auto", _) => Ok(Fitting::Auto),
         ("none", _) => Ok(Fitting::None),
         (_, Ok(weight)) => Ok(Fitting::Weight(weight)),
-        _ => Err("write auto, none or a weight of the outline such as 1.5".to_owned()),
+        _ => Err("write auto, none or a weight of the outline such as 0.95".to_owned()),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::lg::LgTable;
 use crate::vmi::Vmi;
 
 /// Of the information of a view one part in so many is free.
-const FREE: i64 = 100;
+const FREE: i64 = 400;
 
 /// Much is one part in so many of all information, or what was missing at first if that
 /// is more.
@@ -23,8 +23,11 @@ pub(super) struct Ledger {
     table: LgTable,
     /// By view and leaf, the background first.
     areas_px: Vec<Vec<u32>>,
-    totals_px: Vec<u32>,
-    /// By view and leaf, lg(a/S), scaled: by how much the VMI of all views together
+    /// By view the set that it is of.
+    set_of: Vec<usize>,
+    /// By set and leaf.
+    totals_px: Vec<Vec<u32>>,
+    /// By view and leaf, lg(a/S), scaled: by how much the VMI of all views of its set together
     /// changes with a pixel of this area, to the first order; 0 where there is none.
     lg_shares: Vec<Vec<i64>>,
     /// `P * (I(v;F') - I(v;F))`, scaled.
@@ -59,33 +62,49 @@ impl Price {
 
 impl Ledger {
     /// For views that show this of the original, and this of what is left; rows of areas
-    /// in pixels, the background first.
-    pub(super) fn new(original_px: &[Vec<u32>], left_px: Vec<Vec<u32>>) -> Self {
+    /// in pixels, the background first. Each set has so many of the views.
+    pub(super) fn new(
+        set_lengths: &[usize],
+        original_px: &[Vec<u32>],
+        left_px: Vec<Vec<u32>>,
+    ) -> Self {
         let table = LgTable::new();
+        let sets = set_lengths.iter().enumerate();
+        let set_of: Vec<usize> = sets
+            .flat_map(|(set, length)| std::iter::repeat_n(set, *length))
+            .collect();
         let vmi = |rows_px: &[Vec<u32>]| {
             let leaf_count = rows_px[0].len() - 1;
-            let areas = AreaTable::from_rows(leaf_count, rows_px.concat());
-            Vmi::of(&areas, &table)
+            let mut left = rows_px;
+            let mut scaled: Vec<i64> = Vec::with_capacity(rows_px.len());
+            for length in set_lengths {
+                let (set, others) = left.split_at(*length);
+                let areas = AreaTable::from_rows(leaf_count, set.concat());
+                scaled.extend_from_slice(Vmi::of(&areas, &table).scaled());
+                left = others;
+            }
+            scaled
         };
         let (original, left) = (vmi(original_px), vmi(&left_px));
-        let pairs = left.scaled().iter().zip(original.scaled());
+        let pairs = left.iter().zip(&original);
         let deviations: Vec<i64> = pairs.map(|(now, then)| now - then).collect();
-        let mut totals_px = vec![0; left_px[0].len()];
-        for row in &left_px {
-            for (total, area_px) in totals_px.iter_mut().zip(row) {
+        let mut totals_px = vec![vec![0; left_px[0].len()]; set_lengths.len()];
+        for (row, set) in left_px.iter().zip(&set_of) {
+            for (total, area_px) in totals_px[*set].iter_mut().zip(row) {
                 *total += area_px;
             }
         }
-        let lg_shares = left_px.iter().map(|row| {
-            let pairs = row.iter().zip(&totals_px);
+        let lg_shares = left_px.iter().zip(&set_of).map(|(row, set)| {
+            let pairs = row.iter().zip(&totals_px[*set]);
             pairs.map(|(&a, &s)| lg_share(&table, a, s)).collect()
         });
         Self {
             lg_shares: lg_shares.collect(),
             table,
             areas_px: left_px,
+            set_of,
             totals_px,
-            price: Price::new(original.scaled(), &deviations),
+            price: Price::new(&original, &deviations),
             deviations,
         }
     }
@@ -105,15 +124,19 @@ impl Ledger {
     /// at which the views saw it, of which it has the first; with the weight of a pixel
     /// of outline.
     pub(super) fn gain(&self, seen: &[&[Seen; 3]], size: usize, outline_unit: i64) -> i128 {
-        let total = |size: usize| seen.iter().map(|view| view[size].area_px).sum::<u32>();
-        let totals = [total(0), total(size)];
+        let mut totals: SmallVec<[[u32; 2]; 4]> = SmallVec::from_elem([0; 2], self.totals_px.len());
+        for (view, set) in seen.iter().zip(&self.set_of) {
+            totals[*set][0] += view[0].area_px;
+            totals[*set][1] += view[size].area_px;
+        }
         let value = |seen: &Seen, total: u32| self.term(seen.area_px, total) - seen.worth_to_others;
         let outline_px = seen
             .iter()
             .map(|view| view[size].outline_px - view[0].outline_px);
-        let pairs = seen.iter().zip(&self.deviations);
-        let deviations = pairs.map(|(view, deviation)| {
-            deviation + value(&view[size], totals[1]) - value(&view[0], totals[0])
+        let views = seen.iter().zip(&self.deviations).zip(&self.set_of);
+        let deviations = views.map(|((view, deviation), set)| {
+            let [now, then] = totals[*set];
+            deviation + value(&view[size], then) - value(&view[0], now)
         });
         let deviations: SmallVec<[i64; 64]> = deviations.collect();
         i128::from(outline_px.sum::<i64>()) * i128::from(outline_unit) + self.cost()
@@ -127,27 +150,31 @@ impl Ledger {
         leaves.sort_unstable();
         leaves.dedup();
         self.add_terms(&leaves, -1);
-        for (row, moved) in self.areas_px.iter_mut().zip(moved) {
+        let views = self.areas_px.iter_mut().zip(&self.set_of);
+        for ((row, set), moved) in views.zip(moved) {
+            let totals_px = &mut self.totals_px[*set];
             for &(leaf, px) in moved {
                 let leaf = leaf as usize;
                 let area_px = row[leaf].wrapping_add_signed(px);
-                self.totals_px[leaf] = self.totals_px[leaf] - row[leaf] + area_px;
+                totals_px[leaf] = totals_px[leaf] - row[leaf] + area_px;
                 row[leaf] = area_px;
             }
         }
         self.add_terms(&leaves, 1);
-        for (row, lg_shares) in self.areas_px.iter().zip(&mut self.lg_shares) {
+        let views = self.areas_px.iter().zip(&self.set_of);
+        for ((row, set), lg_shares) in views.zip(&mut self.lg_shares) {
             for &leaf in &leaves {
-                lg_shares[leaf] = lg_share(&self.table, row[leaf], self.totals_px[leaf]);
+                lg_shares[leaf] = lg_share(&self.table, row[leaf], self.totals_px[*set][leaf]);
             }
         }
     }
 
     fn add_terms(&mut self, leaves: &[usize], sign: i64) {
-        for (view, row) in self.areas_px.iter().enumerate() {
+        let views = self.areas_px.iter().zip(&self.set_of).enumerate();
+        for (view, (row, set)) in views {
             let terms = leaves
                 .iter()
-                .map(|&leaf| self.term(row[leaf], self.totals_px[leaf]));
+                .map(|&leaf| self.term(row[leaf], self.totals_px[*set][leaf]));
             let sum: i64 = terms.sum();
             self.deviations[view] += sign * sum;
         }
@@ -182,15 +209,15 @@ mod tests {
 
     #[test]
     fn a_little_is_free_and_much_is_dear() {
-        // Free: 10 and 20; much: 300, a tenth of all, or what was missing.
-        let information = [1000, 2010, -10];
+        // Free: 10 and 20; much: 1201, a tenth of all, or what was missing.
+        let information = [4000, 8020, -10];
         let price = Price::new(&information, &[-100, 0, 0]);
         assert_eq!(price.of(&[-10, 20, 0]), 0);
         assert_eq!(price.of(&[-11, 22, 3]), 1 + 2 + 3);
-        assert_eq!(price.of(&[10, -290, 0]), 270);
-        assert_eq!(price.of(&[-10, 291, 0]), 271 + 3);
-        let price = Price::new(&information, &[-300, 100, 0]);
-        assert_eq!(price.of(&[-10, 390, 0]), 370);
-        assert_eq!(price.of(&[-10, 391, 1]), 371 + 1 + 3 * 2);
+        assert_eq!(price.of(&[10, -1190, 0]), 1170);
+        assert_eq!(price.of(&[-10, 1192, 0]), 1172 + 3);
+        let price = Price::new(&information, &[-1300, 100, 0]);
+        assert_eq!(price.of(&[-10, 1390, 0]), 1370);
+        assert_eq!(price.of(&[-10, 1391, 1]), 1371 + 1 + 3 * 2);
     }
 }

@@ -8,15 +8,15 @@
 //! size at which
 //!
 //! ```text
-//! J = w sum_v X_v + sum_v max(0, D_v - P I(v;F) / 100) + 3 max(0, sum_v D_v - L)
+//! J = w sum_v X_v + sum_v max(0, D_v - P I(v;F) / 400) + 3 max(0, sum_v D_v - L)
 //! D_v = P |I(v;F') - I(v;F)|
 //! L = max(sum_v P I(v;F) / 10, sum_v D_v before the fit)
 //! ```
 //!
 //! is least, where `X_v` are the pixels of view v that show foliage in only one of the
 //! two, F being the original and F' what is left, I the VMI in bits, P the pixels of a
-//! view, and w the weight of the outline. A hundredth of a view's information is free:
-//! other views differ by more. And outlines do not cost information without end: above a
+//! view, and w the weight of the outline. A quarter of a hundredth of a view's information
+//! is free: other views differ by more. And outlines do not cost information without end: above a
 //! tenth of it, or what was missing before, it counts four times. All of it is integers, so
 //! the sizes are the same on every machine.
 //!
@@ -50,7 +50,7 @@ use crate::lg::LG_FRACTION_BITS;
 pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
 
 /// The weight of the outline that serves most crowns.
-pub const DEFAULT_OUTLINE_WEIGHT: f64 = 1.5;
+pub const DEFAULT_OUTLINE_WEIGHT: f64 = 0.95;
 
 /// By what areas are multiplied and divided in the rounds. The first is repeated
 /// while it pays, with those leaves that took another size.
@@ -76,8 +76,9 @@ pub struct Fit<'a> {
     pub original: &'a Foliage,
     /// The leaves that are left of it, at the sizes that they have.
     pub left: &'a Foliage,
-    /// Where they are looked at from.
-    pub views: &'a ViewSet,
+    /// Where they are looked at from: VMI is that of each set, of which each view is looked
+    /// at by itself. It depends on how many views a set has.
+    pub views: &'a [ViewSet],
     /// Image width and height in pixels.
     pub resolution: u32,
     /// What a pixel of outline counts, in bits of VMI times pixels: from 0 to
@@ -96,12 +97,13 @@ pub struct Fit<'a> {
 /// smaller, and may break off.
 ///
 /// # Panics
-/// If there is no view, or the resolution, the pixels or the weight are out of range.
+/// If there is no view, or a set of none, or the resolution, the pixels or the weight are out of range.
 pub fn fit(
     fit: &Fit<'_>,
     progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> ControlFlow<(), Vec<f64>> {
-    assert!(!fit.views.is_empty(), "at least one view");
+    let is_seen = fit.views.iter().all(|set| !set.is_empty());
+    assert!(is_seen && !fit.views.is_empty(), "at least one view");
     assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&fit.outline_weight));
     let mut stage = Stage::new(fit);
     if stage.objective() == 0 {
@@ -154,15 +156,18 @@ struct Stage<'a> {
 impl<'a> Stage<'a> {
     fn new(fit: &Fit<'a>) -> Self {
         let original = Lod::original(fit.original.leaves().len());
-        let scene = Scene {
-            foliage: fit.original,
-            lod: &original,
-            views: fit.views,
-            resolution: fit.resolution,
-        };
         let count = fit.left.leaves().len();
-        let views = fit.views.views().par_iter();
-        let screens = views.map(|view| {
+        let sets = fit.views.iter();
+        let views: Vec<_> = sets
+            .flat_map(|set| set.views().iter().map(move |view| (set, view)))
+            .collect();
+        let screens = views.par_iter().map(|&(views, view)| {
+            let scene = Scene {
+                foliage: fit.original,
+                lod: &original,
+                views,
+                resolution: fit.resolution,
+            };
             let image = cpu::draw_leaf_ids(&scene, view);
             let mut screen = Screen::new(view, &image);
             screen.draw(fit.left);
@@ -174,10 +179,11 @@ impl<'a> Stage<'a> {
         });
         let (screens, areas_px): (Vec<Screen<'_>>, Vec<_>) = screens.unzip();
         let (original_px, left_px): (Vec<_>, Vec<_>) = areas_px.into_iter().unzip();
+        let set_lengths: Vec<usize> = fit.views.iter().map(ViewSet::len).collect();
         Self {
             left: fit.left,
             screens,
-            ledger: Ledger::new(&original_px, left_px),
+            ledger: Ledger::new(&set_lengths, &original_px, left_px),
             scales: vec![1.0; count],
             outline_unit: (fit.outline_weight * ONE_BIT as f64) as i64,
         }

@@ -29,10 +29,16 @@ fn thinned_by(foliage: &Foliage, stays: impl Fn(usize) -> bool, area_scale: f64)
     lod.foliage(foliage)
 }
 
+/// Of 20 and 12 views.
+fn sets(original: &Foliage) -> [ViewSet; 2] {
+    let sphere = original.bounding_sphere().unwrap();
+    [ViewSet::dodecahedron(sphere), ViewSet::icosahedron(sphere)]
+}
+
 /// The original and what is left of it.
 fn way<'a>(
     [original, left]: [&'a Foliage; 2],
-    views: &'a ViewSet,
+    views: &'a [ViewSet],
     resolution: u32,
     outline_weight: f64,
 ) -> Fit<'a> {
@@ -46,8 +52,8 @@ fn way<'a>(
 }
 
 fn fitted(original: &Foliage, left: &Foliage, outline_weight: f64) -> Vec<f64> {
-    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
-    let way = way([original, left], &views, 48, outline_weight);
+    let sets = sets(original);
+    let way = way([original, left], &sets, 48, outline_weight);
     match fit(&way, &mut |_, _| ControlFlow::Continue(())) {
         ControlFlow::Continue(factors) => factors,
         ControlFlow::Break(()) => panic!("nobody broke it off"),
@@ -79,28 +85,33 @@ fn outline_error_px(before: &[LeafIdImage], after: &[LeafIdImage]) -> usize {
 
 /// J as its formula says, everything drawn.
 fn objective(original: &Foliage, left: &Foliage, factors: &[f64], outline_weight: f64) -> i128 {
-    let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+    let sets = sets(original);
     let table = LgTable::new();
-    let vmi = |images: &[LeafIdImage], leaves: usize| {
-        let rows = images.iter().flat_map(|i| cpu::histogram(i, leaves));
-        Vmi::of(&AreaTable::from_rows(leaves, rows.collect()), &table)
+    let all_drawn = |foliage: &Foliage, factors: &[f64]| {
+        let of_set = |set: &ViewSet| {
+            let images = drawn(foliage, factors, set);
+            let leaves = foliage.leaves().len();
+            let rows = images.iter().flat_map(|i| cpu::histogram(i, leaves));
+            let areas = AreaTable::from_rows(leaves, rows.collect());
+            (images, Vmi::of(&areas, &table).scaled().to_vec())
+        };
+        let (images, vmi): (Vec<_>, Vec<_>) = sets.iter().map(of_set).unzip();
+        (images.concat(), vmi.concat())
     };
-    let before = drawn(original, &[], &views);
-    let information = vmi(&before, original.leaves().len());
+    let (before, information) = all_drawn(original, &[]);
     let seen = |factors: &[f64]| {
-        let images = drawn(left, factors, &views);
-        let vmi = vmi(&images, left.leaves().len());
-        let pairs = information.scaled().iter().zip(vmi.scaled());
+        let (images, vmi) = all_drawn(left, factors);
+        let pairs = information.iter().zip(&vmi);
         let missing = pairs.map(|(a, b)| (a - b).abs()).collect();
         (images, missing)
     };
     let (_, at_first): (_, Vec<i64>) = seen(&[]);
     let (after, missing) = seen(factors);
-    let all: i64 = information.scaled().iter().sum();
+    let all: i64 = information.iter().sum();
     let [at_first, together] = [&at_first, &missing].map(|m| m.iter().sum::<i64>());
     let dear = (together - at_first.max(all / 10)).max(0);
-    let pairs = missing.iter().zip(information.scaled());
-    let each: i64 = pairs.map(|(m, i)| (m - i.max(&0) / 100).max(0)).sum();
+    let pairs = missing.iter().zip(&information);
+    let each: i64 = pairs.map(|(m, i)| (m - i.max(&0) / 400).max(0)).sum();
     let unit = (outline_weight * f64::from(1u32 << LG_FRACTION_BITS)) as i128;
     outline_error_px(&before, &after) as i128 * unit + i128::from(each + 3 * dear)
 }
@@ -126,7 +137,7 @@ fn what_is_as_it_was_stays() {
 #[test]
 fn where_nothing_is_to_be_fitted_nothing_is_tried() {
     let crown = crown(120, 1);
-    let views = ViewSet::octahedron(crown.bounding_sphere().unwrap());
+    let views = [ViewSet::octahedron(crown.bounding_sphere().unwrap())];
     let way = way([&crown, &crown], &views, 32, 2.0);
     let end = fit(&way, &mut |_, _| panic!("a leaf was tried"));
     assert_eq!(end, ControlFlow::Continue(vec![1.0; 120]));
@@ -174,7 +185,7 @@ fn at_equal_depth_the_first_leaf_owns_a_pixel() {
     let original = square(1.0);
     let mut left = square(1.0);
     left.push_leaf(original.triangles(), None).unwrap();
-    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let views = [ViewSet::octahedron(original.bounding_sphere().unwrap())];
     let way = way([&original, &left], &views, 32, 1.0);
     let mut stage = Stage::new(&way);
     let [first, second] = [0, 1].map(|k| {
@@ -191,7 +202,7 @@ fn at_equal_depth_the_first_leaf_owns_a_pixel() {
 #[test]
 fn only_pixels_that_change_hands_are_chance() {
     let original = square(1.0);
-    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let views = [ViewSet::octahedron(original.bounding_sphere().unwrap())];
     let way = way([&original, &original], &views, 32, 1.0);
     let mut stage = Stage::new(&way);
     let leaf = LeafId::from_index(0);
@@ -280,7 +291,7 @@ fn the_number_of_threads_changes_nothing() {
 fn progress_says_what_is_tried_at_most() {
     let original = crown(160, 9);
     let left = thinned(&original, 4, 6.0);
-    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let views = [ViewSet::octahedron(original.bounding_sphere().unwrap())];
     let way = way([&original, &left], &views, 32, 1.0);
     let mut told = Vec::new();
     let end = fit(&way, &mut |done, at_most| {
@@ -300,7 +311,7 @@ fn progress_says_what_is_tried_at_most() {
 #[test]
 fn it_can_be_broken_off() {
     let original = crown(64, 9);
-    let views = ViewSet::octahedron(original.bounding_sphere().unwrap());
+    let views = [ViewSet::octahedron(original.bounding_sphere().unwrap())];
     let left = thinned(&original, 2, 4.0);
     let way = way([&original, &left], &views, 32, 1.0);
     let mut calls = 0;
@@ -323,8 +334,8 @@ proptest! {
     fn the_ledger_is_true(seed in 0u64..1000, every in 1usize..5, scale in 0.3..6.0f64, weight in 0.0..8.0f64) {
         let original = crown(90, seed);
         let left = thinned(&original, every, scale);
-        let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
-        let way = way([&original, &left], &views, 48, weight);
+        let sets = sets(&original);
+        let way = way([&original, &left], &sets, 48, weight);
         let mut stage = Stage::new(&way);
         let mut last = stage.objective();
         prop_assert_eq!(last, objective(&original, &left, &stage.scales, weight));
@@ -348,9 +359,9 @@ proptest! {
     fn a_gain_is_what_j_loses(seed in 0u64..1000, larger in any::<bool>()) {
         let original = crown(60, seed);
         let left = thinned(&original, 2, 2.0);
-        let views = ViewSet::dodecahedron(original.bounding_sphere().unwrap());
+        let sets = sets(&original);
         let weight = 100.0;
-        let way = way([&original, &left], &views, 48, weight);
+        let way = way([&original, &left], &sets, 48, weight);
         let mut stage = Stage::new(&way);
         let before = stage.objective();
         let factor = 1.1;
