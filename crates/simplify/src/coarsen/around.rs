@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec2;
-use secateur_model::Cutout;
+use secateur_model::{Cutout, Wrap};
 
 /// Cards that take up more of a texture's repetitions along a side are not looked at.
 const MOST_REPETITIONS: f64 = 4.0;
@@ -11,7 +11,9 @@ const MOST_REPETITIONS: f64 = 4.0;
 /// Texture coordinates further from 0 are not drawn exactly.
 const FURTHEST: f64 = 6.0;
 
-/// One part in so many of what a triangle shows may be what the card does not.
+/// One part in so many of what a triangle shows may be what the card does not, if that is
+/// the border of a texture that does not repeat: a stem gets longer. Of one that repeats it
+/// would be specks in the air.
 const WRONG: usize = 100;
 
 /// Of the triangles that hold everything, so many of the smallest are looked at.
@@ -71,7 +73,9 @@ pub(super) fn around(picture: &Picture<'_>, places_a_side: usize) -> Option<[Wei
     triangles.sort_by(|a, b| a.twice_area.total_cmp(&b.twice_area));
     triangles.truncate(SMALLEST);
     let right = seen.iter().filter(|is_seen| **is_seen).count();
-    let elsewhere = grid.elsewhere(picture.mask, &seen);
+    let repeats = picture.mask.wrap() != [Wrap::ClampToEdge; 2];
+    let most_wrong = if repeats { 0 } else { right / WRONG };
+    let elsewhere = grid.elsewhere(picture, &seen, repeats);
     let mut best: Option<(usize, &Around)> = None;
     let mut most_area = f64::INFINITY;
     for triangle in &triangles {
@@ -79,7 +83,7 @@ pub(super) fn around(picture: &Picture<'_>, places_a_side: usize) -> Option<[Wei
             break;
         }
         let wrong = elsewhere.within(triangle);
-        if WRONG * wrong > right || best.is_some_and(|(least, _)| least <= wrong) {
+        if wrong > most_wrong || best.is_some_and(|(least, _)| least <= wrong) {
             continue;
         }
         most_area = most_area.min(LARGER * triangle.twice_area);
@@ -126,21 +130,37 @@ impl Grid {
 
     /// Whether the mask is opaque in the middle of a place.
     fn is_opaque(&self, mask: &Cutout, x: i64, y: i64) -> bool {
-        let uv = self.uv(DVec2::new(x as f64, y as f64) + 0.5);
-        let texel = uv * DVec2::new(mask.width().into(), mask.height().into());
+        self.is_opaque_at(mask, DVec2::new(x as f64, y as f64) + 0.5)
+    }
+
+    fn is_opaque_at(&self, mask: &Cutout, at: DVec2) -> bool {
+        let texel = self.uv(at) * DVec2::new(mask.width().into(), mask.height().into());
         mask.is_opaque(texel.x.floor() as i32, texel.y.floor() as i32)
+    }
+
+    /// Whether it is in any of some spots in a place.
+    fn is_opaque_anywhere(&self, mask: &Cutout, x: i64, y: i64) -> bool {
+        let mut spots = (0..4).flat_map(|v| (0..4).map(move |u| DVec2::new(u.into(), v.into())));
+        spots.any(|spot| {
+            let at = DVec2::new(x as f64, y as f64) + 0.25 * spot + 0.125;
+            self.is_opaque_at(mask, at)
+        })
     }
 
     /// For each place over the card, row by row, whether it shows something.
     fn seen(&self, picture: &Picture<'_>) -> Vec<bool> {
         let [width, height] = self.size;
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let is_seen = |(x, y): (i64, i64)| {
-            let uv = self.uv(DVec2::new(x as f64, y as f64) + 0.5);
-            let is_within = |t: &[DVec2; 3]| Weights::of(t, uv).is_within();
-            self.is_opaque(picture.mask, x, y) && picture.triangles.iter().any(is_within)
-        };
+        let is_seen =
+            |(x, y): (i64, i64)| self.is_opaque(picture.mask, x, y) && self.is_over(picture, x, y);
         places.map(is_seen).collect()
+    }
+
+    /// Whether the middle of a place is over the card.
+    fn is_over(&self, picture: &Picture<'_>, x: i64, y: i64) -> bool {
+        let uv = self.uv(DVec2::new(x as f64, y as f64) + 0.5);
+        let is_within = |t: &[DVec2; 3]| Weights::of(t, uv).is_within();
+        picture.triangles.iter().any(is_within)
     }
 
     /// How far what is seen, and a place more around it, reaches in each direction; nothing
@@ -175,8 +195,10 @@ impl Grid {
         })
     }
 
-    /// The places where the texture shows something that the card does not.
-    fn elsewhere(&self, mask: &Cutout, seen: &[bool]) -> Elsewhere {
+    /// The places where the texture shows something that the card does not; if even specks
+    /// count, in any spot of a place that is not next to what the card shows.
+    fn elsewhere(&self, picture: &Picture<'_>, seen: &[bool], even_specks: bool) -> Elsewhere {
+        let mask = picture.mask;
         let [width, height] = self.size;
         let columns = -REACH * width..(1 + REACH) * width;
         let is_card = |x: i64, y: i64| {
@@ -185,7 +207,14 @@ impl Grid {
         let rows = (-REACH * height..(1 + REACH) * height).map(|y| {
             let mut sum = 0;
             let sums = columns.clone().map(|x| {
-                sum += u32::from(!is_card(x, y) && self.is_opaque(mask, x, y));
+                let is_elsewhere = if even_specks {
+                    !self.is_over(picture, x, y)
+                        && !neighbours(x, y).any(|(x, y)| is_card(x, y))
+                        && self.is_opaque_anywhere(mask, x, y)
+                } else {
+                    !is_card(x, y) && self.is_opaque(mask, x, y)
+                };
+                sum += u32::from(is_elsewhere);
                 sum
             });
             std::iter::once(0).chain(sums).collect()
@@ -195,6 +224,11 @@ impl Grid {
             sums: rows.collect(),
         }
     }
+}
+
+/// A place and those next to it.
+fn neighbours(x: i64, y: i64) -> impl Iterator<Item = (i64, i64)> {
+    (-1..=1).flat_map(move |v| (-1..=1).map(move |u| (x + u, y + v)))
 }
 
 /// Places where something is that should not be.
@@ -310,10 +344,8 @@ impl Around {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-    use secateur_model::Wrap;
-
     use super::*;
+    use proptest::prelude::*;
 
     const CARD: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
@@ -365,6 +397,29 @@ mod tests {
         assert!(found(&disc(Wrap::MirroredRepeat, 0.4), card()).is_none());
         assert!(found(&disc(Wrap::Repeat, 0.15), card()).is_some());
         assert!(found(&disc(Wrap::ClampToEdge, 0.4), card()).is_some());
+    }
+
+    /// A texel, between those in the middles of places of two by two, shows again beside the
+    /// card, on which it is no speck.
+    #[test]
+    fn of_a_texture_that_repeats_even_specks_count() {
+        let mask = Cutout::from_fn([512, 512], [Wrap::Repeat; 2], |x, y| {
+            (200..300).contains(&x) && (200..300).contains(&y) || (x, y) == (10, 20)
+        });
+        let picture = Picture {
+            triangles: card(),
+            mask: &mask,
+        };
+        let grid = Grid::of(&picture, 256).unwrap();
+        let seen = grid.seen(&picture);
+        let count = |even_specks: bool| {
+            let elsewhere = grid.elsewhere(&picture, &seen, even_specks);
+            let rows = elsewhere.sums.iter();
+            rows.map(|sums| *sums.last().unwrap()).sum::<u32>()
+        };
+        // Five by five textures; the middle one is the card.
+        assert_eq!(count(false), 24 * 50 * 50);
+        assert_eq!(count(true), 24 * (50 * 50 + 1));
     }
 
     #[test]

@@ -24,6 +24,10 @@ const PLACES: usize = 1 << 20;
 /// And a side of one in as many as these.
 const PLACES_A_SIDE: [usize; 2] = [32, 256];
 
+/// Of so many different cards triangles are looked for; others stay as they are. Most trees
+/// have a few, in all leaves alike.
+const MOST_PICTURES: usize = 1024;
+
 /// By leaf the triangles that show the same as all of it, where they are fewer.
 pub struct Cards(Vec<Option<Vec<[NewCorner; 3]>>>);
 
@@ -44,6 +48,9 @@ impl Cards {
         let mut pictures: Vec<Picture<'_>> = Vec::new();
         let mut known: FxHashMap<Key, usize> = FxHashMap::default();
         let mut number = |leaf: LeafId, card: &Card| {
+            if card.len() == 1 {
+                return None;
+            }
             let of_leaf = foliage.triangles_of(leaf);
             let cutout = foliage.leaf(leaf).cutout()?;
             let triangles: Vec<LeafTriangle> = card.iter().map(|t| of_leaf[*t]).collect();
@@ -52,6 +59,9 @@ impl Cards {
                 [a.x, a.y, b.x, b.y, c.x, c.y].map(f64::to_bits)
             };
             let key = (cutout, triangles.iter().map(bits).collect());
+            if pictures.len() == MOST_PICTURES {
+                return known.get(&key).copied();
+            }
             Some(*known.entry(key).or_insert_with(|| {
                 pictures.push(Picture {
                     triangles: triangles.iter().map(|t| t.uvs).collect(),
@@ -319,6 +329,23 @@ mod tests {
                 .triangles_of(LeafId::from_index(0))
                 .is_none()
         );
+    }
+
+    #[test]
+    fn of_very_many_different_cards_the_first_are_looked_at() {
+        let leaf = |k: usize| {
+            let mut leaf = card(DVec3::X * k as f64, 0.0);
+            let moved = 1e-6 * (k % (MOST_PICTURES + 1)) as f64;
+            let uvs = leaf.iter_mut().flat_map(|t| &mut t.uvs);
+            uvs.for_each(|uv| *uv += moved);
+            leaf
+        };
+        let leaves: Vec<_> = (0..MOST_PICTURES + 2).map(leaf).collect();
+        let cards = Cards::of(&of(&leaves, Some(0)));
+        let is_found = |k: usize| cards.triangles_of(LeafId::from_index(k)).is_some();
+        assert!((0..MOST_PICTURES).all(is_found));
+        assert!(!is_found(MOST_PICTURES));
+        assert!(is_found(MOST_PICTURES + 1), "as the first");
     }
 
     /// A leaf that may keep fewer triangles than it has cards becomes coarser as others do.

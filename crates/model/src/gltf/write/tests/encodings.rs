@@ -54,10 +54,10 @@ pub(super) fn rich() -> Fixture {
     let ages = of_vertex(1, &|i| (i * 7) as f64);
     let attributes = json!({
         "POSITION": fixture.vectors(&squares(4)),
-        "NORMAL": fixture.vectors(&[[0.0, 0.6, 0.8]; 16]),
+        "NORMAL": fixture.vectors(&[[0.0, 0.6, 0.8], [0.0, 0.8, 0.6], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]].repeat(4)),
         "TANGENT": fixture.vectors(&[[1.0, 0.0, 0.0, -1.0]; 16]),
         "TEXCOORD_0": fixture.normalized(UNSIGNED_SHORT, 2, &uvs),
-        "TEXCOORD_1": fixture.vectors(&[[0.25, 0.75]; 16]),
+        "TEXCOORD_1": fixture.vectors(&[[0.25, 0.75], [0.5, 0.75], [0.5, 0.125], [0.25, 0.5]].repeat(4)),
         "COLOR_0": fixture.normalized(UNSIGNED_BYTE, 3, &colors),
         "_AGE": fixture.elements(UNSIGNED_SHORT, 1, &ages),
     });

@@ -195,19 +195,39 @@ fn a_texture_goes_on_beyond_the_corners_of_its_triangle() {
 }
 
 #[test]
-fn every_set_of_texture_coordinates_goes_on() {
+fn every_set_of_texture_coordinates_and_the_normals_go_on() {
     let tree = encodings::rich().tree();
     let lod = beyond_its_corners(&tree);
     let content = lod_content(&tree, &lod).unwrap();
-    let primitive = &content.root["meshes"][1]["primitives"][0];
-    let accessor = |semantic: &str| {
+    let became_f32 = |note: &String| note.contains("texture coordinates or normals became f32");
+    assert!(content.notes.iter().any(became_f32));
+    let after = read(tree.lod_to_bytes(&lod).unwrap());
+    let of = |tree: &Tree, semantic: &str| -> Vec<DVec3> {
+        let primitive = &tree.document.root["meshes"][1]["primitives"][0];
         let number = primitive["attributes"][semantic].as_u64().unwrap();
-        content.root["accessors"][number as usize].clone()
+        let elements = tree.document.elements(number as usize).unwrap();
+        match semantic {
+            "NORMAL" => elements.vectors::<3>().map(DVec3::from_array).collect(),
+            _ => elements
+                .vectors::<2>()
+                .map(|[u, v]| DVec3::new(u, v, 0.0))
+                .collect(),
+        }
     };
-    for semantic in ["TEXCOORD_0", "TEXCOORD_1"] {
-        assert_eq!(accessor(semantic)["componentType"], 5126, "{semantic}");
+    let triangle = tree.document.triangles(1, 0).unwrap()[0].map(|vertex| vertex as usize);
+    for semantic in ["TEXCOORD_0", "TEXCOORD_1", "NORMAL"] {
+        let before = of(&tree, semantic);
+        let [a, b, c] = triangle.map(|vertex| before[vertex]);
+        let sums = [a, 2.0 * b - a, 2.0 * c - a];
+        assert!(sums[1].distance(b) > 1e-3, "{semantic} differs by vertex");
+        let expected = match semantic {
+            "NORMAL" => sums.map(DVec3::normalize),
+            _ => sums,
+        };
+        let found = of(&after, semantic);
+        for sum in expected {
+            let is_there = |vector: &DVec3| vector.distance(sum) < 1e-5;
+            assert!(found.iter().any(is_there), "{semantic}: {sum} of {found:?}");
+        }
     }
-    assert_eq!(accessor("NORMAL")["componentType"], 5126);
-    let became_f32 = |note: &&String| note.contains("texture coordinates or normals became f32");
-    assert!(content.notes.iter().any(|note| became_f32(&note)));
 }
