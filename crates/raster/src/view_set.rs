@@ -101,6 +101,18 @@ impl ViewSet {
         Self::around(sphere, &[x, -x, y, -y, z, -z])
     }
 
+    /// The 12 corners of a cuboctahedron, 24 degrees from [`dodecahedron`](Self::dodecahedron)
+    /// and 13 from [`icosahedron`](Self::icosahedron).
+    pub fn cuboctahedron(sphere: BoundingSphere) -> Self {
+        let mut directions = Vec::with_capacity(12);
+        for (a, b) in signs2(1.0, 1.0) {
+            directions.push(DVec3::new(0.0, a, b));
+            directions.push(DVec3::new(a, b, 0.0));
+            directions.push(DVec3::new(b, 0.0, a));
+        }
+        Self::around(sphere, &directions)
+    }
+
     /// Cameras in these directions from the sphere's centre, at three times its
     /// radius, looking at the centre with a field of view of 60 degrees
     /// (section 4.2). A sphere without extent counts as one of radius 1.
@@ -202,6 +214,7 @@ mod tests {
             (ViewSet::icosahedron(SPHERE), 12, 447),
             (ViewSet::cube(SPHERE), 8, 333),
             (ViewSet::octahedron(SPHERE), 6, 0),
+            (ViewSet::cuboctahedron(SPHERE), 12, 500),
         ];
         for (set, count, cosine) in sets {
             assert_eq!(set.len(), count);

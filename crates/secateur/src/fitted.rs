@@ -75,7 +75,8 @@ impl Fitted<'_> {
 }
 
 /// Where from sizes are fitted: one's own cameras; or views from which no leaf was chosen,
-/// since what is left was kept for what it shows in those.
+/// since what is left was kept for what it shows in those. In sets of 20, 6 and 12: VMI
+/// depends on how many views there are.
 pub(crate) fn fitting_views(
     views: &Views,
     sphere: BoundingSphere,
@@ -83,7 +84,13 @@ pub(crate) fn fitting_views(
 ) -> Vec<ViewSet> {
     match views {
         Views::Cameras(_) => vec![driving.clone()],
-        _ => ViewSet::turned_dodecahedra(sphere).to_vec(),
+        _ => {
+            let mut sets = ViewSet::turned_dodecahedra(sphere).to_vec();
+            sets.push(ViewSet::octahedron(sphere));
+            sets.push(ViewSet::cuboctahedron(sphere));
+            sets.retain(|set| set != driving);
+            sets
+        }
     }
 }
 
@@ -255,15 +262,19 @@ mod tests {
     #[test]
     fn other_views_look_but_where_cameras_are_ones_own() {
         let sphere = crown().bounding_sphere().unwrap();
-        let driving = ViewSet::cube(sphere);
-        let others = fitting_views(&Views::Cube, sphere, &driving);
-        assert_eq!(others.len(), 3);
-        let is_driving = |view| driving.views().contains(view);
-        let views = others.iter().flat_map(ViewSet::views);
-        assert!(!views.clone().any(is_driving));
-        assert_eq!(views.count(), 60);
-        let own = fitting_views(&Views::Cameras(driving.clone()), sphere, &driving);
-        assert_eq!(own, [driving]);
+        let octahedron = ViewSet::octahedron(sphere);
+        for (views, driving, sizes) in [
+            (Views::Cube, ViewSet::cube(sphere), &[20, 20, 20, 6, 12][..]),
+            (Views::Octahedron, octahedron.clone(), &[20, 20, 20, 12]),
+        ] {
+            let others = fitting_views(&views, sphere, &driving);
+            let found: Vec<usize> = others.iter().map(ViewSet::len).collect();
+            assert_eq!(found, sizes);
+            let is_driving = |view| driving.views().contains(view);
+            assert!(!others.iter().flat_map(ViewSet::views).any(is_driving));
+        }
+        let own = fitting_views(&Views::Cameras(octahedron.clone()), sphere, &octahedron);
+        assert_eq!(own, [octahedron]);
     }
 
     #[test]

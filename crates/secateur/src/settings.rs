@@ -246,7 +246,7 @@ impl Alpha {
 }
 
 /// Whether the sizes of what is left are fitted to the original at the end, whatever
-/// the method made of them, in 60 views from which no leaf was chosen, or, with
+/// the method made of them, in 78 views from which no leaf was chosen, or, with
 /// [`Views::Cameras`], in these: see [`mod@crate::fit`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]

@@ -52,14 +52,14 @@ pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
 /// The weight of the outline that serves most crowns.
 pub const DEFAULT_OUTLINE_WEIGHT: f64 = 0.95;
 
-/// By what areas are multiplied and divided in the rounds. The first is repeated
-/// while it pays, with those leaves that took another size.
-const FACTORS: [f64; 2] = [2.0, 1.3];
+/// By what areas are multiplied and divided in the rounds, each about the root of the one
+/// before. The first is repeated while it pays, with those leaves that took another size.
+const FACTORS: [f64; 3] = [2.0, 1.4, 1.2];
 
 /// The first factor is tried again if it took one part in so many of J away.
 const PAYS: i128 = 10;
 
-/// But in no more rounds: all together make no leaf more than 333 times as large.
+/// But in no more rounds: all together make no leaf more than 431 times as large.
 const MOST_ROUNDS: usize = 8;
 
 /// Leaves that are tried at a time.
@@ -89,7 +89,7 @@ pub struct Fit<'a> {
 /// Leaf by leaf the factor of its area that fits best (see the module).
 ///
 /// A round over all leaves takes about the time of drawing them in all views three times,
-/// and those that change, or are changed back, twice more; there are two, and at most seven
+/// and those that change, or are changed back, twice more; there are three, and at most seven
 /// over fewer leaves, on the threads of the current rayon pool, with the same result for any
 /// number of them. Memory: about 25 bytes a pixel over all views, 8 to 16 a fragment, 12 a view and
 /// leaf that is left, and while it begins 8 a view and original leaf. `progress` gets, after
