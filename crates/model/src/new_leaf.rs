@@ -34,7 +34,8 @@ pub enum Place {
     /// Anywhere, in world space.
     At(DVec3),
     /// In the plane of a triangle of the donor, within it or not. The texture goes on
-    /// there: texture coordinates are of the same weights, as are, in files, normals.
+    /// there: texture coordinates are of the same weights, as are, in files, normals and
+    /// displacements of morph targets.
     InPlaneOf {
         /// Which of [`Foliage::triangles_of`] the donor.
         triangle: u32,

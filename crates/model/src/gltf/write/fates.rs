@@ -43,7 +43,8 @@ pub(super) struct MadeCorner {
     pub(super) like: (u32, usize),
     /// Where the copy goes, in the primitive's local space.
     pub(super) position_local: DVec3,
-    /// What the copy's texture coordinates and normal are, where they are not the vertex's.
+    /// What the copy's texture coordinates, normal and morph displacements are, where they are
+    /// not the vertex's.
     pub(super) blend: Option<Blend>,
 }
 

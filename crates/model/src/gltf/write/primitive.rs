@@ -158,7 +158,8 @@ fn kept_triangles(
 enum Mover {
     /// A position: away from the leaf's centre.
     Point,
-    /// The displacement of a morph target: in proportion.
+    /// The displacement of a morph target: in proportion; of a corner of a new leaf, that
+    /// of what the corner is like.
     Delta,
 }
 
@@ -221,14 +222,10 @@ impl Moves<'_> {
         let at = || draft.document.place("accessors", old);
         let mut vectors = gather_vectors::<N>(&elements, sources).at(at)?;
         for (vertex, resize) in &self.vertices.moved {
-            let Some((corners, weights)) = self.blends.get(resize) else {
+            let Some(blend) = self.blends.get(resize) else {
                 continue;
             };
-            let of_corners = gather_vectors::<N>(&elements, corners).at(at)?;
-            let sum = std::array::from_fn(|k| {
-                let pairs = of_corners.iter().zip(weights);
-                pairs.map(|(vector, weight)| weight * vector[k]).sum()
-            });
+            let sum = blended::<N>(&elements, blend).at(at)?;
             let vector = &mut vectors[*vertex as usize];
             *vector = of_sum(sum, *vector);
         }
@@ -280,7 +277,14 @@ impl Moves<'_> {
         let mut vectors: Vec<DVec3> = vectors.into_iter().map(DVec3::from_array).collect();
         for &(vertex, resize) in &self.vertices.moved {
             let vector = &mut vectors[vertex as usize];
-            *vector = moved(*vector, &self.resizes[resize as usize], mover);
+            *vector = match self.blends.get(&resize) {
+                Some(blend) if is_displacement => {
+                    let sum = blended::<3>(&elements, blend)
+                        .at(|| draft.document.place("accessors", old))?;
+                    DVec3::from_array(sum)
+                }
+                _ => moved(*vector, &self.resizes[resize as usize], mover),
+            };
         }
         if elements.accessor.component != Component::F32 {
             draft.notes.push(format!(
@@ -318,9 +322,21 @@ fn gather_vectors<const N: usize>(
     Ok(gathered.vectors().collect())
 }
 
+fn blended<const N: usize>(
+    elements: &Elements,
+    (corners, weights): &([u32; 3], [f64; 3]),
+) -> Result<[f64; N], Problem> {
+    let of_corners = gather_vectors::<N>(elements, corners)?;
+    Ok(std::array::from_fn(|k| {
+        let pairs = of_corners.iter().zip(weights);
+        pairs.map(|(vector, weight)| weight * vector[k]).sum()
+    }))
+}
+
 fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {
     match mover {
         Mover::Point => resize.centre_local + resize.linear_scale * (vector - resize.centre_local),
+        Mover::Delta if resize.linear_scale == 0.0 => vector,
         Mover::Delta => resize.linear_scale * vector,
     }
 }

@@ -195,6 +195,30 @@ fn a_texture_goes_on_beyond_the_corners_of_its_triangle() {
 }
 
 #[test]
+fn morph_targets_move_new_leaves_with_their_donors() {
+    let tree = encodings::morphed().tree();
+    let displacements = |lod: &Lod| -> Vec<f64> {
+        let after = read(tree.lod_to_bytes(lod).unwrap());
+        let primitive = &after.document.root["meshes"][1]["primitives"][0];
+        let number = primitive["targets"][0]["POSITION"].as_u64().unwrap();
+        let elements = after.document.elements(number as usize).unwrap();
+        elements.vectors::<3>().map(|[_, _, z]| z).collect()
+    };
+    // Vertex k goes up by k + 0.5; the first triangle is of the first three.
+    let [a, b, c] = tree.document.triangles(1, 0).unwrap()[0].map(|k| f64::from(k) + 0.5);
+    let found = displacements(&beyond_its_corners(&tree));
+    assert_eq!(found[..3], [a, 2.0 * b - a, 2.0 * c - a]);
+    // Corners 0, 1 and 2 of the second leaf, as it is and grown.
+    let [a, b, c] = tree.document.triangles(1, 0).unwrap()[2].map(|k| f64::from(k) + 0.5);
+    for area_scale in [1.0, 2.25] {
+        let found = displacements(&one_of_two(&tree, area_scale).0);
+        let mut made: Vec<f64> = found.into_iter().filter(|z| *z < 8.0).collect();
+        made.sort_by(f64::total_cmp);
+        assert_eq!(made, [a, b, b, c]);
+    }
+}
+
+#[test]
 fn every_set_of_texture_coordinates_and_the_normals_go_on() {
     let tree = encodings::rich().tree();
     let lod = beyond_its_corners(&tree);
