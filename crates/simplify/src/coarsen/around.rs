@@ -593,11 +593,18 @@ mod tests {
                 .map(|t| t.map(|uv| 0.5 + turn.rotate(uv - 0.5)))
                 .collect();
             let is_on_card = |uv: DVec2| triangles.iter().any(|t| Weights::of(t, uv).is_within());
+            let uv_of = |x: i32, y: i32| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 64.0;
+            // What goes on beyond the border of a card may show next to it.
+            let is_near_card = |x: i32, y: i32| {
+                (-2..=2).any(|v| (-2..=2).any(|u| {
+                    mask.is_opaque(x + u, y + v) && is_on_card(uv_of(x + u, y + v))
+                }))
+            };
             if let Some(around) = found(&mask, triangles.clone()) {
                 let (mut right, mut missing, mut wrong) = (0, 0, 0);
                 for y in -128..192 {
                     for x in -128..192 {
-                        let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 64.0;
+                        let uv = uv_of(x, y);
                         if !mask.is_opaque(x, y) {
                             continue;
                         }
@@ -607,13 +614,15 @@ mod tests {
                                 right += 1;
                                 missing += i32::from(!is_held);
                             }
-                            false => wrong += i32::from(is_held),
+                            false => wrong += i32::from(is_held && !is_near_card(x, y)),
                         }
                     }
                 }
                 // The program looks in other places than the middles of texels.
                 prop_assert!(missing <= right / 20 + 1, "{missing} of {right} are missing");
-                prop_assert!(wrong <= right / 20 + 4, "{wrong} of {right}");
+                // The border of a texture that does not repeat, a hundredth of it, goes on.
+                let allowed = right / 20 + 8;
+                prop_assert!(wrong <= allowed, "{wrong} of {right}");
             }
         }
     }
