@@ -1,6 +1,6 @@
 //! Where the cameras stand.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use secateur_model::BoundingSphere;
 
 use crate::{View, ViewError};
@@ -141,6 +141,24 @@ impl ViewSet {
         let views: Result<Vec<View>, ViewError> = directions.iter().map(view).collect();
         Self {
             views: views.expect("directions around a finite sphere make cameras"),
+        }
+    }
+
+    /// The same views turned as one about a point.
+    ///
+    /// # Panics
+    /// If the turn or the point is not finite, or the turn has no length.
+    pub fn turned(&self, about: DVec3, turn: DQuat) -> Self {
+        let turn = turn.normalize();
+        let view = |view: &View| {
+            let eye = about + turn * (view.eye() - about);
+            let target = eye + turn * view.forward();
+            let up = turn * view.up();
+            View::look_at(eye, target, up, view.tan_half_fov(), view.near())
+        };
+        let views: Result<Vec<View>, ViewError> = self.views.iter().map(view).collect();
+        Self {
+            views: views.expect("a camera that is turned is a camera"),
         }
     }
 

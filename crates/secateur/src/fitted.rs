@@ -84,6 +84,11 @@ pub(crate) fn fitting_views(
 ) -> Vec<ViewSet> {
     match views {
         Views::Cameras(_) => vec![driving.clone()],
+        Views::Turned { views, turn } => {
+            let sets = fitting_views(views, sphere, &views.around(sphere));
+            let turned = sets.iter().map(|set| set.turned(sphere.centre, *turn));
+            turned.collect()
+        }
         _ => {
             let mut sets = ViewSet::turned_dodecahedra(sphere).to_vec();
             sets.push(ViewSet::octahedron(sphere));
@@ -138,6 +143,9 @@ fn with_sizes(order: &RemovalOrder, lod: &Lod, factors: &[f64]) -> Option<Remova
 #[cfg(test)]
 mod tests {
     use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+
+    use glam::{DQuat, EulerRot};
+    use secateur_raster::View;
 
     use super::*;
     use crate::{
@@ -275,6 +283,32 @@ mod tests {
         }
         let own = fitting_views(&Views::Cameras(octahedron.clone()), sphere, &octahedron);
         assert_eq!(own, [octahedron]);
+    }
+
+    #[test]
+    fn turned_views_are_fitted_in_the_others_turned_alike() {
+        let sphere = crown().bounding_sphere().unwrap();
+        let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
+        for views in [Views::Dodecahedron, Views::Octahedron] {
+            let driving = views.around(sphere);
+            let upright = fitting_views(&views, sphere, &driving);
+            let turned = Views::Turned {
+                views: Box::new(views),
+                turn,
+            };
+            let driving_turned = turned.around(sphere);
+            let others = fitting_views(&turned, sphere, &driving_turned);
+            assert_eq!(others.len(), upright.len());
+            for (a, b) in upright.iter().zip(&others) {
+                let turned = a.turned(sphere.centre, turn);
+                assert_eq!(turned, *b);
+                // As far from the driving views as before.
+                let cosine = |a: &View, b: &View| a.forward().dot(b.forward());
+                let before = cosine(&a.views()[0], &driving.views()[1]);
+                let after = cosine(&b.views()[0], &driving_turned.views()[1]);
+                assert!((before - after).abs() < 1e-12);
+            }
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use glam::DQuat;
 use secateur_model::{BoundingSphere, Foliage, PlantSkeleton};
 use secateur_plant::ClusterSize;
 use secateur_raster::ViewSet;
@@ -93,6 +94,14 @@ pub enum Views {
     Variable,
     /// One's own cameras.
     Cameras(ViewSet),
+    /// Others, turned as one about the foliage's centre, and with them those in which sizes
+    /// are fitted; of the variable number the first set.
+    Turned {
+        /// Which.
+        views: Box<Self>,
+        /// By what.
+        turn: DQuat,
+    },
 }
 
 impl Views {
@@ -106,6 +115,7 @@ impl Views {
             Self::Octahedron => "6",
             Self::Variable => "vnc",
             Self::Cameras(_) => "cameras",
+            Self::Turned { .. } => "turned",
         }
     }
 
@@ -119,6 +129,7 @@ impl Views {
             Self::Cube => ViewSet::cube(sphere),
             Self::Octahedron => ViewSet::octahedron(sphere),
             Self::Cameras(views) => views.clone(),
+            Self::Turned { views, turn } => views.around(sphere).turned(sphere.centre, *turn),
         }
     }
 

@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use secateur::glam::{DMat3, DVec3};
-use secateur::raster::{View, ViewSet};
+use secateur::glam::{DQuat, DVec3};
 use secateur::{
     CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Place, PlantSkeleton, RemovalOrder,
     Simplify, Step, Views,
@@ -17,7 +16,7 @@ use super::lots::Lots;
 pub(super) enum Perturbation {
     /// None.
     None,
-    /// The driving views turned as one about the foliage's centre.
+    /// The driving and the fitting views turned as one about the foliage's centre.
     Rotated(u64),
     /// Every corner moved at random within a cube of this half side, in radii of
     /// the foliage.
@@ -60,10 +59,10 @@ impl Perturbation {
             Self::None => {}
             Self::Rotated(seed) => {
                 lots = Lots::new(seed);
-                if let Some(sphere) = foliage.bounding_sphere() {
-                    let views = settings.views.around(sphere);
-                    settings.views = Views::Cameras(turned(&views, sphere.centre, &mut lots));
-                }
+                settings.views = Views::Turned {
+                    views: Box::new(settings.views),
+                    turn: any_turn(&mut lots),
+                };
             }
             Self::Jittered(_) => {}
             Self::Shuffled(seed) => {
@@ -150,17 +149,10 @@ fn with_leaves_in(skeleton: &PlantSkeleton, names: &[LeafId]) -> PlantSkeleton {
     own
 }
 
-fn turned(views: &ViewSet, centre: DVec3, lots: &mut Lots) -> ViewSet {
+/// About any axis, by any angle.
+fn any_turn(lots: &mut Lots) -> DQuat {
     let axis = DVec3::new(lots.signed(), lots.signed(), lots.signed()).normalize_or(DVec3::Y);
-    let turn = DMat3::from_axis_angle(axis, std::f64::consts::PI * lots.signed());
-    let view = |view: &View| {
-        let eye = centre + turn * (view.eye() - centre);
-        let target = eye + turn * view.forward();
-        let up = turn * view.up();
-        View::look_at(eye, target, up, view.tan_half_fov(), view.near())
-    };
-    let turned: Result<Vec<View>, _> = views.views().iter().map(view).collect();
-    turned.map_or_else(|_| views.clone(), ViewSet::new)
+    DQuat::from_axis_angle(axis, std::f64::consts::PI * lots.signed())
 }
 
 /// Corners at one place stay at one place.
@@ -293,10 +285,8 @@ mod tests {
         let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
         let sphere = foliage.bounding_sphere().unwrap();
         let changed = Perturbation::Rotated(1).apply(&foliage, &settings());
-        let Views::Cameras(views) = changed.settings.views else {
-            panic!("cameras of its own");
-        };
-        let original = ViewSet::dodecahedron(sphere);
+        let views = changed.settings.views.around(sphere);
+        let original = secateur::raster::ViewSet::dodecahedron(sphere);
         assert_eq!(views.len(), original.len());
         for (a, b) in original.views().iter().zip(views.views()) {
             let [near, far] = [a, b].map(|v| v.eye().distance(sphere.centre));
