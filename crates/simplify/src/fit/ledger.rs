@@ -114,6 +114,11 @@ impl Ledger {
         self.price.of(&self.deviations)
     }
 
+    /// Whether the views tell as much as the original, but for twice what is free.
+    pub(super) fn tells_as_much(&self) -> bool {
+        self.cost() <= self.price.free.iter().copied().map(i128::from).sum()
+    }
+
     /// By how much the VMI changes with each pixel of a leaf in a view, to the first order,
     /// scaled; the background first, 0 for leaves that are not seen.
     pub(super) fn pixel_values(&self, view: usize) -> &[i64] {

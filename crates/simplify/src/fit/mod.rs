@@ -26,6 +26,9 @@
 //! takes pixels to the first order, all of it put down to the view where it happens. J
 //! itself is counted after each few, and what made it worse is undone.
 //!
+//! Where the two look the same, to half a hundredth of the outline and of the information,
+//! none is tried.
+//!
 //! A size must be better by more than chance: of n pixels that a leaf covers more or less
 //! as many are right as wrong but for about the root of n, and so many it has to gain,
 //! each counted as one of outline or a bit, whichever is more. Else small leaves would fit
@@ -61,6 +64,10 @@ const PAYS: i128 = 10;
 
 /// But in no more rounds: all together make no leaf more than 431 times as large.
 const MOST_ROUNDS: usize = 8;
+
+/// Sizes stay where outlines differ by no more than one pixel in so many, and views tell as
+/// much: there is next to nothing to be had.
+const SAME: u64 = 200;
 
 /// Leaves that are tried at a time.
 const BATCH: usize = 64;
@@ -106,7 +113,7 @@ pub fn fit(
     assert!(is_seen && !fit.views.is_empty(), "at least one view");
     assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&fit.outline_weight));
     let mut stage = Stage::new(fit);
-    if stage.objective() == 0 {
+    if stage.shows_the_same() {
         return ControlFlow::Continue(stage.scales);
     }
     let all: Vec<usize> = (0..stage.scales.len()).collect();
@@ -189,11 +196,21 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// Whether no size is to be sought.
+    fn shows_the_same(&self) -> bool {
+        let outline_px: u64 = self.screens.iter().map(|s| u64::from(s.outline_px())).sum();
+        self.outline_error_px() * SAME <= outline_px && self.ledger.tells_as_much()
+    }
+
+    /// Pixels, over all views, that show foliage in only one of the two.
+    fn outline_error_px(&self) -> u64 {
+        let screens = self.screens.iter();
+        screens.map(|s| u64::from(s.outline_error_px())).sum()
+    }
+
     /// J, scaled.
     fn objective(&self) -> i128 {
-        let screens = self.screens.iter();
-        let px: u64 = screens.map(|s| u64::from(s.outline_error_px())).sum();
-        i128::from(px) * i128::from(self.outline_unit) + self.ledger.cost()
+        i128::from(self.outline_error_px()) * i128::from(self.outline_unit) + self.ledger.cost()
     }
 
     /// Tries each of these leaves once.

@@ -84,6 +84,14 @@ impl<'a> Screen<'a> {
         areas_px
     }
 
+    /// Pixels that show foliage in the original.
+    pub(super) fn outline_px(&self) -> u32 {
+        self.outline
+            .iter()
+            .filter(|is_foliage| **is_foliage)
+            .count() as u32
+    }
+
     /// Pixels that show foliage where they should not, or none where they should.
     pub(super) fn outline_error_px(&self) -> u32 {
         self.outline_error_px

@@ -144,6 +144,34 @@ fn where_nothing_is_to_be_fitted_nothing_is_tried() {
 }
 
 #[test]
+fn where_all_looks_the_same_nothing_is_tried() {
+    let crown = crown(400, 3);
+    let views = sets(&crown);
+    let is_tried = |area_scale: f64| {
+        let left = thinned(&crown, 1, area_scale);
+        let mut is_tried = false;
+        let end = fit(&way([&crown, &left], &views, 64, 2.0), &mut |_, _| {
+            is_tried = true;
+            ControlFlow::Continue(())
+        });
+        let ControlFlow::Continue(factors) = end else {
+            panic!("nobody broke off");
+        };
+        let error_px: usize = views.iter().fold(0, |sum, views| {
+            let [before, after] = [(&crown, vec![1.0; 400]), (&left, vec![1.0; 400])]
+                .map(|(foliage, scales)| drawn(foliage, &scales, views));
+            sum + outline_error_px(&before, &after)
+        });
+        assert!(is_tried || factors == vec![1.0; 400]);
+        (error_px, is_tried)
+    };
+    let (few_px, is_tried_for_few) = is_tried(1.003);
+    assert!(few_px > 0 && !is_tried_for_few, "{few_px}");
+    let (many_px, is_tried_for_many) = is_tried(1.1);
+    assert!(many_px > few_px && is_tried_for_many, "{many_px}");
+}
+
+#[test]
 fn a_leaf_of_another_size_gets_its_own_back() {
     let original = square(1.0);
     for (area_scale, expected) in [(2.0, 0.5), (0.25, 4.0), (1.0 / 1.3, 1.3)] {
