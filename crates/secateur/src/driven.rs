@@ -2,15 +2,12 @@
 //! number of leaves or of triangles, or to an error.
 
 use secateur_model::{Foliage, LeafId, RemovalOrder};
-use secateur_simplify::coarsen::{Cards, Coarse, coarsen, shared_out};
+use secateur_simplify::coarsen::{Coarse, Shapes, coarsen, shared_out};
 use secateur_simplify::vds::{Stop, Stopped, VdsOptions, VdsOutcome, ViewPlan, final_views};
 
 use crate::baseline;
 use crate::settings::Goal;
 use crate::{Error, LeafTriangles, OpenEngine};
-
-/// A leaf with a cut-out keeps two triangles where fewer show too little of its texture.
-const LEAST_WITH_CUTOUT: usize = 2;
 
 /// What VDS is asked for.
 pub(crate) struct Driven {
@@ -97,17 +94,11 @@ fn coarser(foliage: &Foliage, leaf_triangles: LeafTriangles, goal: Goal) -> Opti
     match (leaf_triangles, goal) {
         (LeafTriangles::AtMost(most), _) => {
             let most = vec![most as usize; foliage.leaves().len()];
-            coarsen(foliage, &Cards::of(foliage), &most)
+            coarsen(foliage, &Shapes::of(foliage), &most)
         }
         (LeafTriangles::Auto, Goal::Triangles(at_most)) if at_most < foliage.triangles().len() => {
-            let cards = Cards::of(foliage);
-            let least = |leaf: LeafId| match (foliage.leaf(leaf).cutout(), cards.triangles_of(leaf))
-            {
-                (Some(_), Some(triangles)) => triangles.len(),
-                (Some(_), None) => LEAST_WITH_CUTOUT,
-                (None, _) => 1,
-            };
-            coarsen(foliage, &cards, &shared_out(foliage, at_most, least))
+            let shapes = Shapes::of(foliage);
+            coarsen(foliage, &shapes, &shared_out(foliage, at_most, &shapes))
         }
         (LeafTriangles::Auto | LeafTriangles::Keep, _) => None,
     }

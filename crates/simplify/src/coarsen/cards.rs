@@ -29,7 +29,7 @@ const PLACES_A_SIDE: [usize; 2] = [32, 256];
 const MOST_PICTURES: usize = 1024;
 
 /// By leaf the triangles that show the same as all of it, where they are fewer.
-pub struct Cards(Vec<Option<Vec<[NewCorner; 3]>>>);
+pub(super) struct Cards(Vec<Option<Vec<[NewCorner; 3]>>>);
 
 /// Triangles of a leaf in one plane, over which the texture lies without a fold; the first
 /// of them has an area.
@@ -40,7 +40,7 @@ type Key = (u32, Vec<[u64; 6]>);
 
 impl Cards {
     /// Of the leaves of a foliage, on the threads of the current rayon pool.
-    pub fn of(foliage: &Foliage) -> Self {
+    pub(super) fn of(foliage: &Foliage) -> Self {
         let leaves = (0..foliage.leaves().len()).into_par_iter();
         let cards: Vec<Vec<Card>> = leaves
             .map(|index| cards_of(foliage, LeafId::from_index(index)))
@@ -101,7 +101,7 @@ impl Cards {
     ///
     /// # Panics
     /// If there is no such leaf.
-    pub fn triangles_of(&self, leaf: LeafId) -> Option<&[[NewCorner; 3]]> {
+    pub(super) fn triangles_of(&self, leaf: LeafId) -> Option<&[[NewCorner; 3]]> {
         self.0[leaf.index()].as_deref()
     }
 }
@@ -178,7 +178,7 @@ mod tests {
     use secateur_model::{Cutout, NewLeaf, Wrap};
 
     use super::*;
-    use crate::coarsen::coarsen;
+    use crate::coarsen::{Shapes, coarsen};
 
     /// A disc in the middle of an otherwise empty texture.
     fn disc() -> Arc<Cutout> {
@@ -353,20 +353,22 @@ mod tests {
     fn cards_become_triangles_where_they_may_keep_no_more() {
         let cross = [card(DVec3::ZERO, 0.0), card(DVec3::splat(0.1), 0.0)].concat();
         let foliage = of(&[card(DVec3::X, 0.0), cross], Some(0));
-        let cards = Cards::of(&foliage);
+        let shapes = Shapes::of(&foliage);
         let after = |most: [usize; 2]| {
-            let coarse = coarsen(&foliage, &cards, &most);
+            let coarse = coarsen(&foliage, &shapes, &most);
             let coarse = coarse.as_ref().map_or(&foliage, |coarse| coarse.foliage());
             let leaves = (0..2).map(LeafId::from_index);
             leaves
                 .map(|leaf| {
-                    let is_card = cards.triangles_of(leaf).is_some_and(|triangles| {
-                        let made = NewLeaf {
-                            donor: leaf,
-                            triangles: triangles.to_vec(),
-                        };
-                        made.triangles_in(&foliage, 1.0) == coarse.triangles_of(leaf)
-                    });
+                    let is_card = Cards::of(&foliage)
+                        .triangles_of(leaf)
+                        .is_some_and(|triangles| {
+                            let made = NewLeaf {
+                                donor: leaf,
+                                triangles: triangles.to_vec(),
+                            };
+                            made.triangles_in(&foliage, 1.0) == coarse.triangles_of(leaf)
+                        });
                     (coarse.triangles_of(leaf).len(), is_card)
                 })
                 .collect::<Vec<_>>()

@@ -18,6 +18,12 @@ pub(super) fn collapsed(triangles: &[LeafTriangle], at_most: usize) -> Option<Ve
     (kept.len() < triangles.len()).then(|| mesh.corners_of(triangles, &kept))
 }
 
+/// Vertices by corner: corners at one place of one texture coordinate are one vertex.
+/// Nothing of a leaf that is a point.
+pub(super) fn vertices(triangles: &[LeafTriangle]) -> Option<Vec<u32>> {
+    Mesh::of(triangles).map(|mesh| mesh.indices)
+}
+
 /// A leaf by its vertices: corners at one place of one texture coordinate.
 struct Mesh {
     /// Relative to the first corner, the furthest at 1.

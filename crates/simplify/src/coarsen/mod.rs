@@ -2,20 +2,28 @@
 //!
 //! Half of the leaves in all their detail leave more holes in a crown than all of
 //! them with half of their triangles. So triangles are shared out before leaves
-//! go: every leaf may keep as many as every other, and what that leaves over
-//! goes to the largest. A leaf becomes coarser by collapses of its edges
-//! (meshoptimizer, by quadric error, in f32: the same triangles on every processor
-//! if its C++ is compiled with `-ffp-contract=off`, as this workspace does), and
+//! go: to those that show the most by them. What leaves lose by fewer is looked at in
+//! views of the crown, since some numbers suit a leaf and others don't: an arch of three
+//! strips is lopsided with three triangles, and better off with two.
+//!
+//! A leaf becomes coarser by collapses of its edges (meshoptimizer, by quadric error, in
+//! f32: the same triangles on every processor if its C++ is compiled with
+//! `-ffp-contract=off`, as this workspace does), by a triangle around what its texture
+//! shows, or by one of some of its corners in its mean plane; but for what is on a card it
 //! is then grown and moved so that its area and its centre stay.
 
 mod around;
 mod cards;
 mod leaf_mesh;
+mod shapes;
 mod shares;
+mod triangle;
 
-pub use cards::Cards;
+pub use shapes::{Kept, Shapes};
 pub use shares::shared_out;
 
+use cards::Cards;
+use glam::DVec3;
 use rayon::prelude::*;
 use secateur_model::{
     Foliage, Growth, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, RemovalOrder, Step,
@@ -41,27 +49,14 @@ pub struct Coarse {
 /// no edge can collapse, or what would be left has no area.
 ///
 /// # Panics
-/// If `triangles_at_most` is not of one number for each leaf, or the cards are of other
+/// If `triangles_at_most` is not of one number for each leaf, or the shapes are of other
 /// leaves.
-pub fn coarsen(foliage: &Foliage, cards: &Cards, triangles_at_most: &[usize]) -> Option<Coarse> {
+pub fn coarsen(foliage: &Foliage, shapes: &Shapes, triangles_at_most: &[usize]) -> Option<Coarse> {
     assert_eq!(triangles_at_most.len(), foliage.leaves().len());
-    let coarser = |(index, &at_most): (usize, &usize)| {
-        let leaf = LeafId::from_index(index);
-        if foliage.triangles_of(leaf).len() <= at_most {
-            return None;
-        }
-        match cards.triangles_of(leaf) {
-            Some(triangles) if triangles.len() <= at_most => Some(NewLeaf {
-                donor: leaf,
-                triangles: triangles.to_vec(),
-            }),
-            _ => coarser_leaf(foliage, leaf, at_most),
-        }
-    };
     let made: Vec<Option<NewLeaf>> = triangles_at_most
         .par_iter()
         .enumerate()
-        .map(coarser)
+        .map(|(index, at_most)| shapes.coarser(foliage, LeafId::from_index(index), *at_most))
         .collect();
     if made.iter().all(Option::is_none) {
         return None;
@@ -129,13 +124,24 @@ impl Coarse {
     }
 }
 
-/// What takes the place of a leaf, if anything does.
-fn coarser_leaf(foliage: &Foliage, leaf: LeafId, at_most: usize) -> Option<NewLeaf> {
+/// What collapses of its edges leave of a leaf.
+fn collapsed(foliage: &Foliage, leaf: LeafId, at_most: usize) -> Option<NewLeaf> {
     let triangles = foliage.triangles_of(leaf);
     let kept = leaf_mesh::collapsed(triangles, at_most)?;
     let position = |corner: u32| triangles[corner as usize / 3].corners[corner as usize % 3];
+    in_place_of(foliage, leaf, &kept, position)
+}
+
+/// Triangles by corners of a leaf, with its area about its centre; nothing if they have
+/// no area.
+fn in_place_of(
+    foliage: &Foliage,
+    leaf: LeafId,
+    kept: &[[u32; 3]],
+    position: impl Fn(u32) -> DVec3,
+) -> Option<NewLeaf> {
     let mut left = Foliage::default();
-    let plain = |t: &[u32; 3]| LeafTriangle::plain(t.map(position));
+    let plain = |t: &[u32; 3]| LeafTriangle::plain(t.map(&position));
     let plain: Vec<LeafTriangle> = kept.iter().map(plain).collect();
     let left = left
         .push_leaf(&plain, None)

@@ -2,33 +2,43 @@
 
 use secateur_model::{Foliage, LeafId};
 
-/// How many triangles each leaf may keep so that all together have `at_most`, as
-/// evenly as that goes, none below `least` of it; the last over go to the largest
-/// leaves, one each. More than `at_most` only if all have the least.
-pub fn shared_out(
-    foliage: &Foliage,
-    at_most: usize,
-    least: impl Fn(LeafId) -> usize,
-) -> Vec<usize> {
+use super::Shapes;
+
+/// How many triangles each leaf may keep so that all together have `at_most`, or a few
+/// less: those that show the most each, by what leaves lose without them and how large
+/// they are. More than `at_most` only if all have the least.
+pub fn shared_out(foliage: &Foliage, at_most: usize, shapes: &Shapes) -> Vec<usize> {
     let leaves = || (0..foliage.leaves().len()).map(LeafId::from_index);
-    let own: Vec<usize> = leaves().map(|l| foliage.triangles_of(l).len()).collect();
-    let least: Vec<usize> = leaves().map(|leaf| least(leaf).max(1)).collect();
-    let share = |leaf: LeafId, level: usize| own[leaf.index()].min(level.max(least[leaf.index()]));
-    let sum = |level: usize| leaves().map(|leaf| share(leaf, level)).sum::<usize>();
-    let (mut fits, mut is_too_much) = (0, own.iter().max().map_or(1, |most| most + 1));
-    while is_too_much - fits > 1 {
-        let level = fits + (is_too_much - fits) / 2;
-        match sum(level) <= at_most {
-            true => fits = level,
-            false => is_too_much = level,
+    let mut shares: Vec<usize> = leaves()
+        .map(|leaf| shapes.kept(leaf)[0].triangles)
+        .collect();
+    struct More {
+        leaf: LeafId,
+        from: usize,
+        to: usize,
+        worth: f64,
+    }
+    let mut more: Vec<More> = Vec::new();
+    for leaf in leaves() {
+        for pair in shapes.kept(leaf).windows(2) {
+            let (from, to) = (pair[0].triangles, pair[1].triangles);
+            let lost = pair[0].loss - pair[1].loss;
+            let worth = foliage.leaf(leaf).area() * lost / (to - from) as f64;
+            more.push(More {
+                leaf,
+                from,
+                to,
+                worth,
+            });
         }
     }
-    let mut shares: Vec<usize> = leaves().map(|leaf| share(leaf, fits)).collect();
-    let could_have_more = |leaf: &LeafId| share(*leaf, fits + 1) > shares[leaf.index()];
-    let mut by_area: Vec<LeafId> = leaves().filter(could_have_more).collect();
-    let area = |leaf: &LeafId| foliage.leaf(*leaf).area();
-    by_area.sort_by(|a, b| area(b).total_cmp(&area(a)));
-    by_area.truncate(at_most.saturating_sub(shares.iter().sum()));
-    by_area.iter().for_each(|leaf| shares[leaf.index()] += 1);
+    more.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+    let mut over = at_most.saturating_sub(shares.iter().sum());
+    for More { leaf, from, to, .. } in more {
+        if shares[leaf.index()] == from && to - from <= over {
+            shares[leaf.index()] = to;
+            over -= to - from;
+        }
+    }
     shares
 }

@@ -35,34 +35,128 @@ fn counts(foliage: &Foliage) -> Vec<usize> {
     leaves.map(|l| foliage.triangles_of(l).len()).collect()
 }
 
-/// Leaves of 1, 2, 4, 4 and 8 triangles, the last but one the larger of the two.
-fn mixed() -> Foliage {
-    let sizes = [(3, 1.0), (4, 1.0), (6, 1.0), (6, 2.0), (10, 0.5)];
-    of(&sizes.map(|(corners, size)| polygon(corners, size, DVec3::ZERO)))
+/// Leaves of numbers of triangles that are not looked at: more than can be.
+fn large(triangles: &[usize]) -> Foliage {
+    let leaf = |(x, count): (usize, &usize)| polygon(count + 2, 1.0, DVec3::X * x as f64);
+    of(&triangles.iter().enumerate().map(leaf).collect::<Vec<_>>())
 }
 
 #[test]
-fn triangles_are_shared_out_evenly_and_the_last_go_to_the_largest() {
-    let foliage = mixed();
-    let shares = |at_most, least: usize| shared_out(&foliage, at_most, |_| least);
-    assert_eq!(shares(19, 1), [1, 2, 4, 4, 8]);
-    assert_eq!(shares(1000, 1), [1, 2, 4, 4, 8]);
-    // 1 + 2 + 2 + 2 + 2 and two over, of which the largest leaf gets the first.
-    assert_eq!(shares(10, 1), [1, 2, 2, 3, 2]);
-    assert_eq!(shares(11, 1), [1, 2, 3, 3, 2]);
-    assert_eq!(shares(9, 1), [1, 2, 2, 2, 2]);
-    assert_eq!(shares(6, 1), [1, 1, 1, 2, 1]);
-    // Fewer than that is for leaves to go.
-    assert_eq!(shares(3, 1), [1, 1, 1, 1, 1]);
-    assert_eq!(shares(3, 2), [1, 2, 2, 2, 2]);
-    assert_eq!(shares(0, 0), [1, 1, 1, 1, 1]);
-    assert!(shared_out(&Foliage::default(), 5, |_| 1).is_empty());
+fn triangles_go_where_they_show_the_most() {
+    // One more of n takes away 1/n - 1/(n + 1) of a leaf, and these are of one size.
+    let foliage = large(&[200, 200, 300]);
+    let shapes = Shapes::of(&foliage);
+    let shares = |at_most| shared_out(&foliage, at_most, &shapes);
+    assert_eq!(shares(700), [200, 200, 300]);
+    assert_eq!(shares(1000), [200, 200, 300]);
+    let [a, b, c] = shares(100)[..] else { panic!() };
+    assert_eq!((a + b + c, a, b), (100, 33, 33));
+    assert_eq!(shares(0), [1, 1, 1]);
+    assert!(shared_out(&Foliage::default(), 5, &Shapes::of(&Foliage::default())).is_empty());
+
+    // Of leaves alike the largest are the first.
+    let sizes = [1.0, 3.0, 2.0, 4.0];
+    let leaf = |(x, size): (usize, &f64)| polygon(10, *size, DVec3::X * 20.0 * x as f64);
+    let foliage = of(&sizes.iter().enumerate().map(leaf).collect::<Vec<_>>());
+    let shares = shared_out(&foliage, 16, &Shapes::of(&foliage));
+    assert!(shares[0] <= shares[2] && shares[2] <= shares[1] && shares[1] <= shares[3]);
+    assert!(shares[0] < shares[3], "{shares:?}");
+}
+
+/// An arch of three strips: with three triangles it is lopsided.
+fn arch(at: DVec3) -> Vec<LeafTriangle> {
+    let place = |k: usize, side: f64| {
+        let (x, y) = [(-3.0, 0.0), (-1.0, 1.0), (1.0, 1.0), (3.0, 0.0)][k];
+        (
+            at + DVec3::new(x, y, 0.3 * side),
+            DVec2::new(k as f64, side),
+        )
+    };
+    let strip = |k: usize| {
+        let [a, b, c, d] =
+            [(k, 0.0), (k, 1.0), (k + 1, 1.0), (k + 1, 0.0)].map(|p| place(p.0, p.1));
+        [[a, b, c], [a, c, d]].map(|t| LeafTriangle {
+            corners: t.map(|corner| corner.0),
+            uvs: t.map(|corner| corner.1),
+        })
+    };
+    (0..3).flat_map(strip).collect()
+}
+
+#[test]
+fn no_leaf_keeps_a_number_that_shows_less_than_a_smaller_one() {
+    let leaves: Vec<_> = (0..30)
+        .map(|k| arch(DVec3::new(k as f64, 7.0 * (k % 5) as f64, 3.0)))
+        .collect();
+    let foliage = of(&leaves);
+    let shapes = Shapes::of(&foliage);
+    let kept = shapes.kept(LeafId::from_index(0)).iter();
+    let kept: Vec<usize> = kept.map(|k| k.triangles).collect();
+    assert_eq!([kept[0], kept[kept.len() - 1]], [1, 6]);
+    assert!(!kept.contains(&3) && !kept.contains(&5), "{kept:?}");
+    // Half of the triangles, but no leaf has half of its own.
+    let shares = shared_out(&foliage, 90, &shapes);
+    let sum: usize = shares.iter().sum();
+    assert!((86..=90).contains(&sum), "{shares:?}");
+    assert!(!shares.contains(&3), "{shares:?}");
+}
+
+/// Two halves, each at 45 degrees to the mean plane of both.
+#[test]
+fn a_folded_leaf_becomes_a_triangle_in_its_mean_plane() {
+    let leaf = |x: f64| {
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let [base, tip] = [at(x, 0.0, 0.0), at(x + 1.5, 0.0, 0.0)];
+        let [left, right] = [at(x + 0.7, 0.5, 0.5), at(x + 0.7, -0.5, 0.5)];
+        [[base, left, tip], [base, tip, right]]
+            .map(LeafTriangle::plain)
+            .to_vec()
+    };
+    let foliage = of(&[0.0, 2.0, 4.0].map(leaf));
+    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1, 1, 2]).unwrap();
+    for (before, after) in foliage
+        .leaves()
+        .iter()
+        .zip(coarse.foliage().leaves())
+        .take(2)
+    {
+        assert!(before.centre().distance(after.centre()) < 1e-12);
+        assert!((before.area() - after.area()).abs() < 1e-12);
+    }
+    assert_eq!(counts(coarse.foliage()), [1, 1, 2]);
+    for (triangle, before) in coarse.foliage().triangles()[..2]
+        .iter()
+        .zip(foliage.triangles().chunks(2))
+    {
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+        let facing = normal(before[0].corners) + normal(before[1].corners);
+        let cosine = normal(triangle.corners).normalize().dot(facing.normalize());
+        assert!(cosine > 1.0 - 1e-12, "{cosine}");
+    }
+}
+
+#[test]
+fn what_is_worth_more_the_later_it_comes_is_left_out() {
+    let kept = |losses: &[f64]| {
+        let all = losses
+            .iter()
+            .zip(1..)
+            .map(|(&loss, triangles)| Kept { triangles, loss });
+        let kept = shapes::convex(all.collect());
+        kept.iter().map(|k| k.triangles).collect::<Vec<_>>()
+    };
+    assert_eq!(kept(&[0.9, 0.4, 0.2, 0.0]), [1, 2, 4]);
+    assert_eq!(kept(&[0.9, 0.4, 0.1, 0.0]), [1, 2, 3, 4]);
+    assert_eq!(kept(&[0.7, 0.6, 0.8, 0.5, 0.7, 0.0]), [1, 6]);
+    assert_eq!(kept(&[0.7, 0.3, 0.5, 0.2, 0.4, 0.0]), [1, 2, 6]);
+    assert_eq!(kept(&[0.7, 0.2, 0.5, 0.1, 0.4, 0.0]), [1, 2, 6]);
+    assert_eq!(kept(&[0.0]), [1]);
 }
 
 #[test]
 fn a_hexagon_becomes_a_triangle_of_its_area_at_its_place() {
     let foliage = of(&[polygon(6, 1.0, DVec3::new(1.0, 2.0, 3.0))]);
-    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1]).unwrap();
+    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1]).unwrap();
     let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
     assert_eq!(coarse.foliage().triangles().len(), 1);
     assert!((before.area() - after.area()).abs() < 1e-12 * before.area());
@@ -83,10 +177,10 @@ fn what_cannot_be_coarser_stays() {
     let line = vec![LeafTriangle::plain([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]); 3];
     let triangle = polygon(3, 1.0, DVec3::ZERO);
     let foliage = of(&[point.clone(), line.clone(), triangle.clone()]);
-    assert!(coarsen(&foliage, &Cards::of(&foliage), &[1, 1, 1]).is_none());
+    assert!(coarsen(&foliage, &Shapes::of(&foliage), &[1, 1, 1]).is_none());
     let hexagon = polygon(6, 1.0, DVec3::ZERO);
     let foliage = of(&[point, line, triangle, hexagon]);
-    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1; 4]).unwrap();
+    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1; 4]).unwrap();
     assert_eq!(counts(coarse.foliage()), [4, 3, 1, 1]);
     assert_eq!(coarse.foliage().triangles()[..8], foliage.triangles()[..8]);
 }
@@ -101,7 +195,7 @@ fn leaves_of_two_sides_keep_a_triangle_of_each() {
         uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
     });
     let foliage = of(&[front.iter().copied().chain(back).collect()]);
-    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1]).unwrap();
+    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1]).unwrap();
     let made = coarse.made[0].as_ref().unwrap();
     assert_eq!(made.triangles.len(), 2);
     let sides = made.triangles.iter().map(|t| {
@@ -123,7 +217,7 @@ fn a_closed_leaf_stays_or_keeps_its_sides() {
     let tetrahedron = [[a, c, b], [a, b, d], [a, d, c], [b, c, d]].map(LeafTriangle::plain);
     let foliage = of(&[tetrahedron.to_vec()]);
     for at_most in 1..=4 {
-        let left = coarsen(&foliage, &Cards::of(&foliage), &[at_most]);
+        let left = coarsen(&foliage, &Shapes::of(&foliage), &[at_most]);
         let area = |foliage: &Foliage| foliage.leaves()[0].area();
         if let Some(left) = left {
             assert!((area(left.foliage()) - area(&foliage)).abs() < 1e-9);
@@ -138,7 +232,7 @@ fn a_closed_leaf_stays_or_keeps_its_sides() {
 fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
     let at = |x: f64, corners| polygon(corners, 1.0, DVec3::X * x);
     let foliage = of(&[at(0.0, 3), at(5.0, 6), at(9.0, 6)]);
-    let coarse = coarsen(&foliage, &Cards::of(&foliage), &[1, 2, 2]).unwrap();
+    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1, 2, 2]).unwrap();
     let leaf = LeafId::from_index;
     let mut order = RemovalOrder::new(3);
     let grown = Growth {
@@ -163,13 +257,12 @@ fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
 }
 
 proptest! {
-    /// Any polygons: no leaf has more triangles than its share, all together no more
-    /// than asked for, none is lost, and each keeps its area and centre.
+    /// Any polygons: no leaf has more triangles than its share, each share is one that
+    /// such a leaf takes well, all together are no more than asked for, none is lost, and each keeps its area and centre.
     #[test]
     fn coarser_leaves_keep_to_their_share_their_area_and_their_centre(
         leaves in prop::collection::vec((3_usize..12, 1e-3..1e3, prop::array::uniform3(-50.0..50.0)), 1..12),
         share in 0.0..1.0,
-        least in 1_usize..3,
     ) {
         let leaves: Vec<_> = leaves
             .iter()
@@ -177,13 +270,22 @@ proptest! {
             .collect();
         let foliage = of(&leaves);
         let at_most = (share * foliage.triangles().len() as f64) as usize;
-        let shares = shared_out(&foliage, at_most, |_| least);
-        let coarse = coarsen(&foliage, &Cards::of(&foliage), &shares);
+        let shapes = Shapes::of(&foliage);
+        let shares = shared_out(&foliage, at_most, &shapes);
+        let coarse = coarsen(&foliage, &shapes, &shares);
         let after = coarse.as_ref().map_or(&foliage, Coarse::foliage);
         let (coarse, after) = (after, counts(after));
         prop_assert!(after.iter().zip(&shares).all(|(count, share)| count <= share));
-        let fewest: usize = counts(&foliage).iter().map(|own| *own.min(&least)).sum();
-        prop_assert_eq!(shares.iter().sum::<usize>(), at_most.max(fewest));
+        let sum: usize = shares.iter().sum();
+        prop_assert!(sum <= at_most.max(leaves.len()));
+        for (index, share) in shares.iter().enumerate() {
+            let kept = shapes.kept(LeafId::from_index(index));
+            let place = kept.iter().position(|k| k.triangles == *share);
+            prop_assert!(place.is_some(), "{} is none of {:?}", share, kept);
+            // What is left over is not enough for any leaf to have more.
+            let next = kept.get(place.unwrap() + 1);
+            prop_assert!(next.is_none_or(|next| next.triangles - share > at_most.saturating_sub(sum)));
+        }
         for (before, after) in foliage.leaves().iter().zip(coarse.leaves()) {
             prop_assert!((before.area() - after.area()).abs() <= 1e-9 * before.area());
             let tolerance = 1e-9 * (before.area().sqrt() + before.centre().length());

@@ -1,0 +1,88 @@
+//! A leaf as one triangle by three of its corners, in its mean plane.
+//!
+//! Collapses of edges keep the planes of what is left: of a leaf that is folded along its
+//! midrib a triangle of one half is left, which is seen from elsewhere than the leaf was.
+
+use glam::DVec3;
+use secateur_model::{Foliage, LeafId, LeafTriangle, NewLeaf};
+
+use super::{in_place_of, leaf_mesh};
+
+/// Of so many corners, the furthest from each other, all triangles are tried.
+const MOST_CORNERS: usize = 8;
+
+/// Of a leaf with front and back faces the areas as vectors sum up to less than this share
+/// of its area.
+const LEAST_FACING: f64 = 0.5;
+
+/// Three corners of a leaf, and of all that are like it, numbered as in
+/// [`secateur_model::CornerRef`].
+pub(super) type Three = [u32; 3];
+
+/// The triangle of these corners of a leaf; nothing if it has no area.
+pub(super) fn flat(foliage: &Foliage, leaf: LeafId, three: Three) -> Option<NewLeaf> {
+    let triangles = foliage.triangles_of(leaf);
+    let centre = foliage.leaf(leaf).centre();
+    let normal = facing(triangles).try_normalize()?;
+    let position = |corner: u32| {
+        let at = position(triangles, corner);
+        at - normal * normal.dot(at - centre)
+    };
+    in_place_of(foliage, leaf, &[three], position)
+}
+
+/// Which triangles a leaf, and all that are like it, could be; none of leaves that have two
+/// sides.
+pub(super) fn candidates(foliage: &Foliage, leaf: LeafId) -> Vec<Three> {
+    let triangles = foliage.triangles_of(leaf);
+    let facing = facing(triangles);
+    if facing.length() < LEAST_FACING * foliage.leaf(leaf).area() {
+        return Vec::new();
+    }
+    let corners = some_corners(triangles);
+    let mut found = Vec::new();
+    for (i, &a) in corners.iter().enumerate() {
+        for (j, &b) in corners.iter().enumerate().skip(i + 1) {
+            for &c in &corners[j + 1..] {
+                let [at_a, at_b, at_c] = [a, b, c].map(|corner| position(triangles, corner));
+                let area = (at_b - at_a).cross(at_c - at_a).dot(facing);
+                found.push(if area < 0.0 { [a, c, b] } else { [a, b, c] });
+            }
+        }
+    }
+    found
+}
+
+/// The area of triangles as a vector.
+fn facing(triangles: &[LeafTriangle]) -> DVec3 {
+    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a);
+    triangles.iter().map(|t| area(t.corners)).sum()
+}
+
+fn position(triangles: &[LeafTriangle], corner: u32) -> DVec3 {
+    triangles[corner as usize / 3].corners[corner as usize % 3]
+}
+
+/// One corner at each vertex of a leaf, or at some that are far from each other.
+fn some_corners(triangles: &[LeafTriangle]) -> Vec<u32> {
+    let vertices = leaf_mesh::vertices(triangles).unwrap_or_default();
+    let is_first = |corner: &u32| {
+        let vertex = vertices[*corner as usize];
+        vertices[..*corner as usize]
+            .iter()
+            .all(|before| *before != vertex)
+    };
+    let all: Vec<u32> = (0..vertices.len() as u32).filter(is_first).collect();
+    let mut some: Vec<u32> = all.first().copied().into_iter().collect();
+    while some.len() < all.len().min(MOST_CORNERS) {
+        let distance = |corner: u32| {
+            let to =
+                |other: &u32| position(triangles, corner).distance(position(triangles, *other));
+            some.iter().map(to).fold(f64::INFINITY, f64::min)
+        };
+        let others = all.iter().copied().filter(|corner| !some.contains(corner));
+        some.extend(others.max_by(|a, b| distance(*a).total_cmp(&distance(*b))));
+    }
+    some.sort_unstable();
+    some
+}
