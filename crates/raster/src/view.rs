@@ -1,6 +1,6 @@
 //! One camera.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::snap::AFFINE_DEPTH_RATIO;
 
@@ -96,6 +96,17 @@ impl View {
     pub fn with_exact_textures(self) -> Self {
         Self {
             affine_depth_ratio: AFFINE_DEPTH_RATIO / 16.0,
+            ..self
+        }
+    }
+
+    /// The same camera turned about a point by a turn of length 1.
+    pub(crate) fn turned(self, about: DVec3, turn: DQuat) -> Self {
+        Self {
+            eye: about + turn * (self.eye - about),
+            right: turn * self.right,
+            up: turn * self.up,
+            forward: turn * self.forward,
             ..self
         }
     }

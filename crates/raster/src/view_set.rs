@@ -144,21 +144,17 @@ impl ViewSet {
         }
     }
 
-    /// The same views turned as one about a point.
-    ///
-    /// # Panics
-    /// If the turn or the point is not finite, or the turn has no length.
+    /// The same views turned as one about a point. What is no turn, being without length or
+    /// not finite, turns nothing.
+    #[must_use]
     pub fn turned(&self, about: DVec3, turn: DQuat) -> Self {
-        let turn = turn.normalize();
-        let view = |view: &View| {
-            let eye = about + turn * (view.eye() - about);
-            let target = eye + turn * view.forward();
-            let up = turn * view.up();
-            View::look_at(eye, target, up, view.tan_half_fov(), view.near())
-        };
-        let views: Result<Vec<View>, ViewError> = self.views.iter().map(view).collect();
+        let length = turn.length();
+        if !(length.is_finite() && length > 0.0) {
+            return self.clone();
+        }
+        let turned = |view: &View| view.turned(about, turn / length);
         Self {
-            views: views.expect("a camera that is turned is a camera"),
+            views: self.views.iter().map(turned).collect(),
         }
     }
 

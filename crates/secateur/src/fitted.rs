@@ -297,6 +297,8 @@ mod tests {
                 turn,
             };
             let driving_turned = turned.around(sphere);
+            let no_turn = driving.turned(sphere.centre, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+            assert_eq!(no_turn, driving);
             let others = fitting_views(&turned, sphere, &driving_turned);
             assert_eq!(others.len(), upright.len());
             for (a, b) in upright.iter().zip(&others) {
