@@ -17,14 +17,24 @@ pub(crate) struct Driven {
     pub(crate) options: VdsOptions,
 }
 
+/// What came of it.
+pub(crate) struct Found {
+    /// On the leaves, or on coarser ones.
+    pub(crate) outcome: VdsOutcome,
+    /// What leads to the goal from the leaves as they are, where that is another order.
+    pub(crate) order: Option<RemovalOrder>,
+    /// Whether what is left shows all that was there: no leaf is gone, and one triangle
+    /// of a card that shows all of it is all that became coarser.
+    pub(crate) shows_the_same: bool,
+}
+
 impl Driven {
-    /// What `vds` finds on the leaves, or on coarser ones; with it, the order that
-    /// leads to the goal from the leaves as they are, where that is another.
+    /// What `vds` finds.
     pub(crate) fn order(
         &self,
         foliage: &Foliage,
         vds: impl FnOnce(&Foliage, &VdsOptions) -> Result<VdsOutcome, Error>,
-    ) -> Result<(Option<RemovalOrder>, VdsOutcome), Error> {
+    ) -> Result<Found, Error> {
         let coarse = coarser(foliage, self.leaf_triangles, self.goal);
         let driving = coarse.as_ref().map_or(foliage, Coarse::foliage);
         let (leaves, max_error_percent) = match self.goal {
@@ -42,6 +52,7 @@ impl Driven {
             ..self.options.clone()
         };
         let mut found = vds(driving, &options)?;
+        let is_coarse_the_same = coarse.as_ref().is_none_or(Coarse::shows_the_same);
         let mut order = coarse.map(|coarse| coarse.order(&found.order));
         if let Goal::Triangles(at_most) = self.goal {
             found.stopped = Stopped::AtTriangles;
@@ -58,7 +69,13 @@ impl Driven {
                     .truncate(steps);
             }
         }
-        Ok((order, found))
+        let whole = order.as_ref().unwrap_or(&found.order);
+        let are_all_left = whole.leaves_after(whole.len()) == foliage.leaves().len();
+        Ok(Found {
+            shows_the_same: are_all_left && is_coarse_the_same,
+            outcome: found,
+            order,
+        })
     }
 
     /// What the views of its last step show of an order.
@@ -205,6 +222,14 @@ mod tests {
         let coarser = to(&foliage, 14, LeafTriangles::Auto);
         assert_eq!((coarser.order.len(), coarser.lod.leaf_count()), (1, 12));
         assert_eq!(coarser.costs_scaled, [0]);
+        let whole = |triangles: u64| {
+            let settings = Simplify::to(Target::Triangles(triangles));
+            let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(()));
+            let seconds = result.unwrap().seconds;
+            seconds.iter().any(|(stage, _)| *stage == "fit")
+        };
+        // Coarser leaves without a texture do not show all that they did.
+        assert!(whole(14) && !whole(24));
         let fewer = to(&foliage, 5, LeafTriangles::Auto);
         assert_eq!((fewer.order.len(), fewer.lod.leaf_count()), (8, 5));
         assert_eq!(fewer.costs_scaled.len(), 8);
@@ -246,6 +271,20 @@ mod tests {
             measured.silhouette_iou()
         );
         assert!(measured.vmi_error_percent() < 0.5);
+
+        let is_fit_tried = |triangles: u64, fit: crate::Fitting| {
+            let settings = Simplify {
+                fit,
+                ..Simplify::to(Target::Triangles(triangles))
+            };
+            let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(()));
+            let seconds = result.unwrap().seconds;
+            seconds.iter().any(|(stage, _)| *stage == "fit")
+        };
+        // There is nothing to fit where all is shown, unless one insists.
+        let auto = [9, 12, 18, 8].map(|count| is_fit_tried(count, crate::Fitting::Auto));
+        assert_eq!(auto, [false, false, false, true]);
+        assert!(is_fit_tried(9, crate::Fitting::Weight(1.0)));
 
         let fewer = to(&foliage, 5, LeafTriangles::Auto);
         assert_eq!(fewer.lod.leaf_count(), 5);

@@ -170,7 +170,7 @@ pub fn simplify_on(
     let order = baseline::order(&foliage, settings, goal, &mut |done, at_most| {
         (clock.progress)(Progress::Step { done, at_most })
     })?;
-    let outcome = match order {
+    let (outcome, shows_the_same) = match order {
         None => by_views(
             &foliage,
             settings,
@@ -181,13 +181,16 @@ pub fn simplify_on(
         )?,
         Some(order) => {
             clock.begin("areas")?;
-            baseline::outcome(&foliage, order, goal, &options, engine)?
+            let outcome = baseline::outcome(&foliage, order, goal, &options, engine)?;
+            (outcome, false)
         }
     };
+    let is_unasked = matches!(settings.fit, Fitting::Auto);
     let error_percent = |o: &VdsOutcome| o.vmi_original.error_percent(&o.vmi_final);
     let (steps, unfitted_percent) = (outcome.order.len(), error_percent(&outcome));
     let outcome = match settings.outline_weight() {
         None => outcome,
+        Some(_) if is_unasked && shows_the_same => outcome,
         Some(outline_weight) => {
             clock.begin("fit")?;
             let mut tried = |done, at_most| (clock.progress)(Progress::Step { done, at_most });
@@ -262,6 +265,7 @@ fn resolution_for(
     Ok((chosen.resolution, chosen.reason))
 }
 
+/// What came of it, and whether it shows all that was there.
 fn by_views(
     foliage: &Foliage,
     settings: &Simplify,
@@ -269,13 +273,13 @@ fn by_views(
     options: VdsOptions,
     engine: &OpenEngine,
     clock: &mut Clock<'_>,
-) -> Result<VdsOutcome, Error> {
+) -> Result<(VdsOutcome, bool), Error> {
     let way = Driven {
         leaf_triangles: settings.leaf_triangles,
         goal,
         options,
     };
-    let (order, found) = way.order(foliage, |driving, options| {
+    let found = way.order(foliage, |driving, options| {
         let mut step = |progress: vds::Progress| {
             (clock.progress)(Progress::Step {
                 done: progress.steps,
@@ -287,11 +291,14 @@ fn by_views(
             _ => vds::fast::simplify(driving, options, engine, &mut step)?,
         })
     })?;
-    let Some(order) = order else {
-        return Ok(found);
+    let outcome = match found.order {
+        None => found.outcome,
+        Some(order) => {
+            clock.begin("areas")?;
+            way.outcome(foliage, order, found.outcome, engine)?
+        }
     };
-    clock.begin("areas")?;
-    way.outcome(foliage, order, found, engine)
+    Ok((outcome, found.shows_the_same))
 }
 
 fn warnings_of(goal: Goal, foliage: &Foliage) -> Vec<String> {
@@ -328,8 +335,7 @@ fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> O
 }
 
 /// A fit was asked for and changed nothing.
-const NOTHING_FITS: &str =
-    "leaves keep their sizes: none fits better, or the VMI error would exceed what was asked for";
+const NOTHING_FITS: &str = "leaves keep their sizes: none fits better, all looks the same as it is, or the VMI error would exceed what was asked for";
 
 /// That a fit cost information of the driving views.
 fn about_fit(before_percent: f64, after_percent: f64) -> Option<String> {

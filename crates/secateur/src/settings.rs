@@ -214,9 +214,9 @@ impl Target {
 /// How many triangles of its own a leaf keeps at most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LeafTriangles {
-    /// Where triangles are the target, as many as every other leaf, so that as few
-    /// leaves as possible go; but two, if it has them, where it has a cut-out. For other
-    /// targets, all.
+    /// Where triangles are the target, as many as show the most over all leaves while as few
+    /// as possible of them go; but no fewer than show the same, or two, where it has a
+    /// cut-out. For other targets, all.
     #[default]
     Auto,
     /// All.
@@ -264,7 +264,8 @@ impl Alpha {
 pub enum Fitting {
     /// For [`Method::Vds`] to triangles at [`Resolution::Auto`], where nothing is said of
     /// how leaves grow either: it is for the program then to say how what is left is best
-    /// used. Else none.
+    /// used. Else none, nor where all leaves are left and one triangle of a card shows all
+    /// of it.
     #[default]
     Auto,
     /// None.

@@ -76,12 +76,13 @@ impl Mesh {
         }
         let position = |corner: u32| triangles[corner as usize / 3].corners[corner as usize % 3];
         let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
+        let normals: Vec<DVec3> = triangles.iter().map(|t| normal(t.corners)).collect();
         let of_triangle = |t: &[u32; 3]| {
             let facing = normal(t.map(|vertex| position(corners_at[vertex as usize][0])));
             t.map(|vertex| {
                 let mut best = (f64::NEG_INFINITY, 0);
                 for &corner in &corners_at[vertex as usize] {
-                    let likeness = facing.dot(normal(triangles[corner as usize / 3].corners));
+                    let likeness = facing.dot(normals[corner as usize / 3]);
                     if likeness > best.0 {
                         best = (likeness, corner);
                     }

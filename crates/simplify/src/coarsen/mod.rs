@@ -39,6 +39,7 @@ pub struct Coarse {
     foliage: Foliage,
     /// For each leaf what takes its place; nothing where it stays as it is.
     made: Vec<Option<NewLeaf>>,
+    shows_the_same: bool,
 }
 
 /// Makes the leaves coarser that have more triangles than they may keep, on the
@@ -71,8 +72,14 @@ pub fn coarsen(foliage: &Foliage, shapes: &Shapes, triangles_at_most: &[usize]) 
         let pushed = coarse.push_leaf(&triangles, foliage.leaf(leaf).cutout());
         pushed.expect("a leaf that is coarser than one that was there");
     }
+    let shows_all = |(index, made): (usize, &Option<NewLeaf>)| {
+        let leaf = LeafId::from_index(index);
+        made.as_ref()
+            .is_none_or(|made| shapes.shows_all(leaf, made))
+    };
     Some(Coarse {
         foliage: coarse,
+        shows_the_same: made.iter().enumerate().all(shows_all),
         made,
     })
 }
@@ -81,6 +88,11 @@ impl Coarse {
     /// The leaves, by the same names as before.
     pub fn foliage(&self) -> &Foliage {
         &self.foliage
+    }
+
+    /// Whether all that became coarser are cards, of which one triangle shows all.
+    pub fn shows_the_same(&self) -> bool {
+        self.shows_the_same
     }
 
     /// An order over the coarser leaves as one over those before: a first step puts

@@ -51,6 +51,9 @@ pub struct Shapes {
 
 #[derive(Clone, Debug)]
 struct OfKind {
+    /// Numbers of triangles that it can keep, the fewest first.
+    all: Vec<Kept>,
+    /// Those of which each triangle more is worth less than the one before.
     kept: Vec<Kept>,
     /// Which corners one triangle has, where that is better than what collapses leave.
     three: Option<Three>,
@@ -133,8 +136,18 @@ impl Shapes {
         &self.of_leaf(leaf).kept
     }
 
+    /// All numbers of triangles that a leaf can keep, the fewest first.
+    pub(super) fn all(&self, leaf: LeafId) -> &[Kept] {
+        &self.of_leaf(leaf).all
+    }
+
     fn of_leaf(&self, leaf: LeafId) -> &OfKind {
         &self.kinds[self.kind_of[leaf.index()] as usize]
+    }
+
+    /// Whether these are the triangles that show all of a leaf.
+    pub(super) fn shows_all(&self, leaf: LeafId, made: &NewLeaf) -> bool {
+        self.cards.triangles_of(leaf) == Some(&made.triangles)
     }
 
     /// What takes the place of a leaf that may keep so many triangles, if anything does.
@@ -189,8 +202,10 @@ fn not_looked_at(least: usize, all: usize) -> OfKind {
         triangles,
         loss: 1.0 / triangles as f64 - 1.0 / all as f64,
     });
+    let kept: Vec<Kept> = kept.collect();
     OfKind {
-        kept: kept.collect(),
+        all: kept.clone(),
+        kept,
         three: None,
     }
 }
@@ -220,55 +235,66 @@ impl Stage<'_> {
         let area: f64 = sample.iter().map(|l| foliage.leaf(*l).area()).sum();
         let size = (area / sample.len() as f64).sqrt();
         let fine = MOST_PIXELS_A_LEAF * 2.0 * self.radius / (CROWN_SHARE * size);
-        let mut fragments = LeafFragments::new(fine.clamp(1.0, MOST_RESOLUTION) as u32);
+        // Of all leaves at one point there is no such number.
+        let resolution = (fine.clamp(1.0, MOST_RESOLUTION) as u32).max(1);
+        let mut fragments = LeafFragments::new(resolution);
         let sitters = sample.into_iter().map(|leaf| Sitter {
             leaf,
             pixels: self.pixels(&mut fragments, leaf, foliage.triangles_of(leaf)),
         });
         let sitters: Vec<Sitter> = sitters.collect();
+        // Nothing if one of them keeps more.
         let mut loss = |triangles: usize, three: Option<Three>, sitters: &[Sitter]| {
             let (mut in_both, mut in_any) = (0, 0);
             for Sitter { leaf, pixels } in sitters {
-                let made = coarser(foliage, self.cards, *leaf, triangles, three);
-                // What cannot be coarser stays.
-                let after = made.map_or_else(
-                    || pixels.clone(),
-                    |made| self.pixels(&mut fragments, *leaf, &made.triangles_in(foliage, 1.0)),
-                );
+                let made = coarser(foliage, self.cards, *leaf, triangles, three)?;
+                if made.triangles.len() > triangles {
+                    return None;
+                }
+                let after = made.triangles_in(foliage, 1.0);
+                let after = self.pixels(&mut fragments, *leaf, &after);
                 let common = common(pixels, &after);
                 in_both += common;
                 in_any += pixels.len() + after.len() - common;
             }
-            1.0 - in_both as f64 / in_any.max(1) as f64
+            let shared = in_both as f64 / in_any.max(1) as f64;
+            Some(if in_any == 0 { 0.0 } else { 1.0 - shared })
         };
-        let mut kept: Vec<Kept> = (least..=all)
-            .map(|triangles| Kept {
-                triangles,
-                loss: loss(triangles, None, &sitters),
+        let mut kept: Vec<Kept> = (least..all)
+            .filter_map(|triangles| {
+                let loss = loss(triangles, None, &sitters)?;
+                Some(Kept { triangles, loss })
             })
             .collect();
         let mut three = None;
-        if least == 1 {
+        if let Some(one) = kept.first_mut()
+            && one.triangles == 1
+            && self.cards.triangles_of(leaves[0]).is_none()
+        {
             let some = &sitters[..sitters.len().min(LEAVES_AT_LEAST)];
-            let mut tried: Vec<(f64, Three)> = triangle::candidates(foliage, leaves[0])
-                .into_iter()
-                .map(|three| (loss(1, Some(three), some), three))
+            let candidates = triangle::candidates(foliage, leaves[0]).into_iter();
+            let mut tried: Vec<(f64, Three)> = candidates
+                .filter_map(|three| Some((loss(1, Some(three), some)?, three)))
                 .collect();
             tried.sort_by(|a, b| a.0.total_cmp(&b.0));
             tried.truncate(FINALISTS);
-            let tried = tried
-                .iter()
-                .map(|(_, three)| (loss(1, Some(*three), &sitters), *three));
-            let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((with, best)) = best
-                && with < CLEARLY_LESS * kept[0].loss
+            let finals = tried.iter();
+            let finals =
+                finals.filter_map(|(_, three)| Some((loss(1, Some(*three), &sitters)?, *three)));
+            if let Some((with, best)) = finals.min_by(|a, b| a.0.total_cmp(&b.0))
+                && with < CLEARLY_LESS * one.loss
             {
-                kept[0].loss = with;
+                one.loss = with;
                 three = Some(best);
             }
         }
+        kept.push(Kept {
+            triangles: all,
+            loss: 0.0,
+        });
         OfKind {
-            kept: convex(kept),
+            kept: convex(&kept),
+            all: kept,
             three,
         }
     }
@@ -280,8 +306,10 @@ impl Stage<'_> {
         of: LeafId,
         triangles: &[LeafTriangle],
     ) -> Vec<u32> {
-        let mut alone = Foliage::new(self.foliage.cutouts().to_vec());
-        let Ok(leaf) = alone.push_leaf(triangles, self.foliage.leaf(of).cutout()) else {
+        let cutout = self.foliage.leaf(of).cutout();
+        let mask = cutout.map(|number| self.foliage.cutouts()[number as usize].clone());
+        let mut alone = Foliage::new(mask.into_iter().collect());
+        let Ok(leaf) = alone.push_leaf(triangles, cutout.map(|_| 0)) else {
             return Vec::new();
         };
         let found = fragments.of(&alone, leaf, 1.0, self.views.views());
@@ -297,10 +325,10 @@ fn common(a: &[u32], b: &[u32]) -> usize {
 }
 
 /// Those of which each triangle more is worth less than the one before.
-pub(super) fn convex(all: Vec<Kept>) -> Vec<Kept> {
+pub(super) fn convex(all: &[Kept]) -> Vec<Kept> {
     let slope = |a: &Kept, b: &Kept| (a.loss - b.loss) / (b.triangles - a.triangles) as f64;
     let mut kept: Vec<Kept> = Vec::new();
-    for next in all {
+    for &next in all {
         while let [.., before, last] = &kept[..]
             && slope(before, last) <= slope(last, &next)
         {

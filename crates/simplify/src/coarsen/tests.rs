@@ -142,7 +142,7 @@ fn what_is_worth_more_the_later_it_comes_is_left_out() {
             .iter()
             .zip(1..)
             .map(|(&loss, triangles)| Kept { triangles, loss });
-        let kept = shapes::convex(all.collect());
+        let kept = shapes::convex(&all.collect::<Vec<_>>());
         kept.iter().map(|k| k.triangles).collect::<Vec<_>>()
     };
     assert_eq!(kept(&[0.9, 0.4, 0.2, 0.0]), [1, 2, 4]);
@@ -208,6 +208,89 @@ fn leaves_of_two_sides_keep_a_triangle_of_each() {
     for (triangle, is_front) in coarse.foliage().triangles().iter().zip(sides) {
         let [a, b, c] = triangle.corners;
         assert_eq!((b - a).cross(c - a).z > 0.0, is_front);
+    }
+}
+
+/// As many as there are left of a leaf are counted, not as many as were asked for.
+#[test]
+fn a_leaf_of_two_sides_takes_no_fewer_than_two() {
+    let leaf = |at: DVec3| {
+        let front = polygon(4, 1.0, at);
+        let back = front.iter().map(|t| LeafTriangle {
+            corners: [t.corners[0], t.corners[2], t.corners[1]],
+            uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
+        });
+        front.iter().copied().chain(back).collect::<Vec<_>>()
+    };
+    let leaves: Vec<_> = (0..9).map(|k| leaf(DVec3::X * 3.0 * k as f64)).collect();
+    let foliage = of(&leaves);
+    let shapes = Shapes::of(&foliage);
+    let kept = shapes.kept(LeafId::from_index(0));
+    assert_eq!(kept.first().map(|k| k.triangles), Some(2));
+    let shares = shared_out(&foliage, 18, &shapes);
+    assert_eq!(shares, [2; 9]);
+    let coarse = coarsen(&foliage, &shapes, &shares).unwrap();
+    assert_eq!(coarse.foliage().triangles().len(), 18);
+}
+
+#[test]
+fn nothing_that_is_of_use_is_left_over() {
+    // One jump of 4 does not fit, one of 2 does.
+    let foliage = of(&[arch(DVec3::ZERO)]);
+    let shapes = Shapes::of(&foliage);
+    let losses: Vec<f64> = shapes
+        .all(LeafId::from_index(0))
+        .iter()
+        .map(|k| k.loss)
+        .collect();
+    for at_most in 1..=6 {
+        let share = shared_out(&foliage, at_most, &shapes)[0];
+        assert!(share <= at_most);
+        let least = losses[..at_most]
+            .iter()
+            .fold(f64::INFINITY, |a, b| a.min(*b));
+        assert_eq!(losses[share - 1], least, "{at_most}: {losses:?}");
+    }
+}
+
+/// A kind is known by which corners meet: an arrowhead is one with a kite.
+#[test]
+fn every_leaf_keeps_the_way_round_that_it_is() {
+    let leaf = |x: f64, notch: f64| {
+        let at = |u: f64, v: f64, z: f64| DVec3::new(x + u, v, z);
+        let [tip, left, back, right] = [
+            at(2.0, 0.0, 0.0),
+            at(0.0, 1.0, 0.4),
+            at(notch, 0.0, 0.0),
+            at(0.0, -1.0, 0.4),
+        ];
+        [[tip, left, back], [tip, back, right]]
+            .map(LeafTriangle::plain)
+            .to_vec()
+    };
+    for order in [[-1.0, 0.7], [0.7, -1.0]] {
+        let foliage = of(&[leaf(0.0, order[0]), leaf(5.0, order[1])]);
+        let shapes = Shapes::of(&foliage);
+        let triangles = [[0_u32, 1, 5], [0, 1, 2], [1, 2, 5], [0, 2, 5]];
+        for (leaf, three) in (0..2).flat_map(|leaf| triangles.map(|three| (leaf, three))) {
+            let leaf = LeafId::from_index(leaf);
+            let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+            let facing: DVec3 = foliage
+                .triangles_of(leaf)
+                .iter()
+                .map(|t| normal(t.corners))
+                .sum();
+            let made = triangle::flat(&foliage, leaf, three).unwrap();
+            let after = made.triangles_in(&foliage, 1.0)[0];
+            assert!(
+                normal(after.corners).dot(facing) > 0.0,
+                "{leaf:?} {three:?}"
+            );
+        }
+        assert_eq!(
+            shapes.kept(LeafId::from_index(0)),
+            shapes.kept(LeafId::from_index(1))
+        );
     }
 }
 
@@ -278,13 +361,16 @@ proptest! {
         prop_assert!(after.iter().zip(&shares).all(|(count, share)| count <= share));
         let sum: usize = shares.iter().sum();
         prop_assert!(sum <= at_most.max(leaves.len()));
-        for (index, share) in shares.iter().enumerate() {
-            let kept = shapes.kept(LeafId::from_index(index));
-            let place = kept.iter().position(|k| k.triangles == *share);
-            prop_assert!(place.is_some(), "{} is none of {:?}", share, kept);
-            // What is left over is not enough for any leaf to have more.
-            let next = kept.get(place.unwrap() + 1);
-            prop_assert!(next.is_none_or(|next| next.triangles - share > at_most.saturating_sub(sum)));
+        for (index, &share) in shares.iter().enumerate() {
+            let all = shapes.all(LeafId::from_index(index));
+            let now = all.iter().find(|kept| kept.triangles == share);
+            prop_assert!(now.is_some(), "{} is none of {:?}", share, all);
+            // With what is left over no leaf would lose less.
+            let is_better = |kept: &&Kept| {
+                let more = kept.triangles.saturating_sub(share);
+                more > 0 && more <= at_most.saturating_sub(sum) && kept.loss < now.unwrap().loss
+            };
+            prop_assert_eq!(all.iter().find(is_better), None);
         }
         for (before, after) in foliage.leaves().iter().zip(coarse.leaves()) {
             prop_assert!((before.area() - after.area()).abs() <= 1e-9 * before.area());

@@ -19,35 +19,34 @@ const LEAST_FACING: f64 = 0.5;
 /// [`secateur_model::CornerRef`].
 pub(super) type Three = [u32; 3];
 
-/// The triangle of these corners of a leaf; nothing if it has no area.
+/// The triangle of these corners of a leaf, the way round that the leaf is; nothing if it
+/// has no area, or the leaf two sides.
 pub(super) fn flat(foliage: &Foliage, leaf: LeafId, three: Three) -> Option<NewLeaf> {
     let triangles = foliage.triangles_of(leaf);
     let centre = foliage.leaf(leaf).centre();
-    let normal = facing(triangles).try_normalize()?;
+    let facing = facing(triangles);
+    if facing.length() < LEAST_FACING * foliage.leaf(leaf).area() {
+        return None;
+    }
+    let normal = facing.try_normalize()?;
     let position = |corner: u32| {
         let at = position(triangles, corner);
         at - normal * normal.dot(at - centre)
     };
+    let [a, b, c] = three;
+    let [at_a, at_b, at_c] = three.map(position);
+    let is_reversed = (at_b - at_a).cross(at_c - at_a).dot(normal) < 0.0;
+    let three = if is_reversed { [a, c, b] } else { three };
     in_place_of(foliage, leaf, &[three], position)
 }
 
-/// Which triangles a leaf, and all that are like it, could be; none of leaves that have two
-/// sides.
+/// Which triangles a leaf, and all that are like it, could be.
 pub(super) fn candidates(foliage: &Foliage, leaf: LeafId) -> Vec<Three> {
-    let triangles = foliage.triangles_of(leaf);
-    let facing = facing(triangles);
-    if facing.length() < LEAST_FACING * foliage.leaf(leaf).area() {
-        return Vec::new();
-    }
-    let corners = some_corners(triangles);
+    let corners = some_corners(foliage.triangles_of(leaf));
     let mut found = Vec::new();
     for (i, &a) in corners.iter().enumerate() {
         for (j, &b) in corners.iter().enumerate().skip(i + 1) {
-            for &c in &corners[j + 1..] {
-                let [at_a, at_b, at_c] = [a, b, c].map(|corner| position(triangles, corner));
-                let area = (at_b - at_a).cross(at_c - at_a).dot(facing);
-                found.push(if area < 0.0 { [a, c, b] } else { [a, b, c] });
-            }
+            found.extend(corners[j + 1..].iter().map(|&c| [a, b, c]));
         }
     }
     found
