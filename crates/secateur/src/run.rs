@@ -185,12 +185,17 @@ pub fn simplify_on(
             (outcome, false)
         }
     };
-    let is_unasked = matches!(settings.fit, Fitting::Auto);
     let error_percent = |o: &VdsOutcome| o.vmi_original.error_percent(&o.vmi_final);
     let (steps, unfitted_percent) = (outcome.order.len(), error_percent(&outcome));
     let outcome = match settings.outline_weight() {
         None => outcome,
-        Some(_) if is_unasked && shows_the_same => outcome,
+        Some(_)
+            if settings.fit == Fitting::Auto
+                && shows_the_same
+                && unfitted_percent <= FREE_ERROR_PERCENT =>
+        {
+            outcome
+        }
         Some(outline_weight) => {
             clock.begin("fit")?;
             let mut tried = |done, at_most| (clock.progress)(Progress::Step { done, at_most });
@@ -333,6 +338,10 @@ fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> O
         _ => None,
     }
 }
+
+/// What a fit gives for nothing, a 400th of the information: where cards show all and views
+/// say so too, none is tried unasked.
+const FREE_ERROR_PERCENT: f64 = 0.25;
 
 /// A fit was asked for and changed nothing.
 const NOTHING_FITS: &str = "leaves keep their sizes: none fits better, all looks the same as it is, or the VMI error would exceed what was asked for";

@@ -264,8 +264,8 @@ impl Alpha {
 pub enum Fitting {
     /// For [`Method::Vds`] to triangles at [`Resolution::Auto`], where nothing is said of
     /// how leaves grow either: it is for the program then to say how what is left is best
-    /// used. Else none, nor where all leaves are left and one triangle of a card shows all
-    /// of it.
+    /// used. Else none, nor where all leaves are left, one triangle of a card shows all of
+    /// it, and the driving views say so to a 400th of their information.
     #[default]
     Auto,
     /// None.
