@@ -281,10 +281,11 @@ mod tests {
             let seconds = result.unwrap().seconds;
             seconds.iter().any(|(stage, _)| *stage == "fit")
         };
-        // There is nothing to fit where all is shown, unless one insists.
-        let auto = [9, 12, 18, 8].map(|count| is_fit_tried(count, crate::Fitting::Auto));
-        assert_eq!(auto, [false, false, false, true]);
-        assert!(is_fit_tried(9, crate::Fitting::Weight(1.0)));
+        // There is nothing to fit where all is shown, unless one insists. The borders of one
+        // triangle are drawn otherwise than those of two: in nine leaves that shows.
+        let auto = [9, 18, 8].map(|count| is_fit_tried(count, crate::Fitting::Auto));
+        assert_eq!(auto, [true, false, true]);
+        assert!(is_fit_tried(18, crate::Fitting::Weight(1.0)));
 
         let fewer = to(&foliage, 5, LeafTriangles::Auto);
         assert_eq!(fewer.lod.leaf_count(), 5);

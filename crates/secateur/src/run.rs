@@ -189,13 +189,7 @@ pub fn simplify_on(
     let (steps, unfitted_percent) = (outcome.order.len(), error_percent(&outcome));
     let outcome = match settings.outline_weight() {
         None => outcome,
-        Some(_)
-            if settings.fit == Fitting::Auto
-                && shows_the_same
-                && unfitted_percent <= FREE_ERROR_PERCENT =>
-        {
-            outcome
-        }
+        Some(_) if is_fit_spared(settings.fit, shows_the_same, unfitted_percent) => outcome,
         Some(outline_weight) => {
             clock.begin("fit")?;
             let mut tried = |done, at_most| (clock.progress)(Progress::Step { done, at_most });
@@ -339,9 +333,13 @@ fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> O
     }
 }
 
-/// What a fit gives for nothing, a 400th of the information: where cards show all and views
-/// say so too, none is tried unasked.
+/// What a fit gives for nothing: a 400th of the information.
 const FREE_ERROR_PERCENT: f64 = 0.25;
+
+/// Where cards show all and views say so too, no fit is tried unasked.
+fn is_fit_spared(fit: Fitting, shows_the_same: bool, unfitted_percent: f64) -> bool {
+    fit == Fitting::Auto && shows_the_same && unfitted_percent <= FREE_ERROR_PERCENT
+}
 
 /// A fit was asked for and changed nothing.
 const NOTHING_FITS: &str = "leaves keep their sizes: none fits better, all looks the same as it is, or the VMI error would exceed what was asked for";
@@ -455,6 +453,14 @@ mod tests {
         let views = ViewSet::new(vec![one; 513]);
         let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
         assert_eq!(chosen.0, 256);
+    }
+
+    #[test]
+    fn no_fit_is_tried_unasked_where_cards_and_views_show_the_same() {
+        assert!(is_fit_spared(Fitting::Auto, true, 0.25));
+        assert!(!is_fit_spared(Fitting::Auto, true, 0.26));
+        assert!(!is_fit_spared(Fitting::Auto, false, 0.0));
+        assert!(!is_fit_spared(Fitting::Weight(0.95), true, 0.0));
     }
 
     #[test]
