@@ -8,6 +8,10 @@ use secateur_model::LeafTriangle;
 /// How many more triangles than asked for are tried where collapses leave none.
 const TRIES: usize = 4;
 
+/// Of corners that meet at a vertex so many at most are looked at: in a fan of a million
+/// triangles all meet at one, for each triangle that is left.
+const MOST_CORNERS: usize = 256;
+
 /// The corners, numbered as in [`secateur_model::CornerRef`], of the triangles that
 /// collapses leave; nothing if they leave none, or all.
 pub(super) fn collapsed(triangles: &[LeafTriangle], at_most: usize) -> Option<Vec<[u32; 3]>> {
@@ -66,7 +70,7 @@ impl Mesh {
         kept.as_chunks().0.to_vec()
     }
 
-    /// For each vertex of each triangle that is left a corner of the leaf: of those at
+    /// For each vertex of each triangle that is left a corner of the leaf: of the first at
     /// that vertex, the one whose own triangle faces the most like it, so that fronts
     /// do not get the normals of backs.
     fn corners_of(&self, triangles: &[LeafTriangle], kept: &[[u32; 3]]) -> Vec<[u32; 3]> {
@@ -81,7 +85,7 @@ impl Mesh {
             let facing = normal(t.map(|vertex| position(corners_at[vertex as usize][0])));
             t.map(|vertex| {
                 let mut best = (f64::NEG_INFINITY, 0);
-                for &corner in &corners_at[vertex as usize] {
+                for &corner in corners_at[vertex as usize].iter().take(MOST_CORNERS) {
                     let likeness = facing.dot(normals[corner as usize / 3]);
                     if likeness > best.0 {
                         best = (likeness, corner);
