@@ -54,7 +54,7 @@ const METHODS: [&str; 11] = [
 const BY_BRANCHES: [&str; 3] = ["chain", "merge", "merge --cluster-size area"];
 
 /// How time buys accuracy.
-const SPEED: [&str; 13] = [
+const SPEED: [&str; 15] = [
     "vds",
     "vds --views 6",
     "vds --views 8",
@@ -65,6 +65,8 @@ const SPEED: [&str; 13] = [
     "vds --resolution 256",
     "vds --resolution 512",
     "vds --resolution 1024",
+    "vds --triangles",
+    "vds --triangles --fit=none",
     "fsa",
     "stochastic",
     "meshopt --preserve-area",
