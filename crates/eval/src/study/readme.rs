@@ -93,7 +93,7 @@ fn means(text: &mut String, plain: &[Row]) {
         }
         let _ = writeln!(
             text,
-            "## {} of the leaves: means\n\n{}",
+            "## {} of the leaves: means, of times geometric ones\n\n{}",
             percent(level),
             table.markdown()
         );
