@@ -20,7 +20,7 @@ pub(super) fn note_of(rows: &[Row]) -> Option<String> {
 }
 
 /// By its setting, as it is written on the command line without dashes.
-fn is_driven_by_its_judges(row: &Row) -> bool {
+pub(super) fn is_driven_by_its_judges(row: &Row) -> bool {
     let words: Vec<&str> = row.setting.split_whitespace().collect();
     let views = words.windows(2).find(|pair| pair[0] == "views");
     views.is_some_and(|pair| ["12", "icosahedron"].contains(&pair[1]))

@@ -16,6 +16,7 @@ mod shares;
 mod summary;
 mod table;
 mod trial;
+mod which;
 mod whole;
 mod words;
 

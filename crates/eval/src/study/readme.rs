@@ -7,6 +7,7 @@ use super::beaten::{WHAT_IS_COUNTED, beaten};
 use super::published::beside;
 use super::table::Table;
 use super::trial::{WHAT_IS_BETTER, overview};
+use super::which::{WHAT_IS_LISTED, which};
 use super::whole::note_of;
 use super::words::{duration, memory, number, percent, trees};
 use super::{COLUMNS, Row, Study, groups, held_out, overlap, shares, spread, summarise};
@@ -34,6 +35,10 @@ pub fn readme(study: &Study<'_>) -> String {
     );
     let plain = study.plain_rows();
     let (given, partial) = study.given_and_partial();
+    if let Some(table) = which(&given) {
+        let table = table.markdown();
+        let _ = writeln!(text, "## Which to take\n\n{WHAT_IS_LISTED}\n\n{table}");
+    }
     means(&mut text, &given);
     if let Some(note) = note_of(&partial) {
         let _ = writeln!(text, "{note}\n");
@@ -166,7 +171,7 @@ mod tests {
             text.contains("| vds | 1 | 2.00 s | 50 MiB | 1.25 |"),
             "{text}"
         );
-        for absent in ["Stability", "fail", "paper"] {
+        for absent in ["Stability", "methods fail", "paper"] {
             assert!(!text.contains(absent), "{absent}");
         }
         rows.push(Row {

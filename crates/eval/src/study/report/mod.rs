@@ -13,6 +13,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::beaten::{WHAT_IS_COUNTED, beaten};
 use super::chart::{chart, escaped};
+use super::which::{WHAT_IS_LISTED, which};
 use super::whole::{note_of, take_out_partial};
 use super::words::{duration, memory, number, overlap_of, percent, trees};
 use super::{COLUMNS, Column, Paper, Point, Row, Trial, summarise};
@@ -157,6 +158,13 @@ impl Page<'_> {
             trees(trees_of(self.given).len()),
             escaped(&trees_of(self.given).join(", "))
         );
+        if let Some(table) = which(self.given) {
+            let _ = write!(
+                html,
+                "<h3>Which to take</h3>\n<p>{WHAT_IS_LISTED}</p>\n{}",
+                table.html()
+            );
+        }
         let rows = self.study.rows;
         for note in [shares::note_of(rows), held_out::note_of(rows)]
             .iter()
