@@ -339,6 +339,59 @@ fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
     assert_eq!(whole.steps_to_triangles(&foliage, 0), 2);
 }
 
+/// Beside such large ones these show hardly a pixel, and of either a sliver shows as many.
+#[test]
+fn a_leaf_too_small_to_be_looked_at_is_no_sliver() {
+    let nine = polygon(
+        9,
+        0.963_706_532_712_345_1,
+        DVec3::new(
+            29.015_540_800_336_268,
+            39.736_220_161_683_78,
+            26.718_528_158_479_423,
+        ),
+    );
+    let seven = polygon(
+        7,
+        0.768_527_584_537_913_9,
+        DVec3::new(0.0, -13.565_810_589_460_83, 35.347_535_554_442_9),
+    );
+    let scenes = [
+        of(&[
+            nine,
+            polygon(
+                8,
+                845.411_061_418_535_3,
+                DVec3::new(-12.585_461_452_078_613, 0.0, 0.0),
+            ),
+            polygon(
+                8,
+                986.568_979_726_339_5,
+                DVec3::new(0.0, -10.784_912_419_215_26, 4.347_468_105_277_311),
+            ),
+        ]),
+        of(&[
+            seven,
+            polygon(
+                9,
+                561.608_537_417_523_3,
+                DVec3::new(
+                    17.315_100_490_680_89,
+                    -25.931_219_751_769_16,
+                    18.091_447_291_670_5,
+                ),
+            ),
+        ]),
+    ];
+    for foliage in scenes {
+        let all_one = vec![1; foliage.leaves().len()];
+        let coarse = coarsen(&foliage, &Shapes::of(&foliage), &all_one).unwrap();
+        assert_eq!(counts(coarse.foliage()), all_one);
+        let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
+        assert!((before.area() - after.area()).abs() <= 1e-9 * before.area());
+    }
+}
+
 proptest! {
     /// Any polygons: no leaf has more triangles than its share, each share is one that
     /// such a leaf takes well, all together are no more than asked for, none is lost, and each keeps its area and centre.

@@ -6,7 +6,7 @@
 use glam::DVec3;
 use secateur_model::{Foliage, LeafId, LeafTriangle, NewLeaf};
 
-use super::{in_place_of, leaf_mesh};
+use super::{MOST_LINEAR_SCALE, in_place_of, leaf_mesh};
 
 /// Of so many corners, the furthest from each other, all triangles are tried.
 const MOST_CORNERS: usize = 8;
@@ -20,7 +20,7 @@ const LEAST_FACING: f64 = 0.5;
 pub(super) type Three = [u32; 3];
 
 /// The triangle of these corners of a leaf, the way round that the leaf is; nothing if it
-/// has no area, or the leaf two sides.
+/// is a sliver, or the leaf has two sides.
 pub(super) fn flat(foliage: &Foliage, leaf: LeafId, three: Three) -> Option<NewLeaf> {
     let triangles = foliage.triangles_of(leaf);
     let centre = foliage.leaf(leaf).centre();
@@ -35,8 +35,11 @@ pub(super) fn flat(foliage: &Foliage, leaf: LeafId, three: Three) -> Option<NewL
     };
     let [a, b, c] = three;
     let [at_a, at_b, at_c] = three.map(position);
-    let is_reversed = (at_b - at_a).cross(at_c - at_a).dot(normal) < 0.0;
-    let three = if is_reversed { [a, c, b] } else { three };
+    let area = 0.5 * (at_b - at_a).cross(at_c - at_a).dot(normal);
+    if area.abs() * MOST_LINEAR_SCALE.powi(2) < foliage.leaf(leaf).area() {
+        return None;
+    }
+    let three = if area < 0.0 { [a, c, b] } else { three };
     in_place_of(foliage, leaf, &[three], position)
 }
 
