@@ -273,7 +273,7 @@ pub(crate) struct Simplify {
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
     /// Whether to fit the sizes of what is left to the outline and the information of the
-    /// original, at the end, in 60 other views (with cameras of your own, in these): a
+    /// original, at the end, in 78 other views (with cameras of your own, in these): a
     /// weight of how much a pixel of outline counts against a bit of information of a pixel (with
     /// less, information is nearer, with more, the outline; 0.95 if there is none after --fit),
     /// none, or auto: 0.95 for vds with --triangles where --resolution, --resize and
