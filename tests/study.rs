@@ -110,6 +110,8 @@ fn what_cannot_be_studied_is_one_sentence() {
     bench.put("no.glb", b"not a tree");
     let run = |arguments: &[&str]| bench.run(&[&["study", "-o", "s"], arguments].concat());
     run(&["no.glb"]).failed_saying(&["no.glb: is not glTF"]);
+    run(&["oak.glb", "no.glb"]).failed_saying(&["no.glb: is not glTF"]);
+    assert!(!bench.path("s").exists(), "nothing is begun");
     run(&["oak.glb", "--case", "nonsense"]).failed_saying(&["`nonsense", "no method"]);
     run(&["--redraw"]).failed_saying(&["no rows"]);
     run(&["--plan", "methods"]).failed_saying(&["no tree was given"]);

@@ -12,12 +12,14 @@ mod rows;
 mod scenes;
 mod subjects;
 
+use std::collections::BTreeSet;
 use std::io::{IsTerminal, stderr};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use secateur::eval::study::{Row, RowKey};
 use secateur::{Lod, Method, Progress, Resolution, Simplify, Tree};
 use serde_json::json;
 
@@ -37,7 +39,6 @@ pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failur
     output::check_folder(&args.output)?;
     if !args.redraw {
         let subjects = subjects(args)?;
-        output::make_folder(&args.output)?;
         run_all(args, common, &subjects).map_err(|failure| match interrupt::check() {
             Ok(()) => failure,
             Err(_) => Failure(format!(
@@ -77,11 +78,15 @@ struct Job<'a> {
 }
 
 fn run_all(args: &args::Study, common: &Common, subjects: &[Subject]) -> Result<(), Failure> {
-    let mut file = RowFile::open(&args.output)?;
-    let mut todo: Vec<Vec<Job>> = Vec::new();
-    for subject in subjects {
-        todo.push(jobs(args, subject, &file)?);
+    let finished = rows::read(&args.output)?;
+    let done: BTreeSet<RowKey> = finished.iter().map(Row::key).collect();
+    let todo: Vec<Vec<Job>> = subjects.iter().map(|s| jobs(args, s, &done)).collect();
+    for (subject, jobs) in subjects.iter().zip(&todo) {
+        if !jobs.is_empty() {
+            subject.check(&args.foliage.foliage)?;
+        }
     }
+    let mut file = RowFile::after(&finished, &args.output)?;
     let rows: usize = todo.iter().flatten().map(|job| job.levels.len()).sum();
     let bar = bar(common, rows);
     for (subject, jobs) in subjects.iter().zip(todo) {
@@ -123,11 +128,7 @@ fn about(path: &Path, failure: Failure) -> Failure {
     }
 }
 
-fn jobs<'a>(
-    args: &args::Study,
-    subject: &'a Subject,
-    file: &RowFile,
-) -> Result<Vec<Job<'a>>, Failure> {
+fn jobs<'a>(args: &args::Study, subject: &'a Subject, done: &BTreeSet<RowKey>) -> Vec<Job<'a>> {
     let mut jobs = Vec::new();
     let tree = &subject.name;
     for case in &subject.cases {
@@ -142,13 +143,13 @@ fn jobs<'a>(
                 true => subject.levels().to_vec(),
                 false => args.levels.clone(),
             };
-            levels.retain(|level| !file.has(&rows::key(tree, case, seed, *level)));
+            levels.retain(|level| !done.contains(&rows::key(tree, case, seed, *level)));
             if !levels.is_empty() {
                 jobs.push(Job { case, seed, levels });
             }
         }
     }
-    Ok(jobs)
+    jobs
 }
 
 fn bar(common: &Common, rows: usize) -> ProgressBar {

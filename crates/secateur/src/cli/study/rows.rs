@@ -1,6 +1,5 @@
 //! The file of rows, which grows by one line at a time.
 
-use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -42,13 +41,12 @@ pub(super) fn key(tree: &str, case: &Case, seed: Option<u64>, level: f64) -> Row
 pub(super) struct RowFile {
     path: PathBuf,
     file: File,
-    done: BTreeSet<RowKey>,
 }
 
 impl RowFile {
-    /// Takes up where the file ends; half a last line is dropped.
-    pub(super) fn open(folder: &Path) -> Result<Self, Failure> {
-        let rows = read(folder)?;
+    /// Goes on behind the rows that were read; half a last line is dropped.
+    pub(super) fn after(rows: &[Row], folder: &Path) -> Result<Self, Failure> {
+        output::make_folder(folder)?;
         let path = folder.join(NAME);
         let whole: String = rows.iter().map(to_line).collect();
         output::write_file(&path, whole.as_bytes())?;
@@ -56,22 +54,12 @@ impl RowFile {
             .append(true)
             .open(&path)
             .map_err(|e| Failure::of_file(&path, "cannot be written", &e))?;
-        Ok(Self {
-            done: rows.iter().map(Row::key).collect(),
-            path,
-            file,
-        })
-    }
-
-    pub(super) fn has(&self, key: &RowKey) -> bool {
-        self.done.contains(key)
+        Ok(Self { path, file })
     }
 
     pub(super) fn append(&mut self, row: &Row) -> Result<(), Failure> {
         let line = to_line(row);
         let written = self.file.write_all(line.as_bytes());
-        written.map_err(|e| Failure::of_file(&self.path, "cannot be written", &e))?;
-        self.done.insert(row.key());
-        Ok(())
+        written.map_err(|e| Failure::of_file(&self.path, "cannot be written", &e))
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use secateur::plant::{GrowOptions, grow};
-use secateur::{BoundingSphere, Document, Plant, Selector, plant_to_glb};
+use secateur::{BoundingSphere, Document, Plant, Selector, Tree, plant_to_glb};
 
 use super::super::args::{self, PlanName};
 use super::super::failure::Failure;
@@ -110,8 +110,8 @@ pub(super) fn subjects(args: &args::Study) -> Result<Vec<Subject>, Failure> {
     Ok(subjects)
 }
 
-/// Whether a tree has a sound skeleton. What else may be wrong with it is said when
-/// it is its turn.
+/// Whether a tree has a sound skeleton. What else may be wrong with it is said by
+/// [`Subject::check`].
 fn knows_branches(path: &Path, selectors: &[Selector]) -> bool {
     let Some(document) = Document::open(path).ok().filter(Document::has_skeleton) else {
         return false;
@@ -151,6 +151,14 @@ impl Subject {
             Made::ByOthers => of_user,
             _ => &[],
         }
+    }
+
+    /// Says now, not when its turn comes, that a tree of the user's cannot be read.
+    pub(super) fn check(&self, of_user: &[Selector]) -> Result<(), Failure> {
+        if matches!(self.made, Made::ByOthers) {
+            Tree::open(&self.path, of_user)?;
+        }
+        Ok(())
     }
 
     /// Writes the tree, if the study makes it, and cameras that go with it.
