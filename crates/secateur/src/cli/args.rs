@@ -306,8 +306,8 @@ pub(crate) struct Simplify {
     #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
     pub(crate) ties: TiesName,
     /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
-    /// `--triangles` as few as let all leaves stay, but where it has holes those that show the
-    /// same, or two; else all.
+    /// `--triangles` fewer, so that as many leaves as possible stay, but of one with holes those
+    /// that show the same, or two; else all.
     #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N", default_value = "auto", value_parser = leaf_triangles)]
     pub(crate) leaf_triangles: LeafTriangles,
     /// For methods that draw lots: which of them.
