@@ -1,9 +1,9 @@
 //! The triangle around what a texture shows of a card.
 
-use std::ops::Range;
-
 use glam::DVec2;
 use secateur_model::{Cutout, Wrap};
+
+use super::sides::{Around, directions, triples};
 
 /// Cards that take up more of a texture's repetitions along a side are not looked at.
 const MOST_REPETITIONS: f64 = 4.0;
@@ -33,10 +33,6 @@ const SPOTS: i64 = 4;
 
 /// How far beyond a card on every side a triangle may reach, in cards.
 const REACH: i64 = 2;
-
-/// Sides of triangles face the points with whole coordinates on the border of a square
-/// of twice this side: in whole numbers everything is the same on every machine.
-const STEPS: i64 = 8;
 
 /// How much a point of a plane has of each corner of a triangle; together 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -296,96 +292,6 @@ impl Depth {
     }
 }
 
-const DIRECTIONS: usize = 8 * STEPS as usize;
-
-/// Counterclockwise.
-fn directions() -> impl Iterator<Item = (i64, i64)> {
-    (0..DIRECTIONS as i64).map(|k| {
-        let (side, along) = (k / (2 * STEPS), k % (2 * STEPS) - STEPS);
-        match side {
-            0 => (STEPS, along),
-            1 => (-along, STEPS),
-            2 => (-STEPS, -along),
-            _ => (along, -STEPS),
-        }
-    })
-}
-
-fn cross(a: (i64, i64), b: (i64, i64)) -> i64 {
-    a.0 * b.1 - a.1 * b.0
-}
-
-/// Directions, by number, that the sides of a triangle can face.
-fn triples() -> impl Iterator<Item = [Side; 3]> {
-    let all: Vec<Side> = directions().enumerate().collect();
-    let is_left = |a: Side, b: Side| cross(a.1, b.1) > 0;
-    let count = all.len();
-    (0..count).flat_map(move |a| {
-        let all = all.clone();
-        (a + 1..count).flat_map(move |b| {
-            let all = all.clone();
-            (b + 1..count).filter_map(move |c| {
-                let (a, b, c) = (all[a], all[b], all[c]);
-                (is_left(a, b) && is_left(b, c) && is_left(c, a)).then_some([a, b, c])
-            })
-        })
-    })
-}
-
-type Side = (usize, (i64, i64));
-
-/// A triangle in places of a grid: what lies behind three lines.
-struct Around {
-    /// Where each line faces, and how far from the origin it is, in lengths of that.
-    sides: [((i64, i64), i64); 3],
-    corners: [DVec2; 3],
-    twice_area: f64,
-}
-
-impl Around {
-    /// With sides that face these directions, as far away as they must be; nothing if that
-    /// has no area.
-    fn new(sides: [Side; 3], reach: &[i64]) -> Option<Self> {
-        let sides = sides.map(|(number, direction)| (direction, reach[number]));
-        let corner = |k: usize| {
-            let ((a, reach_a), (b, reach_b)) = (sides[k], sides[(k + 1) % 3]);
-            let numerator = DVec2::new(
-                (reach_a * b.1 - reach_b * a.1) as f64,
-                (a.0 * reach_b - b.0 * reach_a) as f64,
-            );
-            numerator / cross(a, b) as f64
-        };
-        let corners = [0, 1, 2].map(corner);
-        let twice_area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
-        (twice_area > 0.0).then_some(Self {
-            sides,
-            corners,
-            twice_area,
-        })
-    }
-
-    /// Of these columns those whose place in a row has its middle in it.
-    fn columns(&self, y: i64, all: Range<i64>) -> Range<i64> {
-        let mut columns = all.clone();
-        for ((dx, dy), reach) in self.sides {
-            // dx (2 x + 1) <= left.
-            let left = 2 * reach - dy * (2 * y + 1);
-            match dx {
-                0 if left < 0 => columns.end = all.start,
-                0 => (),
-                1.. => columns.end = columns.end.min((left - dx).div_euclid(2 * dx) + 1),
-                _ => {
-                    let first = -(left - dx).div_euclid(-2 * dx);
-                    columns.start = columns.start.max(first);
-                }
-            }
-        }
-        columns.start = columns.start.min(all.end);
-        columns.end = columns.end.max(columns.start);
-        columns
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -547,29 +453,6 @@ mod tests {
         for triangles in [point, line, far] {
             assert!(found(&mask(true), triangles).is_none());
         }
-    }
-
-    /// Row by row and place by place, of sides of every slope, within the columns looked at
-    /// and beyond them.
-    #[test]
-    fn columns_of_a_row_are_those_whose_middles_lie_behind_all_sides() {
-        let reach: Vec<i64> = directions().map(|(dx, dy)| 40 + 3 * dx - 5 * dy).collect();
-        let triangles = triples().filter_map(|sides| Around::new(sides, &reach));
-        let mut held = 0;
-        for triangle in triangles.step_by(37) {
-            for y in -20..20 {
-                let columns = triangle.columns(y, -9..11);
-                for x in -9..11 {
-                    let is_behind = |((dx, dy), reach): &((i64, i64), i64)| {
-                        dx * (2 * x + 1) + dy * (2 * y + 1) <= 2 * reach
-                    };
-                    let is_held = triangle.sides.iter().all(is_behind);
-                    assert_eq!(columns.contains(&x), is_held, "{x} {y}");
-                    held += u32::from(is_held);
-                }
-            }
-        }
-        assert!(held > 1000);
     }
 
     proptest! {

@@ -17,6 +17,7 @@ mod cards;
 mod leaf_mesh;
 mod shapes;
 mod shares;
+mod sides;
 mod triangle;
 
 pub use shapes::{Kept, Shapes};
