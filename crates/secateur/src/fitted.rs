@@ -9,7 +9,7 @@ use secateur_simplify::vds::{VdsOptions, VdsOutcome, ViewPlan};
 
 use crate::baseline;
 use crate::settings::Goal;
-use crate::{Error, OpenEngine, Views};
+use crate::{Error, Fitting, OpenEngine, Views};
 
 /// Sizes are fitted in images of at least this many pixels a side, that of the
 /// judging views: what is good for coarser ones is too large in finer ones.
@@ -17,6 +17,14 @@ const LEAST_RESOLUTION: u32 = 512;
 
 /// But of no more pixels over all views, those of 48 views of 1024 x 1024.
 const MOST_PIXELS: u64 = 48 << 20;
+
+/// What a fit gives for nothing: a 400th of the information.
+const FREE_ERROR_PERCENT: f64 = 0.25;
+
+/// Where cards show all and views say so too, no fit is tried unasked.
+pub(crate) fn is_fit_spared(fit: Fitting, shows_the_same: bool, unfitted_percent: f64) -> bool {
+    fit == Fitting::Auto && shows_the_same && unfitted_percent <= FREE_ERROR_PERCENT
+}
 
 /// How sizes are fitted.
 pub(crate) struct Fitted<'a> {
@@ -176,6 +184,14 @@ mod tests {
             ..settings.clone()
         };
         (run(&settings), run(&without))
+    }
+
+    #[test]
+    fn no_fit_is_tried_unasked_where_cards_and_views_show_the_same() {
+        assert!(is_fit_spared(Fitting::Auto, true, 0.25));
+        assert!(!is_fit_spared(Fitting::Auto, true, 0.26));
+        assert!(!is_fit_spared(Fitting::Auto, false, 0.0));
+        assert!(!is_fit_spared(Fitting::Weight(0.95), true, 0.0));
     }
 
     #[test]

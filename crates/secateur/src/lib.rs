@@ -88,6 +88,7 @@
 mod audit;
 mod baseline;
 mod cameras;
+mod clock;
 mod driven;
 mod engine;
 mod error;
@@ -95,6 +96,7 @@ mod fitted;
 mod measure;
 mod run;
 mod settings;
+mod warnings;
 
 pub use cameras::{cameras_from_json, read_cameras};
 pub use engine::OpenEngine;

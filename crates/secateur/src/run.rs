@@ -1,7 +1,6 @@
 //! A foliage and settings in, a removal order and its LOD out.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use secateur_model::{BoundingSphere, Foliage, Lod, RemovalOrder};
 use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, Scene, ViewSet};
@@ -11,10 +10,12 @@ use secateur_simplify::vmi::Vmi;
 
 use crate::audit::audit;
 use crate::baseline;
+use crate::clock::Clock;
 use crate::driven::Driven;
-use crate::fitted::{Fitted, fitting_views};
+use crate::fitted::{Fitted, fitting_views, is_fit_spared};
 use crate::settings::Goal;
-use crate::{Error, Fitting, LeafTriangles, Method, OpenEngine, Resolution, Simplify};
+use crate::warnings::{Ended, warnings};
+use crate::{Error, Method, OpenEngine, Resolution, Simplify};
 
 /// Where a run stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,9 +86,6 @@ impl Simplified {
     }
 }
 
-/// A VMI error worth a word, where it was half as large.
-const CLEAR_ERROR_PERCENT: f64 = 10.0;
-
 /// Simplifies a foliage.
 ///
 /// `progress` is called when a stage begins and after every step; it may break
@@ -95,7 +93,7 @@ const CLEAR_ERROR_PERCENT: f64 = 10.0;
 ///
 /// Time is about in proportion to the leaves at equal crown density, and to the
 /// number of views times the pixels that a leaf covers; memory about 20 bytes a
-/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of 60
+/// fragment and 12 a pixel, and where sizes are fitted, after that, 25 a pixel of 78
 /// views, of 512 x 512 pixels at least (1.3 GB at most), and 12 a view and leaf.
 /// [`Method::VdsReference`] takes views x leaves^2 / 2 drawings.
 ///
@@ -168,7 +166,7 @@ pub fn simplify_on(
 
     clock.begin("simplify")?;
     let order = baseline::order(&foliage, settings, goal, &mut |done, at_most| {
-        (clock.progress)(Progress::Step { done, at_most })
+        clock.step(done, at_most)
     })?;
     let (outcome, shows_the_same) = match order {
         None => by_views(
@@ -192,7 +190,7 @@ pub fn simplify_on(
         Some(_) if is_fit_spared(settings.fit, shows_the_same, unfitted_percent) => outcome,
         Some(outline_weight) => {
             clock.begin("fit")?;
-            let mut tried = |done, at_most| (clock.progress)(Progress::Step { done, at_most });
+            let mut tried = |done, at_most| clock.step(done, at_most);
             let fitting = Fitted {
                 views: fitting_views(&settings.views, sphere, &outcome.views),
                 outline_weight,
@@ -221,15 +219,15 @@ pub fn simplify_on(
         }
     };
     let seconds = clock.finish();
-    let mut warnings = warnings_of(goal, &foliage);
-    warnings.extend(shortfall(settings, goal, &foliage, &lod));
     let is_fitted = outcome.order.len() > steps;
-    if let Fitting::Weight(_) = settings.fit
-        && !is_fitted
-    {
-        warnings.push(NOTHING_FITS.to_owned());
-    }
-    warnings.extend(about_fit(unfitted_percent, error_percent(&outcome)));
+    let mut warnings = warnings(&Ended {
+        settings,
+        goal,
+        foliage: &foliage,
+        lod: &lod,
+        is_fitted,
+        error_percent: [unfitted_percent, error_percent(&outcome)],
+    });
     warnings.extend(engine.warning());
     Ok(Simplified {
         order: outcome.order,
@@ -279,12 +277,7 @@ fn by_views(
         options,
     };
     let found = way.order(foliage, |driving, options| {
-        let mut step = |progress: vds::Progress| {
-            (clock.progress)(Progress::Step {
-                done: progress.steps,
-                at_most: progress.steps_at_most,
-            })
-        };
+        let mut step = |progress: vds::Progress| clock.step(progress.steps, progress.steps_at_most);
         Ok(match settings.method {
             Method::VdsReference => vds::reference::simplify(driving, options, &mut step)?,
             _ => vds::fast::simplify(driving, options, engine, &mut step)?,
@@ -298,59 +291,6 @@ fn by_views(
         }
     };
     Ok((outcome, found.shows_the_same))
-}
-
-fn warnings_of(goal: Goal, foliage: &Foliage) -> Vec<String> {
-    let (asked, there, what) = match goal {
-        Goal::Leaves(leaves) => (leaves, foliage.leaves().len(), "leaves"),
-        Goal::Triangles(triangles) => (triangles, foliage.triangles().len(), "triangles"),
-        Goal::MaxError(_) => return Vec::new(),
-    };
-    let mut warnings = Vec::new();
-    if asked > there {
-        warnings.push(format!(
-            "{asked} {what} were asked for and there are {there}: no leaf was removed"
-        ));
-    }
-    warnings
-}
-
-/// What was asked for and is not so at the end.
-fn shortfall(settings: &Simplify, goal: Goal, foliage: &Foliage, lod: &Lod) -> Option<String> {
-    match (goal, settings.leaf_triangles) {
-        (Goal::Triangles(asked), _) => {
-            let left = lod.foliage(foliage).triangles().len();
-            (left > asked && left < foliage.triangles().len()).then(|| {
-                format!("{asked} triangles were asked for, and {left} is as near as it comes")
-            })
-        }
-        (Goal::MaxError(percent), LeafTriangles::AtMost(most)) if lod.is_of_originals() => {
-            Some(format!(
-                "no leaf became coarser: with {most} triangles a leaf the VMI error would exceed {percent} %, or none has more"
-            ))
-        }
-        _ => None,
-    }
-}
-
-/// What a fit gives for nothing: a 400th of the information.
-const FREE_ERROR_PERCENT: f64 = 0.25;
-
-/// Where cards show all and views say so too, no fit is tried unasked.
-fn is_fit_spared(fit: Fitting, shows_the_same: bool, unfitted_percent: f64) -> bool {
-    fit == Fitting::Auto && shows_the_same && unfitted_percent <= FREE_ERROR_PERCENT
-}
-
-/// A fit was asked for and changed nothing.
-const NOTHING_FITS: &str = "leaves keep their sizes: none fits better, all looks the same as it is, or the VMI error would exceed what was asked for";
-
-/// That a fit cost information of the driving views.
-fn about_fit(before_percent: f64, after_percent: f64) -> Option<String> {
-    (after_percent > 2.0 * before_percent && after_percent > CLEAR_ERROR_PERCENT).then(|| {
-        format!(
-            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: `--fit=none`, or a smaller weight, keeps more of the information"
-        )
-    })
 }
 
 /// The bounding sphere, if cameras about it can be computed.
@@ -371,45 +311,6 @@ pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
         radius: sphere.radius,
         distance,
     })
-}
-
-/// Tells the stages and times them.
-struct Clock<'a> {
-    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
-    stages: Vec<(&'static str, f64)>,
-    started: Option<(&'static str, Instant)>,
-}
-
-impl<'a> Clock<'a> {
-    fn new(progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
-        Self {
-            progress,
-            stages: Vec::new(),
-            started: None,
-        }
-    }
-
-    fn begin(&mut self, stage: &'static str) -> Result<(), Error> {
-        self.end();
-        self.started = Some((stage, Instant::now()));
-        match (self.progress)(Progress::Stage(stage)) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Error::Stopped),
-        }
-    }
-
-    fn end(&mut self) {
-        if let Some((stage, since)) = self.started.take() {
-            let seconds = since.elapsed().as_secs_f64();
-            tracing::debug!("{stage}: {seconds:.3} s");
-            self.stages.push((stage, seconds));
-        }
-    }
-
-    fn finish(mut self) -> Vec<(&'static str, f64)> {
-        self.end();
-        self.stages
-    }
 }
 
 #[cfg(test)]
@@ -453,23 +354,6 @@ mod tests {
         let views = ViewSet::new(vec![one; 513]);
         let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
         assert_eq!(chosen.0, 256);
-    }
-
-    #[test]
-    fn no_fit_is_tried_unasked_where_cards_and_views_show_the_same() {
-        assert!(is_fit_spared(Fitting::Auto, true, 0.25));
-        assert!(!is_fit_spared(Fitting::Auto, true, 0.26));
-        assert!(!is_fit_spared(Fitting::Auto, false, 0.0));
-        assert!(!is_fit_spared(Fitting::Weight(0.95), true, 0.0));
-    }
-
-    #[test]
-    fn a_fit_that_costs_information_says_so() {
-        assert_eq!(about_fit(8.0, 9.0), None);
-        assert_eq!(about_fit(2.0, 9.9), None);
-        assert_eq!(about_fit(30.0, 50.0), None);
-        let warning = about_fit(10.3, 62.1).unwrap();
-        assert!(warning.contains("VMI error of 62.1 %") && warning.contains("10.3 % before"));
     }
 
     #[test]
