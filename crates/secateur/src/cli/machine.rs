@@ -11,10 +11,21 @@ pub(crate) fn peak_rss_bytes() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
-/// Lets [`peak_rss_bytes`] count anew from now, where the system can.
+/// Lets [`peak_rss_bytes`] count anew from now, where the system can, and without what was
+/// used before and is free.
 pub(crate) fn forget_peak_rss() {
+    give_back_free_memory();
     // Linux: proc(5), "5 (since Linux 4.0): reset the peak resident set size".
     let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
+/// The allocator of glibc keeps what is free for later, which the system counts as used.
+fn give_back_free_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: it touches nothing but what is free, and locks each arena meanwhile.
+    unsafe {
+        libc::malloc_trim(0);
+    }
 }
 
 /// Processor, cores and system.
@@ -45,4 +56,23 @@ pub(crate) fn name() -> String {
 /// else what git said, if it was there.
 pub(crate) fn commit() -> Option<&'static str> {
     option_env!("SECATEUR_COMMIT")
+}
+
+#[cfg(all(test, target_os = "linux", target_env = "gnu"))]
+mod tests {
+    use super::*;
+
+    /// Blocks of a size that is never given back by itself, and one that stays behind them.
+    #[test]
+    fn what_was_freed_before_is_not_counted() {
+        const MIB: u64 = 1 << 20;
+        let mut blocks: Vec<Vec<u8>> = (0..8192).map(|_| vec![1; 64 << 10]).collect();
+        let held = peak_rss_bytes().unwrap();
+        let last = blocks.pop();
+        drop(blocks);
+        forget_peak_rss();
+        let after = peak_rss_bytes().unwrap();
+        assert!(after + 400 * MIB < held, "{after} of {held} bytes");
+        drop(last);
+    }
 }
