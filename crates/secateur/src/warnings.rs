@@ -83,6 +83,46 @@ fn about_fit(before_percent: f64, after_percent: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Target;
+    use secateur_model::LeafTriangle;
+
+    #[test]
+    fn all_that_there_is_is_not_too_much() {
+        let mut foliage = Foliage::default();
+        let corners = [glam::DVec3::ZERO, glam::DVec3::X, glam::DVec3::Y];
+        let leaf = [LeafTriangle::plain(corners); 2];
+        foliage.push_leaf(&leaf, None).unwrap();
+        assert_eq!(excess(Goal::Leaves(1), &foliage), None);
+        assert_eq!(excess(Goal::Triangles(2), &foliage), None);
+        let leaves = excess(Goal::Leaves(2), &foliage).unwrap();
+        assert!(leaves.starts_with("2 leaves were asked for and there are 1"));
+        let triangles = excess(Goal::Triangles(3), &foliage).unwrap();
+        assert!(triangles.starts_with("3 triangles were asked for and there are 2"));
+    }
+
+    #[test]
+    fn a_fit_that_changed_nothing_is_told_of_if_it_was_asked_for() {
+        let foliage = Foliage::default();
+        let lod = Lod::original(0);
+        let told = |fit: Fitting, is_fitted: bool| {
+            let settings = Simplify {
+                fit,
+                ..Simplify::to(Target::Leaves(0))
+            };
+            let ended = Ended {
+                settings: &settings,
+                goal: Goal::Leaves(0),
+                foliage: &foliage,
+                lod: &lod,
+                is_fitted,
+                error_percent: [0.0; 2],
+            };
+            warnings(&ended)
+        };
+        assert_eq!(told(Fitting::Weight(1.0), false), [NOTHING_FITS]);
+        assert!(told(Fitting::Weight(1.0), true).is_empty());
+        assert!(told(Fitting::Auto, false).is_empty());
+    }
 
     #[test]
     fn a_fit_that_costs_information_says_so() {

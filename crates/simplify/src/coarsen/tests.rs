@@ -294,6 +294,28 @@ fn every_leaf_keeps_the_way_round_that_it_is() {
     }
 }
 
+/// A back that is smaller than the front leaves some area to face by, but no plane that
+/// one triangle could stand for.
+#[test]
+fn a_leaf_with_a_smaller_back_is_no_flat_triangle() {
+    let front = polygon(6, 1.0, DVec3::ZERO);
+    let back = polygon(6, 0.9, DVec3::ZERO);
+    let turned = back.iter().map(|t| LeafTriangle {
+        corners: [t.corners[0], t.corners[2], t.corners[1]],
+        uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
+    });
+    let two_sided = of(&[front.iter().copied().chain(turned).collect()]);
+    let one_sided = of(&[front.iter().copied().chain(back).collect()]);
+    let leaf = LeafId::from_index(0);
+    let is_one = |foliage: &Foliage| {
+        let candidates = triangle::candidates(foliage, leaf);
+        let flat = |three: &triangle::Three| triangle::flat(foliage, leaf, *three).is_some();
+        candidates.iter().any(flat)
+    };
+    assert!(is_one(&one_sided));
+    assert!(!is_one(&two_sided));
+}
+
 #[test]
 fn a_closed_leaf_stays_or_keeps_its_sides() {
     let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
