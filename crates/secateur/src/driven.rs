@@ -143,7 +143,7 @@ mod tests {
     use secateur_model::LeafTriangle;
 
     use super::*;
-    use crate::{Resolution, Simplified, Simplify, Target, simplify};
+    use crate::{Fitting, Resolution, Simplified, Simplify, Target, simplify};
 
     /// Upright leaves side by side, of 1 and of 3 triangles in turn, the latter small
     /// and so the first to go.
@@ -170,6 +170,16 @@ mod tests {
             ..Simplify::to(Target::Triangles(triangles))
         };
         simplify(foliage, &settings, &mut |_| ControlFlow::Continue(())).unwrap()
+    }
+
+    fn is_fit_tried(foliage: &Foliage, triangles: u64, fit: Fitting) -> bool {
+        let settings = Simplify {
+            fit,
+            ..Simplify::to(Target::Triangles(triangles))
+        };
+        let result = simplify(foliage, &settings, &mut |_| ControlFlow::Continue(()));
+        let seconds = result.unwrap().seconds;
+        seconds.iter().any(|(stage, _)| *stage == "fit")
     }
 
     #[test]
@@ -222,14 +232,9 @@ mod tests {
         let coarser = to(&foliage, 14, LeafTriangles::Auto);
         assert_eq!((coarser.order.len(), coarser.lod.leaf_count()), (1, 12));
         assert_eq!(coarser.costs_scaled, [0]);
-        let whole = |triangles: u64| {
-            let settings = Simplify::to(Target::Triangles(triangles));
-            let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(()));
-            let seconds = result.unwrap().seconds;
-            seconds.iter().any(|(stage, _)| *stage == "fit")
-        };
         // Coarser leaves without a texture do not show all that they did.
-        assert!(whole(14) && !whole(24));
+        let is_tried = |triangles| is_fit_tried(&foliage, triangles, Fitting::Auto);
+        assert!(is_tried(14) && !is_tried(24));
         let fewer = to(&foliage, 5, LeafTriangles::Auto);
         assert_eq!((fewer.order.len(), fewer.lod.leaf_count()), (8, 5));
         assert_eq!(fewer.costs_scaled.len(), 8);
@@ -272,20 +277,11 @@ mod tests {
         );
         assert!(measured.vmi_error_percent() < 0.5);
 
-        let is_fit_tried = |triangles: u64, fit: crate::Fitting| {
-            let settings = Simplify {
-                fit,
-                ..Simplify::to(Target::Triangles(triangles))
-            };
-            let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(()));
-            let seconds = result.unwrap().seconds;
-            seconds.iter().any(|(stage, _)| *stage == "fit")
-        };
         // There is nothing to fit where all is shown, unless one insists. The borders of one
         // triangle are drawn otherwise than those of two: in nine leaves that shows.
-        let auto = [9, 18, 8].map(|count| is_fit_tried(count, crate::Fitting::Auto));
+        let auto = [9, 18, 8].map(|count| is_fit_tried(&foliage, count, Fitting::Auto));
         assert_eq!(auto, [true, false, true]);
-        assert!(is_fit_tried(18, crate::Fitting::Weight(1.0)));
+        assert!(is_fit_tried(&foliage, 18, Fitting::Weight(1.0)));
 
         let fewer = to(&foliage, 5, LeafTriangles::Auto);
         assert_eq!(fewer.lod.leaf_count(), 5);

@@ -81,7 +81,7 @@ impl Shapes {
             .collect();
         let kind = |leaf: &LeafId| {
             let triangles = foliage.triangles_of(*leaf);
-            // Only leaves of a card less than another can differ otherwise.
+            // Leaves may be alike but for how many triangles show all of their texture.
             let least = cards.triangles_of(*leaf).map_or(0, <[_]>::len) as u32;
             let mut meeting = leaf_mesh::vertices(triangles).unwrap_or_default();
             meeting.push(least);
