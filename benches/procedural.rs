@@ -15,7 +15,7 @@ use secateur::plant::{
     merge_levels, plant_of,
 };
 use secateur::{
-    Document, Method, Resolution, Simplify, Target, Tree, measure, plant_to_glb, simplify,
+    Document, Method, Preset, Resolution, Simplify, Target, Tree, measure, plant_to_glb, simplify,
 };
 use std::sync::Arc;
 
@@ -149,7 +149,7 @@ fn methods(rows: &mut Rows, species: Species, leaves: u32) {
                 100.0 * ratio,
                 method.name()
             );
-            let mut settings = Simplify::to(Target::Ratio(ratio));
+            let mut settings = Simplify::with_preset(Preset::Information, Target::Ratio(ratio));
             settings.method = method;
             settings.skeleton = skeleton.clone();
             settings.resolution = Resolution::Pixels(256);

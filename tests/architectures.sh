@@ -67,6 +67,8 @@ settings=(
   "--ratio 0.25 --reference previous --resize deficit --neighbours 4 --max-coverage 1"
   "--ratio 0.25 --views vnc --ties spread"
   "--triangles 0.5"
+  "--preset information --triangles 0.5"
+  "--preset information --ratio 0.1"
   "--triangles 0.1"
   "--ratio 0.25 --fit"
   "--triangles 0.1 --fit=4"

@@ -13,7 +13,7 @@ fn run(bench: &Bench, out: &str, options: &[&str]) -> Value {
     ];
     let said = bench.run(&[&files[..], options].concat()).succeeded();
     let report = bench.json("r.json");
-    let is_said = said.stdout.contains("  sizes      fitted to the original");
+    let is_said = said.stdout.contains("  sizes      fitted ");
     assert_eq!(
         is_said,
         !report["settings"]["fit"].is_null(),
@@ -24,7 +24,14 @@ fn run(bench: &Bench, out: &str, options: &[&str]) -> Value {
 }
 
 fn simplified(bench: &Bench, out: &str, options: &[&str]) -> Value {
-    let quarter = ["--ratio", "0.25", "--resolution", "128"];
+    let quarter = [
+        "--preset",
+        "information",
+        "--ratio",
+        "0.25",
+        "--resolution",
+        "128",
+    ];
     run(bench, out, &[&quarter[..], options].concat())
 }
 
@@ -40,10 +47,14 @@ fn put_oak(bench: &Bench) {
 
 /// VMI error in per cent and silhouette IoU.
 fn judged(bench: &Bench, out: &str) -> [f64; 2] {
+    measured(bench, out, ["vmi_error_percent", "silhouette_iou"])
+}
+
+fn measured<const N: usize>(bench: &Bench, out: &str, keys: [&str; N]) -> [f64; N] {
     let measured = ["measure", "oak.glb", out, "--format", "json"];
     let measured = bench.run(&measured).succeeded().stdout;
     let record: Value = serde_json::from_str(&measured).unwrap();
-    ["vmi_error_percent", "silhouette_iou"].map(|key| record[key].as_f64().unwrap())
+    keys.map(|key| record[key].as_f64().unwrap())
 }
 
 #[test]
@@ -67,7 +78,7 @@ fn what_any_method_left_fits_better() {
 fn to_triangles_sizes_are_fitted_unasked() {
     let bench = Bench::new();
     put_oak(&bench);
-    let quarter = ["--triangles", "0.25"];
+    let quarter = ["--triangles", "0.25", "--preset", "information"];
     let fitted = run(&bench, "fitted.glb", &quarter);
     assert_eq!(fitted["settings"]["fit"], 0.95);
     assert!(fitted["seconds"]["fit"].is_number());
@@ -114,6 +125,91 @@ fn fitted_sizes_are_the_same_on_every_processor_and_thread() {
             );
         }
     }
+}
+
+/// Unasked the crown stays as dense as it was, whatever the target, and looks better than with
+/// the least VMI error; what is asked for overrides what the preset sets.
+#[test]
+fn the_look_is_the_default_and_information_a_preset() {
+    let bench = Bench::new();
+    put_oak(&bench);
+    let keys = ["coverage_ratio", "flip_mean"];
+    for target in [["--triangles", "0.1"], ["--ratio", "0.1"]] {
+        let default = run(&bench, "default.glb", &target);
+        let look = run(
+            &bench,
+            "look.glb",
+            &[&target[..], &["--preset", "look"]].concat(),
+        );
+        let information = ["--preset", "information"];
+        let other = run(&bench, "other.glb", &[&target[..], &information].concat());
+        for key in ["order_sha256", "areas_sha256", "settings"] {
+            assert_eq!(default[key], look[key], "{key}");
+        }
+        let settings = |report: &Value| {
+            ["preset", "reference", "resize", "max_coverage"].map(|k| report["settings"][k].clone())
+        };
+        assert_eq!(
+            settings(&look),
+            [
+                "look".into(),
+                "previous".into(),
+                "full".into(),
+                Value::from(1.0)
+            ]
+        );
+        assert_eq!(
+            settings(&other),
+            [
+                "information".into(),
+                "original".into(),
+                "normalised".into(),
+                Value::Null
+            ]
+        );
+        let [coverage, flip] = measured(&bench, "look.glb", keys);
+        let [_, other_flip] = measured(&bench, "other.glb", keys);
+        assert!((coverage - 1.0).abs() < 0.03, "{target:?}: {coverage}");
+        assert!(flip < 0.97 * other_flip, "{target:?}: {flip} {other_flip}");
+    }
+    let free = [
+        "--leaves",
+        "200",
+        "--max-coverage",
+        "none",
+        "--reference",
+        "original",
+    ];
+    let report = run(&bench, "free.glb", &free);
+    assert_eq!(report["settings"]["reference"], "original");
+    // Whoever says how leaves grow gets the sizes that come of it.
+    for key in ["max_coverage", "fit"] {
+        assert_eq!(report["settings"][key], Value::Null, "{key}");
+    }
+    let error = [
+        "oak.glb",
+        "-o",
+        "error.glb",
+        "--max-error",
+        "5",
+        "--report",
+        "r.json",
+    ];
+    bench.simplify(&error).succeeded();
+    let report = bench.json("r.json");
+    assert!(report["driving_vmi_error_percent"].as_f64().unwrap() <= 5.0);
+}
+
+#[test]
+fn the_look_is_the_same_on_every_processor_and_thread() {
+    let bench = Bench::new();
+    let hashes = |threads: &str| {
+        let options = ["--triangles", "0.1", "--threads", threads];
+        let report = run(&bench, "out.glb", &options);
+        ["order_sha256", "areas_sha256"].map(|key| report[key].as_str().unwrap()[..12].to_owned())
+    };
+    assert_eq!(hashes("1"), ["1ed0d3abbf9b", "4e92fce92d16"]);
+    assert_eq!(hashes("2"), hashes("1"));
 }
 
 #[test]

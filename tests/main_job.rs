@@ -78,7 +78,8 @@ fn reports_have_their_keys() {
         assert!(number(&report, "/peak_rss_bytes") > 1e6);
     }
     assert_eq!(number(&report, "/settings/resolution"), 64.0);
-    assert_eq!(report["settings"]["resize"], "normalised");
+    assert_eq!(report["settings"]["preset"], "look");
+    assert_eq!(report["settings"]["resize"], "full");
     assert_eq!(report["settings"]["ties"], "order");
     assert_eq!(report["settings"]["seed"], 0);
     assert_eq!(report["foliage"][0]["material"], "oak leaf");
@@ -89,7 +90,7 @@ fn reports_have_their_keys() {
 #[test]
 fn a_coarser_order_begins_with_the_finer_one() {
     // Every prefix is a LOD: what goes first does not depend on the target.
-    use secateur::{Document, Resolution, Simplify, Target, Views, simplify};
+    use secateur::{Document, Fitting, Resolution, Simplify, Target, Views, simplify};
     let oak = crate::program::oak().to_vec();
     let document = Document::from_bytes("oak", oak, None).unwrap();
     let tree = document.into_tree(&[]).unwrap();
@@ -97,6 +98,7 @@ fn a_coarser_order_begins_with_the_finer_one() {
         let settings = Simplify {
             views: Views::Octahedron,
             resolution: Resolution::Pixels(64),
+            fit: Fitting::None,
             ..Simplify::to(Target::Ratio(ratio))
         };
         let go_on = &mut |_| std::ops::ControlFlow::Continue(());
@@ -185,8 +187,9 @@ fn settings_reach_the_method() {
     assert_eq!(order(&[]), plain, "the same again");
     assert_eq!(order(&["--threads", "1"]), plain, "on one thread");
     for other in [
-        ["--reference", "previous"],
-        ["--resize", "full"],
+        ["--preset", "information"],
+        ["--reference", "original"],
+        ["--resize", "none"],
         ["--neighbours", "3"],
         ["--max-coverage", "0.9"],
         ["--ties", "spread"],

@@ -66,13 +66,19 @@ fn a_crown_gets_no_denser_than_asked() {
     let bench = Bench::new();
     let coverage = |more: &[&str]| {
         let few = [
-            "oak.glb", "-o", "out.glb", "--resize", "full", "--leaves", "12",
+            "oak.glb",
+            "-o",
+            "out.glb",
+            "--reference",
+            "original",
+            "--leaves",
+            "12",
         ];
         bench.simplify(&[&few, more].concat()).succeeded();
         judged(&bench)["coverage_ratio"].as_f64().unwrap()
     };
-    let free = coverage(&[]);
-    let kept = coverage(&["--max-coverage", "1"]);
+    let free = coverage(&["--max-coverage", "none"]);
+    let kept = coverage(&["--max-coverage", "1", "--fit=none"]);
     let thin = coverage(&["--max-coverage", "0.8"]);
     let never = coverage(&["--max-coverage", "0"]);
     // Judged by other views than those that drive, and after one growth more.

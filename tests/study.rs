@@ -165,7 +165,7 @@ fn scenes_made_for_failures_have_a_verdict_each() {
     let only = ["--only", "scene-interior", "--only", "scene-sparse"];
     bench.run(&[&run[..], &only].concat()).succeeded();
     let found = rows(&bench);
-    let near = |row: &&Value| row["setting"] == "views near";
+    let near = |row: &&Value| row["setting"] == "preset information views near";
     let near = found.iter().find(near).unwrap();
     assert_eq!(near["tree"], "scene-interior");
     let command = near["command"].as_str().unwrap();

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use secateur_model::{Foliage, Lod, PlantSkeleton, RemovalOrder};
 use secateur_plant::{Metric, chain_order, check_depth, merge_order};
 use secateur_raster::{Rasteriser, Scene, ViewSet};
-use secateur_simplify::fit::MAX_OUTLINE_WEIGHT;
+use secateur_simplify::fit::{MAX_OUTLINE_WEIGHT, Objective};
 use secateur_simplify::lg::LgTable;
 use secateur_simplify::vds::{Stopped, VdsOptions, VdsOutcome, ViewPlan};
 use secateur_simplify::vmi::Vmi;
@@ -92,10 +92,10 @@ pub(crate) fn check(foliage: &Foliage, settings: &Simplify) -> Result<(), Error>
     if settings.leaf_triangles == LeafTriangles::AtMost(0) {
         return refuse("number of a leaf's triangles", 0.0, "from 1 upwards");
     }
-    if let Some(weight) = settings.outline_weight()
-        && !(0.0..=MAX_OUTLINE_WEIGHT).contains(&weight)
+    if let Some(Objective::Information { outline_weight }) = settings.objective()
+        && !(0.0..=MAX_OUTLINE_WEIGHT).contains(&outline_weight)
     {
-        return refuse("weight of the outline", weight, "from 0 to 100");
+        return refuse("weight of the outline", outline_weight, "from 0 to 100");
     }
     let fsa = &settings.fsa;
     if !(0.0..=1.0).contains(&settings.area_weight) {

@@ -143,7 +143,7 @@ mod tests {
     use secateur_model::LeafTriangle;
 
     use super::*;
-    use crate::{Fitting, Resolution, Simplified, Simplify, Target, simplify};
+    use crate::{Fitting, Preset, Resolution, Simplified, Simplify, Target, simplify};
 
     /// Upright leaves side by side, of 1 and of 3 triangles in turn, the latter small
     /// and so the first to go.
@@ -175,7 +175,7 @@ mod tests {
     fn is_fit_tried(foliage: &Foliage, triangles: u64, fit: Fitting) -> bool {
         let settings = Simplify {
             fit,
-            ..Simplify::to(Target::Triangles(triangles))
+            ..Simplify::with_preset(Preset::Information, Target::Triangles(triangles))
         };
         let result = simplify(foliage, &settings, &mut |_| ControlFlow::Continue(()));
         let seconds = result.unwrap().seconds;

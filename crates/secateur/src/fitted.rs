@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use secateur_model::{BoundingSphere, Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
 use secateur_raster::ViewSet;
-use secateur_simplify::fit::{Fit, fit};
+use secateur_simplify::fit::{Fit, Objective, fit};
 use secateur_simplify::vds::{VdsOptions, VdsOutcome, ViewPlan};
 
 use crate::baseline;
@@ -18,24 +18,43 @@ const LEAST_RESOLUTION: u32 = 512;
 /// But of no more pixels over all views, those of 48 views of 1024 x 1024.
 const MOST_PIXELS: u64 = 48 << 20;
 
-/// What a fit gives for nothing: a 400th of the information.
+/// What a fit to information gives for nothing: a 400th of it.
 const FREE_ERROR_PERCENT: f64 = 0.25;
 
-/// Where cards show all and views say so too, no fit is tried unasked.
-pub(crate) fn is_fit_spared(fit: Fitting, shows_the_same: bool, unfitted_percent: f64) -> bool {
-    fit == Fitting::Auto && shows_the_same && unfitted_percent <= FREE_ERROR_PERCENT
+/// Where cards show all that was there no fit is tried unasked; one to information only if the
+/// driving views say so too.
+pub(crate) fn is_fit_spared(
+    fit: Fitting,
+    objective: Objective,
+    shows_the_same: bool,
+    unfitted_percent: f64,
+) -> bool {
+    let is_enough = match objective {
+        Objective::Information { .. } => unfitted_percent <= FREE_ERROR_PERCENT,
+        _ => true,
+    };
+    fit == Fitting::Auto && shows_the_same && is_enough
 }
 
 /// How sizes are fitted.
 pub(crate) struct Fitted<'a> {
     pub(crate) views: Vec<ViewSet>,
-    pub(crate) outline_weight: f64,
+    pub(crate) objective: Objective,
     pub(crate) goal: Goal,
     /// Those of the run.
     pub(crate) options: &'a VdsOptions,
 }
 
 impl Fitted<'_> {
+    /// Information is lost at other resolutions than that of the driving views; coverage is
+    /// not.
+    fn least_resolution(&self) -> u32 {
+        match self.objective {
+            Objective::Information { .. } => self.options.resolution,
+            _ => LEAST_RESOLUTION,
+        }
+    }
+
     /// An outcome with a step more, in which leaves take the sizes that fit best; itself
     /// where that changes nothing, or would exceed the error that is asked for.
     /// `progress` gets leaves tried and to be tried at most.
@@ -52,8 +71,8 @@ impl Fitted<'_> {
             original: foliage,
             left: &left,
             views: &self.views,
-            resolution: resolution(self.options.resolution, &self.views),
-            outline_weight: self.outline_weight,
+            resolution: resolution(self.least_resolution(), &self.views),
+            objective: self.objective,
         };
         let ControlFlow::Continue(factors) = fit(&way, progress) else {
             return Err(Error::Stopped);
@@ -83,23 +102,31 @@ impl Fitted<'_> {
 }
 
 /// Where from sizes are fitted: one's own cameras; or views from which no leaf was chosen,
-/// since what is left was kept for what it shows in those. In sets of 20, 6 and 12: VMI
-/// depends on how many views there are.
+/// since what is left was kept for what it shows in those. For information in sets of 20, 6
+/// and 12: VMI depends on how many views there are. For coverage 12 are enough: blocks of
+/// pixels are fitted to chance less easily than pixels.
 pub(crate) fn fitting_views(
     views: &Views,
     sphere: BoundingSphere,
     driving: &ViewSet,
+    objective: Objective,
 ) -> Vec<ViewSet> {
     match views {
         Views::Cameras(_) => vec![driving.clone()],
         Views::Turned { views, turn } => {
-            let sets = fitting_views(views, sphere, &views.around(sphere));
+            let sets = fitting_views(views, sphere, &views.around(sphere), objective);
             let turned = sets.iter().map(|set| set.turned(sphere.centre, *turn));
             turned.collect()
         }
         _ => {
-            let mut sets = ViewSet::turned_dodecahedra(sphere).to_vec();
-            sets.push(ViewSet::octahedron(sphere));
+            let mut sets = match objective {
+                Objective::Information { .. } => {
+                    let mut sets = ViewSet::turned_dodecahedra(sphere).to_vec();
+                    sets.push(ViewSet::octahedron(sphere));
+                    sets
+                }
+                _ => Vec::new(),
+            };
             sets.push(ViewSet::cuboctahedron(sphere));
             sets.retain(|set| set != driving);
             sets
@@ -160,6 +187,10 @@ mod tests {
         Fitting, LeafTriangles, Method, Resolution, Simplified, Simplify, Target, simplify,
     };
 
+    const INFORMATION: Objective = Objective::Information {
+        outline_weight: 1.0,
+    };
+
     fn crown() -> Foliage {
         ellipsoid_crown(200, 11, &EllipsoidCrown::default()).unwrap()
     }
@@ -188,10 +219,19 @@ mod tests {
 
     #[test]
     fn no_fit_is_tried_unasked_where_cards_and_views_show_the_same() {
-        assert!(is_fit_spared(Fitting::Auto, true, 0.25));
-        assert!(!is_fit_spared(Fitting::Auto, true, 0.26));
-        assert!(!is_fit_spared(Fitting::Auto, false, 0.0));
-        assert!(!is_fit_spared(Fitting::Weight(0.95), true, 0.0));
+        let information = Objective::Information {
+            outline_weight: 0.95,
+        };
+        let is_spared =
+            |fit, shows_the_same, percent| is_fit_spared(fit, information, shows_the_same, percent);
+        assert!(is_spared(Fitting::Auto, true, 0.25));
+        assert!(!is_spared(Fitting::Auto, true, 0.26));
+        assert!(!is_spared(Fitting::Auto, false, 0.0));
+        assert!(!is_spared(Fitting::Weight(0.95), true, 0.0));
+        let of_coverage = |fit, same| is_fit_spared(fit, Objective::Coverage, same, 9.0);
+        assert!(of_coverage(Fitting::Auto, true));
+        assert!(!of_coverage(Fitting::Auto, false));
+        assert!(!of_coverage(Fitting::Coverage, true));
     }
 
     #[test]
@@ -291,13 +331,18 @@ mod tests {
             (Views::Cube, ViewSet::cube(sphere), &[20, 20, 20, 6, 12][..]),
             (Views::Octahedron, octahedron.clone(), &[20, 20, 20, 12]),
         ] {
-            let others = fitting_views(&views, sphere, &driving);
+            let others = fitting_views(&views, sphere, &driving, INFORMATION);
             let found: Vec<usize> = others.iter().map(ViewSet::len).collect();
             assert_eq!(found, sizes);
             let is_driving = |view| driving.views().contains(view);
             assert!(!others.iter().flat_map(ViewSet::views).any(is_driving));
         }
-        let own = fitting_views(&Views::Cameras(octahedron.clone()), sphere, &octahedron);
+        let own = fitting_views(
+            &Views::Cameras(octahedron.clone()),
+            sphere,
+            &octahedron,
+            INFORMATION,
+        );
         assert_eq!(own, [octahedron]);
     }
 
@@ -307,7 +352,7 @@ mod tests {
         let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
         for views in [Views::Dodecahedron, Views::Octahedron] {
             let driving = views.around(sphere);
-            let upright = fitting_views(&views, sphere, &driving);
+            let upright = fitting_views(&views, sphere, &driving, INFORMATION);
             let turned = Views::Turned {
                 views: Box::new(views),
                 turn,
@@ -315,7 +360,7 @@ mod tests {
             let driving_turned = turned.around(sphere);
             let no_turn = driving.turned(sphere.centre, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
             assert_eq!(no_turn, driving);
-            let others = fitting_views(&turned, sphere, &driving_turned);
+            let others = fitting_views(&turned, sphere, &driving_turned, INFORMATION);
             assert_eq!(others.len(), upright.len());
             for (a, b) in upright.iter().zip(&others) {
                 let turned = a.turned(sphere.centre, turn);

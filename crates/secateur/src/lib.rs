@@ -76,6 +76,7 @@
 //! | judging | [`measure()`], [`measure_pictures`], [`eval`] |
 //! | one stage alone | [`raster`], [`vds`], [`vmi`] |
 //! | budgets of triangles | [`Target::Triangles`], [`LeafTriangles`], [`mod@coarsen`] |
+//! | the look or the information | [`Preset`] |
 //! | sizes of what is left | [`Simplify::fit`], [`mod@fit`] |
 //! | other methods | [`Method`], [`fsa`], [`stochastic`], [`meshopt`](mod@meshopt) |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`plant::chain_order`], [`plant::merge_order`] |
@@ -94,6 +95,7 @@ mod engine;
 mod error;
 mod fitted;
 mod measure;
+mod preset;
 mod run;
 mod settings;
 mod warnings;
@@ -102,6 +104,7 @@ pub use cameras::{cameras_from_json, read_cameras};
 pub use engine::OpenEngine;
 pub use error::Error;
 pub use measure::{measure, measure_pictures};
+pub use preset::Preset;
 pub use run::{Progress, Simplified, simplify, simplify_on, sphere_of};
 pub use settings::{
     Alpha, Engine, Fitting, LeafTriangles, Method, Resolution, Simplify, Target, Views,

@@ -185,15 +185,19 @@ pub fn simplify_on(
     };
     let error_percent = |o: &VdsOutcome| o.vmi_original.error_percent(&o.vmi_final);
     let (steps, unfitted_percent) = (outcome.order.len(), error_percent(&outcome));
-    let outcome = match settings.outline_weight() {
+    let outcome = match settings.objective() {
         None => outcome,
-        Some(_) if is_fit_spared(settings.fit, shows_the_same, unfitted_percent) => outcome,
-        Some(outline_weight) => {
+        Some(objective)
+            if is_fit_spared(settings.fit, objective, shows_the_same, unfitted_percent) =>
+        {
+            outcome
+        }
+        Some(objective) => {
             clock.begin("fit")?;
             let mut tried = |done, at_most| clock.step(done, at_most);
             let fitting = Fitted {
-                views: fitting_views(&settings.views, sphere, &outcome.views),
-                outline_weight,
+                views: fitting_views(&settings.views, sphere, &outcome.views, objective),
+                objective,
                 goal,
                 options: &options,
             };

@@ -7,12 +7,12 @@ use glam::DQuat;
 use secateur_model::{BoundingSphere, Foliage, PlantSkeleton};
 use secateur_plant::ClusterSize;
 use secateur_raster::ViewSet;
-use secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT;
+use secateur_simplify::fit::{DEFAULT_OUTLINE_WEIGHT, Objective};
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::MeshoptOptions;
 use secateur_simplify::vds::{Reference, Resize, Ties, ViewPlan};
 
-use crate::Error;
+use crate::{Error, Preset};
 
 /// How leaves are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -257,27 +257,49 @@ impl Alpha {
 }
 
 /// Whether the sizes of what is left are fitted to the original at the end, whatever
-/// the method made of them, in 78 views from which no leaf was chosen, or, with
-/// [`Views::Cameras`], in these: see [`mod@crate::fit`].
+/// the method made of them: see [`mod@crate::fit`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Fitting {
-    /// For [`Method::Vds`] to triangles at [`Resolution::Auto`], where nothing is said of
-    /// how leaves grow either: it is for the program then to say how what is left is best
-    /// used. Else none, nor where all leaves are left, one triangle of a card shows all of
-    /// it, and the driving views say so to a 400th of their information.
+    /// As the [`Preset`] has it, for [`Method::Vds`] and [`Method::VdsReference`] where
+    /// nothing is said of how leaves grow: it is for the program then to say how what is left
+    /// is best used. Never for other methods.
+    ///
+    /// [`Preset::Look`]: as [`Self::Coverage`]. [`Preset::Information`]: to triangles at
+    /// [`Resolution::Auto`] as [`Self::Weight`] of
+    /// [`DEFAULT_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
+    /// triangle of a card shows all of it, and the driving views say so to a 400th of their
+    /// information.
     #[default]
     Auto,
     /// None.
     None,
-    /// With this weight of a pixel of outline against a bit of VMI times a pixel, 0 to
-    /// [`MAX_OUTLINE_WEIGHT`](crate::fit::MAX_OUTLINE_WEIGHT).
+    /// To the coverage of small blocks of 12 views from which no leaf was chosen, or, with
+    /// [`Views::Cameras`], of these.
+    Coverage,
+    /// To the outline and the information in 78 views from which no leaf was chosen, or, with
+    /// [`Views::Cameras`], in these; with this weight of a pixel of outline against a bit of
+    /// VMI times a pixel, 0 to [`MAX_OUTLINE_WEIGHT`](crate::fit::MAX_OUTLINE_WEIGHT).
     Weight(f64),
+}
+
+/// As on the command line.
+impl fmt::Display for Fitting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::None => f.write_str("none"),
+            Self::Coverage => f.write_str("coverage"),
+            Self::Weight(weight) => weight.fmt(f),
+        }
+    }
 }
 
 /// The settings of a run; [`Simplify::to`] has the defaults of the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simplify {
+    /// What the settings began with; it says what [`Fitting::Auto`] is.
+    pub preset: Preset,
     /// When to stop.
     pub target: Target,
     /// How leaves are chosen.
@@ -326,44 +348,38 @@ pub struct Simplify {
 }
 
 impl Simplify {
-    /// The defaults, with this target. Audits in debug builds.
+    /// The defaults, with this target: those of [`Preset::Look`]. Audits in debug builds.
     pub fn to(target: Target) -> Self {
-        Self {
-            target,
-            method: Method::default(),
-            engine: Engine::default(),
-            views: Views::default(),
-            resolution: Resolution::default(),
-            reference: Reference::default(),
-            resize: Resize::default(),
-            neighbours: 1,
-            max_coverage: None,
-            ties: Ties::default(),
-            alpha: Alpha::default(),
-            leaf_triangles: LeafTriangles::default(),
-            fit: Fitting::default(),
-            seed: 0,
-            area_weight: 1.0,
-            fsa: FsaOptions::default(),
-            meshopt: MeshoptOptions::default(),
-            skeleton: None,
-            cluster_size: ClusterSize::default(),
-            audit: cfg!(debug_assertions),
+        Self::with_preset(Preset::default(), target)
+    }
+
+    /// What sizes are fitted to, if they are.
+    pub fn objective(&self) -> Option<Objective> {
+        let information = |outline_weight| Objective::Information { outline_weight };
+        match self.fit {
+            Fitting::None => None,
+            Fitting::Coverage => Some(Objective::Coverage),
+            Fitting::Weight(weight) => Some(information(weight)),
+            Fitting::Auto if !self.grows_as_its_preset_has_it() => None,
+            Fitting::Auto => match self.preset {
+                Preset::Look => Some(Objective::Coverage),
+                Preset::Information => {
+                    let is_of_triangles =
+                        matches!(self.target, Target::Triangles(_) | Target::TriangleRatio(_));
+                    (is_of_triangles
+                        && self.method == Method::Vds
+                        && self.resolution == Resolution::Auto)
+                        .then_some(information(DEFAULT_OUTLINE_WEIGHT))
+                }
+            },
         }
     }
 
-    /// The weight of the outline if sizes are fitted.
-    pub fn outline_weight(&self) -> Option<f64> {
-        let is_auto = self.method == Method::Vds
-            && self.resolution == Resolution::Auto
-            && self.resize == Resize::default()
-            && self.max_coverage.is_none()
-            && matches!(self.target, Target::Triangles(_) | Target::TriangleRatio(_));
-        match self.fit {
-            Fitting::Auto => is_auto.then_some(DEFAULT_OUTLINE_WEIGHT),
-            Fitting::None => None,
-            Fitting::Weight(weight) => Some(weight),
-        }
+    fn grows_as_its_preset_has_it(&self) -> bool {
+        let preset = Self::with_preset(self.preset, self.target);
+        matches!(self.method, Method::Vds | Method::VdsReference)
+            && self.resize == preset.resize
+            && self.max_coverage == preset.max_coverage
     }
 }
 
@@ -375,35 +391,65 @@ mod tests {
 
     #[test]
     fn sizes_are_fitted_unasked_where_all_else_is_left_to_the_program_too() {
-        let auto = Simplify::to(Target::TriangleRatio(0.5));
-        assert_eq!(auto.outline_weight(), Some(DEFAULT_OUTLINE_WEIGHT));
-        let others = [
-            Simplify::to(Target::Ratio(0.5)),
-            Simplify {
-                resolution: Resolution::Pixels(512),
-                ..auto.clone()
-            },
-            Simplify {
-                method: Method::Fsa,
-                ..auto.clone()
-            },
-            Simplify {
-                resize: Resize::None,
-                ..auto.clone()
-            },
-            Simplify {
-                max_coverage: Some(1.0),
-                ..auto.clone()
-            },
-            Simplify {
-                fit: Fitting::None,
-                ..auto.clone()
-            },
-        ];
-        for other in others {
-            assert_eq!(other.outline_weight(), None, "{other:?}");
-            let fit = Fitting::Weight(3.0);
-            assert_eq!(Simplify { fit, ..other }.outline_weight(), Some(3.0));
+        let usual = Some(Objective::Information {
+            outline_weight: DEFAULT_OUTLINE_WEIGHT,
+        });
+        let triangles = Target::TriangleRatio(0.5);
+        let information = Simplify::with_preset(Preset::Information, triangles);
+        let look = Simplify::to(triangles);
+        assert_eq!(information.objective(), usual);
+        assert_eq!(look.objective(), Some(Objective::Coverage));
+        // Only what one asks to be shown best is fitted to coverage at any target and resolution.
+        let pixels = Resolution::Pixels(512);
+        for target in [Target::Ratio(0.5), Target::Leaves(3), Target::MaxError(5.0)] {
+            assert_eq!(
+                Simplify::with_preset(Preset::Information, target).objective(),
+                None
+            );
+            assert_eq!(Simplify::to(target).objective(), Some(Objective::Coverage));
+        }
+        let at = |settings: &Simplify, resolution| Simplify {
+            resolution,
+            ..settings.clone()
+        };
+        assert_eq!(at(&information, pixels).objective(), None);
+        assert_eq!(at(&look, pixels).objective(), Some(Objective::Coverage));
+        for auto in [information, look] {
+            let others = [
+                Simplify {
+                    method: Method::Fsa,
+                    ..auto.clone()
+                },
+                Simplify {
+                    resize: Resize::None,
+                    ..auto.clone()
+                },
+                Simplify {
+                    max_coverage: Some(1.5),
+                    ..auto.clone()
+                },
+                Simplify {
+                    fit: Fitting::None,
+                    ..auto.clone()
+                },
+            ];
+            for other in others {
+                assert_eq!(other.objective(), None, "{other:?}");
+                let asked = Simplify {
+                    fit: Fitting::Weight(3.0),
+                    ..other.clone()
+                };
+                let outline_weight = 3.0;
+                assert_eq!(
+                    asked.objective(),
+                    Some(Objective::Information { outline_weight })
+                );
+                let asked = Simplify {
+                    fit: Fitting::Coverage,
+                    ..other
+                };
+                assert_eq!(asked.objective(), Some(Objective::Coverage));
+            }
         }
     }
 

@@ -8,8 +8,8 @@ use secateur::{Fitting, LeafTriangles, Resolution, Selector, Target};
 
 use super::grow_lod::Amount;
 use super::names::{
-    AlphaName, ClusterSizeName, EngineName, MeshoptModeName, MethodName, ReferenceName, ResizeName,
-    TiesName,
+    AlphaName, ClusterSizeName, EngineName, MeshoptModeName, MethodName, PresetName, ReferenceName,
+    ResizeName, TiesName,
 };
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
@@ -272,15 +272,17 @@ pub(crate) struct Simplify {
     /// need it.
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
     pub(crate) resolution: Resolution,
-    /// Whether to fit the sizes of what is left to the outline and the information of the
-    /// original, at the end, in 78 other views (with cameras of your own, in these): a
-    /// weight of how much a pixel of outline counts against a bit of information of a pixel (with
-    /// less, information is nearer, with more, the outline; 0.95 if there is none after --fit),
-    /// none, or auto: 0.95 for vds with --triangles where --resolution, --resize and
-    /// --max-coverage are left as they are, else none.
+    /// What the result is for; the options below override what it sets.
+    #[arg(long, value_enum, default_value_t = PresetName::Look)]
+    pub(crate) preset: PresetName,
+    /// Whether to fit the sizes of the remaining leaves to the original at the end, in other
+    /// views than those they were chosen in. coverage: each part of the crown as dense as it
+    /// was. A weight W: the outline pixel by pixel and the information, where a pixel of outline
+    /// counts W (0 to 100; 0.95 after --fit alone). auto: as the preset has it, for vds where
+    /// --resize and --max-coverage are not given.
     #[arg(
         long,
-        value_name = "auto|none|W",
+        value_name = "auto|none|coverage|W",
         num_args = 0..=1,
         require_equals = true,
         default_value = "auto",
@@ -289,19 +291,22 @@ pub(crate) struct Simplify {
         value_parser = fitting
     )]
     pub(crate) fit: Fitting,
-    /// What the cost of a leaf is measured against.
-    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = ReferenceName::Original)]
-    pub(crate) reference: ReferenceName,
-    /// The share of a pruned leaf's area that its neighbours gain.
-    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = ResizeName::Normalised)]
-    pub(crate) resize: ResizeName,
+    /// What the cost of a leaf is measured against [default: previous for the look, original for
+    /// information].
+    #[arg(long, help_heading = OF_VDS, value_enum)]
+    pub(crate) reference: Option<ReferenceName>,
+    /// The share of a pruned leaf's area that its neighbours gain [default: full for the look,
+    /// normalised for information].
+    #[arg(long, help_heading = OF_VDS, value_enum)]
+    pub(crate) resize: Option<ResizeName>,
     /// How many nearest neighbours share it.
     #[arg(long, help_heading = OF_VDS, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) neighbours: u32,
     /// Let no leaf grow while the views show C times as much foliage as at first or more: keeps
-    /// gaps open and the outline, at the cost of more VMI error [default: no limit].
-    #[arg(long, help_heading = OF_VDS, value_name = "C", allow_negative_numbers = true)]
-    pub(crate) max_coverage: Option<f64>,
+    /// gaps open and the outline, at the cost of more VMI error [default: 1 for the look, none
+    /// for information].
+    #[arg(long, help_heading = OF_VDS, value_name = "C|none", allow_negative_numbers = true, value_parser = max_coverage)]
+    pub(crate) max_coverage: Option<MaxCoverage>,
     /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
     #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
     pub(crate) ties: TiesName,
@@ -412,12 +417,25 @@ fn resolution(text: &str) -> Result<Resolution, String> {
     }
 }
 
+/// A limit of coverage, or that there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MaxCoverage(pub(crate) Option<f64>);
+
+fn max_coverage(text: &str) -> Result<MaxCoverage, String> {
+    match (text, text.parse()) {
+        ("none", _) => Ok(MaxCoverage(None)),
+        (_, Ok(limit)) => Ok(MaxCoverage(Some(limit))),
+        _ => Err("write none or a number such as 1".to_owned()),
+    }
+}
+
 fn fitting(text: &str) -> Result<Fitting, String> {
     match (text, text.parse()) {
         ("auto", _) => Ok(Fitting::Auto),
         ("none", _) => Ok(Fitting::None),
+        ("coverage", _) => Ok(Fitting::Coverage),
         (_, Ok(weight)) => Ok(Fitting::Weight(weight)),
-        _ => Err("write auto, none or a weight of the outline such as 0.95".to_owned()),
+        _ => Err("write auto, none, coverage or a weight of the outline such as 0.95".to_owned()),
     }
 }
 
@@ -465,6 +483,7 @@ mod tests {
         assert_eq!(parse(&[]), Fitting::Auto);
         assert_eq!(parse(&["--fit=auto"]), Fitting::Auto);
         assert_eq!(parse(&["--fit=none"]), Fitting::None);
+        assert_eq!(parse(&["--fit=coverage"]), Fitting::Coverage);
         assert_eq!(parse(&["--fit=0.25"]), Fitting::Weight(0.25));
     }
 

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use secateur::plant::{GrowOptions, Species, grow};
 use secateur::{
-    Document, Lod, Measurement, Simplified, Simplify, Target, Tree, Written, plant_to_glb,
+    Document, Measurement, Method, Preset, Simplified, Simplify, Target, Tree, Written,
+    plant_to_glb,
 };
 use serde_json::{Value, json};
 
@@ -29,7 +30,8 @@ struct Level {
     measured: Measurement,
 }
 
-/// Grows, simplifies once, and writes every level as a prefix of one order.
+/// Grows, simplifies to every level, and writes each. The levels are of one removal order; sizes
+/// are fitted at each of them.
 pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     output::check_folder(&args.output)?;
@@ -47,19 +49,21 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let tree = Document::from_bytes(&name, glb.clone(), None)?.into_tree(&[])?;
     interrupt::check()?;
 
-    let mut settings = Simplify::to(Target::Leaves(leaves_at(&tree, LEVELS_PERCENT[2]) as u64));
-    settings.engine = args.engine.into();
-    let result = {
+    let mut results = Vec::new();
+    for percent in LEVELS_PERCENT {
+        let mut settings = Simplify::to(Target::Leaves(leaves_at(&tree, percent) as u64));
+        settings.engine = args.engine.into();
         let watch = Watch::new(common);
-        secateur::simplify(tree.foliage(), &settings, &mut |p| watch.see(p))?
-    };
-    warn_all(&result.warnings);
-    stages.extend(result.seconds.iter().copied());
+        let result = secateur::simplify(tree.foliage(), &settings, &mut |p| watch.see(p))?;
+        warn_all(&result.warnings);
+        results.push(result);
+    }
+    stages.extend(summed(&results));
 
     interrupt::writing()?;
     output::make_folder(&args.output)?;
     output::write_file(&original, &glb)?;
-    let levels = write_levels(&mut stages, &args.output, &tree, &result)?;
+    let levels = write_levels(&mut stages, &args.output, &tree, &results)?;
     let sheet = args.output.join("contact-sheet.png");
     timed(&mut stages, "picture", || {
         let exhibits = exhibits(&tree, &levels)?;
@@ -67,11 +71,13 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     })?;
     let total = start.elapsed().as_secs_f64();
     let rows = rows(&tree, &levels, glb.len() as u64);
+    let result = &results[results.len() - 1];
     let record = json!({
         "species": Species::Oak.name(),
         "levels": rows,
         "picture": sheet.display().to_string(),
-        "method": settings.method.name(),
+        "method": Method::default().name(),
+        "preset": Preset::default().name(),
         "engine": result.engine,
         "adapter": result.adapter,
         "order_sha256": result.order.sha256(),
@@ -98,21 +104,31 @@ fn leaves_at(tree: &Tree, percent: u32) -> usize {
     (count as f64 * f64::from(percent) / 100.0).round() as usize
 }
 
+/// The stages of all runs, each with its time over all of them.
+fn summed(results: &[Simplified]) -> Vec<(&'static str, f64)> {
+    let mut stages: Vec<(&'static str, f64)> = Vec::new();
+    for (name, seconds) in results.iter().flat_map(|result| &result.seconds) {
+        match stages.iter_mut().find(|(stage, _)| stage == name) {
+            Some((_, sum)) => *sum += seconds,
+            None => stages.push((name, *seconds)),
+        }
+    }
+    stages
+}
+
 fn write_levels(
     stages: &mut Vec<(&'static str, f64)>,
     folder: &Path,
     tree: &Tree,
-    result: &Simplified,
+    results: &[Simplified],
 ) -> Result<Vec<Level>, Failure> {
-    let count = tree.foliage().leaves().len();
     let mut levels = Vec::new();
     let mut seconds = [0.0; 2];
-    for percent in LEVELS_PERCENT {
-        let leaves = leaves_at(tree, percent);
-        let lod = Lod::after(&result.order, count - leaves);
+    for (percent, result) in LEVELS_PERCENT.into_iter().zip(results) {
+        let leaves = result.lod.leaf_count();
         let path: PathBuf = folder.join(format!("tree-{percent:02}.glb"));
         let start = Instant::now();
-        let written = tree.write_lod(&lod, &path)?;
+        let written = tree.write_lod(&result.lod, &path)?;
         seconds[0] += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let again = Tree::open(&path, &[])?;

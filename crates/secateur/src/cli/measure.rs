@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::args;
 use super::failure::Failure;
+use super::names::text;
 use super::print::Printed;
 use super::summary::grouped;
 use super::{interrupt, output, record};
@@ -41,7 +42,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             "original": original.triangle_count(),
             "simplified": simplified.triangle_count(),
         },
-        "alpha": args.alpha.text(),
+        "alpha": text(args.alpha),
         "seconds": record::seconds(&[], total),
         "run": record::provenance("measure"),
     });

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use secateur::meshopt::Mode;
 use secateur::plant::ClusterSize;
-use secateur::{Alpha, Engine, Method, Reference, Resize, Ties};
+use secateur::{Alpha, Engine, Method, Preset, Reference, Resize, Ties};
 
 /// An enum of names, each with what it says in `--help`, and the values they stand for.
 macro_rules! names {
@@ -17,15 +17,22 @@ macro_rules! names {
                 match name { $($name::$value => $library::$value),+ }
             }
         }
-
-        impl $name {
-            /// As it is written.
-            pub(crate) fn text(self) -> String {
-                let value = self.to_possible_value();
-                value.map(|v| v.get_name().to_owned()).unwrap_or_default()
-            }
-        }
     };
+}
+
+/// A name as it is written on the command line.
+pub(crate) fn text(name: impl ValueEnum) -> String {
+    let possible = name.to_possible_value();
+    possible
+        .map(|v| v.get_name().to_owned())
+        .unwrap_or_default()
+}
+
+/// How a value of the library is written on the command line.
+pub(crate) fn text_of<Name: ValueEnum, Value: From<Name> + PartialEq>(value: Value) -> String {
+    let is_its_name = |name: &&Name| Value::from((*name).clone()) == value;
+    let name = Name::value_variants().iter().find(is_its_name);
+    name.cloned().map(text).unwrap_or_default()
 }
 
 names!(MethodName => Method {
@@ -43,6 +50,12 @@ names!(MethodName => Method {
     Chain,
     /// Sticks and leaf clusters merge from the twigs down; for trees with a skeleton
     Merge,
+});
+names!(PresetName => Preset {
+    /// Pictures that look like the original: the crown stays as dense as it was
+    Look,
+    /// The least VMI error, at the price of a crown that gets too dense
+    Information,
 });
 names!(EngineName => Engine {
     /// A hardware GPU if there is one and the tree is large, else the CPU

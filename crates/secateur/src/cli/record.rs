@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::{Inspection, Measurement, Simplified, Stopped, TakenFor, Tree, Written};
+use secateur::fit::Objective;
+use secateur::{Inspection, Measurement, Simplified, Simplify, Stopped, TakenFor, Tree, Written};
 use serde_json::{Map, Value, json};
 
 use super::args;
 use super::machine;
+use super::names::{ReferenceName, ResizeName, text, text_of};
 use super::{failure::Failure, output};
 
 /// What was run, on what.
@@ -48,8 +50,7 @@ pub(crate) struct Run<'a> {
     pub(crate) input: &'a Path,
     pub(crate) tree: &'a Tree,
     pub(crate) result: &'a Simplified,
-    /// If sizes were to be fitted.
-    pub(crate) outline_weight: Option<f64>,
+    pub(crate) settings: &'a Simplify,
     pub(crate) written: &'a Written,
     pub(crate) stages: &'a [(&'static str, f64)],
     pub(crate) total_seconds: f64,
@@ -72,7 +73,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
             "original": tree.foliage().triangles().len(),
             "final": result.lod.foliage(tree.foliage()).triangles().len(),
         },
-        "method": args.method.text(),
+        "method": text(args.method),
         "engine": result.engine,
         "adapter": result.adapter,
         "order_sha256": result.order.sha256(),
@@ -94,31 +95,40 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
 }
 
 fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
-    let result = run.result;
+    let (result, used) = (run.result, run.settings);
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     json!({
         "views": args.views,
         "view_count": result.views.len(),
         "resolution": result.resolution,
         "resolution_reason": result.resolution_reason,
-        "reference": args.reference.text(),
-        "resize": args.resize.text(),
-        "neighbours": args.neighbours,
-        "max_coverage": args.max_coverage,
-        "ties": args.ties.text(),
+        "preset": used.preset.name(),
+        "reference": text_of::<ReferenceName, _>(used.reference),
+        "resize": text_of::<ResizeName, _>(used.resize),
+        "neighbours": used.neighbours,
+        "max_coverage": used.max_coverage,
+        "ties": text(args.ties),
         "leaf_triangles": args.leaf_triangles.to_string(),
-        "fit": run.outline_weight,
-        "alpha": args.alpha.text(),
-        "engine": args.engine.text(),
+        "fit": used.objective().map(fitted_to),
+        "alpha": text(args.alpha),
+        "engine": text(args.engine),
         "foliage": selectors.collect::<Vec<_>>(),
         "seed": args.seed,
         "area_weight": args.area_weight,
         "distance_weight": args.distance_weight,
         "planarity_weight": args.planarity_weight,
-        "meshopt_mode": args.meshopt_mode.text(),
+        "meshopt_mode": text(args.meshopt_mode),
         "preserve_area": args.preserve_area,
-        "cluster_size": args.cluster_size.text(),
+        "cluster_size": text(args.cluster_size),
     })
+}
+
+/// `coverage`, or the weight of the outline.
+fn fitted_to(objective: Objective) -> Value {
+    match objective {
+        Objective::Information { outline_weight } => outline_weight.into(),
+        _ => "coverage".into(),
+    }
 }
 
 fn stopped(stopped: Stopped) -> &'static str {

@@ -4,20 +4,21 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use secateur::fit::Objective;
 use secateur::raster::ViewSet;
 use secateur::{
     Document, Error, Foliage, Lod, PlantSkeleton, Resolution, Simplified, Simplify, Stopped, Tree,
     Views, Written, read_cameras,
 };
 
-use super::args::{self, Common};
+use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::record::{self, Run};
 use super::summary::{columns, grouped, percent, size};
 use super::watch::Watch;
-use super::{interrupt, machine, output};
+use super::{interrupt, machine, names, output};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -58,7 +59,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         input: &args.tree,
         tree: &tree,
         result: &result,
-        outline_weight: settings.outline_weight(),
+        settings: &settings,
         written: &written,
         stages: &stages,
         total_seconds: start.elapsed().as_secs_f64(),
@@ -91,15 +92,21 @@ fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
 
 /// What a run is asked to do.
 pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
-    let mut settings = Simplify::to(args.target.target()?);
+    let mut settings = Simplify::with_preset(args.preset.into(), args.target.target()?);
     settings.method = args.method.into();
     settings.engine = args.engine.into();
     settings.views = views(&args.views)?;
     settings.resolution = args.resolution;
-    settings.reference = args.reference.into();
-    settings.resize = args.resize.into();
+    if let Some(reference) = args.reference {
+        settings.reference = reference.into();
+    }
+    if let Some(resize) = args.resize {
+        settings.resize = resize.into();
+    }
     settings.neighbours = args.neighbours as usize;
-    settings.max_coverage = args.max_coverage;
+    if let Some(MaxCoverage(limit)) = args.max_coverage {
+        settings.max_coverage = limit;
+    }
     settings.ties = args.ties.into();
     settings.alpha = args.alpha.into();
     settings.leaf_triangles = args.leaf_triangles;
@@ -247,6 +254,15 @@ fn write_debug_images(
     Ok(())
 }
 
+fn fitted_to(objective: Objective) -> String {
+    match objective {
+        Objective::Information { outline_weight } => {
+            format!("fitted to the original at the end, outlines with a weight of {outline_weight}")
+        }
+        _ => "fitted at the end, so that each part of the crown is as dense as it was".to_owned(),
+    }
+}
+
 fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     let (result, written): (&Simplified, &Written) = (run.result, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
@@ -287,7 +303,7 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
         "method",
         format!(
             "{} on the {}",
-            args.method.text(),
+            names::text(args.method),
             result.adapter.as_deref().unwrap_or("CPU")
         ),
     );
@@ -296,9 +312,8 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     if args.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }
-    if let (Some(weight), true) = (run.outline_weight, result.is_fitted) {
-        let what = format!("fitted to the original at the end, outlines with a weight of {weight}");
-        say("sizes", what);
+    if let (Some(objective), true) = (run.settings.objective(), result.is_fitted) {
+        say("sizes", fitted_to(objective));
     }
     say(
         "loss",

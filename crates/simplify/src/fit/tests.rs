@@ -4,7 +4,13 @@ use secateur_model::LeafTriangle;
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{AreaTable, LeafIdImage};
 
+use secateur_model::{LeafId, Lod};
+use secateur_raster::{Scene, cpu};
+
+use super::rounds::chance_px;
+use super::screen::{Change, Seen};
 use super::*;
+use crate::lg::LG_FRACTION_BITS;
 use crate::lg::LgTable;
 use crate::vmi::Vmi;
 
@@ -47,7 +53,15 @@ fn way<'a>(
         left,
         views,
         resolution,
-        outline_weight,
+        objective: Objective::Information { outline_weight },
+    }
+}
+
+/// The information of a way and its weight, with all that is counted of it.
+fn information_of<'a>(way: &Fit<'a>) -> Information<'a> {
+    match way.objective {
+        Objective::Information { outline_weight } => Information::new(way, outline_weight),
+        Objective::Coverage => unreachable!("ways of these tests are of information"),
     }
 }
 
@@ -215,7 +229,7 @@ fn at_equal_depth_the_first_leaf_owns_a_pixel() {
     left.push_leaf(original.triangles(), None).unwrap();
     let views = [ViewSet::octahedron(original.bounding_sphere().unwrap())];
     let way = way([&original, &left], &views, 32, 1.0);
-    let mut stage = Stage::new(&way);
+    let mut stage = information_of(&way);
     let [first, second] = [0, 1].map(|k| {
         let leaf = LeafId::from_index(k);
         let seen = stage.screens[0].seen(&left, leaf, [1.0; 3], stage.ledger.pixel_values(0));
@@ -232,7 +246,7 @@ fn only_pixels_that_change_hands_are_chance() {
     let original = square(1.0);
     let views = [ViewSet::octahedron(original.bounding_sphere().unwrap())];
     let way = way([&original, &original], &views, 32, 1.0);
-    let mut stage = Stage::new(&way);
+    let mut stage = information_of(&way);
     let leaf = LeafId::from_index(0);
     let sizes = [1.0, 4.0, 0.25];
     let values = stage.ledger.pixel_values(0);
@@ -252,8 +266,8 @@ fn a_size_must_gain_more_than_chance() {
         })
     };
     let views = [changes([0, 5, 0]), changes([0, 1, 3]), changes([0, 4, 2])];
-    let views: Vec<&[Seen; 3]> = views.iter().collect();
-    assert_eq!([0, 1, 2].map(|size| chance_px(&views, size)), [0, 3, 2]);
+    let chance = |size: usize| chance_px(views.iter().map(|view| view[size].changed_px));
+    assert_eq!([0, 1, 2].map(chance), [0, 3, 2]);
 }
 
 /// In views that it was not fitted in its outline stays within 1.4 times as wrong, for
@@ -364,7 +378,7 @@ proptest! {
         let left = thinned(&original, every, scale);
         let sets = sets(&original);
         let way = way([&original, &left], &sets, 48, weight);
-        let mut stage = Stage::new(&way);
+        let mut stage = information_of(&way);
         let mut last = stage.objective();
         prop_assert_eq!(last, objective(&original, &left, &stage.scales, weight));
         for factor in [2.0, 1.3, 1.1] {
@@ -390,7 +404,7 @@ proptest! {
         let sets = sets(&original);
         let weight = 100.0;
         let way = way([&original, &left], &sets, 48, weight);
-        let mut stage = Stage::new(&way);
+        let mut stage = information_of(&way);
         let before = stage.objective();
         let factor = 1.1;
         let k = seed as usize % stage.scales.len();
@@ -398,14 +412,14 @@ proptest! {
         let size = if larger { 1 } else { 2 };
         let leaf = LeafId::from_index(k);
         let unit = stage.outline_unit;
-        let Stage { screens, ledger, .. } = &mut stage;
+        let Information { screens, ledger, .. } = &mut stage;
         let seen: Vec<[Seen; 3]> = screens
             .iter_mut()
             .enumerate()
             .map(|(v, s)| s.seen(&left, leaf, sizes, ledger.pixel_values(v)))
             .collect();
         let gain = ledger.gain(&seen.iter().collect::<Vec<_>>(), size, unit);
-        let outline_px = |stage: &Stage<'_>| {
+        let outline_px = |stage: &Information<'_>| {
             let screens = stage.screens.iter();
             screens.map(|s| i64::from(s.outline_error_px())).sum::<i64>()
         };

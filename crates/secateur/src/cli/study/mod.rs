@@ -169,7 +169,7 @@ fn bar(common: &Common, rows: usize) -> ProgressBar {
 /// One run at a time, so that times are of nothing else: one for all levels
 /// where every prefix of an order is a level, else one for each.
 fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
-    if !job.case.has_prefixes() {
+    if !job.case.has_prefixes()? {
         let alone = job.levels.iter().map(|level| timed(tree, job, &[*level]));
         let ran: Result<Vec<Vec<Ran>>, Failure> = alone.collect();
         return Ok(ran?.into_iter().flatten().collect());
@@ -180,7 +180,7 @@ fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
 fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
     let coarsest = levels.iter().copied().fold(1.0, f64::min);
     let mut settings = job.case.settings(coarsest, job.seed)?;
-    let sees_pixels = is_vds(&settings) || settings.outline_weight().is_some();
+    let sees_pixels = is_vds(&settings) || settings.objective().is_some();
     if !sees_pixels {
         // A method that sees no pixels does not have to choose how many.
         settings.resolution = Resolution::Pixels(1);
@@ -188,9 +188,10 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
     settings.skeleton = simplify::skeleton(tree, &settings)?;
     let changed = job.case.perturbation.apply(tree.foliage(), &settings);
     let count = tree.foliage().leaves().len();
+    let has_prefixes = job.case.has_prefixes()?;
     let steps: Vec<usize> = levels
         .iter()
-        .map(|level| match job.case.has_prefixes() {
+        .map(|level| match has_prefixes {
             true => count - (level * count as f64).round() as usize,
             false => usize::MAX,
         })

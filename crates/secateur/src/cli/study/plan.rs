@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use secateur::{Method, Simplify};
+use secateur::{LeafTriangles, Method, Simplify};
 
 use super::super::args::{Cli, Command, PlanName};
 use super::super::failure::Failure;
@@ -27,21 +27,18 @@ pub(super) struct Case {
 /// Without a number after it: the levels of a case are shares of triangles.
 const OF_TRIANGLES: &str = "--triangles";
 
-/// The option that makes leaves coarser at any target.
-const LEAF_TRIANGLES: &str = "--leaf-triangles";
-
-/// The option that fits sizes at the end.
-const FIT: &str = "--fit";
-const FIT_NONE: &str = "--fit=none";
-
 /// All methods, one setting each, and the variants that explain them.
-const METHODS: [&str; 11] = [
+const METHODS: [&str; 15] = [
     "vds",
-    "vds --resize none",
-    "vds --reference previous --resize deficit --neighbours 4",
-    "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1",
+    "vds --fit=none",
+    "vds --preset information",
+    "vds --preset information --resize none",
+    "vds --preset information --reference previous --resize deficit --neighbours 4",
+    "vds --preset information --reference previous --resize deficit --neighbours 4 --max-coverage 1",
     "vds --triangles",
     "vds --triangles --fit=none",
+    "vds --triangles --preset information",
+    "vds --triangles --preset information --fit=none",
     "fsa",
     "stochastic",
     "stochastic --area-weight 0.5",
@@ -54,28 +51,33 @@ const METHODS: [&str; 11] = [
 const BY_BRANCHES: [&str; 3] = ["chain", "merge", "merge --cluster-size area"];
 
 /// How time buys accuracy.
-const SPEED: [&str; 15] = [
+const SPEED: [&str; 18] = [
     "vds",
-    "vds --views 6",
-    "vds --views 8",
-    "vds --views 12",
-    "vds --views vnc",
-    "vds --resolution 64",
-    "vds --resolution 128",
-    "vds --resolution 256",
-    "vds --resolution 512",
-    "vds --resolution 1024",
+    "vds --fit=none",
+    "vds --preset information",
+    "vds --preset information --views 6",
+    "vds --preset information --views 8",
+    "vds --preset information --views 12",
+    "vds --preset information --views vnc",
+    "vds --preset information --resolution 64",
+    "vds --preset information --resolution 128",
+    "vds --preset information --resolution 256",
+    "vds --preset information --resolution 512",
+    "vds --preset information --resolution 1024",
     "vds --triangles",
-    "vds --triangles --fit=none",
+    "vds --triangles --preset information",
+    "vds --triangles --preset information --fit=none",
     "fsa",
     "stochastic",
     "meshopt --preserve-area",
 ];
 
 /// What is looked at under every perturbation.
-const STABILITY: [&str; 5] = [
+const STABILITY: [&str; 7] = [
     "vds",
+    "vds --preset information",
     "vds --triangles",
+    "vds --triangles --preset information",
     "fsa",
     "stochastic",
     "meshopt --preserve-area",
@@ -83,14 +85,14 @@ const STABILITY: [&str; 5] = [
 
 /// Settings whose spread is looked at beside the perturbations.
 const STABILITY_SETTINGS: [&str; 10] = [
-    "vds --resolution 64",
-    "vds --resolution 256",
-    "vds --resolution 1024",
-    "vds --views 6",
-    "vds --views 12",
-    "vds --views 92",
-    "vds --ties spread",
-    "vds --alpha ignore",
+    "vds --preset information --resolution 64",
+    "vds --preset information --resolution 256",
+    "vds --preset information --resolution 1024",
+    "vds --preset information --views 6",
+    "vds --preset information --views 12",
+    "vds --preset information --views 92",
+    "vds --preset information --ties spread",
+    "vds --preset information --alpha ignore",
     "stochastic --seed 1",
     "stochastic --seed 2",
 ];
@@ -258,13 +260,16 @@ impl Case {
     }
 
     /// Whether one run to the coarsest level gives all finer ones, a leaf a step.
-    pub(super) fn has_prefixes(&self) -> bool {
-        let is_of_one_level = |option: &String| {
-            option.starts_with(LEAF_TRIANGLES) || option.starts_with(FIT) && option != FIT_NONE
-        };
-        self.method != Method::Meshopt.name()
-            && !self.is_of_triangles()
-            && !self.options.iter().any(is_of_one_level)
+    ///
+    /// # Errors
+    /// [`Failure`] if the options are wrong.
+    pub(super) fn has_prefixes(&self) -> Result<bool, Failure> {
+        let settings = self.settings(1.0, None)?;
+        let is_of_one_level = settings.method == Method::Meshopt
+            || self.is_of_triangles()
+            || matches!(settings.leaf_triangles, LeafTriangles::AtMost(_))
+            || settings.objective().is_some();
+        Ok(!is_of_one_level)
     }
 
     /// Whether it gives something else for another seed.
@@ -325,22 +330,24 @@ mod tests {
     fn methods_by_branches_have_prefixes_and_draw_no_lots() {
         for text in BY_BRANCHES {
             let case = Case::parse(text, Perturbation::None).unwrap();
-            assert!(case.has_prefixes());
+            assert!(case.has_prefixes().unwrap());
             assert!(!case.draws_lots());
         }
         for text in [
             "meshopt",
             "vds --triangles",
             "vds --leaf-triangles=2",
+            "vds",
             "vds --fit",
-            "vds --fit=auto",
             "fsa --fit=3",
         ] {
             let case = Case::parse(text, Perturbation::None).unwrap();
-            assert!(!case.has_prefixes(), "{text}");
+            assert!(!case.has_prefixes().unwrap(), "{text}");
         }
-        let unfitted = Case::parse("vds --fit=none", Perturbation::None).unwrap();
-        assert!(unfitted.has_prefixes());
+        for text in ["vds --fit=none", "vds --preset information", "fsa"] {
+            let unfitted = Case::parse(text, Perturbation::None).unwrap();
+            assert!(unfitted.has_prefixes().unwrap(), "{text}");
+        }
     }
 
     #[test]

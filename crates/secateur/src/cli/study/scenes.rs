@@ -27,8 +27,13 @@ pub(super) struct Scene {
 }
 
 /// What keeps crowns from getting dense.
-const COVERAGE_KEPT: &str =
-    "vds --reference previous --resize deficit --neighbours 4 --max-coverage 1";
+const COVERAGE_KEPT: &str = "vds --preset information --reference previous --resize deficit --neighbours 4 --max-coverage 1";
+
+/// What these scenes are made to fail: growth in proportion to cost.
+const INFORMATION: &str = "vds --preset information";
+
+/// What a user gets unasked.
+const LOOK: &str = "vds";
 
 /// What spends the share on coarser leaves first.
 const BY_TRIANGLES: &str = "vds --triangles";
@@ -39,9 +44,10 @@ pub(super) const NEAR: &str = "NEAR";
 const NEAR_RADII: f64 = 0.6;
 
 const SMALL_LEAVES: &[&str] = &[
-    "vds --resolution 256",
-    "vds",
-    "vds --resolution 1024",
+    "vds --preset information --resolution 256",
+    INFORMATION,
+    "vds --preset information --resolution 1024",
+    LOOK,
     BY_TRIANGLES,
     "fsa",
     "stochastic",
@@ -54,7 +60,7 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-sub-pixel",
         title: "Leaves below a pixel",
         about: "4,000 leaves of half a pixel's width at 256 x 256: most are seen in no view or in one, and cost nothing to prune.",
-        suspect: "vds resolution 256",
+        suspect: "vds preset information resolution 256",
         cases: SMALL_LEAVES,
         judged_from_radii: 3.0,
         build: |crown| {
@@ -68,7 +74,7 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-needles",
         title: "Thin needles",
         about: "1,500 needles 15 pixels long and a quarter of a pixel wide at 256 x 256: rows of holes to a camera.",
-        suspect: "vds resolution 256",
+        suspect: "vds preset information resolution 256",
         cases: SMALL_LEAVES,
         judged_from_radii: 3.0,
         build: |crown| {
@@ -82,10 +88,11 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-interior",
         title: "An interior seen from near",
         about: "3,000 leaves that fill a ball, driven from 3 radii and judged from within, at half a radius: what no driving view sees goes first.",
-        suspect: "vds",
+        suspect: "vds preset information",
         cases: &[
-            "vds",
-            "vds --views NEAR",
+            INFORMATION,
+            "vds --preset information --views NEAR",
+            LOOK,
             BY_TRIANGLES,
             "fsa",
             "stochastic",
@@ -103,13 +110,14 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-ties",
         title: "Exact ties",
         about: "1,600 leaves numbered from left to right, driven at 64 x 64 pixels, where most are seen by no view and cost exactly nothing: ties in order eat the crown from its left.",
-        suspect: "vds resolution 64 ties order",
+        suspect: "vds preset information resolution 64 ties order",
         cases: &[
-            "vds --resolution 64 --ties order",
-            "vds --resolution 64 --ties spread",
-            "vds --ties order",
-            "vds --ties spread",
-            "vds",
+            "vds --preset information --resolution 64 --ties order",
+            "vds --preset information --resolution 64 --ties spread",
+            "vds --preset information --ties order",
+            "vds --preset information --ties spread",
+            INFORMATION,
+            LOOK,
             BY_TRIANGLES,
             "fsa",
             "stochastic",
@@ -127,13 +135,14 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-blow-up",
         title: "Resize blow-up",
         about: "40 tight clumps of 40 leaves: the last leaf of a clump can take the area of all and become a plate.",
-        suspect: "vds resize full",
+        suspect: "vds preset information resize full",
         cases: &[
-            "vds --resize full",
-            "vds",
-            "vds --neighbours 4",
-            "vds --resize none",
+            "vds --preset information --resize full",
+            INFORMATION,
+            "vds --preset information --neighbours 4",
+            "vds --preset information --resize none",
             COVERAGE_KEPT,
+            LOOK,
             BY_TRIANGLES,
             "stochastic",
             "meshopt --preserve-area",
@@ -153,13 +162,14 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-sparse",
         title: "A sparse crown",
         about: "150 leaves far from each other, through which one looks: a leaf that grows covers what was sky.",
-        suspect: "vds",
+        suspect: "vds preset information",
         cases: &[
-            "vds",
-            "vds --neighbours 4",
-            "vds --resize none",
-            "vds --reference previous --resize deficit --neighbours 4",
+            INFORMATION,
+            "vds --preset information --neighbours 4",
+            "vds --preset information --resize none",
+            "vds --preset information --reference previous --resize deficit --neighbours 4",
             COVERAGE_KEPT,
+            LOOK,
             BY_TRIANGLES,
             "fsa",
             "stochastic",
@@ -182,7 +192,8 @@ pub(super) const SCENES: [Scene; 8] = [
             "stochastic",
             "stochastic --area-weight 0.5",
             "fsa",
-            "vds",
+            INFORMATION,
+            LOOK,
             BY_TRIANGLES,
             "meshopt --preserve-area",
         ],
@@ -199,12 +210,13 @@ pub(super) const SCENES: [Scene; 8] = [
         name: "scene-clusters",
         title: "Clustered leaves",
         about: "30 clusters of 60 leaves with nothing between them: a leaf that grows for its neighbours has to stand for a whole cluster.",
-        suspect: "vds",
+        suspect: "vds preset information",
         cases: &[
-            "vds",
-            "vds --neighbours 4",
-            "vds --reference previous --resize deficit --neighbours 4",
+            INFORMATION,
+            "vds --preset information --neighbours 4",
+            "vds --preset information --reference previous --resize deficit --neighbours 4",
             COVERAGE_KEPT,
+            LOOK,
             BY_TRIANGLES,
             "fsa",
             "stochastic",

@@ -1,0 +1,560 @@
+//! Sizes fitted to the coverage of small blocks of the views.
+//!
+//! A person hardly sees which pixels of a crown are leaf and which are sky, but how dense it is
+//! from place to place: FLIP, too, compares images after a blur of some pixels. So the views
+//! are cut into blocks, and a leaf takes the size at which
+//!
+//! ```text
+//! J = 2 sum_b |E_b| + X + 3 max(0, |sum_b E_b| - C / 64)
+//! ```
+//!
+//! is least, where `E_b` is by how many pixels block b shows more foliage than it did of the
+//! original, X the number of pixels that show foliage in only one of the two, and C that of
+//! pixels that show foliage of the original, over all blocks and views. X keeps leaves that are
+//! right as they are. The last term keeps the coverage of the whole crown: without it a sparse
+//! crown gets thinner, since a leaf in a block where none was is wrong by itself, wherever it
+//! stands.
+//!
+//! What a size does to J is counted exactly. All of it is integers, so the sizes are the same
+//! on every machine. Which leaf is seen does not matter, only how many cover a pixel.
+
+use rayon::prelude::*;
+use secateur_model::{Foliage, LeafId, Lod};
+use secateur_raster::cpu::LeafFragments;
+use secateur_raster::{LeafIdImage, Scene, View, cpu};
+
+use super::Fit;
+use super::rounds::{Trial, chance_px};
+
+/// Width and height of a block in pixels.
+const BLOCK_PX: u32 = 8;
+
+/// What a pixel too much or too little in a block counts in J; one of outline counts 1.
+const BLOCK_WEIGHT: i64 = 2;
+
+/// What a pixel too much or too little in the whole crown counts in J, beyond what is free: as
+/// much as the outline and the block of a pixel together.
+const WHOLE_WEIGHT: i64 = 3;
+
+/// Of the coverage of the whole crown one part in this number may be missing, or be too much,
+/// for nothing: 1.6 %, half of what coverage may differ by in other views.
+const FREE: i64 = 64;
+
+/// What a size must gain in J, times the root of the number of pixels that change. With 1
+/// sizes fit the pixels of these views: leaves that are right get other sizes, and FLIP of a
+/// birch at a quarter of its triangles rises from .012 to .014.
+const CHANCE_WEIGHT: i64 = 3;
+
+/// Sizes stay where the error of the blocks is at most one pixel in this number of covered
+/// ones: that much comes of triangles that are drawn with other borders.
+const SAME: i64 = 40;
+
+/// What is left of a foliage, and how densely it covers the views.
+pub(super) struct Coverage<'a> {
+    left: &'a Foliage,
+    views: Vec<Drawn<'a>>,
+    /// Pixels of the original over all views.
+    original_px: i64,
+    /// Factors of area, leaf by leaf.
+    scales: Vec<f64>,
+    errors: Errors,
+}
+
+/// Sums over all blocks of all views, or by how much they change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Errors {
+    /// Of E, in pixels.
+    excess_px: i64,
+    /// Of |E|, in pixels.
+    blocks_px: i64,
+    /// Pixels that show foliage in only one of the two.
+    outline_px: i64,
+}
+
+impl Errors {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            excess_px: self.excess_px + other.excess_px,
+            blocks_px: self.blocks_px + other.blocks_px,
+            outline_px: self.outline_px + other.outline_px,
+        }
+    }
+
+    /// J, if the original covers this many pixels.
+    fn objective(self, original_px: i64) -> i64 {
+        let whole_px = (self.excess_px.abs() - original_px / FREE).max(0);
+        BLOCK_WEIGHT * self.blocks_px + self.outline_px + WHOLE_WEIGHT * whole_px
+    }
+}
+
+/// What a leaf of another size does to a view, in pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Effect {
+    errors: Errors,
+    /// Pixels that it covers now or at that size, and not both.
+    changed_px: u32,
+}
+
+/// A leaf that changes its size, by factors of its area.
+struct Change {
+    leaf: LeafId,
+    from: f64,
+    to: f64,
+}
+
+impl<'a> Coverage<'a> {
+    pub(super) fn new(fit: &Fit<'a>) -> Self {
+        let lod = Lod::original(fit.original.leaves().len());
+        let views = fit.views.iter();
+        let views: Vec<_> = views
+            .flat_map(|set| set.views().iter().map(move |view| (set, view)))
+            .collect();
+        let drawn = views.par_iter().map(|&(views, view)| {
+            let scene = Scene {
+                foliage: fit.original,
+                lod: &lod,
+                views,
+                resolution: fit.resolution,
+            };
+            Drawn::new(view, &cpu::draw_leaf_ids(&scene, view), fit.left)
+        });
+        let views: Vec<Drawn<'_>> = drawn.collect();
+        let covered = views.iter().flat_map(|view| &view.blocks.is_original);
+        Self {
+            left: fit.left,
+            original_px: covered.filter(|is_original| **is_original).count() as i64,
+            scales: vec![1.0; fit.left.leaves().len()],
+            errors: views
+                .iter()
+                .map(|view| view.blocks.errors())
+                .fold(Errors::default(), Errors::plus),
+            views,
+        }
+    }
+
+    fn change(&mut self, changes: &[Change]) {
+        let left = self.left;
+        let effects = self.views.par_iter_mut().map(|view| {
+            let effects = changes.iter().map(|change| view.change(left, change));
+            effects.fold(Errors::default(), Errors::plus)
+        });
+        for errors in effects.collect::<Vec<_>>() {
+            self.errors = self.errors.plus(errors);
+        }
+        for change in changes {
+            self.scales[change.leaf.index()] = change.to;
+        }
+    }
+}
+
+impl Trial for Coverage<'_> {
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    fn is_there_nothing_to_gain(&self) -> bool {
+        self.errors.blocks_px * SAME <= self.original_px
+    }
+
+    fn objective(&self) -> i128 {
+        self.errors.objective(self.original_px).into()
+    }
+
+    fn try_batch(&mut self, members: &[usize], factor: f64) {
+        let (left, scales) = (self.left, &self.scales);
+        let sizes_of = |k: usize| [scales[k], scales[k] * factor, scales[k] / factor];
+        let effects = self.views.par_iter_mut().map(|view| {
+            let of = |&k: &usize| view.effects(left, LeafId::from_index(k), sizes_of(k));
+            members.iter().map(of).collect::<Vec<_>>()
+        });
+        let effects: Vec<Vec<[Effect; 2]>> = effects.collect();
+        // As they are with what has been chosen of this batch.
+        let mut errors = self.errors;
+        let mut changes = Vec::new();
+        for (member, &k) in members.iter().enumerate() {
+            let with = |size: usize| {
+                let of_leaf = effects.iter().map(|view| view[member][size]);
+                let chance = chance_px(of_leaf.clone().map(|effect| effect.changed_px));
+                let with = of_leaf.fold(errors, |sum, effect| sum.plus(effect.errors));
+                let gain = errors.objective(self.original_px) - with.objective(self.original_px);
+                (gain - CHANCE_WEIGHT * i64::from(chance), size, with)
+            };
+            let [larger, smaller] = [with(0), with(1)];
+            let (gain, size, with) = if smaller.0 >= larger.0 {
+                smaller
+            } else {
+                larger
+            };
+            if gain > 0 {
+                errors = with;
+                let sizes = sizes_of(k);
+                changes.push(Change {
+                    leaf: LeafId::from_index(k),
+                    from: sizes[0],
+                    to: sizes[1 + size],
+                });
+            }
+        }
+        if changes.is_empty() {
+            return;
+        }
+        let before = self.objective();
+        self.change(&changes);
+        if self.objective() > before {
+            for change in &mut changes {
+                std::mem::swap(&mut change.from, &mut change.to);
+            }
+            self.change(&changes);
+        }
+    }
+}
+
+/// A view, and what is drawn in it.
+struct Drawn<'a> {
+    view: &'a View,
+    blocks: Blocks,
+    at_size: LeafFragments,
+    at_other: LeafFragments,
+}
+
+/// The pixels of a leaf, and depths, which do not matter here.
+type Pixels<'a> = &'a [(u32, u32)];
+
+impl<'a> Drawn<'a> {
+    /// The leaves at their sizes, beside an image of the original.
+    fn new(view: &'a View, original: &LeafIdImage, left: &Foliage) -> Self {
+        let mut drawn = Self {
+            view,
+            blocks: Blocks::new(original),
+            at_size: LeafFragments::new(original.resolution),
+            at_other: LeafFragments::new(original.resolution),
+        };
+        for index in 0..left.leaves().len() {
+            let view = std::slice::from_ref(view);
+            let pixels = drawn.at_size.of(left, LeafId::from_index(index), 1.0, view);
+            drawn.blocks.put(pixels);
+        }
+        drawn
+    }
+
+    /// What a leaf of the first size does at the two others.
+    fn effects(&mut self, left: &Foliage, leaf: LeafId, sizes: [f64; 3]) -> [Effect; 2] {
+        let view = std::slice::from_ref(self.view);
+        let now = self.at_size.of(left, leaf, sizes[0], view);
+        [1, 2].map(|k| {
+            let then = self.at_other.of(left, leaf, sizes[k], view);
+            self.blocks.effect(now, then)
+        })
+    }
+
+    /// Makes a leaf larger or smaller.
+    fn change(&mut self, left: &Foliage, change: &Change) -> Errors {
+        let view = std::slice::from_ref(self.view);
+        let now = self.at_size.of(left, change.leaf, change.from, view);
+        let then = self.at_other.of(left, change.leaf, change.to, view);
+        let effect = self.blocks.effect(now, then);
+        self.blocks.take(now);
+        self.blocks.put(then);
+        effect.errors
+    }
+}
+
+/// How many leaves cover each pixel of a view, and by how much the blocks show more
+/// foliage than they did of the original.
+struct Blocks {
+    resolution: u32,
+    leaves_at: Vec<u32>,
+    /// Whether a pixel shows foliage of the original.
+    is_original: Vec<bool>,
+    /// E, block by block.
+    excess_px: Vec<i32>,
+    /// By how much E would change; 0 everywhere between two leaves.
+    change_px: Vec<i32>,
+    /// Blocks whose E would change.
+    touched: Vec<usize>,
+}
+
+impl Blocks {
+    /// Without any leaf.
+    fn new(original: &LeafIdImage) -> Self {
+        let blocks = original.resolution.div_ceil(BLOCK_PX).pow(2) as usize;
+        let mut new = Self {
+            resolution: original.resolution,
+            leaves_at: vec![0; original.leaf_ids.len()],
+            is_original: original.leaf_ids.iter().map(|leaf| *leaf != 0).collect(),
+            excess_px: vec![0; blocks],
+            change_px: vec![0; blocks],
+            touched: Vec::new(),
+        };
+        for (pixel, leaf) in original.leaf_ids.iter().enumerate() {
+            let block = new.block_of(pixel as u32);
+            new.excess_px[block] -= i32::from(*leaf != 0);
+        }
+        new
+    }
+
+    fn block_of(&self, pixel: u32) -> usize {
+        let [x, y] = [pixel % self.resolution, pixel / self.resolution];
+        (y / BLOCK_PX * self.resolution.div_ceil(BLOCK_PX) + x / BLOCK_PX) as usize
+    }
+
+    fn errors(&self) -> Errors {
+        let pixels = self.leaves_at.iter().zip(&self.is_original);
+        let wrong = pixels.filter(|(leaves, is_original)| (**leaves > 0) != **is_original);
+        let excesses = self.excess_px.iter().map(|e| i64::from(*e));
+        Errors {
+            excess_px: excesses.clone().sum(),
+            blocks_px: excesses.map(i64::abs).sum(),
+            outline_px: wrong.count() as i64,
+        }
+    }
+
+    fn put(&mut self, pixels: Pixels<'_>) {
+        for &(pixel, _) in pixels {
+            if self.leaves_at[pixel as usize] == 0 {
+                let block = self.block_of(pixel);
+                self.excess_px[block] += 1;
+            }
+            self.leaves_at[pixel as usize] += 1;
+        }
+    }
+
+    fn take(&mut self, pixels: Pixels<'_>) {
+        for &(pixel, _) in pixels {
+            self.leaves_at[pixel as usize] -= 1;
+            if self.leaves_at[pixel as usize] == 0 {
+                let block = self.block_of(pixel);
+                self.excess_px[block] -= 1;
+            }
+        }
+    }
+
+    /// What it does if a leaf that covers the first pixels covers the second ones instead;
+    /// both in order.
+    fn effect(&mut self, now: Pixels<'_>, then: Pixels<'_>) -> Effect {
+        let mut outline_px = 0;
+        let mut changed_px = (now.len() + then.len()) as u32;
+        for &(pixel, _) in now {
+            if self.leaves_at[pixel as usize] == 1 {
+                outline_px += self.note(pixel, -1);
+            }
+        }
+        let mut own = now.iter().map(|(pixel, _)| *pixel).peekable();
+        for &(pixel, _) in then {
+            while own.next_if(|before| *before < pixel).is_some() {}
+            let is_there = u32::from(own.peek() == Some(&pixel));
+            changed_px -= 2 * is_there;
+            if self.leaves_at[pixel as usize] == is_there {
+                outline_px += self.note(pixel, 1);
+            }
+        }
+        let mut errors = Errors {
+            outline_px,
+            ..Errors::default()
+        };
+        for block in self.touched.drain(..) {
+            let change = std::mem::take(&mut self.change_px[block]);
+            let excess = self.excess_px[block];
+            errors.excess_px += i64::from(change);
+            errors.blocks_px += i64::from((excess + change).abs() - excess.abs());
+        }
+        Effect { errors, changed_px }
+    }
+
+    /// Notes that a pixel will show a leaf (1) or none (-1); returns what that does to the
+    /// outline.
+    fn note(&mut self, pixel: u32, change: i32) -> i64 {
+        let block = self.block_of(pixel);
+        self.change_px[block] += change;
+        self.touched.push(block);
+        match self.is_original[pixel as usize] {
+            true => -i64::from(change),
+            false => i64::from(change),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use proptest::prelude::*;
+    use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+    use secateur_raster::ViewSet;
+
+    use super::super::{Objective, fit};
+    use super::*;
+
+    fn crown(leaves: u32, seed: u64) -> Foliage {
+        ellipsoid_crown(leaves, seed, &EllipsoidCrown::default()).unwrap()
+    }
+
+    /// Every `every`-th leaf, its area multiplied.
+    fn thinned(foliage: &Foliage, every: usize, area_scale: f64) -> Foliage {
+        let mut lod = Lod::original(foliage.leaves().len());
+        for index in 0..foliage.leaves().len() {
+            let leaf = LeafId::from_index(index);
+            match index % every {
+                0 => lod.resize(leaf, area_scale),
+                _ => lod.remove(leaf),
+            }
+        }
+        lod.foliage(foliage)
+    }
+
+    fn of<'a>(original: &'a Foliage, left: &'a Foliage, views: &'a [ViewSet]) -> Fit<'a> {
+        Fit {
+            original,
+            left,
+            views,
+            resolution: 61,
+            objective: Objective::Coverage,
+        }
+    }
+
+    fn views_of(original: &Foliage) -> [ViewSet; 1] {
+        [ViewSet::cuboctahedron(original.bounding_sphere().unwrap())]
+    }
+
+    fn fitted(original: &Foliage, left: &Foliage) -> Vec<f64> {
+        let views = views_of(original);
+        match fit(&of(original, left, &views), &mut |_, _| {
+            ControlFlow::Continue(())
+        }) {
+            ControlFlow::Continue(factors) => factors,
+            ControlFlow::Break(()) => panic!("nobody broke it off"),
+        }
+    }
+
+    /// Which pixels of the views show a leaf of these sizes, drawn from scratch.
+    fn covered(foliage: &Foliage, factors: &[f64], views: &ViewSet) -> Vec<Vec<bool>> {
+        let mut lod = Lod::original(foliage.leaves().len());
+        for (index, factor) in factors.iter().enumerate() {
+            lod.resize(LeafId::from_index(index), *factor);
+        }
+        let scene = Scene {
+            foliage,
+            lod: &lod,
+            views,
+            resolution: 61,
+        };
+        let images = views
+            .views()
+            .iter()
+            .map(|v| cpu::draw_leaf_ids(&scene, v).leaf_ids);
+        images
+            .map(|ids| ids.iter().map(|leaf| *leaf != 0).collect())
+            .collect()
+    }
+
+    /// J as its formula says, everything drawn.
+    fn objective_drawn(original: &Foliage, left: &Foliage, factors: &[f64]) -> i128 {
+        let [views] = views_of(original);
+        let [then, now] = [
+            covered(original, &[], &views),
+            covered(left, factors, &views),
+        ];
+        let (mut errors, mut original_px) = (Errors::default(), 0);
+        for (then, now) in then.iter().zip(&now) {
+            let mut excess_px = [[0i64; 8]; 8];
+            for pixel in 0..61 * 61 {
+                let [then, now] = [then[pixel], now[pixel]].map(i64::from);
+                excess_px[pixel / 61 / 8][pixel % 61 / 8] += now - then;
+                errors.outline_px += (now - then).abs();
+                original_px += then;
+            }
+            let blocks = excess_px.iter().flatten();
+            errors.excess_px += blocks.clone().sum::<i64>();
+            errors.blocks_px += blocks.map(|e| e.abs()).sum::<i64>();
+        }
+        let beyond = (errors.excess_px.abs() - original_px / 64).max(0);
+        i128::from(2 * errors.blocks_px + errors.outline_px + 3 * beyond)
+    }
+
+    #[test]
+    fn what_is_as_it_was_stays() {
+        let original = crown(120, 1);
+        assert_eq!(fitted(&original, &original), vec![1.0; 120]);
+        assert_eq!(fitted(&original, &Foliage::default()), Vec::<f64>::new());
+    }
+
+    #[test]
+    fn leaves_of_another_size_get_their_own_back() {
+        let original = crown(1, 5);
+        for (area_scale, expected) in [(2.0, 0.5), (0.25, 4.0)] {
+            let factors = fitted(&original, &thinned(&original, 1, area_scale));
+            assert!((factors[0] / expected - 1.0).abs() < 0.25, "{factors:?}");
+        }
+    }
+
+    /// A crown that is too thin, and one that is too dense, have the coverage of the original
+    /// in views in which they were not fitted.
+    #[test]
+    fn a_crown_is_as_dense_as_it_was_in_other_views() {
+        let original = crown(900, 3);
+        let other = ViewSet::icosahedron(original.bounding_sphere().unwrap());
+        let count = |foliage: &Foliage, factors: &[f64]| {
+            let views = covered(foliage, factors, &other);
+            views.iter().flatten().filter(|is| **is).count() as f64
+        };
+        let wanted = count(&original, &[]);
+        for area_scale in [2.0, 5.0] {
+            let left = thinned(&original, 4, area_scale);
+            let [before, after] =
+                [vec![1.0; 225], fitted(&original, &left)].map(|f| count(&left, &f) / wanted);
+            assert!((before - 1.0).abs() > 0.08, "{before}");
+            assert!((after - 1.0).abs() < 0.03, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_nothing() {
+        let original = crown(300, 7);
+        let left = thinned(&original, 3, 3.0);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| fitted(&original, &left))
+        };
+        assert_eq!(on(1), on(3));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        /// What is kept up to date is what is drawn anew, after every batch; and it never gets
+        /// worse.
+        #[test]
+        fn the_errors_are_true(seed in 0u64..1000, every in 1usize..5, scale in 0.3..6.0f64) {
+            let original = crown(90, seed);
+            let left = thinned(&original, every, scale);
+            let views = views_of(&original);
+            let mut trial = Coverage::new(&of(&original, &left, &views));
+            let mut last = trial.objective();
+            prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
+            for factor in [2.0, 1.3] {
+                let members: Vec<usize> = (0..trial.scales.len()).step_by(2).collect();
+                trial.try_batch(&members, factor);
+                prop_assert!(trial.objective() <= last);
+                last = trial.objective();
+                prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
+            }
+        }
+
+        /// What is foreseen of one leaf is what comes of it.
+        #[test]
+        fn an_effect_is_what_happens(seed in 0u64..1000, to in 0.2..5.0f64) {
+            let original = crown(60, seed);
+            let left = thinned(&original, 2, 2.0);
+            let views = views_of(&original);
+            let mut trial = Coverage::new(&of(&original, &left, &views));
+            let leaf = LeafId::from_index(seed as usize % 30);
+            let effects = trial.views.iter_mut().map(|v| v.effects(&left, leaf, [1.0, to, 1.0])[0]);
+            let effects: Vec<Effect> = effects.collect();
+            let foreseen = effects.iter().fold(trial.errors, |sum, e| sum.plus(e.errors));
+            trial.change(&[Change { leaf, from: 1.0, to }]);
+            prop_assert_eq!(trial.errors, foreseen);
+            let drawn = trial.views.iter().map(|view| view.blocks.errors());
+            prop_assert_eq!(drawn.fold(Errors::default(), Errors::plus), foreseen);
+        }
+    }
+}
