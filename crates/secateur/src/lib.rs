@@ -40,7 +40,8 @@
 //!   1, in file order. 0 is the background wherever leaves are drawn.
 //! - [`simplify`] takes leaves away one by one, each time the one that changes
 //!   the measure least, and lets its nearest neighbour grow. The outcome is a
-//!   [`RemovalOrder`]; *every prefix of it is a LOD*: [`Lod::after`]. So one run to
+//!   [`RemovalOrder`]; *every prefix of it is a LOD*, but for a last
+//!   step that fits sizes: [`Lod::after`]. So one run to
 //!   the coarsest level gives all finer ones, unless triangles are the target: then
 //!   leaves first become as coarse as that target needs.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
