@@ -184,36 +184,27 @@ fn extensions_that_are_not_known() {
 }
 
 #[test]
-fn targets_out_of_range() {
+fn numbers_out_of_range_are_wrong_usage() {
     let bench = Bench::new();
-    for (target, sentence) in [
-        (["--leaves", "-1"], "the target of -1 leaves must be"),
-        (["--ratio", "-0.5"], "the target of ratio -0.5 must be"),
-        (["--ratio", "1.5"], "the target of ratio 1.5 must be"),
-        (["--ratio", "nan"], "must be a number from 0 to 1"),
-        (["--max-error", "-2"], "the target of -2 % error must be"),
+    let files = ["oak.glb", "-o", "out.glb"];
+    for (option, value, says) in [
+        ("--leaves", "-1", "a whole number from 0 upwards"),
+        ("--ratio", "-0.5", "a number from 0 to 1"),
+        ("--ratio", "1.5", "a number from 0 to 1"),
+        ("--ratio", "nan", "a number from 0 to 1"),
+        ("--max-error", "-2", "a number from 0 upwards"),
+        ("--triangles", "-1", "number of triangles from 0 upwards"),
+        ("--triangles", "1.5", "a share of them from 0 to 1"),
     ] {
-        let arguments = [&["oak.glb", "-o", "out.glb"][..], &target].concat();
-        refused(&bench, || bench.simplify(&arguments), &[sentence]);
+        let run = bench.simplify(&[&files[..], &[option, value]].concat());
+        run.misused_saying(&[option, value, says]);
     }
-}
-
-#[test]
-fn coverage_out_of_range() {
-    let bench = Bench::new();
     for value in ["-0.1", "nan"] {
-        let arguments = [
-            "oak.glb",
-            "-o",
-            "out.glb",
-            "--leaves",
-            "9",
-            "--max-coverage",
-            value,
-        ];
-        let sentence = "must be a number of at least 0";
-        refused(&bench, || bench.simplify(&arguments), &[sentence]);
+        let options = ["--leaves", "9", "--max-coverage", value];
+        let run = bench.simplify(&[&files[..], &options].concat());
+        run.misused_saying(&["--max-coverage", value, "a number from 0 upwards"]);
     }
+    assert_eq!(bench.names(), ["oak.glb"]);
 }
 
 #[test]
@@ -237,7 +228,7 @@ fn outputs_that_cannot_be_written() {
         (&["-o", "o.glb", "--report", "./broken.glb"], "is the input"),
         (
             &["-o", "o.glb", "--report", "o.glb"],
-            "two outputs have this name",
+            "two outputs are this file",
         ),
         (
             &["-o", "o.glb", "--picture", "o.jpg"],
@@ -331,7 +322,14 @@ fn cameras_that_are_none() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_stops_and_leaves_nothing() {
+fn signals_stop_and_leave_nothing() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        stops_at(signal);
+    }
+}
+
+#[cfg(unix)]
+fn stops_at(signal: &str) {
     use std::io::{BufRead, BufReader, Read};
     use std::process::{Command, Stdio};
     let bench = Bench::new();
@@ -361,7 +359,7 @@ fn ctrl_c_stops_and_leaves_nothing() {
     let pid = child.id().to_string();
     assert!(
         Command::new("kill")
-            .args(["-INT", &pid])
+            .args([signal, &pid])
             .status()
             .unwrap()
             .success()
@@ -372,4 +370,65 @@ fn ctrl_c_stops_and_leaves_nothing() {
     let last = "secateur: error: stopped; nothing was written\n";
     assert!(rest.ends_with(last), "{rest}");
     assert_eq!(bench.names(), ["oak.glb"]);
+}
+
+#[test]
+fn outputs_do_not_overwrite_each_other() {
+    let bench = Bench::new();
+    for (out, report) in [("o.glb", "./o.glb"), ("o.gltf", "o.bin")] {
+        let arguments = ["oak.glb", "-o", out, "--leaves", "9", "--report", report];
+        let says = "two outputs are this file";
+        refused(&bench, || bench.simplify(&arguments), &[says]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn only_files_are_replaced_and_links_and_permissions_stay() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let bench = Bench::new();
+    let few = ["oak.glb", "-o", "out.glb", "--leaves", "9", "--report"];
+    let device = [&few[..], &["/dev/null"]].concat();
+    bench
+        .simplify(&device)
+        .failed_saying(&["it is a device, a pipe or a socket"]);
+    symlink("nowhere.json", bench.path("dangling.json")).unwrap();
+    let dangling = [&few[..], &["dangling.json"]].concat();
+    bench
+        .simplify(&dangling)
+        .failed_saying(&["link to a file that does not exist"]);
+
+    bench.put("real.json", b"{}");
+    let private = std::fs::Permissions::from_mode(0o600);
+    std::fs::set_permissions(bench.path("real.json"), private).unwrap();
+    symlink("real.json", bench.path("link.json")).unwrap();
+    bench
+        .simplify(&[&few[..], &["link.json"]].concat())
+        .succeeded();
+    assert!(bench.path("link.json").is_symlink());
+    assert!(bench.json("real.json")["leaves"]["final"] == 9);
+    let mode = std::fs::metadata(bench.path("real.json"))
+        .unwrap()
+        .permissions()
+        .mode();
+    assert_eq!(mode & 0o777, 0o600);
+}
+
+/// Names in files are printed, not obeyed.
+#[test]
+fn escape_sequences_do_not_reach_the_terminal() {
+    let bench = Bench::new();
+    let name = "a\u{1b}[31m\u{7}.glb";
+    bench.put(name, b"not a tree");
+    let run = bench.run(&["inspect", name]);
+    assert_eq!(run.code, Some(1));
+    let printed = r"a\u{1b}[31m\u{7}.glb";
+    assert!(run.stderr.contains(printed), "{}", run.stderr);
+    assert!(!run.stderr.contains('\u{1b}'));
+
+    std::fs::copy(bench.path("oak.glb"), bench.path(name)).unwrap();
+    let args = [name, "-o", "out.glb", "--leaves", "9"];
+    let run = bench.simplify(&args).succeeded();
+    assert!(run.stdout.contains(printed), "{}", run.stdout);
+    assert!(!run.stdout.contains('\u{1b}'));
 }

@@ -95,7 +95,7 @@ fn an_error_is_not_exceeded_and_one_more_step_would() {
 }
 
 #[test]
-fn weights_out_of_range_are_one_sentence() {
+fn weights_out_of_range_are_wrong_usage() {
     let bench = Bench::new();
     let files = ["oak.glb", "-o", "out.glb", "--ratio", "0.5", "--method"];
     for (method, option, value, says) in [
@@ -105,7 +105,7 @@ fn weights_out_of_range_are_one_sentence() {
         ("fsa", "--planarity-weight", "NaN", "from 0 upwards"),
     ] {
         let run = bench.simplify(&[&files[..], &[method, option, value]].concat());
-        run.failed_saying(&[value, says]);
+        run.misused_saying(&[value, says]);
     }
     assert_eq!(bench.names(), ["oak.glb"]);
 }

@@ -213,16 +213,13 @@ fn the_look_is_the_same_on_every_processor_and_thread() {
 }
 
 #[test]
-fn weights_out_of_range_are_refused_in_one_sentence() {
+fn weights_out_of_range_are_wrong_usage() {
     let bench = Bench::new();
     for weight in ["-1", "101", "NaN"] {
         let fit = format!("--fit={weight}");
         let arguments = ["oak.glb", "-o", "out.glb", "--ratio", "0.5", &fit];
-        bench.simplify(&arguments).failed_saying(&[
-            "weight of the outline",
-            weight,
-            "from 0 to 100",
-        ]);
+        let run = bench.simplify(&arguments);
+        run.misused_saying(&["weight of the outline", weight, "from 0 to 100"]);
         assert!(!bench.path("out.glb").exists());
     }
 }

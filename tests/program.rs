@@ -107,6 +107,19 @@ impl Ran {
         self
     }
 
+    /// It was used wrongly: it says so with all these parts, and how to learn more.
+    #[track_caller]
+    pub(crate) fn misused_saying(self, parts: &[&str]) {
+        let Self {
+            command, stderr, ..
+        } = &self;
+        assert_eq!(self.code, Some(2), "{command}: {stderr}");
+        assert_eq!(self.stdout, "", "{command}");
+        for part in [parts, &["--help"]].concat() {
+            assert!(stderr.contains(part), "{command}: {stderr} has no `{part}`");
+        }
+    }
+
     /// It gave up with one sentence that has all these parts.
     #[track_caller]
     pub(crate) fn failed_saying(self, parts: &[&str]) {

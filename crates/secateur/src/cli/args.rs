@@ -323,7 +323,8 @@ pub(crate) struct Simplify {
         long, help_heading = OF_OTHERS,
         value_name = "W",
         default_value_t = 1.0,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = share
     )]
     pub(crate) area_weight: f64,
     /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
@@ -331,7 +332,8 @@ pub(crate) struct Simplify {
         long, help_heading = OF_OTHERS,
         value_name = "W",
         default_value_t = 1.0,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = above_zero
     )]
     pub(crate) distance_weight: f64,
     /// fsa: how much it counts that two leaves are not in one plane.
@@ -339,7 +341,8 @@ pub(crate) struct Simplify {
         long, help_heading = OF_OTHERS,
         value_name = "W",
         default_value_t = 1.0,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = from_zero
     )]
     pub(crate) planarity_weight: f64,
     /// meshopt: which of its simplifiers.
@@ -354,7 +357,7 @@ pub(crate) struct Simplify {
     /// Rasterise the result from scratch another way and compare [default: in debug builds].
     #[arg(long, help_heading = OF_RECORDS, overrides_with = "no_audit")]
     pub(crate) audit: bool,
-    /// Do not.
+    /// Do not rasterise the result again.
     #[arg(long, help_heading = OF_RECORDS, overrides_with = "audit")]
     pub(crate) no_audit: bool,
     /// Write the machine-readable record of the run to this file.
@@ -372,13 +375,13 @@ pub(crate) struct Simplify {
 #[group(required = true, multiple = false)]
 pub(crate) struct TargetArgs {
     /// Stop at N leaves.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    leaves: Option<i64>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = leaves)]
+    leaves: Option<u64>,
     /// Stop at this share of the leaves, 0 to 1 (rounded to the nearest number of leaves).
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = share)]
     ratio: Option<f64>,
     /// Stop before the VMI error on the driving views exceeds this many per cent.
-    #[arg(long, value_name = "PCT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "PCT", allow_negative_numbers = true, value_parser = from_zero)]
     max_error: Option<f64>,
     /// Stop at N triangles of the foliage, or at a share of them such as 0.25; see
     /// `--leaf-triangles`.
@@ -387,23 +390,38 @@ pub(crate) struct TargetArgs {
 }
 
 impl TargetArgs {
-    /// The target, or why there is none.
-    pub(crate) fn target(self) -> Result<Target, secateur::Error> {
-        let target = match (self.leaves, self.ratio, self.triangles) {
-            (Some(n), ..) => match u64::try_from(n) {
-                Ok(n) => Target::Leaves(n),
-                Err(_) => {
-                    let name = format!("{n} leaves");
-                    return Err(secateur::Error::Target(name, "a number from 0 upwards"));
-                }
-            },
+    /// The one target that is given.
+    pub(crate) fn target(self) -> Target {
+        match (self.leaves, self.ratio, self.triangles) {
+            (Some(leaves), ..) => Target::Leaves(leaves),
             (_, Some(ratio), _) => Target::Ratio(ratio),
             (.., Some(triangles)) => triangles,
             _ => Target::MaxError(self.max_error.unwrap_or(0.0)),
-        };
-        target.check()?;
-        Ok(target)
+        }
     }
+}
+
+/// A number that passes a test, or what to write instead.
+fn number(text: &str, is_right: fn(f64) -> bool, what: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| is_right(*number));
+    number.ok_or_else(|| format!("write a number {what}"))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    number(text, |n| (0.0..=1.0).contains(&n), "from 0 to 1")
+}
+
+fn from_zero(text: &str) -> Result<f64, String> {
+    number(text, |n| n.is_finite() && n >= 0.0, "from 0 upwards")
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    number(text, |n| n.is_finite() && n > 0.0, "above 0")
+}
+
+fn leaves(text: &str) -> Result<u64, String> {
+    let wrong = |_| "write a whole number from 0 upwards".to_owned();
+    text.parse().map_err(wrong)
 }
 
 fn resolution(text: &str) -> Result<Resolution, String> {
@@ -422,28 +440,36 @@ fn resolution(text: &str) -> Result<Resolution, String> {
 pub(crate) struct MaxCoverage(pub(crate) Option<f64>);
 
 fn max_coverage(text: &str) -> Result<MaxCoverage, String> {
-    match (text, text.parse()) {
+    match (text, from_zero(text)) {
         ("none", _) => Ok(MaxCoverage(None)),
         (_, Ok(limit)) => Ok(MaxCoverage(Some(limit))),
-        _ => Err("write none or a number such as 1".to_owned()),
+        _ => Err("write none or a number from 0 upwards, such as 1".to_owned()),
     }
 }
 
 fn fitting(text: &str) -> Result<Fitting, String> {
-    match (text, text.parse()) {
+    let is_weight = |n| (0.0..=secateur::fit::MAX_OUTLINE_WEIGHT).contains(&n);
+    match (text, number(text, is_weight, "from 0 to 100")) {
         ("auto", _) => Ok(Fitting::Auto),
         ("none", _) => Ok(Fitting::None),
         ("coverage", _) => Ok(Fitting::Coverage),
         (_, Ok(weight)) => Ok(Fitting::Weight(weight)),
-        _ => Err("write auto, none, coverage or a weight of the outline such as 0.95".to_owned()),
+        _ => Err(
+            "write auto, none, coverage or a weight of the outline from 0 to 100, such as 0.95"
+                .to_owned(),
+        ),
     }
 }
 
 fn triangles(text: &str) -> Result<Target, String> {
-    match (text.parse(), text.parse()) {
+    match (text.parse(), share(text)) {
         (Ok(count), _) => Ok(Target::Triangles(count)),
         (_, Ok(share)) => Ok(Target::TriangleRatio(share)),
-        _ => Err("write a number of triangles, or a share of them such as 0.25".to_owned()),
+        _ => Err(
+            "write a whole number of triangles from 0 upwards, or a share of them from 0 to 1 such \
+             as 0.25"
+                .to_owned(),
+        ),
     }
 }
 
@@ -491,8 +517,10 @@ mod tests {
     fn whole_numbers_are_triangles_and_others_shares() {
         assert_eq!(triangles("1"), Ok(Target::Triangles(1)));
         assert_eq!(triangles("1.0"), Ok(Target::TriangleRatio(1.0)));
-        assert_eq!(triangles("-3"), Ok(Target::TriangleRatio(-3.0)));
-        assert!(triangles("many").is_err());
+        for wrong in ["-3", "1.5", "NaN", "many"] {
+            let says = triangles(wrong).unwrap_err();
+            assert!(says.contains("number of triangles"), "{wrong}: {says}");
+        }
         assert_eq!(leaf_triangles("2"), Ok(LeafTriangles::AtMost(2)));
         assert!(leaf_triangles("0").is_err() && leaf_triangles("none").is_err());
     }

@@ -1,4 +1,5 @@
-//! Ctrl-C: the first time a clean stop, the second time at once.
+//! Ctrl-C, and the signals by which systems end programs (SIGTERM, SIGHUP): the first time a clean
+//! stop, the second time at once.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static WANTED: AtomicBool = AtomicBool::new(false);
 static WRITING: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C asks for a stop.
+/// From now on these ask for a stop.
 pub(crate) fn listen() {
     let handler = || {
         let again = WANTED.swap(true, Ordering::Relaxed);

@@ -9,6 +9,7 @@ use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::registry::LookupSpan;
 
 use super::args::Common;
+use super::escape::escaped;
 use super::failure::Failure;
 
 /// Starts the log at the level that the flags ask for.
@@ -31,7 +32,11 @@ pub(crate) fn start(common: &Common) {
 /// Says why the command failed.
 pub(crate) fn error(failure: &Failure) {
     // Where standard error is closed there is no one to tell.
-    let _ = writeln!(io::stderr(), "secateur: error: {failure}");
+    let _ = writeln!(
+        io::stderr(),
+        "secateur: error: {}",
+        escaped(&failure.to_string())
+    );
 }
 
 /// `secateur: warning: ...`
@@ -54,7 +59,8 @@ where
             _ => "",
         };
         write!(writer, "secateur: {level}")?;
-        context.format_fields(writer.by_ref(), event)?;
-        writeln!(writer)
+        let mut text = String::new();
+        context.format_fields(Writer::new(&mut text), event)?;
+        writeln!(writer, "{}", escaped(&text))
     }
 }

@@ -2,6 +2,7 @@
 
 mod args;
 mod demo;
+mod escape;
 mod failure;
 mod grow;
 mod grow_lod;

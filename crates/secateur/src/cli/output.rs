@@ -45,6 +45,13 @@ pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     if path.is_dir() {
         return refuse(path, "it is a folder");
     }
+    if path.exists() && !path.is_file() {
+        // To rename a file over a device would destroy it for the whole machine.
+        return refuse(path, "it is a device, a pipe or a socket; name a file");
+    }
+    if path.is_symlink() && !path.exists() {
+        return refuse(path, "it is a link to a file that does not exist");
+    }
     if inputs.iter().any(|input| is_same(path, input)) {
         let reason = "is the input; choose another name for the output";
         return Err(Failure(format!("{}: {reason}", path.display())));
@@ -74,14 +81,28 @@ pub(crate) fn check_folder(path: &Path) -> Result<(), Failure> {
         .map_err(|e| Failure::of_file(path, "cannot be written into", &e))
 }
 
-/// Refuses two outputs in the same place.
+/// Refuses two outputs in the same place, however their paths are written; the buffer beside
+/// a .gltf is an output too.
 pub(crate) fn check_distinct(paths: &[&Path]) -> Result<(), Failure> {
-    for (k, path) in paths.iter().enumerate() {
-        if paths[..k].contains(path) {
-            return refuse(path, "two outputs have this name");
+    let with_buffers: Vec<PathBuf> = paths.iter().flat_map(|path| files_of(path)).collect();
+    for (k, path) in with_buffers.iter().enumerate() {
+        if with_buffers[..k].iter().any(|other| is_same(path, other)) {
+            return refuse(path, "two outputs are this file");
         }
     }
     Ok(())
+}
+
+/// An output and the buffer that is written beside it.
+fn files_of(path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("gltf"))
+    {
+        files.push(path.with_extension("bin"));
+    }
+    files
 }
 
 fn refuse(path: &Path, reason: &str) -> Result<(), Failure> {
@@ -94,13 +115,18 @@ pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
     fs::create_dir_all(path).map_err(|e| Failure::of_file(path, "cannot be made", &e))
 }
 
-/// Writes a file beside its place and renames it.
+/// Writes a file beside its place, makes sure that it is on the disk, and renames it. A link is
+/// followed, and a file that is there keeps its permissions.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let write = || -> io::Result<()> {
-        let mut file = temporary_in(&folder_of(path))?;
+        let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let mut file = temporary_in(&folder_of(&place))?;
         file.write_all(bytes)?;
-        file.flush()?;
-        file.persist(path).map_err(|failure| failure.error)?;
+        if let Ok(known) = fs::metadata(&place) {
+            file.as_file().set_permissions(known.permissions())?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(&place).map_err(|failure| failure.error)?;
         Ok(())
     };
     write().map_err(|e| Failure::of_file(path, "cannot be written", &e))
@@ -126,9 +152,33 @@ fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
+/// Whether two paths are one file, or would be.
 fn is_same(a: &Path, b: &Path) -> bool {
     match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => a == b,
+        (Ok(a), Ok(b)) => a == b || is_one_inode(&a, &b),
+        (Err(_), Err(_)) => match (resolved(a), resolved(b)) {
+            (Some(a), Some(b)) => a == b,
+            _ => a == b,
+        },
+        _ => false,
     }
+}
+
+/// Where a file will be that is not there yet.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    let folder = fs::canonicalize(folder_of(path)).ok()?;
+    Some(folder.join(path.file_name()?))
+}
+
+/// Whether two names are hard links to one file.
+#[cfg(unix)]
+fn is_one_inode(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let inode = |path: &Path| fs::metadata(path).map(|m| (m.dev(), m.ino()));
+    matches!((inode(a), inode(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+#[cfg(not(unix))]
+fn is_one_inode(_: &Path, _: &Path) -> bool {
+    false
 }

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use serde_json::Value;
 
 use super::args::Format;
+use super::escape;
 use super::failure::Failure;
 
 /// What a command prints.
@@ -90,9 +91,12 @@ fn scalar(value: &Value) -> String {
 
 /// RFC 4180, lines ending in a line feed.
 fn csv(table: &[Vec<String>]) -> String {
-    let field = |text: &String| match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.clone(),
+    let field = |text: &String| {
+        let text = escape::cell(text);
+        match text.contains([',', '"', '\n', '\r']) {
+            true => format!("\"{}\"", text.replace('"', "\"\"")),
+            false => text,
+        }
     };
     let line = |row: &Vec<String>| row.iter().map(field).collect::<Vec<_>>().join(",") + "\n";
     table.iter().map(line).collect()
@@ -125,11 +129,11 @@ fn markdown(table: &[Vec<String>]) -> String {
     text
 }
 
-/// Prints to standard output; a reader that has gone away is no failure.
+/// Prints to standard output, control characters escaped; a reader that has gone away is no failure.
 pub(crate) fn to_stdout(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     let result = stdout
-        .write_all(text.as_bytes())
+        .write_all(escape::escaped(text).as_bytes())
         .and_then(|()| stdout.flush());
     match result {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {

@@ -92,7 +92,7 @@ fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
 
 /// What a run is asked to do.
 pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
-    let mut settings = Simplify::with_preset(args.preset.into(), args.target.target()?);
+    let mut settings = Simplify::with_preset(args.preset.into(), args.target.target());
     settings.method = args.method.into();
     settings.engine = args.engine.into();
     settings.views = views(&args.views)?;
