@@ -5,6 +5,7 @@ mod baselines;
 #[path = "browser/browser.rs"]
 mod browser;
 mod demo;
+mod doors;
 mod engines;
 mod fit;
 mod formats;

@@ -1,12 +1,11 @@
 //! Buffers: fetching their bytes.
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
 
 use serde_json::Value;
 
-use super::error::{At, Fault, Problem, shortened};
+use super::error::{At, Fault, Problem};
+use super::folder;
 use super::property;
 use super::uri::{self, Target};
 
@@ -56,7 +55,7 @@ fn load(json: &Value, chunk: Option<Vec<u8>>, base_dir: Option<&Path>) -> Result
         (Some(uri), _) => match uri::resolve(uri)? {
             Target::Data(bytes) => (bytes, BufferSource::DataUri),
             Target::File { relative, uri } => (
-                read_file(base_dir, &relative, uri, length)?,
+                folder::read(base_dir, &relative, uri, length)?,
                 BufferSource::File,
             ),
         },
@@ -89,34 +88,4 @@ fn is_fallback(json: &Value) -> bool {
             == Some(true)
     };
     flagged("EXT_meshopt_compression") || flagged("KHR_meshopt_compression")
-}
-
-/// At most `longest` bytes of a file below `base_dir`.
-pub(crate) fn read_file(
-    base_dir: Option<&Path>,
-    relative: &Path,
-    uri: &str,
-    longest: u64,
-) -> Result<Vec<u8>, Problem> {
-    let missing = |error| Problem::MissingFile {
-        uri: shortened(uri),
-        error,
-    };
-    let base_dir = base_dir.ok_or_else(|| {
-        missing(io::Error::new(
-            io::ErrorKind::NotFound,
-            "the glTF itself is in no folder",
-        ))
-    })?;
-    let path = base_dir.join(relative);
-    // Asked before opening: opening a pipe would wait for its other end.
-    if !std::fs::metadata(&path).map_err(missing)?.is_file() {
-        return Err(missing(io::Error::other("it is not a file")));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(&path).map_err(missing)?;
-    file.take(longest)
-        .read_to_end(&mut bytes)
-        .map_err(missing)?;
-    Ok(bytes)
 }

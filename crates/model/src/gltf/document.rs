@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::buffer::{self, Buffer};
 use super::container;
 use super::error::{Fault, GltfError, Problem};
+use super::folder;
 use super::property;
 
 /// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
@@ -31,10 +32,14 @@ pub struct Document {
 impl Document {
     /// Reads a .glb or .gltf file and the buffers it names.
     ///
+    /// Its URIs are looked up in its own folder; if `path` is a symbolic link,
+    /// in the folder of the file that it leads to. Links in the folder are
+    /// followed as long as they stay in it.
+    ///
     /// # Errors
     /// [`GltfError`] if it can't be read, is no glTF 2.0, is truncated, needs
-    /// an unknown extension, or a buffer is missing, too short or outside the
-    /// file's own folder.
+    /// an unknown extension, or a buffer is missing or too short, or a buffer
+    /// or an image is outside the file's own folder.
     pub fn open(path: &Path) -> Result<Self, GltfError> {
         let name = path.display().to_string();
         let unreadable = |error| GltfError::new(&name, Problem::Unreadable(error));
@@ -43,11 +48,7 @@ impl Document {
             return Err(unreadable(error));
         }
         let bytes = std::fs::read(path).map_err(unreadable)?;
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        Self::from_bytes(&name, bytes, Some(folder))
+        Self::from_bytes(&name, bytes, Some(&folder::of(path)))
     }
 
     /// Reads a file from memory. `name` is what errors call it; `base_dir` is
@@ -69,6 +70,7 @@ impl Document {
         check_extensions(&root)?;
         let chunk = unpacked.chunk.map(|chunk| chunk.into_owned());
         let buffers = buffer::load_all(&root, chunk, base_dir)?;
+        folder::check_images(&root, base_dir)?;
         let views = property::list(&root, "bufferViews")?.len();
         Ok(Self {
             root,

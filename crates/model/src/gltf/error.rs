@@ -138,6 +138,11 @@ pub enum Problem {
         "the URI `{0}` is not a file in the glTF's own folder; put the file there and name it without a path outside"
     )]
     ForeignUri(String),
+    /// A URI whose file is, or goes through, a symbolic link to outside.
+    #[error(
+        "the file `{0}` is reached through a symbolic link that leads out of the glTF's own folder; put the file itself there in place of the link"
+    )]
+    LinkOutside(String),
     /// A URI that isn't one.
     #[error("the URI `{uri}` is malformed: {why}")]
     BadUri {

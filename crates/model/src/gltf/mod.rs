@@ -14,6 +14,7 @@
 //!   of it) that hang together by shared edges, edges being equal where the
 //!   positions of both ends are: vertices split for normals or texture
 //!   coordinates don't part a leaf, and leaves that touch in one point stay two.
+//! - A file that a URI names lies in the glTF's own folder, links followed.
 //! - Skins are read in bind pose, morph targets at rest.
 
 mod accessor;
@@ -25,6 +26,7 @@ mod document;
 mod error;
 mod evidence;
 mod find;
+mod folder;
 mod inspection;
 mod instances;
 mod leaves;

@@ -8,6 +8,7 @@ use image::{ImageReader, Limits, RgbaImage};
 
 use super::Document;
 use super::error::{At, Fault, Problem, shortened};
+use super::folder;
 use super::property;
 use super::uri::{self, Target};
 
@@ -172,18 +173,15 @@ impl Document {
         match uri::resolve(uri).at(place)? {
             Target::Data(bytes) => Ok(Ok(Cow::Owned(bytes))),
             Target::File { relative, uri } => {
-                let file = super::buffer::read_file(
-                    self.base_dir.as_deref(),
-                    &relative,
-                    uri,
-                    MAX_FILE_BYTES,
-                );
-                Ok(file.map(Cow::Owned).map_err(|problem| match problem {
-                    Problem::MissingFile { uri, error } => {
-                        format!("the file `{}` cannot be read ({error})", shortened(&uri))
-                    }
-                    other => other.to_string(),
-                }))
+                let base_dir = self.base_dir.as_deref();
+                match folder::read(base_dir, &relative, uri, MAX_FILE_BYTES) {
+                    Ok(bytes) => Ok(Ok(Cow::Owned(bytes))),
+                    Err(Problem::MissingFile { uri, error }) => Ok(Err(format!(
+                        "the file `{}` cannot be read ({error})",
+                        shortened(&uri)
+                    ))),
+                    Err(other) => Err(other).at(place),
+                }
             }
         }
     }

@@ -51,6 +51,18 @@ pub(crate) fn resolve(uri: &str) -> Result<Target<'_>, Problem> {
     })
 }
 
+/// The path below the glTF's own folder that a URI names, if it names one; data
+/// is not decoded to find out.
+pub(crate) fn file(uri: &str) -> Option<PathBuf> {
+    if has_prefix_ignoring_case(uri, "data:") {
+        return None;
+    }
+    match resolve(uri) {
+        Ok(Target::File { relative, .. }) => Some(relative),
+        _ => None,
+    }
+}
+
 fn has_prefix_ignoring_case(text: &str, prefix: &str) -> bool {
     text.get(..prefix.len())
         .is_some_and(|start| start.eq_ignore_ascii_case(prefix))

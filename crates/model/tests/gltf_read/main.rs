@@ -4,6 +4,7 @@ mod broken;
 mod choice;
 mod corpus;
 mod encodings;
+mod links;
 mod placing;
 mod real_trees;
 mod seeds;

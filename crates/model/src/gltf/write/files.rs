@@ -11,11 +11,12 @@ use tempfile::NamedTempFile;
 
 use super::container::glb_bytes;
 use super::content::{Content, lod_content};
+use super::images::{self, Copy};
 use super::problem::WriteProblem;
 use crate::Lod;
 use crate::gltf::error::{GltfError, Problem};
 use crate::gltf::tree::Tree;
-use crate::gltf::uri::{self, Target};
+use crate::gltf::uri;
 
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,7 +31,9 @@ pub struct Written {
     /// it.
     pub files: Vec<PathBuf>,
     /// What is not as one might expect, a sentence each: instances that became
-    /// meshes of their own, quantised positions that became floats.
+    /// meshes of their own, quantised positions that became floats; and, where
+    /// the output goes to another folder, of each image in a file of its own
+    /// whether it was copied, and if not, why.
     pub notes: Vec<String>,
 }
 
@@ -57,7 +60,11 @@ impl Tree {
     /// .glb (one file) or .gltf (JSON, with a .bin of the same name beside it).
     ///
     /// As [`lod_to_bytes`](Self::lod_to_bytes). Images in files of their own are
-    /// copied if the output goes to another folder. Each file is written beside
+    /// copied if the output goes to another folder: those that a texture uses,
+    /// that are PNG, JPEG, WebP or KTX2 by their names and first bytes, and no
+    /// part of whose path begins with a dot. Nothing is written through symbolic
+    /// links below that folder. An image that is not copied is still named, and
+    /// the notes say why it was not. Each file is written beside
     /// its place and then renamed, so that a failure leaves nothing half-written.
     ///
     /// # Errors
@@ -91,7 +98,7 @@ impl Tree {
         if let Some(folder) = &self.document.base_dir {
             let named = uris(&self.document.root, "buffers")
                 .chain(uris(&self.document.root, "images"))
-                .filter_map(file_of_uri);
+                .filter_map(uri::file);
             inputs.extend(named.map(|relative| folder.join(relative)));
         }
         let inputs: Vec<PathBuf> = inputs
@@ -105,49 +112,21 @@ impl Tree {
         Ok(())
     }
 
-    /// Images in files, where they are and where they must be. One that is not
-    /// there is noted: the input did not have it either.
+    /// The images that must go along; none where the output lies beside the
+    /// input.
     fn images_to_copy(
         &self,
         root: &Value,
         target: &Output,
         notes: &mut Vec<String>,
     ) -> Result<Vec<Copy>, WriteProblem> {
-        let Some(from_folder) = &self.document.base_dir else {
-            return Ok(Vec::new());
-        };
-        if same_place(from_folder, &target.folder) {
-            return Ok(Vec::new());
-        }
-        let mut copies: Vec<Copy> = Vec::new();
-        for relative in uris(root, "images").filter_map(file_of_uri) {
-            let copy = Copy {
-                from: from_folder.join(&relative),
-                to: target.folder.join(&relative),
-            };
-            if copies.contains(&copy) {
-                continue;
+        match &self.document.base_dir {
+            Some(folder) if !same_place(folder, &target.folder) => {
+                images::to_copy(root, folder, &target.folder, notes)
             }
-            if !copy.from.is_file() {
-                let name = relative.display();
-                notes.push(format!(
-                    "the image `{name}` is not there and was not copied"
-                ));
-            } else if !copy.to.exists() {
-                copies.push(copy);
-            } else if fs::read(&copy.from)? != fs::read(&copy.to)? {
-                return Err(WriteProblem::Occupied(copy.to));
-            }
+            _ => Ok(Vec::new()),
         }
-        Ok(copies)
     }
-}
-
-/// A file to be copied.
-#[derive(PartialEq)]
-struct Copy {
-    from: PathBuf,
-    to: PathBuf,
 }
 
 /// Where a LOD goes.
@@ -221,19 +200,6 @@ fn uris<'v>(root: &'v Value, list: &str) -> impl Iterator<Item = &'v str> {
         .into_iter()
         .flatten()
         .filter_map(|item| item.get("uri")?.as_str())
-}
-
-fn file_of_uri(uri: &str) -> Option<PathBuf> {
-    if uri
-        .get(..5)
-        .is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
-    {
-        return None;
-    }
-    match uri::resolve(uri) {
-        Ok(Target::File { relative, .. }) => Some(relative),
-        _ => None,
-    }
 }
 
 fn same_place(a: &Path, b: &Path) -> bool {

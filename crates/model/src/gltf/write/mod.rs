@@ -11,6 +11,7 @@ mod content;
 mod draft;
 mod fates;
 mod files;
+mod images;
 mod instances;
 mod leftover;
 mod meshes;

@@ -184,7 +184,10 @@ impl<'a> Judge<'a> {
 
     fn surfaces(&self, lod: &Lod) -> Result<Vec<Surface>, Failure> {
         let bytes = self.tree.lod_to_bytes(lod)?;
-        let folder = self.path.parent().filter(|p| !p.as_os_str().is_empty());
+        // As `Document::open` does: where the file itself is, not a link to it.
+        let path = self.path.canonicalize();
+        let path = path.as_deref().unwrap_or(self.path);
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new("."));
         let name = self.path.display().to_string();
         let document = Document::from_bytes(&name, bytes, Some(folder))?;

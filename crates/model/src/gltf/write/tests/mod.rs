@@ -6,6 +6,7 @@ mod encodings;
 mod every_encoding;
 mod fixture;
 mod grown;
+mod images;
 mod made;
 mod on_disk;
 mod particulars;

@@ -1,0 +1,144 @@
+//! What a glTF from elsewhere may not do: put files where they do harm, and
+//! fetch files from outside its own folder.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::program::{Bench, Ran};
+use crate::small_files::{put_changed, two_leaves, two_leaves_json};
+
+/// Puts the tree of two leaves into `in`, with these images, and makes `out`.
+/// Textures name the first `used` images.
+fn put_with_images(images: &[&str], used: usize) -> Bench {
+    let bench = Bench::new();
+    for folder in ["in", "out"] {
+        fs::create_dir(bench.path(folder)).unwrap();
+    }
+    let mut json = two_leaves_json();
+    json["images"] = images.iter().map(|uri| json!({ "uri": uri })).collect();
+    json["textures"] = (0..used).map(|image| json!({ "source": image })).collect();
+    bench.put("in/t.gltf", json.to_string().as_bytes());
+    bench.put("in/tree.bin", &two_leaves());
+    bench
+}
+
+fn put_file(bench: &Bench, name: &str, bytes: &[u8]) {
+    fs::create_dir_all(bench.path(name).parent().unwrap()).unwrap();
+    bench.put(name, bytes);
+}
+
+fn png() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::new(1, 1)
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .unwrap();
+    bytes.into_inner()
+}
+
+fn simplify(bench: &Bench) -> Ran {
+    bench.simplify(&[
+        "in/t.gltf",
+        "-o",
+        "out/o.glb",
+        "--ratio",
+        "0.5",
+        "--report",
+        "r.json",
+    ])
+}
+
+/// What lies in `out` itself.
+fn out(bench: &Bench) -> Vec<String> {
+    let entries = fs::read_dir(bench.path("out")).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[track_caller]
+fn assert_noted(bench: &Bench, parts: &[&str]) {
+    let report = bench.json("r.json");
+    let notes = report["notes"].as_array().unwrap().iter();
+    let notes: Vec<&str> = notes.filter_map(Value::as_str).collect();
+    let says = |note: &&str| parts.iter().all(|part| note.contains(part));
+    assert!(notes.iter().any(says), "{parts:?}: {notes:?}");
+}
+
+#[test]
+fn files_that_are_no_images_are_not_put_into_the_output() {
+    let uris = [".cargo/config.toml", ".envrc", ".git/hooks/x", "Makefile"];
+    for used in [0, uris.len()] {
+        let bench = put_with_images(&uris, used);
+        for uri in uris {
+            put_file(&bench, &format!("in/{uri}"), b"harm = true");
+        }
+        let ran = simplify(&bench).succeeded();
+        assert_eq!(out(&bench), ["o.glb"]);
+        for uri in uris {
+            assert_noted(&bench, &[uri, "was not copied"]);
+            assert!(ran.stdout.contains(uri), "{}", ran.stdout);
+        }
+    }
+}
+
+#[test]
+fn textures_are_put_into_the_output() {
+    let bench = put_with_images(&["maps/leaf.png"], 1);
+    put_file(&bench, "in/maps/leaf.png", &png());
+    simplify(&bench).succeeded();
+    assert_eq!(out(&bench), ["maps", "o.glb"]);
+    assert_eq!(bench.read("out/maps/leaf.png"), png());
+    assert_noted(&bench, &["`maps/leaf.png` was copied to"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_through_a_link_in_the_output() {
+    let bench = put_with_images(&["maps/leaf.png"], 1);
+    put_file(&bench, "in/maps/leaf.png", &png());
+    fs::create_dir(bench.path("elsewhere")).unwrap();
+    std::os::unix::fs::symlink(bench.path("elsewhere"), bench.path("out/maps")).unwrap();
+    simplify(&bench).succeeded();
+    assert!(!bench.path("elsewhere/leaf.png").exists());
+    assert_noted(&bench, &["`maps/leaf.png` was not copied", "symbolic link"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_out_of_the_input_are_refused() {
+    use std::os::unix::fs::symlink;
+
+    let bench = put_with_images(&["leaf.png"], 1);
+    put_file(&bench, "private/photo.png", &png());
+    symlink(bench.path("private/photo.png"), bench.path("in/leaf.png")).unwrap();
+    let parts = ["in/t.gltf: images[0]: ", "`leaf.png`", "symbolic link"];
+    simplify(&bench).failed_saying(&parts);
+    assert_eq!(out(&bench), [] as [&str; 0]);
+
+    let bench = put_with_images(&[], 0);
+    fs::rename(bench.path("in/tree.bin"), bench.path("secret")).unwrap();
+    symlink("../secret", bench.path("in/tree.bin")).unwrap();
+    let parts = ["in/t.gltf: buffers[0]: ", "`tree.bin`", "symbolic link"];
+    simplify(&bench).failed_saying(&parts);
+    assert_eq!(out(&bench), [] as [&str; 0]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_that_the_user_names_is_followed() {
+    let bench = put_with_images(&[], 0);
+    std::os::unix::fs::symlink("in/t.gltf", bench.path("link.gltf")).unwrap();
+    bench
+        .simplify(&["link.gltf", "-o", "out/o.glb", "--leaves", "1"])
+        .succeeded();
+    // As an output it is replaced; the file that it leads to stays.
+    let before = bench.read("in/t.gltf");
+    put_changed(&bench, "/nodes/0/name", json!("tree"));
+    bench
+        .simplify(&["tree.gltf", "-o", "link.gltf", "--leaves", "1"])
+        .succeeded();
+    assert_eq!(bench.read("in/t.gltf"), before);
+}
