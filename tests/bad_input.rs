@@ -432,3 +432,31 @@ fn escape_sequences_do_not_reach_the_terminal() {
     assert!(run.stdout.contains(printed), "{}", run.stdout);
     assert!(!run.stdout.contains('\u{1b}'));
 }
+
+/// A .gltf with its buffer beside it: no output takes the place of that buffer.
+#[test]
+fn outputs_spare_what_the_input_names() {
+    let bench = Bench::new();
+    let few = ["--leaves", "200"];
+    let gltf = [&["oak.glb", "-o", "tree.gltf"][..], &few].concat();
+    bench.simplify(&gltf).succeeded();
+    let before = bench.read("tree.bin");
+    for arguments in [
+        &[
+            "simplify",
+            "tree.gltf",
+            "-o",
+            "o.glb",
+            "--leaves",
+            "9",
+            "--report",
+            "./tree.bin",
+        ][..],
+        &["inspect", "tree.gltf", "--report", "tree.bin"],
+        &["measure", "oak.glb", "tree.gltf", "--report", "tree.bin"],
+    ] {
+        let says = "it is a buffer or an image of the input";
+        bench.run(arguments).failed_saying(&["tree.bin", says]);
+    }
+    assert_eq!(bench.read("tree.bin"), before);
+}

@@ -11,6 +11,7 @@ use super::container;
 use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::property;
+use super::uri;
 
 /// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
 #[derive(Debug)]
@@ -62,6 +63,19 @@ impl Document {
         base_dir: Option<&Path>,
     ) -> Result<Self, GltfError> {
         Self::parse(name, &bytes, base_dir).map_err(|fault| GltfError::new(name, fault))
+    }
+
+    /// The files beside it that its buffers and images name, whether they are there or not.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let Some(folder) = &self.base_dir else {
+            return Vec::new();
+        };
+        let items = ["buffers", "images"].map(|list| self.root.get(list).and_then(Value::as_array));
+        let uris = items.into_iter().flatten().flatten();
+        let uris = uris.filter_map(|item| item.get("uri")?.as_str());
+        uris.filter_map(uri::file)
+            .map(|relative| folder.join(relative))
+            .collect()
     }
 
     fn parse(name: &str, bytes: &[u8], base_dir: Option<&Path>) -> Result<Self, Fault> {

@@ -1,5 +1,7 @@
 //! `secateur inspect`.
 
+use std::path::Path;
+
 use secateur::Document;
 use serde_json::json;
 
@@ -14,6 +16,8 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
         output::check_file(report, &[&args.tree])?;
     }
     let document = Document::open(&args.tree)?;
+    let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
+    output::check_spares(&document, &outputs)?;
     let inspection = document.inspect(&args.foliage.foliage);
     let record = json!(inspection);
     record::write(args.report.as_deref(), &record)?;

@@ -22,6 +22,10 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let open = |path: &Path| Tree::open(path, &args.foliage.foliage);
     let original = open(&args.original)?;
     let simplified = open(&args.simplified)?;
+    let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
+    for tree in [&original, &simplified] {
+        output::check_spares(tree.document(), &outputs)?;
+    }
     interrupt::check()?;
     let alpha = secateur::Alpha::from(args.alpha);
     let foliages = [&original, &simplified].map(|tree| alpha.apply(tree.foliage()));

@@ -6,6 +6,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use secateur::Document;
+
 use super::failure::Failure;
 
 /// Refuses an output tree that could not be written at the end.
@@ -88,6 +90,17 @@ pub(crate) fn check_distinct(paths: &[&Path]) -> Result<(), Failure> {
     for (k, path) in with_buffers.iter().enumerate() {
         if with_buffers[..k].iter().any(|other| is_same(path, other)) {
             return refuse(path, "two outputs are this file");
+        }
+    }
+    Ok(())
+}
+
+/// Refuses an output that would take the place of a buffer or an image of an input.
+pub(crate) fn check_spares(document: &Document, paths: &[&Path]) -> Result<(), Failure> {
+    let inputs = document.files();
+    for path in paths.iter().flat_map(|path| files_of(path)) {
+        if inputs.iter().any(|input| is_same(&path, input)) {
+            return refuse(&path, "it is a buffer or an image of the input");
         }
     }
     Ok(())

@@ -23,7 +23,7 @@ use super::{interrupt, machine, names, output};
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
-    check_outputs(args)?;
+    let outputs = check_outputs(args)?;
     let mut settings = settings(args)?;
     let mut stages = Vec::new();
 
@@ -31,6 +31,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         tracing::info!("reading {}", args.tree.display());
         Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
     })?;
+    output::check_spares(tree.document(), &outputs)?;
     let mut warnings = tree.inspection().warnings.clone();
     warn_all(&warnings);
     interrupt::check()?;
@@ -70,7 +71,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     Ok(Printed::single(pretty(&run, args), record))
 }
 
-fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
+/// The outputs, none of which is known to be in the way of another file.
+fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
     let cameras = Path::new(&args.views);
     inputs.push(cameras);
@@ -87,7 +89,8 @@ fn check_outputs(args: &args::Simplify) -> Result<(), Failure> {
     if let Some(folder) = &args.debug_images {
         output::check_folder(folder)?;
     }
-    output::check_distinct(&outputs)
+    output::check_distinct(&outputs)?;
+    Ok(outputs)
 }
 
 /// What a run is asked to do.
