@@ -24,9 +24,6 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Look, Self::Information];
-
     /// The name by which it is asked for.
     pub fn name(self) -> &'static str {
         match self {

@@ -265,7 +265,8 @@ pub enum Fitting {
     /// nothing is said of how leaves grow: it is for the program then to say how what is left
     /// is best used. Never for other methods.
     ///
-    /// [`Preset::Look`]: as [`Self::Coverage`]. [`Preset::Information`]: to triangles at
+    /// [`Preset::Look`]: as [`Self::Coverage`], but none where all leaves are left and one triangle
+    /// of a card shows all of it. [`Preset::Information`]: to triangles at
     /// [`Resolution::Auto`] as [`Self::Weight`] of
     /// [`DEFAULT_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
     /// triangle of a card shows all of it, and the driving views say so to a 400th of their

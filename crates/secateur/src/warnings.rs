@@ -28,7 +28,8 @@ pub(crate) fn warnings(ended: &Ended<'_>) -> Vec<String> {
         ..
     } = *ended;
     let [before_percent, after_percent] = ended.error_percent;
-    let is_fit_missing = matches!(settings.fit, Fitting::Weight(_)) && !ended.is_fitted;
+    let is_fit_missing =
+        matches!(settings.fit, Fitting::Weight(_) | Fitting::Coverage) && !ended.is_fitted;
     let all = [
         excess(goal, foliage),
         shortfall(settings, goal, foliage, lod),
@@ -75,7 +76,7 @@ const NOTHING_FITS: &str = "leaves keep their sizes: none fits better, all looks
 fn about_fit(before_percent: f64, after_percent: f64) -> Option<String> {
     (after_percent > 2.0 * before_percent && after_percent > CLEAR_ERROR_PERCENT).then(|| {
         format!(
-            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: `--fit=none`, or a smaller weight, keeps more of the information"
+            "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: `--fit=none` keeps more of the information"
         )
     })
 }
@@ -120,6 +121,7 @@ mod tests {
             warnings(&ended)
         };
         assert_eq!(told(Fitting::Weight(1.0), false), [NOTHING_FITS]);
+        assert_eq!(told(Fitting::Coverage, false), [NOTHING_FITS]);
         assert!(told(Fitting::Weight(1.0), true).is_empty());
         assert!(told(Fitting::Auto, false).is_empty());
     }

@@ -276,10 +276,10 @@ pub(crate) struct Simplify {
     #[arg(long, value_enum, default_value_t = PresetName::Look)]
     pub(crate) preset: PresetName,
     /// Whether to fit the sizes of the remaining leaves to the original at the end, in other
-    /// views than those they were chosen in. coverage: each part of the crown as dense as it
+    /// views than those they were chosen in (with your own cameras, in these). coverage: each part of the crown as dense as it
     /// was. A weight W: the outline pixel by pixel and the information, where a pixel of outline
     /// counts W (0 to 100; 0.95 after --fit alone). auto: as the preset has it, for vds where
-    /// --resize and --max-coverage are not given.
+    /// --resize and --max-coverage are the preset's.
     #[arg(
         long,
         value_name = "auto|none|coverage|W",

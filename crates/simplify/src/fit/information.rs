@@ -32,8 +32,8 @@ use super::rounds::{Trial, chance_px};
 use super::screen::{Change, Screen, Seen};
 use crate::lg::LG_FRACTION_BITS;
 
-/// Sizes stay where outlines differ by no more than one pixel in so many, and views tell as
-/// much: there is next to nothing to be had.
+/// Sizes stay where outlines differ by at most one pixel in this number, and the views tell as much:
+/// next to nothing could be gained.
 const SAME: u64 = 200;
 
 /// A bit of VMI times a pixel, scaled.
@@ -113,7 +113,7 @@ impl Trial for Information<'_> {
         self.outline_error_px() * SAME <= outline_px && self.ledger.tells_as_much()
     }
 
-    /// J, scaled.
+    /// J in units of 2^-27 bits times pixels.
     fn objective(&self) -> i128 {
         i128::from(self.outline_error_px()) * i128::from(self.outline_unit) + self.ledger.cost()
     }

@@ -42,7 +42,8 @@ pub const DEFAULT_OUTLINE_WEIGHT: f64 = 0.95;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Objective {
-    /// The number of pixels that show foliage in each block of 8 x 8 pixels, and in all.
+    /// The number of pixels that show foliage in each block of 8 x 8 pixels of the images, and in
+    /// all.
     Coverage,
     /// The outline pixel by pixel, and the VMI of each view.
     Information {
@@ -73,7 +74,7 @@ pub struct Fit<'a> {
 /// A round over all leaves takes about the time of drawing them in all views three times,
 /// and those that change, or are changed back, twice more; there are three, and at most seven
 /// over fewer leaves, on the threads of the current rayon pool, with the same result for any
-/// number of them. Memory for [`Objective::Coverage`]: 4 bytes a pixel over all views, and 24 a
+/// number of them. Memory for [`Objective::Coverage`]: 5 bytes a pixel over all views, and 64 a
 /// view and leaf of a batch; for [`Objective::Information`] about 25 bytes a pixel over all
 /// views, 8 to 16 a fragment, 12 a view and leaf that is left, and while it begins 8 a view and
 /// original leaf. `progress` gets, after every few leaves, the number tried and that of those to

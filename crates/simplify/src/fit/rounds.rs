@@ -87,8 +87,8 @@ fn round(
     ControlFlow::Continue(())
 }
 
-/// By how many pixels a size must be better than what a leaf has, if in the views it covers
-/// other pixels in these numbers: the root of their sum.
+/// What chance alone may gain, in pixels: the root of the number of pixels that a size changes over
+/// all views, rounded down. Each objective weighs it.
 pub(super) fn chance_px(changed_px: impl Iterator<Item = u32>) -> u32 {
     changed_px.sum::<u32>().isqrt()
 }

@@ -1,0 +1,181 @@
+use std::ops::ControlFlow;
+
+use proptest::prelude::*;
+use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+use secateur_raster::ViewSet;
+
+use super::super::{Objective, fit};
+use super::*;
+
+fn crown(leaves: u32, seed: u64) -> Foliage {
+    ellipsoid_crown(leaves, seed, &EllipsoidCrown::default()).unwrap()
+}
+
+/// Every `every`-th leaf, its area multiplied.
+fn thinned(foliage: &Foliage, every: usize, area_scale: f64) -> Foliage {
+    let mut lod = Lod::original(foliage.leaves().len());
+    for index in 0..foliage.leaves().len() {
+        let leaf = LeafId::from_index(index);
+        match index % every {
+            0 => lod.resize(leaf, area_scale),
+            _ => lod.remove(leaf),
+        }
+    }
+    lod.foliage(foliage)
+}
+
+fn of<'a>(original: &'a Foliage, left: &'a Foliage, views: &'a [ViewSet]) -> Fit<'a> {
+    Fit {
+        original,
+        left,
+        views,
+        resolution: 61,
+        objective: Objective::Coverage,
+    }
+}
+
+fn views_of(original: &Foliage) -> [ViewSet; 1] {
+    [ViewSet::cuboctahedron(original.bounding_sphere().unwrap())]
+}
+
+fn fitted(original: &Foliage, left: &Foliage) -> Vec<f64> {
+    let views = views_of(original);
+    match fit(&of(original, left, &views), &mut |_, _| {
+        ControlFlow::Continue(())
+    }) {
+        ControlFlow::Continue(factors) => factors,
+        ControlFlow::Break(()) => panic!("nobody broke it off"),
+    }
+}
+
+/// Which pixels of the views show a leaf of these sizes, drawn from scratch.
+fn covered(foliage: &Foliage, factors: &[f64], views: &ViewSet) -> Vec<Vec<bool>> {
+    let mut lod = Lod::original(foliage.leaves().len());
+    for (index, factor) in factors.iter().enumerate() {
+        lod.resize(LeafId::from_index(index), *factor);
+    }
+    let scene = Scene {
+        foliage,
+        lod: &lod,
+        views,
+        resolution: 61,
+    };
+    let images = views
+        .views()
+        .iter()
+        .map(|v| cpu::draw_leaf_ids(&scene, v).leaf_ids);
+    images
+        .map(|ids| ids.iter().map(|leaf| *leaf != 0).collect())
+        .collect()
+}
+
+/// J as its formula says, everything drawn.
+fn objective_drawn(original: &Foliage, left: &Foliage, factors: &[f64]) -> i128 {
+    let [views] = views_of(original);
+    let [then, now] = [
+        covered(original, &[], &views),
+        covered(left, factors, &views),
+    ];
+    let (mut errors, mut original_px) = (Errors::default(), 0);
+    for (then, now) in then.iter().zip(&now) {
+        let mut excess_px = [[0i64; 8]; 8];
+        for pixel in 0..61 * 61 {
+            let [then, now] = [then[pixel], now[pixel]].map(i64::from);
+            excess_px[pixel / 61 / 8][pixel % 61 / 8] += now - then;
+            errors.outline_px += (now - then).abs();
+            original_px += then;
+        }
+        let blocks = excess_px.iter().flatten();
+        errors.excess_px += blocks.clone().sum::<i64>();
+        errors.blocks_px += blocks.map(|e| e.abs()).sum::<i64>();
+    }
+    let beyond = (errors.excess_px.abs() - original_px / 64).max(0);
+    i128::from(2 * errors.blocks_px + errors.outline_px + 3 * beyond)
+}
+
+#[test]
+fn what_is_as_it_was_stays() {
+    let original = crown(120, 1);
+    assert_eq!(fitted(&original, &original), vec![1.0; 120]);
+    assert_eq!(fitted(&original, &Foliage::default()), Vec::<f64>::new());
+}
+
+#[test]
+fn leaves_of_another_size_get_their_own_back() {
+    let original = crown(1, 5);
+    for (area_scale, expected) in [(2.0, 0.5), (0.25, 4.0)] {
+        let factors = fitted(&original, &thinned(&original, 1, area_scale));
+        assert!((factors[0] / expected - 1.0).abs() < 0.25, "{factors:?}");
+    }
+}
+
+/// A crown that is too thin, and one that is too dense, have the coverage of the original
+/// in views in which they were not fitted.
+#[test]
+fn a_crown_is_as_dense_as_it_was_in_other_views() {
+    let original = crown(900, 3);
+    let other = ViewSet::icosahedron(original.bounding_sphere().unwrap());
+    let count = |foliage: &Foliage, factors: &[f64]| {
+        let views = covered(foliage, factors, &other);
+        views.iter().flatten().filter(|is| **is).count() as f64
+    };
+    let wanted = count(&original, &[]);
+    for area_scale in [2.0, 5.0] {
+        let left = thinned(&original, 4, area_scale);
+        let [before, after] =
+            [vec![1.0; 225], fitted(&original, &left)].map(|f| count(&left, &f) / wanted);
+        assert!((before - 1.0).abs() > 0.08, "{before}");
+        assert!((after - 1.0).abs() < 0.03, "{before} {after}");
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let original = crown(300, 7);
+    let left = thinned(&original, 3, 3.0);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap().install(|| fitted(&original, &left))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// What is kept up to date is what is drawn anew, after every batch; and it never gets
+    /// worse.
+    #[test]
+    fn the_errors_are_true(seed in 0u64..1000, every in 1usize..5, scale in 0.3..6.0f64) {
+        let original = crown(90, seed);
+        let left = thinned(&original, every, scale);
+        let views = views_of(&original);
+        let mut trial = Coverage::new(&of(&original, &left, &views));
+        let mut last = trial.objective();
+        prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
+        for factor in [2.0, 1.3] {
+            let members: Vec<usize> = (0..trial.scales.len()).step_by(2).collect();
+            trial.try_batch(&members, factor);
+            prop_assert!(trial.objective() <= last);
+            last = trial.objective();
+            prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
+        }
+    }
+
+    /// What is foreseen of one leaf is what comes of it.
+    #[test]
+    fn an_effect_is_what_happens(seed in 0u64..1000, to in 0.2..5.0f64) {
+        let original = crown(60, seed);
+        let left = thinned(&original, 2, 2.0);
+        let views = views_of(&original);
+        let mut trial = Coverage::new(&of(&original, &left, &views));
+        let leaf = LeafId::from_index(seed as usize % 30);
+        let effects = trial.views.iter_mut().map(|v| v.effects(&left, leaf, [1.0, to, 1.0])[0]);
+        let effects: Vec<Effect> = effects.collect();
+        let foreseen = effects.iter().fold(trial.errors, |sum, e| sum.plus(e.errors));
+        trial.change(&[Change { leaf, from: 1.0, to }]);
+        prop_assert_eq!(trial.errors, foreseen);
+        let drawn = trial.views.iter().map(|view| view.blocks.errors());
+        prop_assert_eq!(drawn.fold(Errors::default(), Errors::plus), foreseen);
+    }
+}
