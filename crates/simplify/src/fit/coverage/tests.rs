@@ -153,8 +153,9 @@ proptest! {
         let mut trial = Coverage::new(&of(&original, &left, &views));
         let mut last = trial.objective();
         prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
-        for factor in [2.0, 1.3] {
-            let members: Vec<usize> = (0..trial.scales.len()).step_by(2).collect();
+        // All leaves at once see nothing of each other, and are often undone together.
+        for (factor, step) in [(6.0, 1), (2.0, 1), (1.3, 2)] {
+            let members: Vec<usize> = (0..trial.scales.len()).step_by(step).collect();
             trial.try_batch(&members, factor);
             prop_assert!(trial.objective() <= last);
             last = trial.objective();
