@@ -35,7 +35,8 @@ pub(crate) enum Command {
     Inspect(Inspect),
     /// Make the foliage of a tree lighter and write the result.
     Simplify(Box<Simplify>),
-    /// Judge a simplified tree against its original, from views the simplifier never saw.
+    /// Judge a simplified tree against its original, from 12 views; by default the simplifier sees
+    /// none of them.
     Measure(Measure),
     /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
     Study(Study),

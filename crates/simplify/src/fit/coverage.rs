@@ -19,9 +19,9 @@
 //! on every machine. Which leaf is seen does not matter, only how many cover a pixel.
 
 use rayon::prelude::*;
-use secateur_model::{Foliage, LeafId, Lod};
+use secateur_model::{Foliage, LeafId};
 use secateur_raster::cpu::LeafFragments;
-use secateur_raster::{LeafIdImage, Scene, View, cpu};
+use secateur_raster::{LeafIdImage, View};
 
 use super::Fit;
 use super::rounds::{Trial, chance_px};
@@ -105,21 +105,7 @@ struct Change {
 
 impl<'a> Coverage<'a> {
     pub(super) fn new(fit: &Fit<'a>) -> Self {
-        let lod = Lod::original(fit.original.leaves().len());
-        let views = fit.views.iter();
-        let views: Vec<_> = views
-            .flat_map(|set| set.views().iter().map(move |view| (set, view)))
-            .collect();
-        let drawn = views.par_iter().map(|&(views, view)| {
-            let scene = Scene {
-                foliage: fit.original,
-                lod: &lod,
-                views,
-                resolution: fit.resolution,
-            };
-            Drawn::new(view, &cpu::draw_leaf_ids(&scene, view), fit.left)
-        });
-        let views: Vec<Drawn<'_>> = drawn.collect();
+        let views = fit.of_views(|view, original| Drawn::new(view, &original, fit.left));
         let covered = views.iter().flat_map(|view| &view.blocks.is_original);
         Self {
             left: fit.left,

@@ -23,8 +23,8 @@
 //! none is tried.
 
 use rayon::prelude::*;
-use secateur_model::{Foliage, LeafId, Lod};
-use secateur_raster::{Scene, ViewSet, cpu};
+use secateur_model::{Foliage, LeafId};
+use secateur_raster::{ViewSet, cpu};
 
 use super::Fit;
 use super::ledger::Ledger;
@@ -52,29 +52,15 @@ pub(super) struct Information<'a> {
 
 impl<'a> Information<'a> {
     pub(super) fn new(fit: &Fit<'a>, outline_weight: f64) -> Self {
-        let original = Lod::original(fit.original.leaves().len());
         let count = fit.left.leaves().len();
-        let sets = fit.views.iter();
-        let views: Vec<_> = sets
-            .flat_map(|set| set.views().iter().map(move |view| (set, view)))
-            .collect();
-        let screens = views.par_iter().map(|&(views, view)| {
-            let scene = Scene {
-                foliage: fit.original,
-                lod: &original,
-                views,
-                resolution: fit.resolution,
-            };
-            let image = cpu::draw_leaf_ids(&scene, view);
+        let original_count = fit.original.leaves().len();
+        let screens = fit.of_views(|view, image| {
             let mut screen = Screen::new(view, &image);
             screen.draw(fit.left);
             let areas_px = screen.areas_px(count);
-            (
-                screen,
-                (cpu::histogram(&image, original.leaf_count()), areas_px),
-            )
+            (screen, (cpu::histogram(&image, original_count), areas_px))
         });
-        let (screens, areas_px): (Vec<Screen<'_>>, Vec<_>) = screens.unzip();
+        let (screens, areas_px): (Vec<Screen<'_>>, Vec<_>) = screens.into_iter().unzip();
         let (original_px, left_px): (Vec<_>, Vec<_>) = areas_px.into_iter().unzip();
         let set_lengths: Vec<usize> = fit.views.iter().map(ViewSet::len).collect();
         Self {

@@ -25,8 +25,9 @@ mod tests;
 
 use std::ops::ControlFlow;
 
-use secateur_model::Foliage;
-use secateur_raster::ViewSet;
+use rayon::prelude::*;
+use secateur_model::{Foliage, Lod};
+use secateur_raster::{LeafIdImage, Scene, View, ViewSet, cpu};
 
 use self::coverage::Coverage;
 use self::information::Information;
@@ -67,6 +68,28 @@ pub struct Fit<'a> {
     pub resolution: u32,
     /// What should be least.
     pub objective: Objective,
+}
+
+impl<'a> Fit<'a> {
+    /// What `of` makes of each view and the original's leaf IDs in it; the views in the order of
+    /// their sets.
+    fn of_views<T: Send>(&self, of: impl Fn(&'a View, LeafIdImage) -> T + Sync) -> Vec<T> {
+        let lod = Lod::original(self.original.leaves().len());
+        let sets = self.views.iter();
+        let views: Vec<_> = sets
+            .flat_map(|set| set.views().iter().map(move |view| (set, view)))
+            .collect();
+        let drawn = views.par_iter().map(|&(views, view)| {
+            let scene = Scene {
+                foliage: self.original,
+                lod: &lod,
+                views,
+                resolution: self.resolution,
+            };
+            of(view, cpu::draw_leaf_ids(&scene, view))
+        });
+        drawn.collect()
+    }
 }
 
 /// Leaf by leaf the factor of its area that fits best (see the module).

@@ -5,6 +5,9 @@ use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::ViewSet;
 
 use super::super::{Objective, fit};
+use secateur_model::Lod;
+use secateur_raster::{Scene, cpu};
+
 use super::*;
 
 fn crown(leaves: u32, seed: u64) -> Foliage {
