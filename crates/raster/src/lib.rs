@@ -27,7 +27,9 @@
 //! a leaf's cut-out has a hole there is no fragment.
 
 mod area_table;
+mod cameras;
 pub mod cpu;
+mod engine;
 mod fragments;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -40,6 +42,8 @@ mod view;
 mod view_set;
 
 pub use area_table::AreaTable;
+pub use cameras::{CamerasError, cameras_from_json, read_cameras};
+pub use engine::{Engine, OpenEngine};
 pub use fragments::{Fragment, Fragments, ViewFragments};
 pub use leaf_id_image::LeafIdImage;
 pub use rasteriser::{CpuRasteriser, RasterError, Rasteriser};

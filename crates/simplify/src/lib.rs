@@ -1,26 +1,56 @@
-//! Which leaves can go.
+//! Which leaves of a plant can go, and how large the others become.
 //!
-//! - [`vmi`]: viewpoint mutual information, the measure.
-//! - [`vds`]: viewpoint-driven simplification, the greedy method driven by it,
-//!   once as the literal algorithm and once as an exact, fast engine.
+//! A run is a row of passes: leaves become coarser ([`mod@coarsen`]), a [`Method`] chooses which go
+//! and which grow for them ([`select`]), and the sizes of what is left are fitted to the original
+//! ([`mod@fit`]). What views show of the result is one function, [`observe`], for all of them.
+//!
+//! - [`simplify()`], [`simplify_with`], [`simplify_on`]: a foliage and [`Options`] in, a LOD out.
+//! - [`vds`]: viewpoint-driven simplification, the greedy method driven by viewpoint mutual
+//!   information ([`secateur_raster::measure::vmi`]), once as the literal algorithm and once as an
+//!   exact, fast engine.
 //! - [`fsa`]: leaf collapse, two leaves at a time become one.
 //! - [`stochastic`]: a random order, and survivors that grow alike.
 //! - [`meshopt`](mod@meshopt): a mesh simplifier that knows triangles, not leaves.
-//! - [`mod@coarsen`]: leaves of fewer triangles, before any goes.
-//! - [`mod@fit`]: sizes of the leaves that are left, fitted to outline and VMI.
+//! - `by_branches` (feature `plant`): methods that follow the plant's branches.
 //! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
 //!   on the GPU.
 //! - [`resolution`]: how fine the images must be.
-//!
-//! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
+mod audit;
+#[cfg(feature = "plant")]
+pub mod by_branches;
 pub mod coarsen;
+mod error;
 pub mod first_costs;
 pub mod fit;
 pub mod fsa;
 pub mod meshopt;
+mod method;
+mod observe;
+mod options;
+mod passes;
+mod preset;
 pub mod resolution;
+mod run;
+pub mod select;
+mod sizes;
+mod stage;
 pub mod stochastic;
+mod target;
 pub mod vds;
+mod views;
+mod warning;
 
-pub use secateur_raster::measure::{lg, vmi};
+pub use error::Error;
+pub use method::Method;
+pub use observe::{Shown, observe};
+pub use options::{Alpha, Fitting, LeafTriangles, Options, Resolution};
+pub use passes::Passes;
+pub use preset::Preset;
+pub use run::{Simplified, Stopped, simplify, simplify_on, simplify_with, sphere_of};
+pub use stage::{Observer, Progress, Stage};
+pub use target::{Amount, Target};
+pub use views::Views;
+pub use warning::Warning;
+
+pub(crate) use secateur_raster::measure::{lg, vmi};

@@ -11,10 +11,14 @@
 //!
 //! With a weight w of 1 the area of the foliage is kept, with 0 no leaf grows.
 
-use secateur_model::{Foliage, LeafId, RemovalOrder, Step};
+use secateur_model::{Foliage, LeafId, PlantSkeleton, RemovalOrder, Step};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::select::{Select, Selection, Steps, Task, refuse};
 
 /// What can be chosen about stochastic pruning.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StochasticOptions {
     /// Which of the random orders.
     pub seed: u64,
@@ -28,6 +32,20 @@ impl Default for StochasticOptions {
             seed: 0,
             area_weight: 1.0,
         }
+    }
+}
+
+impl Select for StochasticOptions {
+    fn check(&self, _: &Foliage, _: Option<&PlantSkeleton>) -> Result<(), Error> {
+        match (0.0..=1.0).contains(&self.area_weight) {
+            true => Ok(()),
+            false => refuse("area weight", self.area_weight, "from 0 to 1"),
+        }
+    }
+
+    fn select(&self, task: &Task<'_>, _: &mut Steps<'_>) -> Result<Selection, Error> {
+        let leaves = task.target.leaves_to_stop_at(task.foliage);
+        Ok(Selection::unseen(simplify(task.foliage, leaves, self)))
     }
 }
 

@@ -9,8 +9,9 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use secateur_model::{Cutout, Foliage, LeafTriangle, Wrap};
 use secateur_raster::{CpuRasteriser, ViewSet};
+use secateur_simplify::Target;
 use secateur_simplify::vds::{
-    self, Reference, Resize, Stop, Ties, VdsOptions, VdsOutcome, ViewPlan,
+    self, Reference, Resize, Ties, VdsOptions, VdsOutcome, VdsRun, ViewPlan,
 };
 
 /// How leaves are scattered: each kind is hard in its own way.
@@ -120,10 +121,10 @@ fn crown(kind: Crown, leaves: usize, seed: u64) -> Foliage {
     foliage
 }
 
-fn both(foliage: &Foliage, options: &VdsOptions) -> (VdsOutcome, VdsOutcome) {
+fn both(foliage: &Foliage, job: &VdsRun) -> (VdsOutcome, VdsOutcome) {
     let go_on = &mut |_: vds::Progress| ControlFlow::Continue(());
-    let fast = vds::fast::simplify(foliage, options, &CpuRasteriser, go_on).unwrap();
-    let slow = vds::reference::simplify(foliage, options, go_on).unwrap();
+    let fast = vds::fast::simplify(foliage, job, &CpuRasteriser, go_on).unwrap();
+    let slow = vds::reference::simplify(foliage, job, go_on).unwrap();
     (fast, slow)
 }
 
@@ -180,19 +181,20 @@ proptest! {
     ) {
         let foliage = crown(kind, leaves, seed);
         let options = VdsOptions {
-            views: plan(&foliage, views),
-            resolution,
             reference,
             resize,
             neighbours,
             max_coverage,
             ties,
-            stop: Stop {
-                leaves: (kept * leaves as f64) as usize,
-                max_error_percent: max_error,
-            },
         };
-        let (fast, slow) = both(&foliage, &options);
+        let to_leaves = Target::leaves((kept * leaves as f64) as u64);
+        let job = VdsRun {
+            options,
+            views: plan(&foliage, views),
+            resolution,
+            target: max_error.map_or(to_leaves, Target::MaxErrorPercent),
+        };
+        let (fast, slow) = both(&foliage, &job);
         prop_assert_eq!(&fast.order.removed(), &slow.order.removed());
         prop_assert_eq!(fast, slow);
     }
@@ -203,9 +205,9 @@ proptest! {
 fn three_hundred_leaves_agree() {
     for (kind, seed, leaves) in [(Crown::Cutouts, 1, 270), (Crown::Walls, 2, 220)] {
         let foliage = crown(kind, 300, seed);
-        let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 24, leaves);
-        options.views = plan(&foliage, 6);
-        let (fast, slow) = both(&foliage, &options);
+        let mut job = VdsRun::to_leaves(ViewSet::new(Vec::new()), 24, leaves);
+        job.views = plan(&foliage, 6);
+        let (fast, slow) = both(&foliage, &job);
         assert_eq!(fast, slow, "{kind:?}");
     }
 }

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
 use secateur_raster::{AreaTable, RevealEdge, Scene, ViewSet, cpu};
 use secateur_simplify::first_costs;
-use secateur_simplify::lg::LgTable;
-use secateur_simplify::vmi::Vmi;
+use secateur_raster::measure::lg::LgTable;
+use secateur_raster::measure::vmi::Vmi;
 
 fn any_foliage() -> impl Strategy<Value = Foliage> {
     let unit = || [-1.0..1.0f64, -1.0..1.0, -1.0..1.0].prop_map(DVec3::from_array);

@@ -79,6 +79,17 @@ impl Vmi {
     }
 }
 
+/// An amount of information times pixels of a view, in units of 2^-27 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ScaledBits(pub i64);
+
+impl ScaledBits {
+    /// In bits, for views of `pixels_per_view` pixels.
+    pub fn bits(self, pixels_per_view: u32) -> f64 {
+        scaled_to_bits(self.0, pixels_per_view)
+    }
+}
+
 /// A scaled value, of views of `pixels_per_view` pixels, in bits.
 pub fn scaled_to_bits(scaled: i64, pixels_per_view: u32) -> f64 {
     scaled as f64 / (f64::from(pixels_per_view) * f64::from(1u32 << LG_FRACTION_BITS))

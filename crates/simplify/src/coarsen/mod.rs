@@ -15,6 +15,7 @@
 mod around;
 mod cards;
 mod leaf_mesh;
+mod pass;
 mod shapes;
 mod shares;
 mod sides;

@@ -41,7 +41,6 @@ pub const DEFAULT_OUTLINE_WEIGHT: f64 = 0.95;
 
 /// What sizes are fitted to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Objective {
     /// The number of pixels that show foliage in each block of 8 x 8 pixels of the images, and in
     /// all.

@@ -26,12 +26,16 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
-use secateur_model::{Foliage, LeafId, RemovalOrder, Step};
+use secateur_model::{Foliage, LeafId, PlantSkeleton, RemovalOrder, Step};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::select::{Select, Selection, Steps, Task, refuse};
 
 use leaf::{ActiveLeaf, distance_squared};
 
 /// What can be chosen about leaf collapse.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FsaOptions {
     /// w_d: above 0 and finite.
     pub distance_weight: f64,
@@ -45,6 +49,26 @@ impl Default for FsaOptions {
             distance_weight: 1.0,
             planarity_weight: 1.0,
         }
+    }
+}
+
+impl Select for FsaOptions {
+    fn check(&self, _: &Foliage, _: Option<&PlantSkeleton>) -> Result<(), Error> {
+        let (distance, planarity) = (self.distance_weight, self.planarity_weight);
+        if !(distance.is_finite() && distance > 0.0) {
+            return refuse("distance weight", distance, "above 0");
+        }
+        if !(planarity.is_finite() && planarity >= 0.0) {
+            return refuse("planarity weight", planarity, "from 0 upwards");
+        }
+        Ok(())
+    }
+
+    fn select(&self, task: &Task<'_>, steps: &mut Steps<'_>) -> Result<Selection, Error> {
+        let leaves = task.target.leaves_to_stop_at(task.foliage);
+        let at_most = task.foliage.leaves().len().saturating_sub(leaves);
+        let order = simplify(task.foliage, leaves, self, &mut |done| steps(done, at_most));
+        order.map(Selection::unseen).ok_or(Error::Stopped)
     }
 }
 

@@ -14,11 +14,17 @@ mod dilate;
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
 use rustc_hash::FxHashMap;
 use secateur_model::{
-    CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, RemovalOrder, Step,
+    CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, PlantSkeleton,
+    RemovalOrder, Step,
 };
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::select::{Select, Selection, Steps, Task};
 
 /// Which of meshoptimizer's simplifiers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// `simplify` with its option to drop small parts of the mesh.
     #[default]
@@ -31,12 +37,31 @@ pub enum Mode {
 }
 
 /// What can be chosen about the mesh simplifier.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeshoptOptions {
     /// Which simplifier.
     pub mode: Mode,
     /// Whether the border grows by the area that was lost.
     pub preserve_area: bool,
+}
+
+impl Select for MeshoptOptions {
+    fn check(&self, _: &Foliage, _: Option<&PlantSkeleton>) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// A target of leaves is one of as large a share of the triangles.
+    fn select(&self, task: &Task<'_>, _: &mut Steps<'_>) -> Result<Selection, Error> {
+        let (count, left) = match task.target.triangle_count(task.foliage) {
+            Some(left) => (task.foliage.triangles().len(), left),
+            None => (
+                task.foliage.leaves().len(),
+                task.target.leaves_to_stop_at(task.foliage),
+            ),
+        };
+        let share = left as f64 / count as f64;
+        Ok(Selection::unseen(simplify(task.foliage, share, *self)))
+    }
 }
 
 /// Reduces the foliage's triangles to this share, or as near to it as the

@@ -6,6 +6,7 @@
 //! every step; [`fast`] makes the very same choices without drawing.
 
 pub mod fast;
+mod methods;
 mod options;
 mod outcome;
 mod phases;
@@ -13,6 +14,7 @@ pub mod reference;
 mod resize;
 mod ties;
 
-pub use options::{Reference, Resize, Stop, Ties, VdsOptions, ViewPlan};
-pub use outcome::{Progress, Stopped, VdsError, VdsOutcome};
-pub use phases::final_views;
+pub use methods::{Fast, Literal};
+pub use options::{Reference, Resize, Ties, VdsOptions, VdsRun, ViewPlan};
+pub use outcome::{Progress, VdsError, VdsOutcome};
+pub(crate) use phases::final_views;

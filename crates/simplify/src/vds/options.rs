@@ -1,10 +1,14 @@
-//! What can be chosen about VDS; the defaults are those of the command line.
+//! What can be chosen about VDS.
 
 use secateur_model::BoundingSphere;
 use secateur_raster::ViewSet;
+use serde::{Deserialize, Serialize};
+
+use crate::Target;
 
 /// F of Eq. 4: the foliage that a candidate is compared with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Reference {
     /// The original foliage, as Algorithm 1 computes it once before its loop.
     #[default]
@@ -15,7 +19,8 @@ pub enum Reference {
 
 /// The share of a pruned leaf's area that its neighbours gain. Eq. 5 only says
 /// that it lies in 0..=1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Resize {
     /// The cost over the largest cost of any leaf in this step.
     #[default]
@@ -32,7 +37,8 @@ pub enum Resize {
 }
 
 /// Which of several leaves of the same least cost goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Ties {
     /// The lowest leaf number, as Algorithm 1's strict comparison has it.
     #[default]
@@ -52,54 +58,67 @@ pub enum ViewPlan {
     Variable(BoundingSphere),
 }
 
-/// When VDS stops.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
-    /// At this many leaves.
-    pub leaves: usize,
-    /// Before the first step after which the VMI error on the driving views
-    /// would exceed this many per cent.
-    pub max_error_percent: Option<f64>,
+impl ViewPlan {
+    /// The views that it begins with.
+    pub(crate) fn first(&self) -> ViewSet {
+        match self {
+            Self::Fixed(views) => views.clone(),
+            Self::Variable(sphere) => ViewSet::dodecahedron(*sphere),
+        }
+    }
 }
 
-/// The settings of a VDS run.
-#[derive(Clone, Debug, PartialEq)]
+/// How VDS chooses leaves and lets others grow. The defaults are a plain reading of the paper,
+/// with growth in proportion to cost.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VdsOptions {
-    /// Where it looks from.
-    pub views: ViewPlan,
-    /// Image width and height in pixels.
-    pub resolution: u32,
-    /// What candidates are compared with.
+    /// F of Eq. 4: what candidates are compared with.
     pub reference: Reference,
-    /// How much neighbours grow.
+    /// Eq. 5: the share of a pruned leaf's area that its neighbours gain.
     pub resize: Resize,
     /// How many nearest neighbours share the growth, at least 1.
     pub neighbours: usize,
-    /// Nothing grows while the views together show this many times as much
+    /// Nothing grows while the driving views together show this many times as much
     /// foliage as at first, in pixels, or more; at least 0, no limit if `None`.
     pub max_coverage: Option<f64>,
-    /// Which of equals goes.
+    /// Which of equally cheap leaves goes first.
     pub ties: Ties,
-    /// When to stop.
-    pub stop: Stop,
 }
 
-impl VdsOptions {
-    /// The defaults, with these views at this resolution, down to this many
-    /// leaves.
-    pub fn new(views: ViewSet, resolution: u32, leaves: usize) -> Self {
+impl Default for VdsOptions {
+    fn default() -> Self {
         Self {
-            views: ViewPlan::Fixed(views),
-            resolution,
             reference: Reference::default(),
             resize: Resize::default(),
             neighbours: 1,
             max_coverage: None,
             ties: Ties::default(),
-            stop: Stop {
-                leaves,
-                max_error_percent: None,
-            },
+        }
+    }
+}
+
+/// One run of VDS, as its two implementations take it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VdsRun {
+    /// How leaves are chosen.
+    pub options: VdsOptions,
+    /// Where it looks from.
+    pub views: ViewPlan,
+    /// Image width and height in pixels.
+    pub resolution: u32,
+    /// When to stop. With a number of triangles it goes on until whichever leaves are left have
+    /// no more than that.
+    pub target: Target,
+}
+
+impl VdsRun {
+    /// With the default options, from these views at this resolution, down to this many leaves.
+    pub fn to_leaves(views: ViewSet, resolution: u32, leaves: u64) -> Self {
+        Self {
+            options: VdsOptions::default(),
+            views: ViewPlan::Fixed(views),
+            resolution,
+            target: Target::leaves(leaves),
         }
     }
 }

@@ -14,17 +14,6 @@ pub struct Progress {
     pub steps_at_most: usize,
 }
 
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stopped {
-    /// The asked number of leaves is left.
-    AtLeafCount,
-    /// The asked number of triangles is left, or fewer.
-    AtTriangles,
-    /// One more step would exceed the asked error.
-    AtMaxError,
-}
-
 /// Why a run could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VdsError {
@@ -71,8 +60,8 @@ pub struct VdsOutcome {
     /// The cost of each step: the sum over the views of `P * |change of VMI|`,
     /// in units of 2^-27 bits (see [`vmi`](crate::vmi)).
     pub costs_scaled: Vec<i64>,
-    /// Why it ended.
-    pub stopped: Stopped,
+    /// Whether it ended since the next step would have exceeded the error asked for.
+    pub is_at_max_error: bool,
     /// The views of the last step.
     pub views: ViewSet,
     /// Areas of the foliage at the end in those views.

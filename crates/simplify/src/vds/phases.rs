@@ -1,8 +1,9 @@
 //! The view sets that a run goes through.
 
+use secateur_model::Foliage;
 use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, ViewSet};
 
-use super::{VdsError, VdsOptions, ViewPlan};
+use super::{VdsError, VdsOptions, VdsRun, ViewPlan};
 
 /// A stretch of a run with one view set.
 pub(crate) struct Phase {
@@ -11,18 +12,33 @@ pub(crate) struct Phase {
     pub leaves_at_end: usize,
 }
 
-/// The phases of a run over a foliage of `leaf_count` leaves, in order; the
-/// last ends at the leaf count asked for. There is always one.
-pub(crate) fn phases(options: &VdsOptions, leaf_count: usize) -> Result<Vec<Phase>, VdsError> {
+/// The phases of a run over a foliage, in order; the last ends at the number of leaves that the
+/// run goes down to. There is always one.
+pub(crate) fn phases(run: &VdsRun, foliage: &Foliage) -> Result<Vec<Phase>, VdsError> {
+    check_options(&run.options)?;
+    let fewest = run.target.fewest_leaves(foliage);
+    phases_down_to(&run.views, run.resolution, foliage.leaves().len(), fewest)
+}
+
+fn check_options(options: &VdsOptions) -> Result<(), VdsError> {
     if options.neighbours == 0 {
         return Err(VdsError::NoNeighbours);
     }
     let is_wrong = |max: &f64| max.is_nan() || *max < 0.0;
-    if let Some(max) = options.max_coverage.filter(is_wrong) {
-        return Err(VdsError::MaxCoverage(max));
+    match options.max_coverage.filter(is_wrong) {
+        Some(max) => Err(VdsError::MaxCoverage(max)),
+        None => Ok(()),
     }
-    let target = options.stop.leaves.min(leaf_count);
-    let phases = match &options.views {
+}
+
+fn phases_down_to(
+    plan: &ViewPlan,
+    resolution: u32,
+    leaf_count: usize,
+    leaves: usize,
+) -> Result<Vec<Phase>, VdsError> {
+    let target = leaves.min(leaf_count);
+    let phases = match plan {
         ViewPlan::Fixed(views) => vec![Phase {
             views: views.clone(),
             leaves_at_end: target,
@@ -49,7 +65,7 @@ pub(crate) fn phases(options: &VdsOptions, leaf_count: usize) -> Result<Vec<Phas
         }
     };
     for phase in &phases {
-        check(&phase.views, options.resolution)?;
+        check(&phase.views, resolution)?;
     }
     Ok(phases)
 }
@@ -62,18 +78,17 @@ pub(crate) fn final_phase(phases: &[Phase], leaves_left: usize) -> &Phase {
 }
 
 /// The views of the last step of a run that goes from `leaf_count` leaves to
-/// `leaves_left`, whatever its options say about the end.
+/// `leaves_left`.
 ///
 /// # Errors
-/// [`VdsError`] if the options are out of range.
-pub fn final_views(
-    options: &VdsOptions,
+/// [`VdsError`] if the resolution is out of range.
+pub(crate) fn final_views(
+    plan: &ViewPlan,
+    resolution: u32,
     leaf_count: usize,
     leaves_left: usize,
 ) -> Result<ViewSet, VdsError> {
-    let mut options = options.clone();
-    options.stop.leaves = leaves_left;
-    let phases = phases(&options, leaf_count)?;
+    let phases = phases_down_to(plan, resolution, leaf_count, leaves_left)?;
     Ok(final_phase(&phases, leaves_left.min(leaf_count))
         .views
         .clone())
@@ -105,10 +120,9 @@ mod tests {
             centre: glam::DVec3::ZERO,
             radius: 1.0,
         };
+        let variable = ViewPlan::Variable(sphere);
         let plan = |leaves| {
-            let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 64, leaves);
-            options.views = ViewPlan::Variable(sphere);
-            let phases = phases(&options, 1000).unwrap();
+            let phases = phases_down_to(&variable, 64, 1000, leaves).unwrap();
             phases
                 .iter()
                 .map(|p| (p.views.len(), p.leaves_at_end))
@@ -119,9 +133,7 @@ mod tests {
         assert_eq!(plan(950), [(20, 950)]);
         assert_eq!(plan(5000), [(20, 1000),], "nothing to do");
 
-        let mut options = VdsOptions::new(ViewSet::new(Vec::new()), 64, 0);
-        options.views = ViewPlan::Variable(sphere);
-        let views = |left| final_views(&options, 1000, left).unwrap().len();
+        let views = |left| final_views(&variable, 64, 1000, left).unwrap().len();
         assert_eq!([1000, 900, 899, 600, 100].map(views), [20, 20, 12, 8, 6]);
     }
 }

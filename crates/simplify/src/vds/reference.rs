@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId, Lod, RemovalOrder};
 use secateur_raster::{Scene, ViewSet, cpu};
 
-use super::outcome::{Progress, Stopped, VdsError, VdsOutcome};
+use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{final_phase, phases};
 use super::resize::{Pruned, covered_px, distance_squared, growths};
-use super::{Reference, VdsOptions};
+use super::{Reference, VdsOptions, VdsRun};
 use crate::lg::LgTable;
 use crate::vmi::{Vmi, error_percent};
 
@@ -25,7 +25,7 @@ use crate::vmi::{Vmi, error_percent};
 /// [`VdsError`] if the options are out of range or the run was broken off.
 pub fn simplify(
     foliage: &Foliage,
-    options: &VdsOptions,
+    run: &VdsRun,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<VdsOutcome, VdsError> {
     let leaf_count = foliage.leaves().len();
@@ -33,15 +33,21 @@ pub fn simplify(
     let mut lod = Lod::original(leaf_count);
     let mut order = RemovalOrder::new(leaf_count as u32);
     let mut costs_scaled = Vec::new();
-    let mut stopped = Stopped::AtLeafCount;
-    let phases = phases(options, leaf_count)?;
-    let steps_at_most = leaf_count - options.stop.leaves.min(leaf_count);
+    let mut is_at_max_error = false;
+    let phases = phases(run, foliage)?;
+    let (options, resolution) = (&run.options, run.resolution);
+    let steps_at_most = leaf_count - run.target.fewest_leaves(foliage).min(leaf_count);
     'run: for phase in &phases {
-        let look = |lod: &Lod| Look::at(foliage, lod, &phase.views, options.resolution, &table);
+        let look = |lod: &Lod| Look::at(foliage, lod, &phase.views, resolution, &table);
         let original = look(&Lod::original(leaf_count));
         while lod.leaf_count() > phase.leaves_at_end {
             let choice = choose(options, &lod, &original.vmi, &look);
-            let share = options.share(choice.pruned, original.covered_px, || choice.largest_cost);
+            let share = options.share(
+                choice.pruned,
+                resolution * resolution,
+                original.covered_px,
+                || choice.largest_cost,
+            );
             let nearest = nearest(foliage, &lod, choice.pruned.leaf, options.neighbours);
             let grown = growths(foliage, &lod, choice.pruned.leaf, share, &nearest);
             let before = lod.clone();
@@ -49,12 +55,12 @@ pub fn simplify(
             for growth in &grown {
                 lod.resize(growth.leaf, growth.area_scale);
             }
-            if let Some(max) = options.stop.max_error_percent {
+            if let Some(max) = run.target.max_error_percent() {
                 let now = look(&lod).vmi;
                 let deviation = deviations(&original.vmi, &now).map(i64::abs).sum();
                 if error_percent(deviation, original.vmi.scaled().iter().sum()) > max {
                     lod = before;
-                    stopped = Stopped::AtMaxError;
+                    is_at_max_error = true;
                     break 'run;
                 }
             }
@@ -76,7 +82,7 @@ pub fn simplify(
         foliage,
         lod,
         views: &last.views,
-        resolution: options.resolution,
+        resolution,
     };
     let areas = cpu::areas(&scene(&lod));
     Ok(VdsOutcome {
@@ -85,7 +91,7 @@ pub fn simplify(
         areas,
         order,
         costs_scaled,
-        stopped,
+        is_at_max_error,
         views: last.views.clone(),
     })
 }

@@ -31,16 +31,14 @@ impl VdsOptions {
     pub(crate) fn share(
         &self,
         pruned: Pruned,
+        pixels_per_view: u32,
         covered_original_px: u64,
         largest_cost: impl FnOnce() -> i64,
     ) -> f64 {
         let most_px = |max: f64| max * covered_original_px as f64;
         match self.max_coverage.map(most_px) {
             Some(most) if pruned.covered_px as f64 >= most => 0.0,
-            _ => {
-                let pixels_per_view = self.resolution * self.resolution;
-                self.resize.share(pruned, pixels_per_view, largest_cost)
-            }
+            _ => self.resize.share(pruned, pixels_per_view, largest_cost),
         }
     }
 }

@@ -42,9 +42,9 @@ use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
 
 use self::candidates::Found;
 use self::stage::Stage;
-use super::VdsOptions;
-use super::outcome::{Progress, Stopped, VdsError, VdsOutcome};
+use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{Phase, final_phase, phases};
+use super::{VdsOptions, VdsRun};
 use crate::lg::LgTable;
 use crate::vmi::Vmi;
 
@@ -65,45 +65,56 @@ pub const MAX_CORES: usize = 4;
 /// run was broken off.
 pub fn simplify(
     foliage: &Foliage,
-    options: &VdsOptions,
+    job: &VdsRun,
     rasteriser: &dyn Rasteriser,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<VdsOutcome, VdsError> {
     let leaf_count = foliage.leaves().len();
-    let phases = phases(options, leaf_count)?;
+    let phases = phases(job, foliage)?;
+    let leaves_at_end = job.target.fewest_leaves(foliage).min(leaf_count);
     let table = LgTable::new();
     let cores = rayon::current_num_threads().min(MAX_CORES);
     let mut run = Run {
         foliage,
-        options,
+        options: &job.options,
+        resolution: job.resolution,
+        max_error_percent: job.target.max_error_percent(),
         rasteriser,
         table: &table,
         lod: Lod::original(leaf_count),
         order: RemovalOrder::new(leaf_count as u32),
         costs_scaled: Vec::new(),
-        steps_at_most: leaf_count - options.stop.leaves.min(leaf_count),
+        steps_at_most: leaf_count - leaves_at_end,
         progress,
     };
     for phase in &phases {
         let mut stage = Stage::new(&run, &phase.views, cores)?;
-        let stopped = stage.prune_down_to(&mut run, phase.leaves_at_end)?;
-        let is_last = phase.leaves_at_end == options.stop.leaves.min(leaf_count);
-        match stopped {
+        let ended = stage.prune_down_to(&mut run, phase.leaves_at_end)?;
+        let is_last = phase.leaves_at_end == leaves_at_end;
+        match ended {
             // The stage has gone one step too far.
-            Stopped::AtMaxError => return run.outcome_from_scratch(&phases),
-            Stopped::AtLeafCount | Stopped::AtTriangles if is_last => {
-                return Ok(run.outcome(stage));
-            }
-            Stopped::AtLeafCount | Stopped::AtTriangles => {}
+            Ended::BeyondMaxError => return run.outcome_from_scratch(&phases),
+            Ended::AtLeafCount if is_last => return Ok(run.outcome(stage)),
+            Ended::AtLeafCount => {}
         }
     }
     unreachable!("the last phase ends at the target")
+}
+
+/// Why no more leaves go from a set of views.
+enum Ended {
+    /// The number of leaves that the phase goes down to is left.
+    AtLeafCount,
+    /// The last step exceeded the error asked for.
+    BeyondMaxError,
 }
 
 /// What lasts over all phases.
 struct Run<'a> {
     foliage: &'a Foliage,
     options: &'a VdsOptions,
+    resolution: u32,
+    max_error_percent: Option<f64>,
     rasteriser: &'a dyn Rasteriser,
     table: &'a LgTable,
     lod: Lod,
@@ -119,7 +130,7 @@ impl<'a> Run<'a> {
             foliage: self.foliage,
             lod,
             views,
-            resolution: self.options.resolution,
+            resolution: self.resolution,
         }
     }
 
@@ -143,7 +154,7 @@ impl<'a> Run<'a> {
         VdsOutcome {
             order: self.order,
             costs_scaled: self.costs_scaled,
-            stopped: Stopped::AtLeafCount,
+            is_at_max_error: false,
             views: stage.views.clone(),
             vmi_final: Vmi::of(&areas, self.table),
             vmi_original: stage.vmi_original,
@@ -159,7 +170,7 @@ impl<'a> Run<'a> {
         Ok(VdsOutcome {
             order: self.order,
             costs_scaled: self.costs_scaled,
-            stopped: Stopped::AtMaxError,
+            is_at_max_error: true,
             vmi_original: Vmi::of(&areas_original, self.table),
             vmi_final: Vmi::of(&areas, self.table),
             areas,

@@ -11,8 +11,8 @@ use super::pane::Pane;
 use super::shard::{Finds, Shard};
 use super::shared::{Job, Shared};
 use super::split::Split;
-use super::{Run, leaf_id};
-use crate::vds::outcome::{Progress, Stopped, VdsError};
+use super::{Ended, Run, leaf_id};
+use crate::vds::outcome::{Progress, VdsError};
 use crate::vds::resize::{Pruned, covered_px, growths};
 use crate::vds::{Reference, Resize, VdsOptions};
 use crate::vmi::{Vmi, error_percent};
@@ -98,7 +98,7 @@ impl<'a> Stage<'a> {
         &mut self,
         run: &mut Run<'_>,
         leaves: usize,
-    ) -> Result<Stopped, VdsError> {
+    ) -> Result<Ended, VdsError> {
         let Self {
             vmi_original,
             shared,
@@ -115,8 +115,8 @@ impl<'a> Stage<'a> {
                     let finds = lead.pick(run.options, shared, crew);
                     let grown = lead.grow(run, shared, finds);
                     lead.apply(shared, crew, finds.cheapest.leaf, &grown);
-                    if lead.error_is_over(run.options, shared, vmi_original) {
-                        return Ok(Stopped::AtMaxError);
+                    if lead.error_is_over(run.max_error_percent, shared, vmi_original) {
+                        return Ok(Ended::BeyondMaxError);
                     }
                     run.record(finds.cheapest, &grown);
                     left -= 1;
@@ -128,7 +128,7 @@ impl<'a> Stage<'a> {
                         return Err(VdsError::Cancelled);
                     }
                 }
-                Ok(Stopped::AtLeafCount)
+                Ok(Ended::AtLeafCount)
             },
         )
     }
@@ -184,7 +184,11 @@ impl Lead {
             },
         };
         let original_px = self.covered_original_px;
-        let share = run.options.share(pruned, original_px, || finds.largest);
+        let share = run
+            .options
+            .share(pruned, run.resolution * run.resolution, original_px, || {
+                finds.largest
+            });
         self.neighbours.remove(leaf);
         if share == 0.0 {
             return Vec::new();
@@ -203,8 +207,13 @@ impl Lead {
         self.pruned = Some(leaf);
     }
 
-    fn error_is_over(&self, options: &VdsOptions, shared: &Shared<'_>, vmi_original: &Vmi) -> bool {
-        let Some(max) = options.stop.max_error_percent else {
+    fn error_is_over(
+        &self,
+        max_percent: Option<f64>,
+        shared: &Shared<'_>,
+        vmi_original: &Vmi,
+    ) -> bool {
+        let Some(max) = max_percent else {
             return false;
         };
         let deviation = |counts: &Counts<'_>| counts.deviations().iter().map(|d| d.abs()).sum();

@@ -5,24 +5,27 @@ use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::CpuRasteriser;
 
 use super::super::phases::phases;
-use super::super::{Reference, Resize, Stop, Ties};
+use super::super::{Reference, Resize, Ties};
 use super::*;
+use crate::Target;
 
 fn assert_every_pick_is_the_cheapest(
     leaf_count: u32,
     resolution: u32,
     cores: usize,
-    change: fn(&mut VdsOptions),
+    change: fn(&mut VdsRun),
 ) {
     let crown = ellipsoid_crown(leaf_count, 3, &EllipsoidCrown::default()).unwrap();
     let views = ViewSet::dodecahedron(crown.bounding_sphere().unwrap());
-    let mut options = VdsOptions::new(views, resolution, leaf_count as usize / 50);
-    change(&mut options);
-    let phases = phases(&options, leaf_count as usize).unwrap();
+    let mut job = VdsRun::to_leaves(views, resolution, u64::from(leaf_count) / 50);
+    change(&mut job);
+    let phases = phases(&job, &crown).unwrap();
     let table = LgTable::new();
     let mut run = Run {
         foliage: &crown,
-        options: &options,
+        options: &job.options,
+        resolution: job.resolution,
+        max_error_percent: job.target.max_error_percent(),
         rasteriser: &CpuRasteriser,
         table: &table,
         lod: Lod::original(leaf_count as usize),
@@ -32,10 +35,10 @@ fn assert_every_pick_is_the_cheapest(
         progress: &mut |_| ControlFlow::Continue(()),
     };
     let mut stage = Stage::new(&run, &phases[0].views, cores).unwrap();
-    for step in 0..leaf_count as usize - options.stop.leaves {
+    for step in 0..leaf_count as usize - job.target.fewest_leaves(&crown) {
         let (finds, expected) = stage.step_and_exhaustively(&mut run);
         assert_eq!(finds.cheapest, expected.cheapest, "step {step}");
-        if options.resize == Resize::Normalised {
+        if job.options.resize == Resize::Normalised {
             assert_eq!(finds.largest, expected.largest, "step {step}");
         }
     }
@@ -48,7 +51,7 @@ fn where_leaves_are_specks() {
 
 #[test]
 fn where_leaves_cover_many_pixels() {
-    assert_every_pick_is_the_cheapest(1500, 128, 1, |options| options.ties = Ties::Spread);
+    assert_every_pick_is_the_cheapest(1500, 128, 1, |job| job.options.ties = Ties::Spread);
 }
 
 #[test]
@@ -60,19 +63,16 @@ fn where_hardly_a_pixel_is_background() {
 
 #[test]
 fn where_nothing_grows() {
-    assert_every_pick_is_the_cheapest(3000, 64, 4, |options| {
-        options.resize = Resize::None;
-        options.reference = Reference::Previous;
+    assert_every_pick_is_the_cheapest(3000, 64, 4, |job| {
+        job.options.resize = Resize::None;
+        job.options.reference = Reference::Previous;
     });
 }
 
 #[test]
 fn where_growth_is_full() {
-    assert_every_pick_is_the_cheapest(3000, 96, 2, |options| {
-        options.resize = Resize::Full;
-        options.stop = Stop {
-            leaves: 300,
-            max_error_percent: None,
-        };
+    assert_every_pick_is_the_cheapest(3000, 96, 2, |job| {
+        job.options.resize = Resize::Full;
+        job.target = Target::leaves(300);
     });
 }

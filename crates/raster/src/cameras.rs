@@ -4,13 +4,22 @@ use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
-use secateur_raster::{View, ViewError, ViewSet};
 use serde::Deserialize;
 
-use crate::Error;
+use crate::{View, ViewError, ViewSet};
 
 /// A megabyte holds thousands of cameras; VDS wants tens.
 const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// A camera file is not what it should be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{file}: {reason}")]
+pub struct CamerasError {
+    /// The file, or what else errors should call it.
+    pub file: String,
+    /// What is wrong, and where.
+    pub reason: String,
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,10 +51,10 @@ struct Camera {
 /// target.
 ///
 /// # Errors
-/// [`Error::Cameras`] with the file's name, the camera and what is wrong.
-pub fn read_cameras(path: &Path) -> Result<ViewSet, Error> {
+/// [`CamerasError`] with the file's name, the camera and what is wrong.
+pub fn read_cameras(path: &Path) -> Result<ViewSet, CamerasError> {
     let name = path.display().to_string();
-    let failed = |reason: String| Error::Cameras {
+    let failed = |reason: String| CamerasError {
         file: name.clone(),
         reason,
     };
@@ -63,9 +72,9 @@ pub fn read_cameras(path: &Path) -> Result<ViewSet, Error> {
 /// errors call it.
 ///
 /// # Errors
-/// [`Error::Cameras`].
-pub fn cameras_from_json(name: &str, text: &str) -> Result<ViewSet, Error> {
-    let failed = |reason: String| Error::Cameras {
+/// [`CamerasError`].
+pub fn cameras_from_json(name: &str, text: &str) -> Result<ViewSet, CamerasError> {
+    let failed = |reason: String| CamerasError {
         file: name.to_owned(),
         reason,
     };
@@ -77,7 +86,8 @@ pub fn cameras_from_json(name: &str, text: &str) -> Result<ViewSet, Error> {
     let view = |(index, camera): (usize, &Camera)| {
         view_of(camera).map_err(|e| failed(format!("cameras[{index}]: {e}")))
     };
-    let views: Result<Vec<View>, Error> = file.cameras.iter().enumerate().map(view).collect();
+    let views: Result<Vec<View>, CamerasError> =
+        file.cameras.iter().enumerate().map(view).collect();
     Ok(ViewSet::new(views?))
 }
 

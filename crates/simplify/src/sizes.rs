@@ -1,15 +1,13 @@
-//! The last step: sizes of what is left, fitted to the original.
+//! The pass that fits the sizes of what is left to the original.
 
 use std::ops::ControlFlow;
 
-use secateur_model::{BoundingSphere, Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
+use secateur_model::{BoundingSphere, Foliage, Lod};
 use secateur_raster::ViewSet;
-use secateur_simplify::fit::{Fit, Objective, fit};
-use secateur_simplify::vds::{VdsOptions, VdsOutcome, ViewPlan};
 
-use crate::baseline;
-use crate::settings::Goal;
-use crate::{Error, Fitting, OpenEngine, Views};
+use crate::fit::{Fit, Objective, fit};
+use crate::select::Steps;
+use crate::{Error, Fitting, Views};
 
 /// Sizes are fitted in images of at least this many pixels a side, that of the
 /// judging views: what is good for coarser ones is too large in finer ones.
@@ -31,73 +29,51 @@ pub(crate) fn is_fit_spared(
 ) -> bool {
     let is_enough = match objective {
         Objective::Information { .. } => unfitted_percent <= FREE_ERROR_PERCENT,
-        _ => true,
+        Objective::Coverage => true,
     };
     fit == Fitting::Auto && shows_the_same && is_enough
 }
 
 /// How sizes are fitted.
-pub(crate) struct Fitted<'a> {
+pub(crate) struct SizePass {
     pub(crate) views: Vec<ViewSet>,
     pub(crate) objective: Objective,
-    pub(crate) goal: Goal,
-    /// Those of the run.
-    pub(crate) options: &'a VdsOptions,
+    /// Of the driving views, in pixels.
+    pub(crate) driving_resolution: u32,
 }
 
-impl Fitted<'_> {
+impl SizePass {
     /// Information is lost at other resolutions than that of the driving views; coverage is
     /// not.
     fn least_resolution(&self) -> u32 {
         match self.objective {
-            Objective::Information { .. } => self.options.resolution,
-            _ => LEAST_RESOLUTION,
+            Objective::Information { .. } => self.driving_resolution,
+            Objective::Coverage => LEAST_RESOLUTION,
         }
     }
 
-    /// An outcome with a step more, in which leaves take the sizes that fit best; itself
-    /// where that changes nothing, or would exceed the error that is asked for.
-    /// `progress` gets leaves tried and to be tried at most.
-    pub(crate) fn of(
+    /// By what the area of each leaf that is left is to be multiplied, in the order of
+    /// [`Lod::all_leaves`]; nothing if all leaves keep their sizes. `steps` gets leaves tried and
+    /// to be tried at most.
+    pub(crate) fn factors(
         &self,
         foliage: &Foliage,
-        outcome: VdsOutcome,
-        engine: &OpenEngine,
-        progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-    ) -> Result<VdsOutcome, Error> {
-        let lod = Lod::after(&outcome.order, outcome.order.len());
-        let left = lod.foliage(foliage);
+        lod: &Lod,
+        steps: &mut Steps<'_>,
+    ) -> Result<Option<Vec<f64>>, Error> {
         let way = Fit {
             original: foliage,
-            left: &left,
+            left: &lod.foliage(foliage),
             views: &self.views,
             resolution: resolution(self.least_resolution(), &self.views),
             objective: self.objective,
         };
-        let ControlFlow::Continue(factors) = fit(&way, progress) else {
-            return Err(Error::Stopped);
-        };
-        let Some(order) = with_sizes(&outcome.order, &lod, &factors) else {
-            return Ok(outcome);
-        };
-        let options = VdsOptions {
-            views: ViewPlan::Fixed(outcome.views.clone()),
-            ..self.options.clone()
-        };
-        // What is left is settled.
-        let settled = Goal::Leaves(left.leaves().len());
-        let mut better = baseline::outcome(foliage, order, settled, &options, engine)?;
-        if let Goal::MaxError(percent) = self.goal
-            && better.vmi_original.error_percent(&better.vmi_final) > percent
-        {
-            return Ok(outcome);
+        match fit(&way, steps) {
+            ControlFlow::Continue(factors) => {
+                Ok(factors.iter().any(|f| *f != 1.0).then_some(factors))
+            }
+            ControlFlow::Break(()) => Err(Error::Stopped),
         }
-        better.stopped = outcome.stopped;
-        better.costs_scaled = outcome.costs_scaled;
-        if better.costs_scaled.len() + 1 == better.order.len() {
-            better.costs_scaled.push(0);
-        }
-        Ok(better)
     }
 }
 
@@ -125,7 +101,7 @@ pub(crate) fn fitting_views(
                     sets.push(ViewSet::octahedron(sphere));
                     sets
                 }
-                _ => Vec::new(),
+                Objective::Coverage => Vec::new(),
             };
             sets.push(ViewSet::cuboctahedron(sphere));
             sets.retain(|set| set != driving);
@@ -141,40 +117,6 @@ fn resolution(driving: u32, sets: &[ViewSet]) -> u32 {
     u64::from(driving.max(LEAST_RESOLUTION)).min(most) as u32
 }
 
-/// The order with a step more, after which the areas of what is left are multiplied by
-/// these factors; nothing if all are 1.
-fn with_sizes(order: &RemovalOrder, lod: &Lod, factors: &[f64]) -> Option<RemovalOrder> {
-    let survivors_area_scale = order
-        .steps()
-        .last()
-        .map_or(1.0, |step| step.survivors_area_scale);
-    let is_original = |leaf: LeafId| leaf.index() < lod.area_scales().len();
-    let sized = |((leaf, area_scale), &factor): ((LeafId, f64), &f64)| {
-        // Survivors are scaled after their own growth.
-        let common = if is_original(leaf) {
-            survivors_area_scale
-        } else {
-            1.0
-        };
-        (factor != 1.0).then_some(Growth {
-            leaf,
-            area_scale: area_scale / common * factor,
-        })
-    };
-    let grown: Vec<Growth> = lod.all_leaves().zip(factors).filter_map(sized).collect();
-    if grown.is_empty() {
-        return None;
-    }
-    let mut order = order.clone();
-    order.push_step(Step {
-        removed: &[],
-        grown: &grown,
-        made: &[],
-        survivors_area_scale,
-    });
-    Some(order)
-}
-
 #[cfg(test)]
 mod tests {
     use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
@@ -183,8 +125,10 @@ mod tests {
     use secateur_raster::View;
 
     use super::*;
-    use crate::{
-        Fitting, LeafTriangles, Method, Resolution, Simplified, Simplify, Target, simplify,
+    use crate::fsa::FsaOptions;
+    use crate::stochastic::StochasticOptions;
+    use crate::{Passes, Warning,
+        Fitting, LeafTriangles, Method, Options, Resolution, Simplified, Target, simplify,
     };
 
     const INFORMATION: Objective = Objective::Information {
@@ -195,22 +139,30 @@ mod tests {
         ellipsoid_crown(200, 11, &EllipsoidCrown::default()).unwrap()
     }
 
-    fn to(target: Target) -> Simplify {
-        Simplify {
+    fn to(target: Target) -> Options {
+        Options {
             resolution: Resolution::Pixels(32),
             fit: Fitting::Weight(2.0),
             audit: true,
-            ..Simplify::to(target)
+            ..Options::to(target)
         }
     }
 
-    fn run(settings: &Simplify) -> Simplified {
-        simplify(&crown(), settings, &mut |_| ControlFlow::Continue(())).unwrap()
+    fn stochastic() -> Method {
+        Method::Stochastic(StochasticOptions::default())
+    }
+
+    fn fsa() -> Method {
+        Method::Fsa(FsaOptions::default())
+    }
+
+    fn run(settings: &Options) -> Simplified {
+        simplify(&crown(), settings).unwrap()
     }
 
     /// The result, and what the same run is without a fit.
-    fn with_and_without(settings: Simplify) -> (Simplified, Simplified) {
-        let without = Simplify {
+    fn with_and_without(settings: Options) -> (Simplified, Simplified) {
+        let without = Options {
             fit: Fitting::None,
             ..settings.clone()
         };
@@ -236,48 +188,55 @@ mod tests {
 
     #[test]
     fn it_is_a_step_more_in_which_no_leaf_goes() {
-        let triangles = Simplify {
+        let triangles = Options {
             leaf_triangles: LeafTriangles::AtMost(1),
-            ..to(Target::Ratio(0.25))
+            ..to(Target::leaf_share(0.25))
         };
-        let stochastic = Simplify {
-            method: Method::Stochastic,
-            ..to(Target::Ratio(0.25))
+        let stochastic = Options {
+            method: stochastic(),
+            ..to(Target::leaf_share(0.25))
         };
-        let fsa = Simplify {
-            method: Method::Fsa,
-            ..to(Target::Ratio(0.25))
+        let fsa = Options {
+            method: fsa(),
+            ..to(Target::leaf_share(0.25))
         };
-        let share = to(Target::TriangleRatio(0.25));
-        for settings in [to(Target::Ratio(0.25)), share, triangles, stochastic, fsa] {
+        let share = to(Target::triangle_share(0.25));
+        for settings in [
+            to(Target::leaf_share(0.25)),
+            share,
+            triangles,
+            stochastic,
+            fsa,
+        ] {
             let (fitted, plain) = with_and_without(settings);
-            let steps = plain.order.len();
-            assert_eq!(fitted.order.len(), steps + 1);
-            assert!(fitted.is_fitted && !plain.is_fitted);
-            let last = fitted.order.steps().last().unwrap();
+            assert!(fitted.passes.sizes.is_some() && plain.passes.sizes.is_none());
+            let [with, without] = [&fitted, &plain].map(|run| run.passes.in_one_order());
+            assert_eq!(with.len(), without.len() + 1);
+            let last = with.steps().last().unwrap();
             assert!(last.removed.is_empty() && last.made.is_empty());
             // All before is as it was.
-            assert_eq!(Lod::after(&fitted.order, steps), plain.lod);
+            assert_eq!(fitted.passes.order, plain.passes.order);
+            assert_eq!(Lod::after(&with, without.len()), plain.lod);
             assert_eq!(fitted.lod.leaf_count(), plain.lod.leaf_count());
             assert_eq!(fitted.stopped, plain.stopped);
-            if !plain.costs_scaled.is_empty() {
-                assert_eq!(fitted.costs_scaled.len(), steps + 1);
-                assert_eq!(fitted.costs_scaled[steps], 0);
-            }
+            assert_eq!(fitted.costs, plain.costs);
         }
     }
 
     #[test]
     fn factors_apply_to_the_sizes_that_leaves_have() {
         // Leaves of FSA are made, and go again.
-        for method in [Method::Stochastic, Method::Fsa] {
-            let (_, plain) = with_and_without(Simplify {
+        for method in [stochastic(), fsa()] {
+            let (_, plain) = with_and_without(Options {
                 method,
-                ..to(Target::Leaves(20))
+                ..to(Target::leaves(20))
             });
             let factors: Vec<f64> = (1..=20).map(f64::from).collect();
-            let order = with_sizes(&plain.order, &plain.lod, &factors).unwrap();
-            let sized = Lod::after(&order, order.len());
+            let sized = Passes {
+                sizes: Some(factors.clone()),
+                ..plain.passes.clone()
+            };
+            let sized = sized.lod();
             let areas = |lod: &Lod| {
                 let left = lod.foliage(&crown());
                 left.leaves().iter().map(|l| l.area()).collect::<Vec<_>>()
@@ -285,7 +244,6 @@ mod tests {
             for (k, (before, after)) in areas(&plain.lod).iter().zip(areas(&sized)).enumerate() {
                 assert!((after / before / factors[k] - 1.0).abs() < 1e-9, "{k}");
             }
-            assert!(with_sizes(&plain.order, &plain.lod, &[1.0; 20]).is_none());
         }
     }
 
@@ -294,16 +252,15 @@ mod tests {
         let mut refused = 0;
         for percent in [0.5, 5.0, 40.0] {
             // An outline alone may cost information.
-            let (fitted, plain) = with_and_without(Simplify {
+            let (fitted, plain) = with_and_without(Options {
                 fit: Fitting::Weight(100.0),
-                ..to(Target::MaxError(percent))
+                ..to(Target::MaxErrorPercent(percent))
             });
             assert!(fitted.driving_error_percent() <= percent);
-            if fitted.order == plain.order {
+            if fitted.passes.sizes.is_none() {
                 refused += 1;
-                assert!(!fitted.is_fitted);
-                let says = |w: &String| w.starts_with("leaves keep their sizes");
-                assert!(fitted.warnings.iter().any(says));
+                assert_eq!(fitted.passes.order, plain.passes.order);
+                assert!(fitted.warnings.contains(&Warning::NothingToFit));
             }
         }
         assert!(refused > 0);
@@ -377,11 +334,11 @@ mod tests {
     #[test]
     fn a_weight_out_of_range_is_refused() {
         for weight in [-1.0, 100.5, f64::NAN] {
-            let settings = Simplify {
+            let settings = Options {
                 fit: Fitting::Weight(weight),
-                ..to(Target::Leaves(20))
+                ..to(Target::leaves(20))
             };
-            let error = simplify(&crown(), &settings, &mut |_| ControlFlow::Continue(()));
+            let error = simplify(&crown(), &settings);
             let error = error.unwrap_err().to_string();
             assert!(error.contains("weight of the outline"), "{error}");
         }

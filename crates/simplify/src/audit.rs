@@ -1,8 +1,8 @@
 //! The final foliage drawn again, another way, and compared.
 
-use secateur_raster::{AreaTable, Scene, cpu};
+use secateur_raster::{AreaTable, OpenEngine, Scene, cpu};
 
-use crate::{Error, OpenEngine};
+use crate::Error;
 
 /// Rasterises the scene from scratch by the path that `engine` does not use and
 /// compares the areas. Returns what it was compared with.
@@ -37,8 +37,9 @@ fn audit_first_costs(
     device: &secateur_raster::gpu::Device,
     scene: &Scene<'_>,
 ) -> Result<(), Error> {
+    use crate::first_costs;
     use secateur_raster::gpu;
-    use secateur_simplify::{first_costs, lg::LgTable};
+    use secateur_raster::measure::lg::LgTable;
 
     let original = secateur_model::Lod::original(scene.foliage.leaves().len());
     let scene = Scene {

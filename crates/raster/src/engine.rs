@@ -2,17 +2,30 @@
 
 use std::sync::OnceLock;
 
-use secateur_raster::{AreaTable, CpuRasteriser, Fragments, RasterError, Rasteriser, Scene};
+use serde::{Deserialize, Serialize};
 
 #[cfg(feature = "gpu")]
-use secateur_raster::gpu::{Device, Preference};
-
-use crate::{Engine, Error};
+use crate::gpu::{Device, Preference};
+use crate::{AreaTable, CpuRasteriser, Fragments, RasterError, Rasteriser, Scene};
 
 /// From how many triangles times views on a hardware GPU is worth opening: it
 /// takes some tenths of a second, in which two CPU cores rasterise about as many.
 #[cfg(feature = "gpu")]
 const WORTH_A_GPU: u64 = 2_000_000;
+
+/// Where leaves are rasterised; the results are the same, bit for bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Engine {
+    /// A hardware GPU if there is one and the foliage is large enough to gain
+    /// by it, else the CPU. Never a software driver.
+    #[default]
+    Auto,
+    /// A GPU, or an error; software drivers are allowed.
+    Gpu,
+    /// The CPU.
+    Cpu,
+}
 
 /// An engine at work.
 ///
@@ -35,7 +48,7 @@ impl OpenEngine {
 
     /// The GPU, if that is the engine.
     #[cfg(feature = "gpu")]
-    pub(crate) fn device(&self) -> Option<&Device> {
+    pub fn device(&self) -> Option<&Device> {
         self.device.as_ref()
     }
 
@@ -44,8 +57,8 @@ impl OpenEngine {
     /// a GPU.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if [`Engine::Gpu`] is asked for and there is none.
-    pub fn open(engine: Engine, triangle_views: u64) -> Result<Self, Error> {
+    /// [`RasterError`] if [`Engine::Gpu`] is asked for and there is none.
+    pub fn open(engine: Engine, triangle_views: u64) -> Result<Self, RasterError> {
         match engine {
             Engine::Cpu => Ok(Self::cpu()),
             Engine::Gpu => Self::open_gpu(),
@@ -54,18 +67,13 @@ impl OpenEngine {
     }
 
     #[cfg(feature = "gpu")]
-    fn open_gpu() -> Result<Self, Error> {
-        let device = Device::find(Preference::Any);
-        device
-            .map(Self::on_device)
-            .map_err(|e| Error::Gpu(e.to_string()))
+    fn open_gpu() -> Result<Self, RasterError> {
+        Ok(Self::on_device(Device::find(Preference::Any)?))
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn open_gpu() -> Result<Self, Error> {
-        Err(Error::Gpu(
-            "this secateur was built without the feature `gpu`; run on the CPU".to_owned(),
-        ))
+    fn open_gpu() -> Result<Self, RasterError> {
+        Err("this secateur was built without the feature `gpu`; run on the CPU".into())
     }
 
     #[cfg(feature = "gpu")]
@@ -98,7 +106,7 @@ impl OpenEngine {
     }
 
     /// The same, but where the GPU fails (lost, out of memory) the CPU takes
-    /// over and [`warning`](Self::warning) says so, as under [`Engine::Auto`].
+    /// over and [`failure`](Self::failure) says why, as under [`Engine::Auto`].
     pub fn falling_back(self) -> Self {
         Self {
             falls_back: true,
@@ -134,10 +142,9 @@ impl OpenEngine {
         None
     }
 
-    /// Why the CPU took over, in a sentence.
-    pub fn warning(&self) -> Option<String> {
-        let reason = self.failure.get()?;
-        Some(format!("the GPU failed and the CPU took over: {reason}"))
+    /// Why the GPU failed and the CPU took over, if it did.
+    pub fn failure(&self) -> Option<String> {
+        self.failure.get().cloned()
     }
 
     /// What rasterises now.
@@ -177,9 +184,9 @@ impl Rasteriser for OpenEngine {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
+    use crate::{ViewSet, cpu};
     use glam::DVec3;
     use secateur_model::{Foliage, LeafTriangle, Lod};
-    use secateur_raster::{ViewSet, cpu};
 
     #[test]
     fn the_cpu_takes_over_where_the_gpu_fails() {
@@ -202,12 +209,12 @@ mod tests {
         // Not one row of a view fits a binding of 16 bytes.
         let strict = OpenEngine::on_device(device.with_binding_limit(16));
         assert!(strict.fragments(&scene).is_err());
-        assert_eq!((strict.name(), strict.warning()), ("gpu", None));
+        assert_eq!((strict.name(), strict.failure()), ("gpu", None));
 
         let lenient = strict.falling_back();
         assert_eq!(lenient.fragments(&scene).unwrap(), cpu::fragments(&scene));
         assert_eq!(lenient.areas(&scene).unwrap(), cpu::areas(&scene));
         assert_eq!((lenient.name(), lenient.adapter()), ("cpu", None));
-        assert!(lenient.warning().unwrap().contains("the CPU took over"));
+        assert!(lenient.failure().is_some());
     }
 }

@@ -1,0 +1,69 @@
+//! Methods that follow the plant's branches: the multiresolution chain (Lluch et al., ICCS
+//! 2010) and the merging of sticks and leaf clusters (Hughes et al.).
+
+use secateur_model::{Foliage, PlantSkeleton};
+use secateur_plant::{ClusterSize, Metric, chain_order, check_depth, merge_order};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::select::{Select, Selection, Steps, Task};
+
+/// What can be chosen about the multiresolution chain: nothing yet; branches go by their
+/// branching length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct ChainOptions {}
+
+/// What can be chosen about merging.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MergeOptions {
+    /// How large clusters of leaves are.
+    #[serde(with = "ClusterSizeName")]
+    pub cluster_size: ClusterSize,
+}
+
+/// How a size of clusters is spelled.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "ClusterSize", rename_all = "kebab-case")]
+enum ClusterSizeName {
+    Paper,
+    Area,
+}
+
+impl Select for ChainOptions {
+    fn check(&self, foliage: &Foliage, skeleton: Option<&PlantSkeleton>) -> Result<(), Error> {
+        checked("chain", foliage, skeleton).map(|_| ())
+    }
+
+    fn select(&self, task: &Task<'_>, _: &mut Steps<'_>) -> Result<Selection, Error> {
+        let skeleton = checked("chain", task.foliage, task.skeleton)?;
+        let leaves = task.target.leaves_to_stop_at(task.foliage);
+        let order = chain_order(task.foliage, skeleton, Metric::BranchingLength, leaves);
+        Ok(Selection::unseen(order))
+    }
+}
+
+impl Select for MergeOptions {
+    fn check(&self, foliage: &Foliage, skeleton: Option<&PlantSkeleton>) -> Result<(), Error> {
+        checked("merge", foliage, skeleton).map(|_| ())
+    }
+
+    fn select(&self, task: &Task<'_>, _: &mut Steps<'_>) -> Result<Selection, Error> {
+        let skeleton = checked("merge", task.foliage, task.skeleton)?;
+        let leaves = task.target.leaves_to_stop_at(task.foliage);
+        let order = merge_order(task.foliage, skeleton, self.cluster_size, leaves);
+        Ok(Selection::unseen(order))
+    }
+}
+
+/// The skeleton, if there is one, of this foliage.
+fn checked<'a>(
+    method: &'static str,
+    foliage: &Foliage,
+    skeleton: Option<&'a PlantSkeleton>,
+) -> Result<&'a PlantSkeleton, Error> {
+    let skeleton = skeleton.ok_or(Error::NoSkeleton { method })?;
+    skeleton.check(foliage.leaves().len())?;
+    check_depth(&skeleton.segments)?;
+    Ok(skeleton)
+}

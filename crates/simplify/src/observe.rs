@@ -1,0 +1,85 @@
+//! What views show of a LOD.
+
+use secateur_model::{Foliage, Lod};
+use secateur_raster::measure::lg::LgTable;
+use secateur_raster::measure::vmi::Vmi;
+use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
+
+use crate::Error;
+
+/// Draws a LOD of a foliage in all views and counts.
+///
+/// The areas have a row for each original leaf, or, where the LOD has leaves of its own, for each
+/// leaf of [`Lod::foliage`].
+///
+/// # Errors
+/// [`Error::Gpu`] if the rasteriser fails.
+///
+/// # Panics
+/// If the resolution is out of range, or the LOD is one of another foliage.
+pub fn observe(
+    foliage: &Foliage,
+    lod: &Lod,
+    views: &ViewSet,
+    resolution: u32,
+    rasteriser: &dyn Rasteriser,
+) -> Result<AreaTable, Error> {
+    let draw = |foliage: &Foliage, lod: &Lod| {
+        let scene = Scene {
+            foliage,
+            lod,
+            views,
+            resolution,
+        };
+        let areas = rasteriser.areas(&scene);
+        areas.map_err(|reason| Error::Gpu(reason.to_string()))
+    };
+    if lod.is_of_originals() {
+        return draw(foliage, lod);
+    }
+    let left = lod.foliage(foliage);
+    draw(&left, &Lod::original(left.leaves().len()))
+}
+
+/// What views show of a LOD, and of the foliage that it is of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// The views.
+    pub views: ViewSet,
+    /// Areas of the LOD's leaves in those views, in pixels: see [`observe`].
+    pub areas: AreaTable,
+    /// VMI of the original foliage in those views.
+    pub vmi_original: Vmi,
+    /// VMI of the LOD in those views.
+    pub vmi: Vmi,
+}
+
+impl Shown {
+    /// Looks at a LOD and at its original.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the rasteriser fails.
+    pub(crate) fn of(
+        foliage: &Foliage,
+        lod: &Lod,
+        views: ViewSet,
+        resolution: u32,
+        rasteriser: &dyn Rasteriser,
+    ) -> Result<Self, Error> {
+        let table = LgTable::new();
+        let original = Lod::original(foliage.leaves().len());
+        let all = observe(foliage, &original, &views, resolution, rasteriser)?;
+        let areas = observe(foliage, lod, &views, resolution, rasteriser)?;
+        Ok(Self {
+            vmi_original: Vmi::of(&all, &table),
+            vmi: Vmi::of(&areas, &table),
+            areas,
+            views,
+        })
+    }
+
+    /// VMI error of the LOD in these views, in per cent.
+    pub fn error_percent(&self) -> f64 {
+        self.vmi_original.error_percent(&self.vmi)
+    }
+}

@@ -1,0 +1,399 @@
+//! What can be chosen about a run.
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use secateur_model::{Foliage, PlantSkeleton};
+use secateur_raster::{Engine, MAX_RESOLUTION};
+use serde::{Deserialize, Serialize};
+
+use crate::fit::{DEFAULT_OUTLINE_WEIGHT, MAX_OUTLINE_WEIGHT, Objective};
+use crate::select::refuse;
+use crate::{Error, Method, Preset, Target, Views};
+
+/// Width and height of the images that areas are counted in. Spelled `auto` or as a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Resolution {
+    /// 256, or more where the leaves need it.
+    #[default]
+    Auto,
+    /// This many pixels, 1 to [`MAX_RESOLUTION`].
+    Pixels(u32),
+}
+
+/// How many triangles of its own a leaf keeps at most. Spelled `auto`, `keep` or as a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum LeafTriangles {
+    /// Where triangles are the target, as many as show the most over all leaves while as few
+    /// as possible of them go; but no fewer than show the same, or two, where it has a
+    /// cut-out. For other targets, all.
+    #[default]
+    Auto,
+    /// All.
+    Keep,
+    /// This many, at least 1.
+    AtMost(u32),
+}
+
+/// Whether the sizes of what is left are fitted to the original at the end, whatever
+/// the method made of them: see [`mod@crate::fit`]. Spelled `auto`, `none`, `coverage` or as the
+/// weight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+#[non_exhaustive]
+pub enum Fitting {
+    /// As the [`Preset`] has it, for [`Method::Vds`] and [`Method::VdsReference`] where leaves
+    /// grow as the preset has it; never for other methods.
+    ///
+    /// [`Preset::Look`]: as [`Self::Coverage`], but none where all leaves are left and one triangle
+    /// of a card shows all of it. [`Preset::Information`]: to triangles at
+    /// [`Resolution::Auto`] as [`Self::Weight`] of
+    /// [`DEFAULT_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
+    /// triangle of a card shows all of it, and the driving views say so to a 400th of their
+    /// information.
+    #[default]
+    Auto,
+    /// None.
+    None,
+    /// To the coverage of small blocks of 12 views from which no leaf was chosen, or, with
+    /// [`Views::Cameras`], of these.
+    Coverage,
+    /// To the outline and the information in 78 views from which no leaf was chosen, or, with
+    /// [`Views::Cameras`], in these; with this weight of a pixel of outline against a bit of
+    /// VMI times a pixel, 0 to [`MAX_OUTLINE_WEIGHT`].
+    Weight(f64),
+}
+
+/// Whether holes of leaf textures count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Alpha {
+    /// What an alpha mask cuts out is not there.
+    #[default]
+    Mask,
+    /// Leaves are solid polygons.
+    Ignore,
+}
+
+impl Alpha {
+    /// The foliage as it is to be looked at.
+    pub fn apply(self, foliage: &Foliage) -> std::borrow::Cow<'_, Foliage> {
+        match self {
+            Self::Mask => std::borrow::Cow::Borrowed(foliage),
+            Self::Ignore => std::borrow::Cow::Owned(foliage.without_cutouts()),
+        }
+    }
+}
+
+impl fmt::Display for Resolution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Pixels(pixels) => pixels.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for LeafTriangles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Keep => f.write_str("keep"),
+            Self::AtMost(most) => most.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for Fitting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::None => f.write_str("none"),
+            Self::Coverage => f.write_str("coverage"),
+            Self::Weight(weight) => weight.fmt(f),
+        }
+    }
+}
+
+impl FromStr for Resolution {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse::<u32>() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(n) if (1..=MAX_RESOLUTION).contains(&n) => Ok(Self::Pixels(n)),
+            _ => Err(format!("write auto or a number from 1 to {MAX_RESOLUTION}")),
+        }
+    }
+}
+
+impl FromStr for LeafTriangles {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse::<u32>()) {
+            ("auto", _) => Ok(Self::Auto),
+            ("keep", _) => Ok(Self::Keep),
+            (_, Ok(n)) if n >= 1 => Ok(Self::AtMost(n)),
+            _ => Err("write auto, keep or a number from 1 upwards".to_owned()),
+        }
+    }
+}
+
+impl FromStr for Fitting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse()) {
+            ("auto", _) => Ok(Self::Auto),
+            ("none", _) => Ok(Self::None),
+            ("coverage", _) => Ok(Self::Coverage),
+            (_, Ok(weight)) if (0.0..=MAX_OUTLINE_WEIGHT).contains(&weight) => {
+                Ok(Self::Weight(weight))
+            }
+            _ => Err(format!(
+                "write auto, none, coverage or a weight of the outline from 0 to \
+                 {MAX_OUTLINE_WEIGHT}, such as {DEFAULT_OUTLINE_WEIGHT}"
+            )),
+        }
+    }
+}
+
+/// For serde: a value of one spelling, from and to text.
+macro_rules! spelled {
+    ($($type:ty),+) => { $(
+        impl TryFrom<String> for $type {
+            type Error = String;
+
+            fn try_from(text: String) -> Result<Self, String> {
+                text.parse()
+            }
+        }
+
+        impl From<$type> for String {
+            fn from(value: $type) -> Self {
+                value.to_string()
+            }
+        }
+    )+ };
+}
+
+spelled!(Resolution, LeafTriangles, Fitting);
+
+/// What a run is to do; [`Options::to`] has the defaults of the command line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Options {
+    /// What the options began with; it says what [`Fitting::Auto`] is.
+    pub preset: Preset,
+    /// When to stop.
+    pub target: Target,
+    /// How leaves are chosen, with the options of the method.
+    pub method: Method,
+    /// Where they are rasterised.
+    pub engine: Engine,
+    /// From where VDS looks.
+    pub views: Views,
+    /// How finely.
+    pub resolution: Resolution,
+    /// Whether holes of leaf textures count.
+    pub alpha: Alpha,
+    /// For VDS: leaves of fewer triangles, made before any leaf goes. They are
+    /// then what costs and coverage are measured against.
+    pub leaf_triangles: LeafTriangles,
+    /// Whether the sizes of what is left are fitted to the original at the end.
+    pub fit: Fitting,
+    /// What the foliage has grown on, as a glTF file tells or a plant that was grown; for methods
+    /// that follow branches.
+    #[serde(skip)]
+    pub skeleton: Option<Arc<PlantSkeleton>>,
+    /// Whether the final foliage is rasterised from scratch another way and
+    /// compared.
+    pub audit: bool,
+}
+
+impl Options {
+    /// The defaults, with this target: those of [`Preset::Look`]. Audits in debug builds.
+    pub fn to(target: Target) -> Self {
+        Self::with_preset(Preset::default(), target)
+    }
+
+    /// The options of a preset, with this target. Audits in debug builds.
+    pub fn with_preset(preset: Preset, target: Target) -> Self {
+        Self {
+            preset,
+            target,
+            method: Method::Vds(preset.vds()),
+            engine: Engine::default(),
+            views: Views::default(),
+            resolution: Resolution::default(),
+            alpha: Alpha::default(),
+            leaf_triangles: LeafTriangles::default(),
+            fit: Fitting::default(),
+            skeleton: None,
+            audit: cfg!(debug_assertions),
+        }
+    }
+
+    /// What sizes are fitted to, if they are.
+    pub fn objective(&self) -> Option<Objective> {
+        let information = |outline_weight| Objective::Information { outline_weight };
+        match self.fit {
+            Fitting::None => None,
+            Fitting::Coverage => Some(Objective::Coverage),
+            Fitting::Weight(weight) => Some(information(weight)),
+            Fitting::Auto if !self.grows_as_its_preset_has_it() => None,
+            Fitting::Auto => match self.preset {
+                Preset::Look => Some(Objective::Coverage),
+                Preset::Information => (matches!(self.target, Target::Triangles(_))
+                    && matches!(self.method, Method::Vds(_))
+                    && self.resolution == Resolution::Auto)
+                    .then_some(information(DEFAULT_OUTLINE_WEIGHT)),
+            },
+        }
+    }
+
+    fn grows_as_its_preset_has_it(&self) -> bool {
+        let preset = self.preset.vds();
+        self.method.vds().is_some_and(|own| {
+            own.resize == preset.resize && own.max_coverage == preset.max_coverage
+        })
+    }
+
+    /// Whether one run to few leaves gives every level above, a leaf a step: no other leaves are
+    /// made first, and no sizes fitted to one level.
+    pub fn levels_share_one_order(&self) -> bool {
+        self.method.removes_leaf_by_leaf()
+            && !matches!(self.target, Target::Triangles(_))
+            && !matches!(self.leaf_triangles, LeafTriangles::AtMost(_))
+            && self.objective().is_none()
+    }
+
+    /// Whether all is in range, and the plant has what the method needs.
+    ///
+    /// # Errors
+    /// [`Error`] with the first that is not.
+    pub(crate) fn check(&self, foliage: &Foliage) -> Result<(), Error> {
+        self.method.check(foliage, self.skeleton.as_deref())?;
+        if self.leaf_triangles == LeafTriangles::AtMost(0) {
+            return refuse("number of a leaf's triangles", 0.0, "from 1 upwards");
+        }
+        if let Some(Objective::Information { outline_weight }) = self.objective()
+            && !(0.0..=MAX_OUTLINE_WEIGHT).contains(&outline_weight)
+        {
+            return refuse("weight of the outline", outline_weight, "from 0 to 100");
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fsa::FsaOptions;
+    use crate::vds::{Resize, VdsOptions};
+
+    fn with_vds(options: &Options, change: impl FnOnce(&mut VdsOptions)) -> Options {
+        let mut options = options.clone();
+        change(options.method.vds_mut().unwrap());
+        options
+    }
+
+    #[test]
+    fn sizes_are_fitted_unasked_where_all_else_is_left_to_the_program_too() {
+        let usual = Some(Objective::Information {
+            outline_weight: DEFAULT_OUTLINE_WEIGHT,
+        });
+        let triangles = Target::triangle_share(0.5);
+        let information = Options::with_preset(Preset::Information, triangles);
+        let look = Options::to(triangles);
+        assert_eq!(information.objective(), usual);
+        assert_eq!(look.objective(), Some(Objective::Coverage));
+        // Only what one asks to be shown best is fitted to coverage at any target and resolution.
+        let pixels = Resolution::Pixels(512);
+        for target in [
+            Target::leaf_share(0.5),
+            Target::leaves(3),
+            Target::MaxErrorPercent(5.0),
+        ] {
+            let information = Options::with_preset(Preset::Information, target);
+            assert_eq!(information.objective(), None);
+            assert_eq!(Options::to(target).objective(), Some(Objective::Coverage));
+        }
+        let at = |options: &Options, resolution| Options {
+            resolution,
+            ..options.clone()
+        };
+        assert_eq!(at(&information, pixels).objective(), None);
+        assert_eq!(at(&look, pixels).objective(), Some(Objective::Coverage));
+        for auto in [information, look] {
+            let others = [
+                Options {
+                    method: Method::Fsa(FsaOptions::default()),
+                    ..auto.clone()
+                },
+                with_vds(&auto, |vds| vds.resize = Resize::None),
+                with_vds(&auto, |vds| vds.max_coverage = Some(1.5)),
+                Options {
+                    fit: Fitting::None,
+                    ..auto.clone()
+                },
+            ];
+            for other in others {
+                assert_eq!(other.objective(), None, "{other:?}");
+                let asked = Options {
+                    fit: Fitting::Weight(3.0),
+                    ..other.clone()
+                };
+                let outline_weight = 3.0;
+                assert_eq!(
+                    asked.objective(),
+                    Some(Objective::Information { outline_weight })
+                );
+                let asked = Options {
+                    fit: Fitting::Coverage,
+                    ..other
+                };
+                assert_eq!(asked.objective(), Some(Objective::Coverage));
+            }
+        }
+    }
+
+    #[test]
+    fn a_value_has_one_spelling() {
+        for text in ["auto", "256", "2048"] {
+            assert_eq!(text.parse::<Resolution>().unwrap().to_string(), text);
+        }
+        for text in ["auto", "keep", "2"] {
+            assert_eq!(text.parse::<LeafTriangles>().unwrap().to_string(), text);
+        }
+        for text in ["auto", "none", "coverage", "0.95", "4"] {
+            assert_eq!(text.parse::<Fitting>().unwrap().to_string(), text);
+        }
+        for bad in ["0", "2049", "-1", "many"] {
+            assert!(bad.parse::<Resolution>().is_err(), "{bad}");
+        }
+        for bad in ["-1", "101", "NaN", "some"] {
+            assert!(bad.parse::<Fitting>().is_err(), "{bad}");
+        }
+        assert!("0".parse::<LeafTriangles>().is_err());
+    }
+
+    #[test]
+    fn options_come_back_from_json() {
+        let options = Options {
+            fit: Fitting::Weight(4.0),
+            leaf_triangles: LeafTriangles::AtMost(2),
+            audit: false,
+            ..Options::with_preset(Preset::Information, Target::triangle_share(0.25))
+        };
+        let json = serde_json::to_value(&options).unwrap();
+        assert_eq!(json["method"]["vds"]["resize"], "normalised");
+        assert_eq!(json["fit"], "4");
+        assert_eq!(json["views"], "dodecahedron");
+        let again: Options = serde_json::from_value(json).unwrap();
+        assert_eq!(again, options);
+    }
+}

@@ -1,0 +1,89 @@
+//! What the passes of a run did, one after the other: leaves became coarser, leaves went and
+//! others grew for them, what is left took other sizes.
+
+use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
+
+use crate::coarsen::Coarse;
+
+/// The outcome of each pass; together they make a LOD.
+#[derive(Clone, Debug)]
+pub struct Passes {
+    /// Coarser leaves, where some became so.
+    pub coarse: Option<Coarse>,
+    /// Which leaves went, in order, and which grew for them; of the coarser leaves where there
+    /// are such. Every prefix of it is a LOD: [`Self::lod_after`].
+    pub order: RemovalOrder,
+    /// By what the area of each leaf that is left was multiplied at the end, in the order of
+    /// [`Lod::all_leaves`], where that was done.
+    pub sizes: Option<Vec<f64>>,
+}
+
+impl Passes {
+    /// The LOD after all passes.
+    pub fn lod(&self) -> Lod {
+        let steps = self.in_one_order();
+        Lod::after(&steps, steps.len())
+    }
+
+    /// The LOD in which the first `removals` steps of the order were made, before sizes were
+    /// fitted to another.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn lod_after(&self, removals: usize) -> Lod {
+        let order = self.unsized_order();
+        Lod::after(&order, removals + usize::from(self.coarse.is_some()))
+    }
+
+    /// All that was done as the steps of one order over the original leaves: where leaves became
+    /// coarser a first step that puts these in their place, then the removals, and where sizes
+    /// were fitted a last step in which no leaf goes. This is what is hashed and written.
+    pub fn in_one_order(&self) -> RemovalOrder {
+        let mut order = self.unsized_order();
+        if let Some(factors) = &self.sizes {
+            let lod = Lod::after(&order, order.len());
+            push_sizes(&mut order, &lod, factors);
+        }
+        order
+    }
+
+    fn unsized_order(&self) -> RemovalOrder {
+        match &self.coarse {
+            Some(coarse) => coarse.order(&self.order),
+            None => self.order.clone(),
+        }
+    }
+
+    /// The leaves that the order is of.
+    pub(crate) fn ordered<'a>(&'a self, foliage: &'a Foliage) -> &'a Foliage {
+        self.coarse.as_ref().map_or(foliage, Coarse::foliage)
+    }
+}
+
+/// A step more, after which the areas of what is left are multiplied by these factors.
+fn push_sizes(order: &mut RemovalOrder, lod: &Lod, factors: &[f64]) {
+    let survivors_area_scale = order
+        .steps()
+        .last()
+        .map_or(1.0, |step| step.survivors_area_scale);
+    let is_original = |leaf: LeafId| leaf.index() < lod.area_scales().len();
+    let sized = |((leaf, area_scale), &factor): ((LeafId, f64), &f64)| {
+        // Survivors are scaled after their own growth.
+        let common = if is_original(leaf) {
+            survivors_area_scale
+        } else {
+            1.0
+        };
+        (factor != 1.0).then_some(Growth {
+            leaf,
+            area_scale: area_scale / common * factor,
+        })
+    };
+    let grown: Vec<Growth> = lod.all_leaves().zip(factors).filter_map(sized).collect();
+    order.push_step(Step {
+        removed: &[],
+        grown: &grown,
+        made: &[],
+        survivors_area_scale,
+    });
+}

@@ -1,0 +1,445 @@
+//! A foliage and options in, a LOD and what led to it out: coarsen, select, size.
+
+use std::ops::ControlFlow;
+
+use secateur_model::{BoundingSphere, Foliage, Lod};
+use secateur_raster::measure::lg::LgTable;
+use secateur_raster::measure::vmi::{ScaledBits, Vmi};
+use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Scene, ViewSet};
+
+use crate::audit::audit;
+use crate::coarsen::Coarse;
+use crate::observe::{Shown, observe};
+use crate::passes::Passes;
+use crate::resolution::{CANDIDATES, choose};
+use crate::select::{Selection, Task};
+use crate::sizes::{SizePass, fitting_views, is_fit_spared};
+use crate::stage::{Clock, Observer, Stage};
+use crate::vds::{ViewPlan, final_views};
+use crate::warning::{Ended, Warning, warnings};
+use crate::{Error, Options, Resolution, Target};
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stopped {
+    /// The asked number of leaves is left.
+    AtLeafCount,
+    /// The asked number of triangles is left, or fewer.
+    AtTriangles,
+    /// One more step would exceed the asked error.
+    AtMaxError,
+}
+
+impl Stopped {
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AtLeafCount => "leaf count",
+            Self::AtTriangles => "triangles",
+            Self::AtMaxError => "max error",
+        }
+    }
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Simplified {
+    /// What each pass did.
+    pub passes: Passes,
+    /// The leaves that are left, and how large.
+    pub lod: Lod,
+    /// Cost of each step of the removal order; empty for methods without such costs.
+    pub costs: Vec<ScaledBits>,
+    /// Why the run ended.
+    pub stopped: Stopped,
+    /// The views of the last step.
+    pub views: ViewSet,
+    /// Areas of the leaves that are left in those views, in pixels. A row for
+    /// each original leaf, or, where leaves were made, for each of
+    /// [`Lod::foliage`].
+    pub areas: AreaTable,
+    /// VMI of the original foliage in those views.
+    pub vmi_original: Vmi,
+    /// VMI of what is left in those views.
+    pub vmi_final: Vmi,
+    /// Width and height of the images in pixels.
+    pub resolution: u32,
+    /// Why that resolution, in words.
+    pub resolution_reason: String,
+    /// `gpu` or `cpu`.
+    pub engine: &'static str,
+    /// The GPU and its driver.
+    pub adapter: Option<String>,
+    /// What the result was audited against, if it was.
+    pub audited_by: Option<&'static str>,
+    /// Stages and how long they took.
+    pub seconds: Vec<(Stage, f64)>,
+    /// What is not as one might expect.
+    pub warnings: Vec<Warning>,
+}
+
+impl Simplified {
+    /// VMI error against the original foliage on the driving views, in per cent.
+    pub fn driving_error_percent(&self) -> f64 {
+        self.vmi_original.error_percent(&self.vmi_final)
+    }
+}
+
+/// Simplifies a foliage.
+///
+/// Time is about in proportion to the leaves at equal crown density, and to the
+/// number of views times the pixels that a leaf covers; memory about 20 bytes a
+/// fragment and 12 a pixel, and where sizes are fitted, after that, what
+/// [`fit`](crate::fit::fit()) says.
+/// [`Method::VdsReference`](crate::Method::VdsReference) takes views x leaves^2 / 2 drawings.
+///
+/// # Errors
+/// [`Error`] if the foliage is empty or out of range, an option is, the GPU
+/// that was asked for is missing or fails, or the result does not pass the audit.
+///
+/// ```
+/// use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+/// use secateur_simplify::{Options, Resolution, Target, simplify};
+///
+/// let foliage = ellipsoid_crown(300, 1, &EllipsoidCrown::default())?;
+/// let mut options = Options::to(Target::leaf_share(0.5));
+/// options.resolution = Resolution::Pixels(64);
+/// let result = simplify(&foliage, &options)?;
+/// assert_eq!(result.lod.leaf_count(), 150);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn simplify(foliage: &Foliage, options: &Options) -> Result<Simplified, Error> {
+    simplify_with(foliage, options, &mut |_| ControlFlow::Continue(()))
+}
+
+/// [`simplify`], watched: `observer` is called when a stage begins and after every step; it may
+/// break off the run.
+///
+/// # Errors
+/// As [`simplify`]; [`Error::Stopped`] if it was broken off.
+pub fn simplify_with(
+    foliage: &Foliage,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<Simplified, Error> {
+    let sphere = sphere_of(foliage)?;
+    let views = options.views.around(sphere).len() as u64;
+    let triangle_views = foliage.triangles().len() as u64 * views;
+    let engine = OpenEngine::open(options.engine, triangle_views);
+    let engine = engine.map_err(|reason| Error::Gpu(reason.to_string()))?;
+    simplify_on(&engine, foliage, options, observer)
+}
+
+/// [`simplify_with`] on an engine that is open already, whatever
+/// [`Options::engine`] says.
+///
+/// # Errors
+/// As [`simplify_with`].
+pub fn simplify_on(
+    engine: &OpenEngine,
+    foliage: &Foliage,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<Simplified, Error> {
+    let foliage = options.alpha.apply(foliage);
+    let sphere = sphere_of(&foliage)?;
+    options.target.check()?;
+    options.check(&foliage)?;
+    let mut clock = Clock::new(observer);
+
+    clock.begin(Stage::Resolution)?;
+    let (resolution, resolution_reason) = match options.resolution {
+        Resolution::Pixels(n) => (n, "as asked".to_owned()),
+        Resolution::Auto => resolution_for(&foliage, &options.views.around(sphere), engine)?,
+    };
+    let run = Run {
+        foliage: &foliage,
+        options,
+        target: options.target.counted(&foliage),
+        views: options.views.plan(sphere),
+        resolution,
+        engine,
+    };
+    let mut draft = run.select(&mut clock)?;
+    let unfitted_percent = draft.shown.error_percent();
+    if let Some(objective) = options.objective()
+        && !is_fit_spared(
+            options.fit,
+            objective,
+            draft.shows_the_same,
+            unfitted_percent,
+        )
+    {
+        clock.begin(Stage::Fit)?;
+        let pass = SizePass {
+            views: fitting_views(&options.views, sphere, &draft.shown.views, objective),
+            objective,
+            driving_resolution: resolution,
+        };
+        run.size(&mut draft, &pass, &mut clock)?;
+    }
+    let lod = draft.passes.lod();
+    let audited_by = match options.audit {
+        false => None,
+        true => {
+            clock.begin(Stage::Audit)?;
+            Some(run.audit(&lod, &draft.shown)?)
+        }
+    };
+    let mut warnings = warnings(&Ended {
+        options,
+        target: run.target,
+        foliage: &foliage,
+        lod: &lod,
+        is_fitted: draft.passes.sizes.is_some(),
+        error_percent: [unfitted_percent, draft.shown.error_percent()],
+    });
+    warnings.extend(engine.failure().map(Warning::GpuFailed));
+    let Draft {
+        passes,
+        costs,
+        shown,
+        stopped,
+        ..
+    } = draft;
+    Ok(Simplified {
+        passes,
+        lod,
+        costs,
+        stopped,
+        views: shown.views,
+        areas: shown.areas,
+        vmi_original: shown.vmi_original,
+        vmi_final: shown.vmi,
+        resolution,
+        resolution_reason,
+        engine: engine.name(),
+        adapter: engine.adapter(),
+        audited_by,
+        seconds: clock.finish(),
+        warnings,
+    })
+}
+
+/// What all passes of a run know.
+struct Run<'a> {
+    foliage: &'a Foliage,
+    options: &'a Options,
+    /// In numbers of the foliage.
+    target: Target,
+    views: ViewPlan,
+    resolution: u32,
+    engine: &'a OpenEngine,
+}
+
+/// What came of the passes so far.
+struct Draft {
+    passes: Passes,
+    costs: Vec<ScaledBits>,
+    shown: Shown,
+    stopped: Stopped,
+    /// Whether what is left shows all that was there: no leaf is gone, and one triangle
+    /// of a card that shows all of it is all that became coarser.
+    shows_the_same: bool,
+}
+
+impl Run<'_> {
+    /// Makes leaves coarser, has the method choose leaves, and cuts what goes beyond the target.
+    fn select(&self, clock: &mut Clock<'_>) -> Result<Draft, Error> {
+        clock.begin(Stage::Select)?;
+        let is_driven = self.options.method.vds().is_some();
+        let coarse = match is_driven {
+            true => self
+                .options
+                .leaf_triangles
+                .coarsen(self.foliage, self.target),
+            false => None,
+        };
+        let target = match self.target {
+            // The error that counts is the one against the leaves as they are.
+            Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
+            target => target,
+        };
+        let task = Task {
+            foliage: coarse.as_ref().map_or(self.foliage, Coarse::foliage),
+            target,
+            skeleton: self.options.skeleton.as_deref(),
+            views: &self.views,
+            resolution: self.resolution,
+            rasteriser: self.engine,
+        };
+        let selection = self
+            .options
+            .method
+            .select(&task, &mut |done, at_most| clock.step(done, at_most))?;
+        let Selection {
+            order,
+            costs,
+            shown,
+            is_at_max_error,
+        } = selection;
+        let found = order.len();
+        let mut passes = Passes {
+            coarse,
+            order,
+            sizes: None,
+        };
+        if let Some(at_most) = self.target.triangle_count(self.foliage) {
+            let ordered = passes.ordered(self.foliage);
+            let steps = passes.order.steps_to_triangles(ordered, at_most);
+            passes.order.truncate(steps);
+        }
+        let is_as_found = passes.coarse.is_none() && passes.order.len() == found;
+        let mut stopped = match self.target {
+            Target::Triangles(_) => Stopped::AtTriangles,
+            Target::MaxErrorPercent(_) if is_at_max_error => Stopped::AtMaxError,
+            Target::Leaves(_) | Target::MaxErrorPercent(_) => Stopped::AtLeafCount,
+        };
+        let shown = match shown {
+            Some(shown) if is_as_found => shown,
+            _ => {
+                clock.begin(Stage::Observe)?;
+                if let Target::MaxErrorPercent(percent) = self.target
+                    && self.cut_at_error(&mut passes, percent)?
+                {
+                    stopped = Stopped::AtMaxError;
+                }
+                self.look(&passes, is_driven)?
+            }
+        };
+        let are_all_left = passes.lod().leaf_count() == self.foliage.leaves().len();
+        let is_coarse_the_same = passes.coarse.as_ref().is_none_or(Coarse::shows_the_same);
+        Ok(Draft {
+            shows_the_same: is_driven && are_all_left && is_coarse_the_same,
+            costs: costs.into_iter().take(passes.order.len()).collect(),
+            passes,
+            shown,
+            stopped,
+        })
+    }
+
+    /// Cuts the passes where the error crosses the one that is asked for, found by halving: with
+    /// one crossing that is the first. If coarser leaves alone exceed it they stay as they were.
+    /// Whether anything was cut.
+    fn cut_at_error(&self, passes: &mut Passes, max_percent: f64) -> Result<bool, Error> {
+        let steps = passes.in_one_order();
+        let views = self.views.first();
+        let table = LgTable::new();
+        let vmi_after = |count| {
+            let lod = Lod::after(&steps, count);
+            let areas = observe(self.foliage, &lod, &views, self.resolution, self.engine)?;
+            Ok::<_, Error>(Vmi::of(&areas, &table))
+        };
+        let original = vmi_after(0)?;
+        // Within the error, and beyond it.
+        let (mut within, mut beyond) = (0, steps.len() + 1);
+        while beyond - within > 1 {
+            let count = within + (beyond - within) / 2;
+            match original.error_percent(&vmi_after(count)?) <= max_percent {
+                true => within = count,
+                false => beyond = count,
+            }
+        }
+        if within == steps.len() {
+            return Ok(false);
+        }
+        if passes.coarse.is_some() && within == 0 {
+            passes.coarse = None;
+        }
+        let coarsened = usize::from(passes.coarse.is_some());
+        passes.order.truncate(within - coarsened);
+        Ok(true)
+    }
+
+    /// What the views of the last step show. Where the error says how many leaves are left, and
+    /// for methods that are not driven by views, the first views.
+    fn look(&self, passes: &Passes, is_driven: bool) -> Result<Shown, Error> {
+        let lod = passes.lod();
+        let views = match (is_driven, self.target) {
+            (true, Target::Leaves(_) | Target::Triangles(_)) => {
+                let count = self.foliage.leaves().len();
+                final_views(&self.views, self.resolution, count, lod.leaf_count())?
+            }
+            _ => self.views.first(),
+        };
+        Shown::of(self.foliage, &lod, views, self.resolution, self.engine)
+    }
+
+    /// Fits the sizes of what is left, where that changes anything and keeps to the error that is
+    /// asked for.
+    fn size(&self, draft: &mut Draft, pass: &SizePass, clock: &mut Clock<'_>) -> Result<(), Error> {
+        let lod = draft.passes.lod();
+        let mut steps = |done, at_most| clock.step(done, at_most);
+        let Some(factors) = pass.factors(self.foliage, &lod, &mut steps)? else {
+            return Ok(());
+        };
+        draft.passes.sizes = Some(factors);
+        let sized = draft.passes.lod();
+        let shown = &mut draft.shown;
+        let areas = observe(
+            self.foliage,
+            &sized,
+            &shown.views,
+            self.resolution,
+            self.engine,
+        )?;
+        let vmi = Vmi::of(&areas, &LgTable::new());
+        if let Target::MaxErrorPercent(percent) = self.target
+            && shown.vmi_original.error_percent(&vmi) > percent
+        {
+            draft.passes.sizes = None;
+            return Ok(());
+        }
+        (shown.areas, shown.vmi) = (areas, vmi);
+        Ok(())
+    }
+
+    /// Draws the result from scratch another way and compares.
+    fn audit(&self, lod: &Lod, shown: &Shown) -> Result<&'static str, Error> {
+        let made = (!lod.is_of_originals()).then(|| lod.foliage(self.foliage));
+        let all_made = made.as_ref().map(|made| Lod::original(made.leaves().len()));
+        let scene = Scene {
+            foliage: made.as_ref().unwrap_or(self.foliage),
+            lod: all_made.as_ref().unwrap_or(lod),
+            views: &shown.views,
+            resolution: self.resolution,
+        };
+        audit(&shown.areas, &scene, self.engine)
+    }
+}
+
+fn resolution_for(
+    foliage: &Foliage,
+    views: &ViewSet,
+    engine: &OpenEngine,
+) -> Result<(u32, String), Error> {
+    let [least, .., most] = CANDIDATES;
+    if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
+        return Ok((least, "there are too many views to try more".to_owned()));
+    }
+    let chosen = choose(foliage, views, engine)?;
+    Ok((chosen.resolution, chosen.reason))
+}
+
+/// The bounding sphere, if cameras about it can be computed.
+///
+/// # Errors
+/// [`Error::NoLeaf`] or [`Error::OutOfRange`].
+pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
+    let sphere = foliage.bounding_sphere().ok_or(Error::NoLeaf)?;
+    // A foliage without extent is looked at as if it had a radius of 1.
+    let size = if sphere.radius > 0.0 {
+        sphere.radius
+    } else {
+        1.0
+    };
+    let distance = sphere.centre.length();
+    let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e9 * size;
+    is_in_range.then_some(sphere).ok_or(Error::OutOfRange {
+        radius: sphere.radius,
+        distance,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,231 @@
+//! Runs as a whole.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+use secateur_eval::Judging;
+use secateur_model::LeafTriangle;
+
+use super::*;
+use crate::{Fitting, LeafTriangles, Preset, Progress};
+
+fn leaf_at(place: DVec3, size: f64) -> Foliage {
+    let mut foliage = Foliage::default();
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| place + size * p);
+    foliage
+        .push_leaf(&[LeafTriangle::plain(corners)], None)
+        .unwrap();
+    foliage
+}
+
+#[test]
+fn what_no_camera_can_be_put_around_is_refused() {
+    assert!(sphere_of(&leaf_at(DVec3::ZERO, 1.0)).is_ok());
+    // A leaf that is a point is looked at as if it were of size 1.
+    assert!(sphere_of(&leaf_at(DVec3::ONE, 0.0)).is_ok());
+    for foliage in [
+        leaf_at(DVec3::ZERO, 1e200),
+        leaf_at(DVec3::ZERO, 1e-100),
+        leaf_at(DVec3::splat(1e9), 1.0),
+    ] {
+        let error = sphere_of(&foliage).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { .. }));
+    }
+    let empty = sphere_of(&Foliage::default()).unwrap_err();
+    assert!(matches!(empty, Error::NoLeaf));
+}
+
+#[test]
+fn many_views_are_no_reason_to_leave_the_range() {
+    let foliage = leaf_at(DVec3::ZERO, 1.0);
+    let one = ViewSet::octahedron(foliage.bounding_sphere().unwrap()).views()[0];
+    // 513 views of 1024 x 1024 pixels are more than 2^29 pixels.
+    let views = ViewSet::new(vec![one; 513]);
+    let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
+    assert_eq!(chosen.0, 256);
+}
+
+#[test]
+fn a_run_can_be_broken_off_at_a_stage_and_at_a_step() {
+    let mut foliage = leaf_at(DVec3::ZERO, 1.0);
+    for x in 1..4 {
+        let other = leaf_at(DVec3::X * f64::from(x), 1.0);
+        foliage.push_leaf(other.triangles(), None).unwrap();
+    }
+    let settings = Options {
+        resolution: Resolution::Pixels(32),
+        ..Options::to(Target::leaves(1))
+    };
+    let at = |last: Progress| {
+        let mut seen = Vec::new();
+        let result = simplify_with(&foliage, &settings, &mut |progress| {
+            seen.push(progress);
+            match progress == last {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        assert!(matches!(result, Err(Error::Stopped)));
+        seen.len()
+    };
+    assert_eq!(at(Progress::Stage(Stage::Resolution)), 1);
+    assert_eq!(
+        at(Progress::Step {
+            done: 2,
+            at_most: 3
+        }),
+        4
+    );
+}
+
+/// Upright leaves side by side, of 1 and of 3 triangles in turn, the latter small
+/// and so the first to go.
+fn uneven(leaves: usize) -> Foliage {
+    let mut foliage = Foliage::default();
+    for k in 0..leaves {
+        let at = DVec3::new(k as f64, 0.1 * (k * k % 7) as f64, 0.2 * (k % 3) as f64);
+        let fan = |t: usize| {
+            let size = if k % 2 == 0 { 1.0 } else { 0.25 };
+            let corner = |t: usize| size * DVec3::new(0.5, 0.4 * t as f64, 0.0);
+            LeafTriangle::plain([DVec3::ZERO, corner(t), corner(t + 1)].map(|p| at + p))
+        };
+        let triangles: Vec<LeafTriangle> = (0..1 + 2 * (k % 2)).map(fan).collect();
+        foliage.push_leaf(&triangles, None).unwrap();
+    }
+    foliage
+}
+
+fn to(foliage: &Foliage, triangles: u64, leaf_triangles: LeafTriangles) -> Simplified {
+    let settings = Options {
+        resolution: Resolution::Pixels(64),
+        leaf_triangles,
+        audit: true,
+        ..Options::to(Target::triangles(triangles))
+    };
+    simplify(foliage, &settings).unwrap()
+}
+
+fn is_fit_tried(foliage: &Foliage, triangles: u64, fit: Fitting) -> bool {
+    let settings = Options {
+        fit,
+        ..Options::with_preset(Preset::Information, Target::triangles(triangles))
+    };
+    let result = simplify(foliage, &settings);
+    let seconds = result.unwrap().seconds;
+    seconds.iter().any(|(stage, _)| *stage == Stage::Fit)
+}
+
+#[test]
+fn leaves_of_many_and_few_triangles_end_at_the_first_level_within_the_budget() {
+    let foliage = uneven(12);
+    assert_eq!(foliage.triangles().len(), 24);
+    for triangles in 0..=24 {
+        let result = to(&foliage, triangles, LeafTriangles::Keep);
+        let left = |steps| {
+            let lod = secateur_model::Lod::after(&result.passes.in_one_order(), steps);
+            lod.foliage(&foliage).triangles().len() as u64
+        };
+        let steps = result.passes.order.len();
+        assert!(left(steps) <= triangles);
+        assert!(steps == 0 || left(steps - 1) > triangles, "{triangles}");
+        assert_eq!(
+            result.lod.foliage(&foliage).triangles().len() as u64,
+            left(steps)
+        );
+        assert_eq!(result.costs.len(), steps);
+        assert_eq!(result.stopped, Stopped::AtTriangles);
+    }
+}
+
+/// VDS went on to fewer views before the order was cut.
+#[test]
+fn what_is_left_is_looked_at_from_the_views_of_its_last_step() {
+    let foliage = uneven(12);
+    let settings = Options {
+        resolution: Resolution::Pixels(64),
+        leaf_triangles: LeafTriangles::Keep,
+        views: crate::Views::Variable,
+        audit: true,
+        ..Options::to(Target::triangles(18))
+    };
+    let result = simplify(&foliage, &settings).unwrap();
+    let pruned_percent = 100 * result.passes.order.len() / 12;
+    let expected = [(10, 20), (30, 12), (50, 8), (100, 6)];
+    let (_, views) = expected
+        .into_iter()
+        .find(|(most, _)| pruned_percent <= *most)
+        .unwrap();
+    assert_eq!(result.views.len(), views, "{pruned_percent} % are gone");
+    assert!(Target::triangles(18).fewest_leaves(&foliage) < result.lod.leaf_count());
+}
+
+#[test]
+fn coarser_leaves_are_no_removal() {
+    let foliage = uneven(12);
+    let coarser = to(&foliage, 14, LeafTriangles::Auto);
+    let removals = |result: &Simplified| result.passes.order.len();
+    assert!(coarser.passes.coarse.is_some());
+    assert_eq!((removals(&coarser), coarser.lod.leaf_count()), (0, 12));
+    assert!(coarser.costs.is_empty());
+    // Coarser leaves without a texture do not show all that they did.
+    let is_tried = |triangles| is_fit_tried(&foliage, triangles, Fitting::Auto);
+    assert!(is_tried(14) && !is_tried(24));
+    let fewer = to(&foliage, 5, LeafTriangles::Auto);
+    assert_eq!((removals(&fewer), fewer.lod.leaf_count()), (7, 5));
+    assert_eq!(fewer.costs.len(), 7);
+    assert!(fewer.costs[6].0 > 0);
+    // Every prefix is a LOD, of coarser leaves.
+    assert_eq!(fewer.passes.lod_after(0).leaf_count(), 12);
+    assert_eq!(fewer.passes.lod_after(7).leaf_count(), 5);
+    assert_eq!(fewer.passes.in_one_order().len(), 8 + usize::from(fewer.passes.sizes.is_some()));
+}
+
+/// Cards whose textures are empty at their borders: half of the triangles show all of
+/// them, each at its place, as it was.
+#[test]
+fn all_cards_stay_where_every_one_may_keep_a_triangle() {
+    use std::sync::Arc;
+
+    use glam::DVec2;
+    use secateur_model::{Cutout, Wrap};
+
+    let middle = |x: u32| (8..24).contains(&x);
+    let mask = Cutout::from_fn([32, 32], [Wrap::ClampToEdge; 2], |x, y| {
+        middle(x) && middle(y)
+    });
+    let mut foliage = Foliage::new(vec![Arc::new(mask)]);
+    for k in 0..9 {
+        let at = DVec3::new((k % 3) as f64, (k / 3) as f64, 0.1 * k as f64);
+        let corner = |(u, v): (f64, f64)| (at + DVec3::new(u, v, 0.2 * u), DVec2::new(u, v));
+        let triangle = |corners: [(f64, f64); 3]| LeafTriangle {
+            corners: corners.map(|c| corner(c).0),
+            uvs: corners.map(|c| corner(c).1),
+        };
+        let [a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let card = [triangle([a, b, c]), triangle([a, c, d])];
+        foliage.push_leaf(&card, Some(0)).unwrap();
+    }
+    let result = to(&foliage, 9, LeafTriangles::Auto);
+    assert_eq!(result.lod.leaf_count(), 9);
+    assert_eq!(result.lod.foliage(&foliage).triangles().len(), 9);
+    let judging = Judging::held_out(&foliage).unwrap();
+    let left = result.lod.foliage(&foliage);
+    let measured = secateur_eval::measure(&foliage, &left, &judging).unwrap();
+    assert!(
+        measured.silhouette_iou() > 0.99,
+        "{}",
+        measured.silhouette_iou()
+    );
+    assert!(measured.vmi_error_percent() < 0.5);
+
+    // There is nothing to fit where all is shown, unless one insists. The borders of one
+    // triangle are drawn otherwise than those of two: in nine leaves that shows.
+    let auto = [9, 18, 8].map(|count| is_fit_tried(&foliage, count, Fitting::Auto));
+    assert_eq!(auto, [true, false, true]);
+    assert!(is_fit_tried(&foliage, 18, Fitting::Weight(1.0)));
+
+    let fewer = to(&foliage, 5, LeafTriangles::Auto);
+    assert_eq!(fewer.lod.leaf_count(), 5);
+    let kept = to(&foliage, 9, LeafTriangles::Keep);
+    assert_eq!(kept.lod.leaf_count(), 4);
+}

@@ -1,0 +1,104 @@
+//! Where a foliage is looked at from while it is simplified.
+
+use glam::DQuat;
+use secateur_model::BoundingSphere;
+use secateur_raster::ViewSet;
+
+use serde::{Deserialize, Serialize};
+
+use crate::vds::ViewPlan;
+
+/// Where the foliage is looked at from while it is simplified. Built-in sets are spelled by their
+/// names; cameras of one's own have none, and do not come back from their spelling.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Views {
+    /// The 20 vertices of a dodecahedron, at 3 radii from the foliage's centre.
+    #[default]
+    Dodecahedron,
+    /// The 12 vertices of an icosahedron: also the set that held-out measures judge by.
+    Icosahedron,
+    /// 92 views all around, those of the dodecahedron among them.
+    Geodesic,
+    /// The 8 corners of a cube.
+    Cube,
+    /// The 6 corners of an octahedron.
+    Octahedron,
+    /// The paper's variable number: 20 views up to 10 % simplification, 12 to
+    /// 30 %, 8 to 50 %, then 6.
+    Variable,
+    /// One's own cameras.
+    Cameras(ViewSet),
+    /// Others, turned as one about the foliage's centre, and with them those in which sizes
+    /// are fitted; of the variable number the first set.
+    Turned {
+        /// The views before they are turned.
+        views: Box<Self>,
+        /// The rotation.
+        turn: DQuat,
+    },
+}
+
+impl Views {
+    /// The name in reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Dodecahedron => "dodecahedron",
+            Self::Icosahedron => "icosahedron",
+            Self::Geodesic => "92",
+            Self::Cube => "8",
+            Self::Octahedron => "6",
+            Self::Variable => "vnc",
+            Self::Cameras(_) => "cameras",
+            Self::Turned { .. } => "turned",
+        }
+    }
+
+    /// The built-in set that goes by a name or by its number of views.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "dodecahedron" | "20" => Self::Dodecahedron,
+            "icosahedron" | "12" => Self::Icosahedron,
+            "92" => Self::Geodesic,
+            "cube" | "8" => Self::Cube,
+            "octahedron" | "6" => Self::Octahedron,
+            "vnc" => Self::Variable,
+            _ => return None,
+        })
+    }
+
+    /// The cameras about a foliage with this bounding sphere; the first set of
+    /// the variable number.
+    pub fn around(&self, sphere: BoundingSphere) -> ViewSet {
+        match self {
+            Self::Dodecahedron | Self::Variable => ViewSet::dodecahedron(sphere),
+            Self::Icosahedron => ViewSet::icosahedron(sphere),
+            Self::Geodesic => ViewSet::geodesic(sphere),
+            Self::Cube => ViewSet::cube(sphere),
+            Self::Octahedron => ViewSet::octahedron(sphere),
+            Self::Cameras(views) => views.clone(),
+            Self::Turned { views, turn } => views.around(sphere).turned(sphere.centre, *turn),
+        }
+    }
+
+    pub(crate) fn plan(&self, sphere: BoundingSphere) -> ViewPlan {
+        match self {
+            Self::Variable => ViewPlan::Variable(sphere),
+            fixed => ViewPlan::Fixed(fixed.around(sphere)),
+        }
+    }
+}
+
+impl TryFrom<String> for Views {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::by_name(&name).ok_or_else(|| format!("{name} is no set of views"))
+    }
+}
+
+impl From<Views> for String {
+    fn from(views: Views) -> Self {
+        views.name().to_owned()
+    }
+}
