@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use rows::{Row, Rows, shared_tree};
 use secateur_eval::{Judging, measure_lod};
-use secateur_model::gltf::Tree;
+use secateur_gltf::Tree;
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{CpuRasteriser, ViewSet};

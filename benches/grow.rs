@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use rows::{Row, Rows, Wanted, exponent, repeats, shared_tree};
-use secateur_model::gltf::{Document, Tree, plant_to_glb};
+use secateur_gltf::{Document, Tree, plant_to_glb};
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{GrowOptions, Species, grow, grow_skeleton};
 use secateur_raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};

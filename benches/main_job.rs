@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rows::{Row, Rows, Wanted, exponent, repeats, shared_tree};
-use secateur_model::gltf::plant_to_glb;
+use secateur_gltf::plant_to_glb;
 use secateur_model::{AlphaMode, Material, Plant, Surface};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 

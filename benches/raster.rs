@@ -6,7 +6,7 @@ mod rows;
 use std::time::Instant;
 
 use rows::{Row, Rows, repeats, shared_tree};
-use secateur_model::gltf::Tree;
+use secateur_gltf::Tree;
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::gpu::{self, Device, Preference};

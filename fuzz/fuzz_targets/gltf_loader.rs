@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use secateur_model::gltf::Document;
+use secateur_gltf::Document;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(document) = Document::from_bytes("fuzz.glb", bytes.to_vec(), None) else {

@@ -5,7 +5,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use secateur_model::gltf::Document;
+use secateur_gltf::Document;
 use secateur_plant::{ClusterSize, Metric, chain_order, check_depth, merge_order};
 
 fuzz_target!(|bytes: &[u8]| {

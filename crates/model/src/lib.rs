@@ -8,13 +8,10 @@
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, and its [`PlantSkeleton`].
 //!
-//! [`gltf`] reads trees from files.
-//!
-//! Nothing here knows a view, an image or a method.
+//! Nothing here knows a file format, a view, an image or a method.
 
 mod cutout;
 mod foliage;
-pub mod gltf;
 mod leaf_id;
 mod lod;
 mod new_leaf;

@@ -238,7 +238,7 @@ mod tests {
         for kind in others.into_iter().chain(blades) {
             let leaf = surface(kind);
             assert_eq!(leaf.triangles.len(), kind.triangles() as usize, "{kind:?}");
-            let glb = secateur_model::gltf::plant_to_glb(&secateur_model::Plant {
+            let glb = secateur_gltf::plant_to_glb(&secateur_model::Plant {
                 name: "leaf".into(),
                 wood: Surface {
                     triangles: Vec::new(),
@@ -248,7 +248,7 @@ mod tests {
                 leaves: leaf,
                 skeleton: None,
             });
-            let document = secateur_model::gltf::Document::from_bytes("leaf.glb", glb, None);
+            let document = secateur_gltf::Document::from_bytes("leaf.glb", glb, None);
             let all = ["mesh:*".parse().unwrap()];
             let tree = document.unwrap().into_tree(&all).unwrap();
             assert_eq!(tree.foliage().leaves().len(), 1, "{kind:?}");

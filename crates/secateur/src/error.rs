@@ -1,8 +1,8 @@
 //! What can keep a run from its end, in one sentence each.
 
 use secateur_eval::MeasureError;
+use secateur_gltf::GltfError;
 use secateur_model::SkeletonError;
-use secateur_model::gltf::GltfError;
 use secateur_plant::TooDeep;
 use secateur_simplify::vds::VdsError;
 

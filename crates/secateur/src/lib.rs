@@ -112,7 +112,7 @@ pub use settings::{
 };
 
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
-pub use secateur_model::gltf::{
+pub use secateur_gltf::{
     Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
     SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };

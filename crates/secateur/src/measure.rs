@@ -1,7 +1,7 @@
 //! Judging by views that no simplifier sees.
 
 use secateur_eval::{Judging, Measurement, PictureMeasurement, Pictures};
-use secateur_model::gltf::Tree;
+use secateur_gltf::Tree;
 use secateur_model::{Foliage, Surface};
 
 use crate::{Error, sphere_of};

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use secateur_model::gltf::Document;
+use secateur_gltf::Document;
 use secateur_plant::{
     ClusterSize, MAX_DEPTH, Metric, Random, Segment, SegmentIndex, chain_order, check_depth,
     merge_order,

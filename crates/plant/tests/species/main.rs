@@ -1,6 +1,6 @@
 //! Every species, as other commands will find it in a file.
 
-use secateur_model::gltf::{Document, Tree, plant_to_glb};
+use secateur_gltf::{Document, Tree, plant_to_glb};
 use secateur_plant::{GrowOptions, Species, grow};
 
 fn grown(species: Species, leaves: u32, seed: u64) -> Vec<u8> {

@@ -1,0 +1,146 @@
+//! A glTF file as it was found.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicU64;
+
+use serde_json::Value;
+
+use super::buffer::{self, Buffer};
+use super::container;
+use super::error::{Fault, GltfError, Problem};
+use super::folder;
+use super::property;
+use super::uri;
+
+/// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
+#[derive(Debug)]
+pub struct Document {
+    /// The JSON, with everything that this crate doesn't know.
+    pub(crate) root: Value,
+    /// The bytes of `buffers`, in their order.
+    pub(crate) buffers: Vec<Buffer>,
+    /// What errors call the file.
+    pub(crate) name: String,
+    /// The folder in which its URIs are looked up.
+    pub(crate) base_dir: Option<PathBuf>,
+    /// The decompressed bytes of `bufferViews`, once asked for.
+    pub(crate) decompressed_views: Vec<OnceLock<Vec<u8>>>,
+    /// How many bytes those are.
+    pub(crate) decompressed_bytes: AtomicU64,
+}
+
+impl Document {
+    /// Reads a .glb or .gltf file and the buffers it names.
+    ///
+    /// Its URIs are looked up in its own folder; if `path` is a symbolic link,
+    /// in the folder of the file that it leads to. Links in the folder are
+    /// followed as long as they stay in it.
+    ///
+    /// # Errors
+    /// [`GltfError`] if it can't be read, is no glTF 2.0, is truncated, needs
+    /// an unknown extension, or a buffer is missing or too short, or a buffer
+    /// or an image is outside the file's own folder.
+    pub fn open(path: &Path) -> Result<Self, GltfError> {
+        let name = path.display().to_string();
+        let unreadable = |error| GltfError::new(&name, Problem::Unreadable(error));
+        if std::fs::metadata(path).map_err(unreadable)?.is_dir() {
+            let error = std::io::Error::from(std::io::ErrorKind::IsADirectory);
+            return Err(unreadable(error));
+        }
+        let bytes = std::fs::read(path).map_err(unreadable)?;
+        Self::from_bytes(&name, bytes, Some(&folder::of(path)))
+    }
+
+    /// Reads a file from memory. `name` is what errors call it; `base_dir` is
+    /// the folder of its URIs, without which only data URIs can be followed.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_bytes(
+        name: &str,
+        bytes: Vec<u8>,
+        base_dir: Option<&Path>,
+    ) -> Result<Self, GltfError> {
+        Self::parse(name, &bytes, base_dir).map_err(|fault| GltfError::new(name, fault))
+    }
+
+    /// Its JSON as it was found, with everything that this crate doesn't know.
+    pub fn json(&self) -> &Value {
+        &self.root
+    }
+
+    /// The files beside it that its buffers and images name, whether they are there or not.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let Some(folder) = &self.base_dir else {
+            return Vec::new();
+        };
+        let items = ["buffers", "images"].map(|list| self.root.get(list).and_then(Value::as_array));
+        let uris = items.into_iter().flatten().flatten();
+        let uris = uris.filter_map(|item| item.get("uri")?.as_str());
+        uris.filter_map(uri::file)
+            .map(|relative| folder.join(relative))
+            .collect()
+    }
+
+    fn parse(name: &str, bytes: &[u8], base_dir: Option<&Path>) -> Result<Self, Fault> {
+        let unpacked = container::unpack(bytes)?;
+        let root = unpacked.root;
+        check_extensions(&root)?;
+        let chunk = unpacked.chunk.map(|chunk| chunk.into_owned());
+        let buffers = buffer::load_all(&root, chunk, base_dir)?;
+        folder::check_images(&root, base_dir)?;
+        let views = property::list(&root, "bufferViews")?.len();
+        Ok(Self {
+            root,
+            buffers,
+            name: name.to_owned(),
+            base_dir: base_dir.map(Path::to_owned),
+            decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
+            decompressed_bytes: AtomicU64::new(0),
+        })
+    }
+
+    /// A fault of this file, with its name.
+    pub(crate) fn error(&self, fault: impl Into<Fault>) -> GltfError {
+        GltfError::new(&self.name, fault)
+    }
+
+    /// `accessors[3]`, with the entry's name where it has one.
+    pub(crate) fn place(&self, list: &str, index: usize) -> String {
+        property::place(&self.root, list, index)
+    }
+}
+
+/// Extensions that a file may require: those that are read, and those that
+/// change nothing that matters here.
+const KNOWN_EXTENSIONS: [&str; 14] = [
+    "EXT_lights_image_based",
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "MSFT_texture_dds",
+];
+
+fn check_extensions(root: &Value) -> Result<(), Problem> {
+    for entry in property::list(root, "extensionsRequired")? {
+        let name = entry.as_str().unwrap_or("without a name");
+        if name == "KHR_draco_mesh_compression" {
+            return Err(Problem::Draco);
+        }
+        let is_known = KNOWN_EXTENSIONS.contains(&name) || name.starts_with("KHR_materials_");
+        if !is_known {
+            return Err(Problem::UnknownExtension(super::error::shortened(name)));
+        }
+    }
+    Ok(())
+}

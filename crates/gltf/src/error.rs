@@ -1,0 +1,325 @@
+//! What can be wrong with a glTF file, in one sentence each.
+
+use std::fmt;
+
+/// A glTF file that can't be used, and why.
+///
+/// Prints as one sentence: the file, the place in its JSON, what is wrong and,
+/// where something can be done about it, what to do.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}: {fault}")]
+pub struct GltfError {
+    file: String,
+    fault: Box<Fault>,
+}
+
+impl GltfError {
+    pub(crate) fn new(file: &str, fault: impl Into<Fault>) -> Self {
+        Self {
+            file: file.to_owned(),
+            fault: Box::new(fault.into()),
+        }
+    }
+
+    /// The file, as it was named when it was opened.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Where in the JSON, such as `accessors[3]`; empty where it is the whole
+    /// file.
+    pub fn place(&self) -> &str {
+        &self.fault.place
+    }
+
+    /// What is wrong.
+    pub fn problem(&self) -> &Problem {
+        &self.fault.problem
+    }
+}
+
+/// A problem and its place, not yet with the file's name.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    place: String,
+    problem: Problem,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.place.is_empty() {
+            write!(f, "{}: ", self.place)?;
+        }
+        self.problem.fmt(f)
+    }
+}
+
+impl From<Problem> for Fault {
+    fn from(problem: Problem) -> Self {
+        Self {
+            place: String::new(),
+            problem,
+        }
+    }
+}
+
+/// Says where a problem is.
+pub(crate) trait At<T> {
+    /// Adds the place, such as `accessors[3]`.
+    fn at(self, place: impl FnOnce() -> String) -> Result<T, Fault>;
+}
+
+impl<T> At<T> for Result<T, Problem> {
+    fn at(self, place: impl FnOnce() -> String) -> Result<T, Fault> {
+        self.map_err(|problem| Fault {
+            place: place(),
+            problem,
+        })
+    }
+}
+
+/// What is wrong with a glTF file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The file can't be read.
+    #[error("cannot be read: {0}")]
+    Unreadable(std::io::Error),
+    /// Neither GLB nor a JSON object with an `asset`.
+    #[error("is not glTF: {0}")]
+    NotGltf(String),
+    /// The file ends before its own header says it does.
+    #[error("is truncated: its header speaks of {expected} bytes, it has {found}")]
+    Truncated {
+        /// Bytes by the header.
+        expected: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// The chunks of a GLB don't fit together.
+    #[error("is a damaged GLB: {0}")]
+    DamagedGlb(String),
+    /// Not glTF 2.
+    #[error("is glTF {0}; only version 2.0 can be read")]
+    Version(String),
+    /// The file needs an extension that is not supported.
+    #[error("needs the extension {0}, which is not supported")]
+    UnknownExtension(String),
+    /// The geometry is Draco-compressed.
+    #[error(
+        "needs the extension KHR_draco_mesh_compression, which is not supported; decode it first: npx @gltf-transform/cli copy IN.glb OUT.glb"
+    )]
+    Draco,
+    /// A property is missing.
+    #[error("has no `{0}`")]
+    Missing(&'static str),
+    /// A property has the wrong type or an impossible value.
+    #[error("`{property}` is {found}, not {expected}")]
+    BadProperty {
+        /// Its name.
+        property: &'static str,
+        /// What it should be.
+        expected: &'static str,
+        /// What is there, shortened.
+        found: String,
+    },
+    /// An index points past the end of a list.
+    #[error("`{list}[{index}]` does not exist: there are {count}")]
+    NoSuch {
+        /// The list.
+        list: &'static str,
+        /// The index.
+        index: usize,
+        /// Entries in the list.
+        count: usize,
+    },
+    /// A URI that leaves the file's own folder.
+    #[error(
+        "the URI `{0}` is not a file in the glTF's own folder; put the file there and name it without a path outside"
+    )]
+    ForeignUri(String),
+    /// A URI whose file is, or goes through, a symbolic link to outside.
+    #[error(
+        "the file `{0}` is reached through a symbolic link that leads out of the glTF's own folder; put the file itself there in place of the link"
+    )]
+    LinkOutside(String),
+    /// A URI that isn't one.
+    #[error("the URI `{uri}` is malformed: {why}")]
+    BadUri {
+        /// The URI, shortened.
+        uri: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A file named by a URI is not there or can't be read.
+    #[error("the file `{uri}` cannot be read: {error}")]
+    MissingFile {
+        /// The URI.
+        uri: String,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A buffer without bytes: no URI and no GLB chunk.
+    #[error("has neither a URI nor a GLB chunk to take its bytes from")]
+    NoBytes,
+    /// A buffer shorter than it says.
+    #[error("says it has {expected} bytes; only {found} are there")]
+    ShortBuffer {
+        /// `byteLength`.
+        expected: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// A range of bytes that lies outside its container.
+    #[error("asks for bytes {start}..{end} of {container}, which has {length}")]
+    OutOfRange {
+        /// First byte.
+        start: u128,
+        /// One past the last byte.
+        end: u128,
+        /// What should contain them.
+        container: String,
+        /// Bytes in it.
+        length: u64,
+    },
+    /// A number of elements so large that its bytes can't be counted, or more
+    /// than the limit for elements that take no space in the file.
+    #[error(
+        "asks for {count} elements of {element_bytes} bytes; at most {limit} bytes are allowed without data in the file"
+    )]
+    TooManyZeros {
+        /// Elements.
+        count: u64,
+        /// Bytes per element.
+        element_bytes: usize,
+        /// The limit in bytes.
+        limit: u64,
+    },
+    /// A stride that doesn't suit the element.
+    #[error(
+        "`byteStride` is {stride}, elements of {element_bytes} bytes need {element_bytes} to 252"
+    )]
+    BadStride {
+        /// The stride.
+        stride: u64,
+        /// Bytes per element.
+        element_bytes: usize,
+    },
+    /// An accessor that can't serve as what it is used for.
+    #[error("is {found}, which cannot be used as {role}")]
+    WrongKind {
+        /// Such as `VEC3 of FLOAT`.
+        found: String,
+        /// Such as `POSITION`.
+        role: String,
+    },
+    /// Two accessors of one primitive that disagree.
+    #[error("{attribute} has {found} elements where {other} has {expected}")]
+    CountMismatch {
+        /// The attribute.
+        attribute: String,
+        /// Its count.
+        found: usize,
+        /// The one it is compared with.
+        other: String,
+        /// The count of that.
+        expected: usize,
+    },
+    /// An index of a primitive names a vertex that doesn't exist.
+    #[error("index {position} names vertex {vertex}, of {count}")]
+    NoSuchVertex {
+        /// Which index.
+        position: usize,
+        /// Its value.
+        vertex: u32,
+        /// Vertices there are.
+        count: usize,
+    },
+    /// Sparse indices outside the accessor or not increasing.
+    #[error(
+        "sparse index {index} does not come after the one before it, or is outside the accessor's {count} elements"
+    )]
+    BadSparseIndex {
+        /// The index.
+        index: u64,
+        /// Elements of the accessor.
+        count: usize,
+    },
+    /// A number that is NaN or infinite.
+    #[error("{what} {index} is not a finite number")]
+    NotFinite {
+        /// Such as `position`.
+        what: &'static str,
+        /// Which one.
+        index: usize,
+    },
+    /// A meshopt-compressed view that can't be decoded.
+    #[error("its meshopt-compressed data cannot be decoded: {0}")]
+    Meshopt(&'static str),
+    /// A node reached twice.
+    #[error("is the child of two nodes, or of itself")]
+    NodeTwice,
+    /// A node hierarchy deeper than the limit.
+    #[error("lies deeper than {0} nodes")]
+    TooDeep(usize),
+    /// More geometry than the limits allow.
+    #[error("holds more than {limit} {what}")]
+    TooMuch {
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        limit: u64,
+    },
+    /// No foliage was named and none was found.
+    #[error("no foliage was found; name it with {flags}", flags = flags(.candidates))]
+    NoFoliage {
+        /// Selectors that could be used.
+        candidates: Vec<String>,
+    },
+    /// No foliage was named, and it can't be told what it is.
+    #[error("it cannot be told what the foliage is; name it with {flags}", flags = flags(.candidates))]
+    AmbiguousFoliage {
+        /// Selectors that could be used.
+        candidates: Vec<String>,
+    },
+    /// A selector that matches nothing.
+    #[error("`{selector}` matches nothing; there are {known}", known = .known.join(", "))]
+    SelectorMatchesNothing {
+        /// The selector.
+        selector: String,
+        /// What there is to select.
+        known: Vec<String>,
+    },
+    /// The foliage has no triangle.
+    #[error("its foliage has no triangle")]
+    EmptyFoliage,
+    /// The output cannot be written.
+    #[error("{0}")]
+    Write(#[from] super::write::WriteProblem),
+    /// The skeleton is none, or one of another foliage.
+    #[error("{0}")]
+    Skeleton(secateur_model::SkeletonError),
+    /// The triangles are no foliage.
+    #[error("{0}")]
+    Foliage(#[from] secateur_model::FoliageError),
+}
+
+fn flags(candidates: &[String]) -> String {
+    match candidates {
+        [] => "`--foliage` (the file has no triangles to choose from)".to_owned(),
+        some => some
+            .iter()
+            .map(|c| format!("`--foliage {c}`"))
+            .collect::<Vec<_>>()
+            .join(" or "),
+    }
+}
+
+/// A JSON value as text, shortened so that an error stays one sentence.
+pub(crate) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 60;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}

@@ -1,0 +1,302 @@
+//! Finding the leaves of a document.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+
+use super::accessor::{Component, Shape};
+use super::choice::{self, Verdict};
+use super::cutouts::Cutouts;
+use super::error::{At, Fault, Problem};
+use super::evidence::{self, Reason};
+use super::parts::Part;
+use super::picture::Pictures;
+use super::property;
+use super::report;
+use super::survey::{Group, Survey};
+use super::tree::LeafSource;
+use super::{Document, GltfError, Inspection, Selector, Tree};
+use secateur_model::{Foliage, LeafTriangle};
+
+/// The most triangles of leaves, every instance counted: two gibibytes.
+const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
+
+/// Leaves and where they come from.
+#[derive(Default)]
+struct Found {
+    foliage: Foliage,
+    leaf_sources: Vec<LeafSource>,
+    leaf_triangles: Vec<u32>,
+}
+
+impl Document {
+    /// Says what is in the file and what would be taken for foliage, and why.
+    /// Never fails: what is wrong is told in [`Inspection::problem`].
+    pub fn inspect(&self, selectors: &[Selector]) -> Inspection {
+        let mut inspection = self.blank_inspection();
+        if let Err(fault) = self.find(selectors, &mut inspection) {
+            inspection.problem = Some(self.error(fault).to_string());
+        }
+        inspection
+    }
+
+    /// Finds the leaves: those of the primitives that the selectors name, or,
+    /// without selectors, of those whose evidence is clear (as
+    /// [`inspect`](Self::inspect) shows).
+    ///
+    /// # Errors
+    /// [`GltfError`] if the geometry can't be read, a selector matches nothing,
+    /// or no foliage is found.
+    pub fn into_tree(self, selectors: &[Selector]) -> Result<Tree, GltfError> {
+        let mut inspection = self.blank_inspection();
+        match self.find(selectors, &mut inspection) {
+            Err(fault) => Err(self.error(fault)),
+            Ok((parts, found)) => Ok(Tree {
+                document: self,
+                parts,
+                foliage: found.foliage,
+                leaf_sources: found.leaf_sources,
+                leaf_triangles: found.leaf_triangles,
+                inspection,
+            }),
+        }
+    }
+
+    /// The foliage, its sources and the parts; fills the inspection as far as
+    /// it gets.
+    fn find(
+        &self,
+        selectors: &[Selector],
+        inspection: &mut Inspection,
+    ) -> Result<(Vec<Part>, Found), Fault> {
+        let mut parts = self.parts()?;
+        let survey = self.survey(&parts)?;
+        let mut pictures = Pictures::new(self);
+        let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
+        let verdicts = choice::judge(&survey.groups, &reasons);
+        let choice = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
+        report::primitives(inspection, self, &survey, &parts, reasons, selectors);
+        report::extents(inspection, &survey, &parts);
+        inspection.warnings = self.warnings(&survey, &verdicts, selectors);
+        inspection.warnings.extend(pictures.warnings());
+        choice?;
+        let found = self.collect(&survey, &parts, &mut pictures, &mut inspection.warnings)?;
+        report::foliage(inspection, &found.foliage);
+        Ok((parts, found))
+    }
+
+    fn collect(
+        &self,
+        survey: &Survey,
+        parts: &[Part],
+        pictures: &mut Pictures<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Found, Fault> {
+        check_size(survey, parts)?;
+        let mut cutouts = Cutouts::default();
+        let mut skins: HashMap<usize, Skin> = HashMap::new();
+        for (part, &index) in parts.iter().zip(&survey.group_of_part) {
+            if part.is_foliage && !skins.contains_key(&index) {
+                let group = &survey.groups[index];
+                let skin = self.skin(group, &mut cutouts, pictures, warnings)?;
+                skins.insert(index, skin);
+            }
+        }
+        let mut found = Found {
+            foliage: Foliage::new(cutouts.masks),
+            ..Found::default()
+        };
+        for (number, (part, index)) in parts.iter().zip(&survey.group_of_part).enumerate() {
+            if part.is_foliage {
+                let group = &survey.groups[*index];
+                found
+                    .push_part(number as u32, part, group, &skins[index])
+                    .at(|| {
+                        format!(
+                            "{} at {}",
+                            self.primitive_place(part.mesh, part.primitive),
+                            self.place("nodes", part.node)
+                        )
+                    })?;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Texture coordinates and mask of a foliage group.
+    fn skin(
+        &self,
+        group: &Group,
+        cutouts: &mut Cutouts,
+        pictures: &mut Pictures<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Skin, Fault> {
+        let Some(texture) = group.look.texture else {
+            let cutout = cutouts.index(&group.look, pictures)?;
+            return Ok(Skin {
+                uvs: Vec::new(),
+                cutout,
+            });
+        };
+        let uvs = self.texture_coordinates(group.mesh, group.primitive, texture.uv_set)?;
+        let Some(uvs) = uvs else {
+            warnings.push(format!(
+                "{}: has no TEXCOORD_{} for its texture; its leaves are taken for opaque",
+                self.primitive_place(group.mesh, group.primitive),
+                texture.uv_set
+            ));
+            return Ok(Skin {
+                uvs: Vec::new(),
+                cutout: None,
+            });
+        };
+        // NaN in a texture coordinate hides nothing that matters: zero serves.
+        let apply = |uv: DVec2| {
+            let uv = texture.transform.apply(uv);
+            if uv.is_finite() { uv } else { DVec2::ZERO }
+        };
+        Ok(Skin {
+            uvs: uvs.into_iter().map(apply).collect(),
+            cutout: cutouts.index(&group.look, pictures)?,
+        })
+    }
+
+    /// `TEXCOORD_n` as the file has it, one per position, or `None`.
+    pub(crate) fn texture_coordinates(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        set: usize,
+    ) -> Result<Option<Vec<DVec2>>, Fault> {
+        let name = format!("TEXCOORD_{set}");
+        let uvs = self.vectors_of::<2>(mesh, primitive, &name)?;
+        Ok(uvs.map(|uvs| uvs.into_iter().map(DVec2::from_array).collect()))
+    }
+
+    /// An attribute as arrays of numbers, one per position, or `None` where the
+    /// primitive doesn't have it.
+    pub(crate) fn vectors_of<const N: usize>(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        name: &str,
+    ) -> Result<Option<Vec<[f64; N]>>, Fault> {
+        let Some(index) = self.attribute(mesh, primitive, name)? else {
+            return Ok(None);
+        };
+        let place = || self.primitive_place(mesh, primitive);
+        let accessor = self.accessor(index)?;
+        if accessor.shape != Shape::Vector(N) || accessor.component == Component::U32 {
+            return Err(Problem::WrongKind {
+                found: format!("{} ({})", self.place("accessors", index), accessor.kind()),
+                role: name.to_owned(),
+            })
+            .at(place);
+        }
+        let positions = self.attribute(mesh, primitive, "POSITION")?;
+        let expected = positions.map_or(Ok(0), |p| self.accessor(p).map(|a| a.count))?;
+        if accessor.count != expected {
+            return Err(Problem::CountMismatch {
+                attribute: name.to_owned(),
+                found: accessor.count,
+                other: "POSITION".to_owned(),
+                expected,
+            })
+            .at(place);
+        }
+        Ok(Some(self.elements(index)?.vectors().collect()))
+    }
+
+    fn warnings(
+        &self,
+        survey: &Survey,
+        verdicts: &[Verdict],
+        selectors: &[Selector],
+    ) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for (group, verdict) in survey.groups.iter().zip(verdicts) {
+            let place = self.primitive_place(group.mesh, group.primitive);
+            let is_skinned = |&node: &usize| self.root["nodes"][node].get("skin").is_some();
+            if group.nodes.iter().any(is_skinned) {
+                warnings.push(format!("{place}: is skinned; its bind pose is read"));
+            }
+            let json = &self.root["meshes"][group.mesh]["primitives"][group.primitive];
+            if property::list(json, "targets").is_ok_and(|targets| !targets.is_empty()) {
+                warnings.push(format!(
+                    "{place}: has morph targets; its shape at rest is read"
+                ));
+            }
+            match verdict {
+                Verdict::NoTriangles => warnings.push(format!("{place}: has no triangles")),
+                Verdict::Unclear if selectors.is_empty() => warnings.push(format!(
+                    "{place}: could be foliage, is left as wood; to choose it use `--foliage`"
+                )),
+                _ => {}
+            }
+        }
+        warnings
+    }
+}
+
+/// What a group's leaves look like.
+struct Skin {
+    /// One per position, or none.
+    uvs: Vec<DVec2>,
+    cutout: Option<u32>,
+}
+
+fn check_size(survey: &Survey, parts: &[Part]) -> Result<(), Problem> {
+    let foliage = parts.iter().zip(&survey.group_of_part);
+    let triangles: u64 = foliage
+        .filter(|(part, _)| part.is_foliage)
+        .map(|(_, &group)| survey.groups[group].geometry.triangles.len() as u64)
+        .sum();
+    match triangles {
+        0 => Err(Problem::EmptyFoliage),
+        n if n > MAX_LEAF_TRIANGLES => Err(Problem::TooMuch {
+            what: "leaf triangles",
+            limit: MAX_LEAF_TRIANGLES,
+        }),
+        _ => Ok(()),
+    }
+}
+
+impl Found {
+    fn push_part(
+        &mut self,
+        number: u32,
+        part: &Part,
+        group: &Group,
+        skin: &Skin,
+    ) -> Result<(), Problem> {
+        let geometry = &group.geometry;
+        // Corner by corner: a primitive may use few vertices of a large buffer.
+        let place = |v: u32| part.place_vertex(v as usize, geometry.positions[v as usize]);
+        let corner_uv = |v: u32| skin.uvs.get(v as usize).copied().unwrap_or_default();
+        let mut triangles: Vec<LeafTriangle> = Vec::new();
+        let first = self.leaf_triangles.len() as u32;
+        for (leaf, range) in geometry.pieces.iter().zip(geometry.pieces.ranges()) {
+            triangles.clear();
+            for &t in leaf {
+                let [a, b, c] = geometry.triangles[t as usize];
+                triangles.push(LeafTriangle {
+                    corners: [place(a)?, place(b)?, place(c)?],
+                    uvs: [a, b, c].map(corner_uv),
+                });
+            }
+            self.foliage.push_leaf(&triangles, skin.cutout)?;
+            self.leaf_sources.push(LeafSource {
+                part: number,
+                triangles: first + range.start..first + range.end,
+            });
+        }
+        self.leaf_triangles
+            .extend_from_slice(geometry.pieces.triangles());
+        Ok(())
+    }
+}
+
+/// Reasons are shown strongest first.
+pub(crate) fn strongest_first(reasons: &mut [Reason]) {
+    reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
+}

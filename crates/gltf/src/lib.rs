@@ -1,0 +1,140 @@
+//! Edits glTF without renumbering what stays.
+//!
+//! Most programs that change a glTF file read it into structures of their own
+//! and write it anew. What they do not know is lost on the way: extras,
+//! extensions, names, animations, the order of lists. Here the file itself is
+//! what is edited. Its JSON is kept whole, an edit changes the entries that it
+//! concerns, and accessors and buffer views keep their numbers, so that whatever
+//! else names an entry by its number stays right, even an extension that this
+//! crate has never heard of.
+//!
+//! The edits are those that a tree needs: connected sets of triangles (leaves)
+//! are removed, resized, or replaced by others.
+//!
+//! # From a file to an edited file
+//! 1. [`Document::open`] reads a .glb or .gltf; every number in it is checked.
+//! 2. [`Document::inspect`] says what is in it, and what looks like foliage.
+//! 3. [`Document::into_tree`] makes a [`Tree`]: it splits the triangles that
+//!    [`Selector`]s name, or that look like foliage, into leaves.
+//! 4. A [`Lod`](secateur_model::Lod) says which leaves are left, and how large.
+//! 5. [`Tree::write_lod`] writes the file with these leaves, and
+//!    [`Tree::lod_to_bytes`] a GLB to memory.
+//!
+//! ```
+//! use secateur_gltf::Document;
+//! use secateur_model::{LeafId, Lod};
+//!
+//! // Two triangles that do not touch, in a buffer that nobody names twice.
+//! let file = br#"{
+//!     "asset": {"version": "2.0"},
+//!     "scene": 0,
+//!     "scenes": [{"nodes": [1]}],
+//!     "nodes": [{"name": "not drawn"}, {"mesh": 0, "extras": {"season": "spring"}}],
+//!     "meshes": [{"primitives": [{"attributes": {"POSITION": 1}, "material": 0}]}],
+//!     "materials": [{"name": "leaf", "extensions": {"ACME_wind": {"sway": 0.5}}}],
+//!     "extensionsUsed": ["ACME_wind"],
+//!     "accessors": [
+//!         {"componentType": 5126, "count": 1, "type": "VEC3", "extras": "somebody needs it"},
+//!         {"componentType": 5126, "count": 6, "type": "VEC3", "bufferView": 0,
+//!          "min": [0, 0, 0], "max": [1, 1, 2]}
+//!     ],
+//!     "bufferViews": [{"buffer": 0, "byteLength": 72}],
+//!     "buffers": [{"byteLength": 72, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAABAAACAPwAAAAAAAABAAAAAAAAAgD8AAABA"}]
+//! }"#;
+//! let document = Document::from_bytes("two.gltf", file.to_vec(), None)?;
+//! let tree = document.into_tree(&["material:leaf".parse()?])?;
+//! assert_eq!(tree.foliage().leaves().len(), 2);
+//!
+//! let mut lod = Lod::original(2);
+//! lod.remove(LeafId::from_index(0));
+//! let glb = tree.lod_to_bytes(&lod)?;
+//!
+//! let edited = Document::from_bytes("one.glb", glb, None)?;
+//! let (old, new) = (tree.document().json(), edited.json());
+//! // Three vertices fewer under the same number, with the bounds that they have now.
+//! assert_eq!(new["accessors"][1]["count"], 3);
+//! assert_eq!(new["accessors"][1]["min"], serde_json::json!([0.0, 0.0, 2.0]));
+//! // The rest is as it was.
+//! assert_eq!(new["accessors"][0], old["accessors"][0]);
+//! for list in ["nodes", "meshes", "materials", "extensionsUsed"] {
+//!     assert_eq!(new[list], old[list]);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Rules of the reader
+//! - Every number of the file is checked before it is used, and nothing is
+//!   allocated that the file's own size (or a stated limit) doesn't cover.
+//! - World positions are f64: the file's f32 (or dequantised) position times
+//!   the product of the node matrices. Where that product is the identity they
+//!   are the file's own numbers.
+//! - A leaf is a set of triangles of one primitive of one node (or one instance
+//!   of it) that hang together by shared edges, edges being equal where the
+//!   positions of both ends are: vertices split for normals or texture
+//!   coordinates don't part a leaf, and leaves that touch in one point stay two.
+//! - A file that a URI names lies in the glTF's own folder, links followed.
+//! - Skins are read in bind pose, morph targets at rest.
+//!
+//! # Rules of the writer
+//! - An entry that nothing names any more goes if it is the last of its list, and
+//!   otherwise gives its number to a new entry or keeps it as the smallest valid
+//!   one. Only meshes that are left without triangles may make others move up, and
+//!   only where every extension of the file is one whose references are known.
+//! - The bytes that are still named are packed into one buffer.
+//! - Meshopt-compressed views are written without compression.
+//! - The same input gives the same bytes.
+//!
+//! # Map
+//! | for | look at |
+//! |---|---|
+//! | the two chunks of a GLB | `container.rs`, `write/container.rs` |
+//! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/` |
+//! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
+//! | which triangles are a leaf | `leaves.rs`, `find.rs` |
+//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
+//! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
+//! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
+//! | which entries stay | `write/references.rs`, `write/tidy.rs` |
+//! | files on disk | `write/files.rs`, `write/images.rs` |
+//! | grown plants | `write/plant.rs` |
+
+mod accessor;
+mod buffer;
+mod choice;
+mod container;
+mod cutouts;
+mod document;
+mod error;
+mod evidence;
+mod find;
+mod folder;
+mod inspection;
+mod instances;
+mod leaves;
+mod material;
+mod meshopt;
+mod name_evidence;
+mod node;
+mod parts;
+mod picture;
+mod primitive;
+mod property;
+mod report;
+mod selector;
+mod shape_evidence;
+mod skeleton;
+mod sparse;
+mod surfaces;
+mod survey;
+mod tree;
+mod uri;
+mod view;
+mod write;
+
+pub use document::Document;
+pub use error::{GltfError, Problem};
+pub use evidence::Reason;
+pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
+pub use selector::{Selector, SelectorError};
+pub use tree::Tree;
+pub use write::{WriteProblem, Written, plant_into_glb, plant_to_glb};

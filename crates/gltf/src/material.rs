@@ -1,0 +1,204 @@
+//! Materials: what of them decides how a leaf looks.
+
+use glam::DVec2;
+use serde_json::Value;
+
+use super::Document;
+use super::error::{At, Fault, Problem};
+use super::property;
+use secateur_model::{AlphaMode, Wrap};
+
+/// The base colour, alpha and sides of a material.
+#[derive(Clone, Debug)]
+pub(crate) struct Look {
+    /// Index in `materials`, or `None` for glTF's default material.
+    pub(crate) material: Option<usize>,
+    /// Its name, or empty.
+    pub(crate) name: String,
+    pub(crate) alpha_mode: AlphaMode,
+    /// Linear colour and alpha.
+    pub(crate) base_color: [f32; 4],
+    pub(crate) texture: Option<TextureUse>,
+    pub(crate) double_sided: bool,
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TextureUse {
+    /// Index in `images`, or `None` where the file has no image that can be
+    /// read, only one in an extension's format.
+    pub(crate) image: Option<usize>,
+    pub(crate) wrap: [Wrap; 2],
+    /// The `n` of `TEXCOORD_n`.
+    pub(crate) uv_set: usize,
+    pub(crate) transform: UvTransform,
+}
+
+/// KHR_texture_transform: scale, then rotation, then offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct UvTransform {
+    offset: DVec2,
+    /// Counter-clockwise, in radians.
+    rotation: f64,
+    scale: DVec2,
+}
+
+impl UvTransform {
+    const IDENTITY: Self = Self {
+        offset: DVec2::ZERO,
+        rotation: 0.0,
+        scale: DVec2::ONE,
+    };
+
+    /// The transformed texture coordinate. v points down, so that turning
+    /// counter-clockwise takes u to -v.
+    pub(crate) fn apply(&self, uv: DVec2) -> DVec2 {
+        if *self == Self::IDENTITY {
+            return uv;
+        }
+        let (sin, cos) = self.rotation.sin_cos();
+        let scaled = uv * self.scale;
+        let turned = DVec2::new(
+            cos * scaled.x + sin * scaled.y,
+            cos * scaled.y - sin * scaled.x,
+        );
+        self.offset + turned
+    }
+}
+
+impl Document {
+    /// The look of a primitive's material.
+    pub(crate) fn look(&self, mesh: usize, primitive: usize) -> Result<Look, Fault> {
+        let json = self.primitive(mesh, primitive)?;
+        let place = || self.primitive_place(mesh, primitive);
+        let Some(index) = property::index(json, "material").at(place)? else {
+            return Ok(Look {
+                material: None,
+                name: String::new(),
+                alpha_mode: AlphaMode::Opaque,
+                base_color: [1.0; 4],
+                texture: None,
+                double_sided: false,
+            });
+        };
+        let json = property::entry(&self.root, "materials", index).at(place)?;
+        self.read_look(index, json)
+            .at(|| self.place("materials", index))
+    }
+
+    fn read_look(&self, index: usize, json: &Value) -> Result<Look, Problem> {
+        const NONE: Value = Value::Null;
+        let glossy = property::extension(json, "KHR_materials_pbrSpecularGlossiness");
+        let (pbr, color_name, texture_name) = match (json.get("pbrMetallicRoughness"), glossy) {
+            (None, Some(glossy)) => (glossy, "diffuseFactor", "diffuseTexture"),
+            (pbr, _) => (pbr.unwrap_or(&NONE), "baseColorFactor", "baseColorTexture"),
+        };
+        let color = property::numbers::<4>(pbr, color_name)?.unwrap_or([1.0; 4]);
+        let texture = pbr.get(texture_name);
+        Ok(Look {
+            material: Some(index),
+            name: property::text(json, "name")?.unwrap_or("").to_owned(),
+            alpha_mode: alpha_mode(json)?,
+            base_color: color.map(|c| c as f32),
+            texture: texture.map(|t| self.texture_use(t)).transpose()?,
+            double_sided: property::flag(json, "doubleSided")?,
+        })
+    }
+
+    fn texture_use(&self, info: &Value) -> Result<TextureUse, Problem> {
+        let index = property::required_index(info, "index")?;
+        let texture = property::entry(&self.root, "textures", index)?;
+        let transform = property::extension(info, "KHR_texture_transform");
+        let uv_set = match transform {
+            Some(transform) => property::index(transform, "texCoord")?,
+            None => None,
+        };
+        let uv_set = match uv_set {
+            Some(set) => set,
+            None => property::index(info, "texCoord")?.unwrap_or(0),
+        };
+        let webp = match property::extension(texture, "EXT_texture_webp") {
+            Some(webp) => property::index(webp, "source")?,
+            None => None,
+        };
+        let image = webp.map_or_else(|| property::index(texture, "source"), |w| Ok(Some(w)))?;
+        if let Some(image) = image {
+            property::entry(&self.root, "images", image)?;
+        }
+        Ok(TextureUse {
+            image,
+            wrap: self.wrap(texture)?,
+            uv_set,
+            transform: transform.map_or(Ok(UvTransform::IDENTITY), uv_transform)?,
+        })
+    }
+
+    fn wrap(&self, texture: &Value) -> Result<[Wrap; 2], Problem> {
+        let Some(index) = property::index(texture, "sampler")? else {
+            return Ok([Wrap::Repeat; 2]);
+        };
+        let sampler = property::entry(&self.root, "samplers", index)?;
+        Ok([wrap_mode(sampler, "wrapS")?, wrap_mode(sampler, "wrapT")?])
+    }
+}
+
+fn wrap_mode(sampler: &Value, name: &'static str) -> Result<Wrap, Problem> {
+    match property::whole(sampler, name)? {
+        None | Some(10497) => Ok(Wrap::Repeat),
+        Some(33071) => Ok(Wrap::ClampToEdge),
+        Some(33648) => Ok(Wrap::MirroredRepeat),
+        Some(other) => Err(Problem::BadProperty {
+            property: name,
+            expected: "one of 10497, 33071 and 33648",
+            found: other.to_string(),
+        }),
+    }
+}
+
+fn uv_transform(json: &Value) -> Result<UvTransform, Problem> {
+    let identity = UvTransform::IDENTITY;
+    Ok(UvTransform {
+        offset: property::numbers(json, "offset")?.map_or(identity.offset, DVec2::from_array),
+        rotation: property::number(json, "rotation")?.unwrap_or(identity.rotation),
+        scale: property::numbers(json, "scale")?.map_or(identity.scale, DVec2::from_array),
+    })
+}
+
+fn alpha_mode(json: &Value) -> Result<AlphaMode, Problem> {
+    const DEFAULT_CUTOFF: f64 = 0.5;
+    match property::text(json, "alphaMode")? {
+        None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
+        Some("BLEND") => Ok(AlphaMode::Blend),
+        Some("MASK") => {
+            let cutoff = property::number(json, "alphaCutoff")?.unwrap_or(DEFAULT_CUTOFF);
+            Ok(AlphaMode::Mask(cutoff as f32))
+        }
+        Some(other) => Err(Problem::BadProperty {
+            property: "alphaMode",
+            expected: "OPAQUE, MASK or BLEND",
+            found: super::error::shortened(other),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_turn_takes_the_lower_left_quadrant() {
+        // The extension's own example: offset (0, 1), a quarter turn, scale 0.5
+        // shows the lower left quadrant. v points down, so that is u in
+        // 0..0.5 and v in 0.5..1.
+        let transform = UvTransform {
+            offset: DVec2::new(0.0, 1.0),
+            rotation: std::f64::consts::FRAC_PI_2,
+            scale: DVec2::splat(0.5),
+        };
+        let near = |a: DVec2, b: DVec2| (a - b).length() < 1e-15;
+        let at = |u, v| transform.apply(DVec2::new(u, v));
+        assert!(near(at(0.0, 0.0), DVec2::new(0.0, 1.0)));
+        assert!(near(at(1.0, 0.0), DVec2::new(0.0, 0.5)));
+        assert!(near(at(0.0, 1.0), DVec2::new(0.5, 1.0)));
+    }
+}

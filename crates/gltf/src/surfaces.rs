@@ -1,0 +1,252 @@
+//! What a tree looks like: textured triangles in world space, for renderers.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
+
+use super::accessor::Shape;
+use super::choice;
+use super::error::{At, Fault, Problem};
+use super::evidence;
+use super::parts::{Part, check_limit};
+use super::picture::{Decoded, Pictures};
+use super::survey::{Group, Survey};
+use super::{Document, GltfError, Selector, Tree};
+use secateur_model::{Material, Surface, Texture};
+
+/// The most triangles that surfaces are made of, every instance counted.
+const MAX_TRIANGLES: u64 = 16 << 20;
+
+/// The most vertices of surfaces, every instance counted.
+const MAX_VERTICES: u64 = 3 * MAX_TRIANGLES;
+
+impl Document {
+    /// Everything that is drawn, as textured triangles in world space: a
+    /// surface for each primitive, all its instances in it, with whether it is
+    /// foliage (as the selectors say or the evidence shows; nothing is, where
+    /// it can't be told).
+    ///
+    /// Triangles of mirrored nodes are turned, so that front faces stay front
+    /// faces. Images that can't be decoded are left out.
+    ///
+    /// # Errors
+    /// [`GltfError`] if the geometry can't be read or there is too much of it.
+    pub fn surfaces(&self, selectors: &[Selector]) -> Result<Vec<(Surface, bool)>, GltfError> {
+        let read = || -> Result<_, Fault> {
+            let mut parts = self.parts()?;
+            let survey = self.survey(&parts)?;
+            let mut pictures = Pictures::new(self);
+            let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
+            let verdicts = choice::judge(&survey.groups, &reasons);
+            // Without foliage a tree can still be looked at.
+            let _ = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
+            self.surfaces_of(&parts, &survey, &mut pictures)
+        };
+        read().map_err(|fault| self.error(fault))
+    }
+
+    fn surfaces_of(
+        &self,
+        parts: &[Part],
+        survey: &Survey,
+        pictures: &mut Pictures<'_>,
+    ) -> Result<Vec<(Surface, bool)>, Fault> {
+        let all = |count: fn(&Group) -> usize| -> u64 {
+            let placed = |group: &Group| group.placements as u64 * count(group) as u64;
+            survey.groups.iter().map(placed).sum()
+        };
+        check_limit(
+            "triangles to draw",
+            all(|g| g.geometry.triangles.len()),
+            MAX_TRIANGLES,
+        )?;
+        check_limit(
+            "vertices to draw",
+            all(|g| g.geometry.positions.len()),
+            MAX_VERTICES,
+        )?;
+        let mut surfaces = Vec::new();
+        for (index, group) in survey.groups.iter().enumerate() {
+            if group.geometry.triangles.is_empty() {
+                continue;
+            }
+            let template = self.template(group, pictures)?;
+            for is_foliage in [false, true] {
+                let placed = parts.iter().zip(&survey.group_of_part);
+                let mut surface = template.empty_surface();
+                for (part, _) in
+                    placed.filter(|(part, of)| **of == index && part.is_foliage == is_foliage)
+                {
+                    template
+                        .place(part, group, &mut surface)
+                        .at(|| self.place("nodes", part.node))?;
+                }
+                if !surface.triangles.is_empty() {
+                    surfaces.push((surface, is_foliage));
+                }
+            }
+        }
+        Ok(surfaces)
+    }
+
+    fn template(&self, group: &Group, pictures: &mut Pictures<'_>) -> Result<Template, Fault> {
+        let (mesh, primitive) = (group.mesh, group.primitive);
+        let normals = self.vectors_of::<3>(mesh, primitive, "NORMAL")?;
+        let texture = group.look.texture;
+        let uvs = match texture {
+            Some(texture) => self
+                .texture_coordinates(mesh, primitive, texture.uv_set)?
+                .map(|uvs| (uvs, texture.transform)),
+            None => None,
+        };
+        let to_uv = |uv: DVec2| {
+            if uv.is_finite() {
+                uv.as_vec2()
+            } else {
+                Vec2::ZERO
+            }
+        };
+        Ok(Template {
+            normals: normals.unwrap_or_default(),
+            uvs: uvs.map_or_else(Vec::new, |(uvs, transform)| {
+                uvs.into_iter()
+                    .map(|uv| to_uv(transform.apply(uv)))
+                    .collect()
+            }),
+            colors: self.colors(mesh, primitive)?,
+            material: Arc::new(self.material(group, pictures)?),
+        })
+    }
+
+    /// COLOR_0, with an alpha of 1 where it has none.
+    fn colors(&self, mesh: usize, primitive: usize) -> Result<Vec<Vec4>, Fault> {
+        let Some(index) = self.attribute(mesh, primitive, "COLOR_0")? else {
+            return Ok(Vec::new());
+        };
+        if self.accessor(index)?.shape == Shape::Vector(3) {
+            let colors = self.vectors_of::<3>(mesh, primitive, "COLOR_0")?;
+            let opaque = |[r, g, b]: [f64; 3]| Vec4::new(r as f32, g as f32, b as f32, 1.0);
+            return Ok(colors.unwrap_or_default().into_iter().map(opaque).collect());
+        }
+        let colors = self.vectors_of::<4>(mesh, primitive, "COLOR_0")?;
+        let color = |c: [f64; 4]| Vec4::from_array(c.map(|x| x as f32));
+        Ok(colors.unwrap_or_default().into_iter().map(color).collect())
+    }
+
+    fn material(&self, group: &Group, pictures: &mut Pictures<'_>) -> Result<Material, Fault> {
+        let look = &group.look;
+        let picture = match look.texture.and_then(|t| t.image) {
+            Some(image) => Some(pictures.get(image)?),
+            None => None,
+        };
+        let texture = match (picture, look.texture) {
+            (Some(Decoded::Picture(picture)), Some(texture)) => Some(Arc::new(Texture {
+                width: picture.image.width(),
+                height: picture.image.height(),
+                rgba: picture.image.as_raw().clone(),
+                wrap: texture.wrap,
+            })),
+            _ => None,
+        };
+        Ok(Material {
+            name: look.name.clone(),
+            base_color: look.base_color,
+            texture,
+            alpha_mode: look.alpha_mode,
+            double_sided: look.double_sided,
+        })
+    }
+}
+
+impl Tree {
+    /// Everything that is drawn, as [`Document::surfaces`] with this tree's
+    /// choice of foliage.
+    ///
+    /// # Errors
+    /// [`GltfError`] if there is too much of it.
+    pub fn surfaces(&self) -> Result<Vec<(Surface, bool)>, GltfError> {
+        let document = &self.document;
+        let read = || -> Result<_, Fault> {
+            let survey = document.survey(&self.parts)?;
+            document.surfaces_of(&self.parts, &survey, &mut Pictures::new(document))
+        };
+        read().map_err(|fault| document.error(fault))
+    }
+}
+
+/// What all placements of a primitive share.
+struct Template {
+    normals: Vec<[f64; 3]>,
+    uvs: Vec<Vec2>,
+    colors: Vec<Vec4>,
+    material: Arc<Material>,
+}
+
+impl Template {
+    fn empty_surface(&self) -> Surface {
+        Surface {
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles: Vec::new(),
+            material: Arc::clone(&self.material),
+        }
+    }
+
+    fn place(&self, part: &Part, group: &Group, surface: &mut Surface) -> Result<(), Problem> {
+        let first = surface.positions.len() as u32;
+        for (vertex, position) in group.geometry.positions.iter().enumerate() {
+            surface
+                .positions
+                .push(part.place_vertex(vertex, *position)?);
+        }
+        let (cofactor, is_mirrored) = normal_matrix(&part.world_from_local);
+        let to_world = |n: &[f64; 3]| {
+            let turned = cofactor * DVec3::from_array(*n);
+            turned.normalize_or_zero().as_vec3().normalize_or(Vec3::Y)
+        };
+        surface.normals.extend(self.normals.iter().map(to_world));
+        surface.uvs.extend_from_slice(&self.uvs);
+        surface.colors.extend_from_slice(&self.colors);
+        surface
+            .triangles
+            .extend(group.geometry.triangles.iter().map(|&[a, b, c]| {
+                let corners = if is_mirrored { [a, c, b] } else { [a, b, c] };
+                corners.map(|v| first + v)
+            }));
+        Ok(())
+    }
+}
+
+/// The matrix that turns normals, up to a positive factor, and whether the
+/// transform mirrors. Cofactors, unlike the inverse, exist for flat transforms
+/// too.
+fn normal_matrix(world_from_local: &DMat4) -> (DMat3, bool) {
+    let linear = DMat3::from_mat4(*world_from_local);
+    let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+    let is_mirrored = linear.determinant() < 0.0;
+    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    (
+        if is_mirrored {
+            cofactor * -1.0
+        } else {
+            cofactor
+        },
+        is_mirrored,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirror_keeps_the_normal_of_the_plane_it_lies_in() {
+        // Mirrored in x: a normal along y stays, one along x turns round.
+        let (matrix, is_mirrored) = normal_matrix(&DMat4::from_scale(DVec3::new(-2.0, 1.0, 1.0)));
+        assert!(is_mirrored);
+        assert_eq!((matrix * DVec3::Y).normalize(), DVec3::Y);
+        assert_eq!((matrix * DVec3::X).normalize(), -DVec3::X);
+    }
+}

@@ -1,0 +1,79 @@
+//! A glTF tree whose leaves are known.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::parts::Part;
+use super::{Document, GltfError, Inspection, Selector};
+use secateur_model::Foliage;
+
+/// A glTF file with its leaves found.
+#[derive(Debug)]
+pub struct Tree {
+    pub(crate) document: Document,
+    /// Every drawn primitive, in traversal order.
+    pub(crate) parts: Vec<Part>,
+    pub(crate) foliage: Foliage,
+    /// Where each leaf comes from, leaf 1 first.
+    pub(crate) leaf_sources: Vec<LeafSource>,
+    /// Triangle numbers that `leaf_sources` point into.
+    pub(crate) leaf_triangles: Vec<u32>,
+    pub(crate) inspection: Inspection,
+}
+
+/// The triangles of a leaf: numbers within the triangle list of its part's
+/// primitive (`Document::triangles`), ascending.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct LeafSource {
+    /// Index in [`Tree::parts`].
+    pub(crate) part: u32,
+    /// Range of [`Tree::leaf_triangles`].
+    pub(crate) triangles: Range<u32>,
+}
+
+impl Tree {
+    /// Reads a .glb or .gltf file and finds its leaves.
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`Document::open`] and [`Document::into_tree`].
+    pub fn open(path: &Path, selectors: &[Selector]) -> Result<Self, GltfError> {
+        Document::open(path)?.into_tree(selectors)
+    }
+
+    /// The file as it was found.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The leaves in world space, in file order: parts in the scene's
+    /// depth-first order, within a part by lowest triangle.
+    pub fn foliage(&self) -> &Foliage {
+        &self.foliage
+    }
+
+    /// What is in the file, and what was taken for foliage and why.
+    pub fn inspection(&self) -> &Inspection {
+        &self.inspection
+    }
+
+    /// Triangles of leaves, every instance counted.
+    pub fn leaf_triangle_count(&self) -> u64 {
+        self.foliage.triangles().len() as u64
+    }
+
+    /// Triangles of everything else, every instance counted.
+    pub fn wood_triangle_count(&self) -> u64 {
+        self.inspection.wood_triangles
+    }
+
+    /// All triangles, every instance counted.
+    pub fn triangle_count(&self) -> u64 {
+        self.leaf_triangle_count() + self.wood_triangle_count()
+    }
+
+    /// The triangles of a leaf, as numbers in the triangle list of its part's
+    /// primitive.
+    pub(crate) fn triangles_of(&self, source: &LeafSource) -> &[u32] {
+        &self.leaf_triangles[source.triangles.start as usize..source.triangles.end as usize]
+    }
+}

@@ -1,0 +1,162 @@
+//! A LOD as JSON and one buffer.
+
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+
+use serde_json::{Value, json};
+
+use super::draft::Draft;
+use super::fates::Fates;
+use super::leftover::drop_unused_vertices;
+use super::meshes::rewrite_meshes;
+use super::packing::{ViewBytes, pack};
+use super::references::{items, len};
+use super::skeleton::rewrite_skeleton;
+use super::tidy::{References, drop_extension, drop_meshes, remove_field, tidy};
+use crate::Document;
+use crate::buffer::BufferSource;
+use crate::error::{At, Fault, Problem};
+use crate::tree::Tree;
+use secateur_model::Lod;
+
+/// The extensions that compress buffer views.
+const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// What a LOD's files hold.
+pub(super) struct Content {
+    /// The JSON; its `buffers` has one entry, without URI, or is absent.
+    pub(super) root: Value,
+    pub(super) buffer: Vec<u8>,
+    /// Triangles drawn, each instance counted.
+    pub(super) triangles: u64,
+    pub(super) notes: Vec<String>,
+}
+
+/// The content of a LOD's files.
+///
+/// # Panics
+/// If the LOD is of another number of leaves.
+pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
+    assert_eq!(
+        lod.area_scales().len(),
+        tree.foliage.leaves().len(),
+        "a LOD knows every leaf of its tree"
+    );
+    let document = &tree.document;
+    let fates = Fates::new(tree, lod);
+    let mut draft = Draft::new(document);
+    let before = References::of(&mut draft.root);
+    let empty = rewrite_meshes(&mut draft, tree, &fates)?;
+    drop_meshes(&mut draft, &empty);
+    rewrite_skeleton(&mut draft, tree, lod)?;
+    drop_unused_vertices(&mut draft, &before)?;
+    let thinned = tidy(&mut draft, &before);
+
+    let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
+    for (view, bytes) in std::mem::take(&mut draft.new_bytes) {
+        own.insert(view, Cow::Owned(bytes));
+    }
+    decompress_views(&mut draft, &mut own)?;
+    let bytes = ViewBytes {
+        buffers: document
+            .buffers
+            .iter()
+            .map(|b| b.bytes.as_slice())
+            .collect(),
+        own,
+        thinned,
+    };
+    let buffer = pack(&mut draft.root, &bytes).map_err(|stray| stray_view(document, stray.0))?;
+    set_buffer(&mut draft.root, document, buffer.len());
+    Ok(Content {
+        triangles: count_triangles(tree, &fates)?,
+        notes: without_repeats(draft.notes),
+        root: draft.root,
+        buffer,
+    })
+}
+
+/// Views that were compressed are written as they are without compression.
+fn decompress_views<'d>(
+    draft: &mut Draft<'d>,
+    own: &mut HashMap<usize, Cow<'d, [u8]>>,
+) -> Result<(), Fault> {
+    let mut count = 0;
+    for (number, view) in items(&mut draft.root, "bufferViews").enumerate() {
+        let Some(extensions) = view.get_mut("extensions").and_then(Value::as_object_mut) else {
+            continue;
+        };
+        let found = COMPRESSIONS.map(|name| extensions.shift_remove(name).is_some());
+        if !found.contains(&true) {
+            continue;
+        }
+        if extensions.is_empty() {
+            remove_field(view, "extensions");
+        }
+        own.insert(number, Cow::Borrowed(draft.document.view_bytes(number)?));
+        count += 1;
+    }
+    for name in COMPRESSIONS {
+        drop_extension(&mut draft.root, name, |_| false);
+    }
+    if count > 0 {
+        draft.notes.push(format!(
+            "{count} meshopt-compressed buffer views were written without compression"
+        ));
+    }
+    Ok(())
+}
+
+fn stray_view(document: &Document, view: usize) -> Fault {
+    let generic = || Err(Problem::Missing("bytes")).at(|| document.place("bufferViews", view));
+    let read = document.view_bytes(view).map(|_| ());
+    match read.and_then(|()| generic()) {
+        Err(fault) => fault,
+        Ok(()) => unreachable!("the generic fault is a fault"),
+    }
+}
+
+/// One buffer in the place of all: the first that had bytes keeps its name and
+/// extras.
+fn set_buffer(root: &mut Value, document: &Document, byte_length: usize) {
+    if byte_length == 0 {
+        remove_field(root, "buffers");
+        return;
+    }
+    let has_bytes = |index: &usize| document.buffers[*index].source != BufferSource::Placeholder;
+    let first = (0..document.buffers.len()).find(has_bytes);
+    let mut buffer = first.map_or_else(|| json!({}), |index| root["buffers"][index].clone());
+    remove_field(&mut buffer, "uri");
+    buffer["byteLength"] = byte_length.into();
+    root["buffers"] = json!([buffer]);
+}
+
+/// A mesh that is written several times has the same to say each time.
+fn without_repeats(mut notes: Vec<String>) -> Vec<String> {
+    let mut said = HashSet::new();
+    notes.retain(|note| said.insert(note.clone()));
+    notes
+}
+
+fn count_triangles(tree: &Tree, fates: &Fates) -> Result<u64, Fault> {
+    let mut of_primitive: HashMap<(usize, usize), u64> = HashMap::new();
+    let mut triangles = 0;
+    for (number, part) in tree.parts.iter().enumerate() {
+        let place = (part.mesh, part.primitive);
+        let all = match of_primitive.get(&place) {
+            Some(&known) => known,
+            None => {
+                let count = tree.document.triangles(place.0, place.1)?.len() as u64;
+                of_primitive.insert(place, count);
+                count
+            }
+        };
+        let gone = fates
+            .of_part(number)
+            .filter(|fate| fate.area_scale.is_none());
+        triangles += all - gone.map(|fate| fate.triangles.len() as u64).sum::<u64>();
+        triangles += fates.made_in(number).len() as u64;
+    }
+    debug_assert!(len(&tree.document.root, "meshes") > 0 || triangles == 0);
+    Ok(triangles)
+}

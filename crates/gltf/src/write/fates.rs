@@ -1,0 +1,317 @@
+//! What becomes of each leaf, and of each place where a mesh is drawn.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::{DMat3, DMat4, DVec3};
+
+use super::vertices::Resize;
+use crate::tree::Tree;
+use secateur_model::{LeafId, Lod, NewCorner, NewLeaf, Place};
+
+/// What becomes of one leaf of a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LeafFate<'t> {
+    pub(super) leaf: LeafId,
+    /// Numbers in the triangle list of the part's primitive.
+    pub(super) triangles: &'t [u32],
+    /// As in [`Lod::area_scale`].
+    pub(super) area_scale: Option<f64>,
+}
+
+impl LeafFate<'_> {
+    fn is_as_it_was(&self) -> bool {
+        self.area_scale == Some(1.0)
+    }
+}
+
+/// The fate of every leaf, by the part that it belongs to.
+pub(super) struct Fates<'t> {
+    tree: &'t Tree,
+    lod: &'t Lod,
+    /// Leaf indices, those of part p at `starts[p]..starts[p + 1]`.
+    leaves: Vec<u32>,
+    starts: Vec<u32>,
+    /// New leaves by the part of their donor, with their area scales.
+    made: HashMap<usize, Vec<(&'t NewLeaf, f64)>>,
+}
+
+/// A corner of a new leaf in its part's primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MadeCorner {
+    /// A triangle of the primitive's list and which of its corners: the vertex
+    /// to be copied.
+    pub(super) like: (u32, usize),
+    /// Where the copy goes, in the primitive's local space.
+    pub(super) position_local: DVec3,
+    /// What the copy's texture coordinates, normal and morph displacements are, where they are
+    /// not the vertex's.
+    pub(super) blend: Option<Blend>,
+}
+
+/// A sum of the vertices of a triangle, by weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blend {
+    /// A triangle of the primitive's list.
+    pub(super) triangle: u32,
+    pub(super) weights: [f64; 3],
+}
+
+impl<'t> Fates<'t> {
+    pub(super) fn new(tree: &'t Tree, lod: &'t Lod) -> Self {
+        let mut starts = vec![0u32; tree.parts.len() + 1];
+        for source in &tree.leaf_sources {
+            starts[source.part as usize + 1] += 1;
+        }
+        for part in 0..tree.parts.len() {
+            starts[part + 1] += starts[part];
+        }
+        let mut next = starts.clone();
+        let mut leaves = vec![0; tree.leaf_sources.len()];
+        for (leaf, source) in tree.leaf_sources.iter().enumerate() {
+            let slot = &mut next[source.part as usize];
+            leaves[*slot as usize] = leaf as u32;
+            *slot += 1;
+        }
+        let mut made: HashMap<usize, Vec<(&NewLeaf, f64)>> = HashMap::new();
+        for (leaf, area_scale) in lod.made() {
+            let part = tree.leaf_sources[leaf.donor.index()].part as usize;
+            made.entry(part).or_default().push((leaf, area_scale));
+        }
+        Self {
+            tree,
+            lod,
+            leaves,
+            starts,
+            made,
+        }
+    }
+
+    /// The triangles of new leaves that belong to a part.
+    pub(super) fn made_in(&self, part: usize) -> Vec<[MadeCorner; 3]> {
+        let world_from_local = &self.tree.parts[part].world_from_local;
+        let corner = |donor: LeafId, corner: &NewCorner, position_world: DVec3| {
+            let source = &self.tree.leaf_sources[donor.index()];
+            let triangles = self.tree.triangles_of(source);
+            let blend = match corner.place {
+                Place::InPlaneOf { triangle, weights } => Some(Blend {
+                    triangle: triangles[triangle as usize],
+                    weights,
+                }),
+                Place::Of(_) | Place::At(_) => None,
+            };
+            MadeCorner {
+                like: (
+                    triangles[corner.like as usize / 3],
+                    corner.like as usize % 3,
+                ),
+                position_local: origin_of_point(world_from_local, position_world),
+                blend,
+            }
+        };
+        let mut triangles = Vec::new();
+        for &(leaf, area_scale) in self.made.get(&part).into_iter().flatten() {
+            let placed = leaf.triangles_in(&self.tree.foliage, area_scale);
+            triangles.extend(leaf.triangles.iter().zip(placed).map(|(t, placed)| {
+                [0, 1, 2].map(|k| corner(leaf.donor, &t[k], placed.corners[k]))
+            }));
+        }
+        triangles
+    }
+
+    /// The leaves of a part, in leaf order.
+    pub(super) fn of_part(&self, part: usize) -> impl Iterator<Item = LeafFate<'t>> + '_ {
+        let range = self.starts[part] as usize..self.starts[part + 1] as usize;
+        self.leaves[range].iter().map(|&index| {
+            let leaf = LeafId::from_index(index as usize);
+            LeafFate {
+                leaf,
+                triangles: self
+                    .tree
+                    .triangles_of(&self.tree.leaf_sources[index as usize]),
+                area_scale: self.lod.area_scale(leaf),
+            }
+        })
+    }
+
+    /// Whether a leaf of the part goes or changes size, or one is new.
+    pub(super) fn is_changed(&self, part: usize) -> bool {
+        self.has_made(part) || self.of_part(part).any(|fate| !fate.is_as_it_was())
+    }
+
+    /// Whether a new leaf belongs to the part.
+    pub(super) fn has_made(&self, part: usize) -> bool {
+        self.made.contains_key(&part)
+    }
+
+    /// The resize of a leaf of a part, in the space of the part's primitive, or
+    /// `None` if its size stays.
+    pub(super) fn resize(&self, part: usize, fate: &LeafFate) -> Option<Resize> {
+        let area_scale = fate.area_scale.filter(|&scale| scale != 1.0)?;
+        let centre_world = self.tree.foliage.leaf(fate.leaf).centre();
+        let world_from_local = &self.tree.parts[part].world_from_local;
+        Some(Resize {
+            centre_local: origin_of_point(world_from_local, centre_world),
+            linear_scale: area_scale.sqrt(),
+        })
+    }
+}
+
+/// A local point that a transform takes to `point_world`; where the transform
+/// flattens space and there are many, about the one nearest to the origin.
+fn origin_of_point(world_from_local: &DMat4, point_world: DVec3) -> DVec3 {
+    let exact = world_from_local.inverse().transform_point3(point_world);
+    if exact.is_finite() {
+        return exact;
+    }
+    // Least squares, with a weight on the length too small to be seen.
+    let linear = DMat3::from_mat4(*world_from_local);
+    let square = linear.transpose() * linear;
+    let weight = 1e-12 * (square.x_axis.x + square.y_axis.y + square.z_axis.z);
+    let offset = point_world - world_from_local.w_axis.truncate();
+    let nearest = (square + weight * DMat3::IDENTITY).inverse() * (linear.transpose() * offset);
+    if nearest.is_finite() {
+        nearest
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// One place where a mesh is drawn: a node, or one instance of it.
+#[derive(Clone, Debug)]
+pub(super) struct Use {
+    pub(super) node: usize,
+    pub(super) instance: Option<usize>,
+    /// The parts of this place that hold leaves.
+    pub(super) parts: Vec<usize>,
+}
+
+/// The places where each mesh is drawn, by mesh; those in file order.
+pub(super) fn uses_by_mesh(tree: &Tree) -> BTreeMap<usize, Vec<Use>> {
+    let mut places: BTreeMap<(usize, usize, Option<usize>), Vec<usize>> = BTreeMap::new();
+    for (number, part) in tree.parts.iter().enumerate() {
+        let place = places
+            .entry((part.mesh, part.node, part.instance))
+            .or_default();
+        if part.is_foliage {
+            place.push(number);
+        }
+    }
+    let mut uses: BTreeMap<usize, Vec<Use>> = BTreeMap::new();
+    for ((mesh, node, instance), parts) in places {
+        uses.entry(mesh).or_default().push(Use {
+            node,
+            instance,
+            parts,
+        });
+    }
+    uses
+}
+
+/// Leaves that change: their primitive, triangles and area scale (its bits, or
+/// `None` where they go).
+type Changes<'t> = Vec<(usize, &'t [u32], Option<u64>)>;
+
+/// New leaves: their primitive, area scale (its bits) and the vertices that they copy.
+type Made = Vec<(usize, u64, Vec<(u32, usize)>)>;
+
+/// Of places that change alike, with how many it is tried to share a mesh.
+const MOST_TRIED: usize = 64;
+
+/// Sorts the places of a mesh into groups whose leaves share their fate, so
+/// that one mesh serves each group. Groups come in the order of their first
+/// place and hold numbers of `places`.
+pub(super) fn group_by_fate(tree: &Tree, fates: &Fates, places: &[&Use]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut known: HashMap<(Changes, Made), Vec<usize>> = HashMap::new();
+    for (number, place) in places.iter().enumerate() {
+        let key = (changes(tree, fates, place), made(tree, fates, place));
+        let alike = known.entry(key).or_default();
+        let same = alike.iter().copied().take(MOST_TRIED).find(|&group| {
+            let first = places[groups[group][0]];
+            scale_alike(tree, fates, first, place) && are_made_alike(fates, first, place)
+        });
+        match same {
+            Some(group) => groups[group].push(number),
+            None => {
+                alike.push(groups.len());
+                groups.push(vec![number]);
+            }
+        }
+    }
+    groups
+}
+
+fn changes<'t>(tree: &Tree, fates: &Fates<'t>, place: &Use) -> Changes<'t> {
+    let mut changes = Changes::new();
+    for &part in &place.parts {
+        let changed = fates.of_part(part).filter(|fate| !fate.is_as_it_was());
+        changes.extend(changed.map(|fate| {
+            let scale = fate.area_scale.map(f64::to_bits);
+            (tree.parts[part].primitive, fate.triangles, scale)
+        }));
+    }
+    changes
+}
+
+fn made(tree: &Tree, fates: &Fates, place: &Use) -> Made {
+    let mut made = Made::new();
+    for &part in &place.parts {
+        for &(leaf, area_scale) in fates.made.get(&part).into_iter().flatten() {
+            let triangles = tree.triangles_of(&tree.leaf_sources[leaf.donor.index()]);
+            let vertex = |c: &NewCorner| (triangles[c.like as usize / 3], c.like as usize % 3);
+            let corners = leaf.triangles.iter().flatten().map(vertex).collect();
+            made.push((tree.parts[part].primitive, area_scale.to_bits(), corners));
+        }
+    }
+    made
+}
+
+/// Whether the new leaves of two places that copy the same vertices are at the same
+/// place in the space of their primitive.
+fn are_made_alike(fates: &Fates, first: &Use, other: &Use) -> bool {
+    const TOLERANCE: f64 = 1e-5;
+    first.parts.iter().zip(&other.parts).all(|(&a, &b)| {
+        let pairs = fates.made_in(a).into_iter().zip(fates.made_in(b));
+        let places = |t: [MadeCorner; 3]| t.map(|corner| corner.position_local);
+        pairs.map(|(a, b)| (places(a), places(b))).all(|(a, b)| {
+            let size = a[0].distance(a[1]) + a[0].distance(a[2]);
+            (0..3).all(|k| a[k].distance(b[k]) <= TOLERANCE * size)
+        })
+    })
+}
+
+/// Whether the resized leaves of one place, scaled as those of another of the
+/// same changes, still have their own centres. Where a transform is not
+/// uniform, the centre of a bent leaf depends on it.
+fn scale_alike(tree: &Tree, fates: &Fates, first: &Use, other: &Use) -> bool {
+    const TOLERANCE: f64 = 1e-5;
+    first.parts.iter().zip(&other.parts).all(|(&a, &b)| {
+        fates
+            .of_part(a)
+            .zip(fates.of_part(b))
+            .all(|(fate_a, fate_b)| {
+                let Some(resize) = fates.resize(a, &fate_a) else {
+                    return true;
+                };
+                let leaf = tree.foliage.leaf(fate_b.leaf);
+                let world_from_local = tree.parts[b].world_from_local;
+                let centre: DVec3 = world_from_local.transform_point3(resize.centre_local);
+                centre.distance(leaf.centre()) <= TOLERANCE * leaf.area().sqrt()
+            })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flat_transform_still_has_origins() {
+        // The z axis is lost; x is doubled, y kept, all moved by (5, 6, 7).
+        let flat = DMat4::from_translation(DVec3::new(5.0, 6.0, 7.0))
+            * DMat4::from_scale(DVec3::new(2.0, 1.0, 0.0));
+        let local = origin_of_point(&flat, DVec3::new(7.0, 9.0, 7.0));
+        assert!(local.distance(DVec3::new(1.0, 3.0, 0.0)) < 1e-9);
+        assert_eq!(origin_of_point(&DMat4::ZERO, DVec3::ONE), DVec3::ZERO);
+    }
+}

@@ -1,0 +1,205 @@
+//! Meshes whose leaves change, and the nodes that draw them.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+use serde_json::Value;
+
+use super::draft::Draft;
+use super::fates::{Fates, Use, group_by_fate, uses_by_mesh};
+use super::instances::{Placement, place_instances};
+use super::primitive::rewrite_primitive;
+use super::references::as_index;
+use super::solitary::{busy_nodes, is_free_to_scale, only_leaf, scale_node};
+use super::vertices::Resize;
+use crate::error::Fault;
+use crate::tree::Tree;
+
+/// Gives every mesh with leaves, and every node that draws one, the leaves that
+/// are left. Returns the meshes that nothing is left of.
+pub(super) fn rewrite_meshes(
+    draft: &mut Draft,
+    tree: &Tree,
+    fates: &Fates,
+) -> Result<BTreeSet<usize>, Fault> {
+    let drawn_by = nodes_by_mesh(&tree.document.root);
+    let busy = busy_nodes(&tree.document.root);
+    let mut empty = BTreeSet::new();
+    for (mesh, uses) in uses_by_mesh(tree) {
+        let is_changed = |place: &Use| place.parts.iter().any(|&part| fates.is_changed(part));
+        if !uses.iter().any(is_changed) {
+            continue;
+        }
+        let seen: HashSet<usize> = uses.iter().map(|place| place.node).collect();
+        let is_drawn_elsewhere = drawn_by[&mesh].iter().any(|node| !seen.contains(node));
+        let plan = plan_mesh(draft, tree, fates, mesh, &uses, is_drawn_elsewhere, &busy)?;
+        if plan.is_empty {
+            empty.insert(mesh);
+        }
+        apply(draft, mesh, &uses, &plan.placements)?;
+    }
+    Ok(empty)
+}
+
+fn nodes_by_mesh(root: &Value) -> HashMap<usize, Vec<usize>> {
+    let mut drawn_by: HashMap<usize, Vec<usize>> = HashMap::new();
+    let nodes = root.get("nodes").and_then(Value::as_array);
+    for (number, node) in nodes.into_iter().flatten().enumerate() {
+        if let Some(mesh) = node.get("mesh").and_then(as_index) {
+            drawn_by.entry(mesh).or_default().push(number);
+        }
+    }
+    drawn_by
+}
+
+/// What each place of a mesh draws from now on.
+struct MeshPlan {
+    placements: Vec<Placement>,
+    /// Whether the mesh is not drawn any more and has nothing left in it.
+    is_empty: bool,
+}
+
+fn plan_mesh(
+    draft: &mut Draft,
+    tree: &Tree,
+    fates: &Fates,
+    mesh: usize,
+    uses: &[Use],
+    is_drawn_elsewhere: bool,
+    busy: &HashSet<usize>,
+) -> Result<MeshPlan, Fault> {
+    let is_shared = uses.len() > 1 || is_drawn_elsewhere;
+    let as_it_was = Placement {
+        mesh: Some(mesh),
+        resize: None,
+    };
+    let mut placements = vec![as_it_was; uses.len()];
+    let mut is_mesh_kept = is_drawn_elsewhere;
+    let mut changed = Vec::new();
+    for (number, place) in uses.iter().enumerate() {
+        if !place.parts.iter().any(|&part| fates.is_changed(part)) {
+            is_mesh_kept = true;
+        } else if let Some(resize) = solitary_resize(tree, fates, place, is_shared, busy)? {
+            placements[number].resize = Some(resize);
+            is_mesh_kept = true;
+        } else {
+            changed.push(number);
+        }
+    }
+
+    let mut is_slot_free = !is_mesh_kept;
+    let mut added = 0;
+    let changed_uses: Vec<&Use> = changed.iter().map(|&number| &uses[number]).collect();
+    for group in group_by_fate(tree, fates, &changed_uses) {
+        let rewritten = rewrite_mesh(draft, tree, fates, mesh, changed_uses[group[0]])?;
+        let number = match rewritten {
+            None => None,
+            Some(json) if is_slot_free => {
+                is_slot_free = false;
+                draft.root["meshes"][mesh] = json;
+                Some(mesh)
+            }
+            Some(json) => {
+                added += 1;
+                Some(draft.push("meshes", json))
+            }
+        };
+        for member in group {
+            placements[changed[member]].mesh = number;
+        }
+    }
+    if added > 0 {
+        let place = draft.document.place("meshes", mesh);
+        draft.notes.push(format!(
+            "{place} was drawn in several places whose leaves differ now: {added} meshes were added for them"
+        ));
+    }
+    Ok(MeshPlan {
+        placements,
+        is_empty: is_slot_free,
+    })
+}
+
+/// How much a place grows as a whole, if its mesh is one leaf and the place can
+/// be scaled without touching anything else.
+fn solitary_resize(
+    tree: &Tree,
+    fates: &Fates,
+    place: &Use,
+    is_shared: bool,
+    busy: &HashSet<usize>,
+) -> Result<Option<Resize>, Fault> {
+    let is_free = match place.instance {
+        Some(_) => true,
+        None => is_shared && is_free_to_scale(&tree.document.root, busy, place.node),
+    };
+    if !is_free {
+        return Ok(None);
+    }
+    only_leaf(tree, fates, place)
+}
+
+/// A mesh's JSON with the leaves of one of its places, or `None` if no
+/// primitive is left.
+fn rewrite_mesh(
+    draft: &mut Draft,
+    tree: &Tree,
+    fates: &Fates,
+    mesh: usize,
+    place: &Use,
+) -> Result<Option<Value>, Fault> {
+    let mut json = tree.document.root["meshes"][mesh].clone();
+    let changed: HashMap<usize, usize> = place
+        .parts
+        .iter()
+        .filter(|&&part| fates.is_changed(part))
+        .map(|&part| (tree.parts[part].primitive, part))
+        .collect();
+    let Some(primitives) = json.get_mut("primitives").and_then(Value::as_array_mut) else {
+        return Ok(Some(json));
+    };
+    let mut left = Vec::with_capacity(primitives.len());
+    for (number, primitive) in primitives.drain(..).enumerate() {
+        match changed.get(&number) {
+            None => left.push(primitive),
+            Some(&part) => left.extend(rewrite_primitive(draft, tree, fates, part)?),
+        }
+    }
+    *primitives = left;
+    Ok(Some(json).filter(|json| json["primitives"].as_array().is_some_and(|p| !p.is_empty())))
+}
+
+fn apply(
+    draft: &mut Draft,
+    mesh: usize,
+    uses: &[Use],
+    placements: &[Placement],
+) -> Result<(), Fault> {
+    let mut instances: BTreeMap<usize, Vec<(usize, Placement)>> = BTreeMap::new();
+    for (place, placement) in uses.iter().zip(placements) {
+        match (place.instance, placement.mesh, &placement.resize) {
+            (Some(instance), _, _) => {
+                let of_node = instances.entry(place.node).or_default();
+                of_node.push((instance, placement.clone()));
+            }
+            (None, None, _) => take_mesh_away(draft, place.node),
+            (None, Some(_), Some(resize)) => scale_node(draft, place.node, resize),
+            (None, Some(new), None) if new != mesh => {
+                draft.root["nodes"][place.node]["mesh"] = new.into();
+            }
+            (None, Some(_), None) => {}
+        }
+    }
+    for (node, placements) in instances {
+        place_instances(draft, node, mesh, &placements)?;
+    }
+    Ok(())
+}
+
+/// Leaves a node in its place, drawing nothing.
+pub(super) fn take_mesh_away(draft: &mut Draft, node: usize) {
+    if let Some(fields) = draft.root["nodes"][node].as_object_mut() {
+        for needless in ["mesh", "skin", "weights"] {
+            fields.shift_remove(needless);
+        }
+    }
+}

@@ -1,0 +1,393 @@
+//! One primitive with fewer leaves, or leaves of another size.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use glam::{DVec3, Vec3};
+use serde_json::Value;
+
+use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
+use super::fates::{Blend, Fates, MadeCorner};
+use super::references::as_index;
+use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
+use crate::accessor::{Component, Elements, Shape};
+use crate::error::{At, Fault, Problem};
+use crate::parts::Part;
+use crate::tree::Tree;
+
+/// A primitive's JSON after the fates of a part's leaves, or `None` if no
+/// triangle is left.
+pub(super) fn rewrite_primitive(
+    draft: &mut Draft,
+    tree: &Tree,
+    fates: &Fates,
+    part_number: usize,
+) -> Result<Option<Value>, Fault> {
+    let part = &tree.parts[part_number];
+    let Kept {
+        triangles: kept,
+        resizes,
+        blends,
+    } = kept_triangles(draft, fates, part_number, part)?;
+    if kept.is_empty() {
+        return Ok(None);
+    }
+    let document = draft.document;
+    let mut primitive = document.primitive(part.mesh, part.primitive)?.clone();
+    let old_indices = primitive.get("indices").and_then(as_index);
+    let vertices = match old_indices {
+        Some(_) => {
+            let position = accessor_of(&primitive["attributes"]["POSITION"]);
+            shared_vertices(document.accessor(position)?.count, &kept)
+        }
+        None => corner_vertices(&kept),
+    };
+    let sources: Rc<[u32]> = vertices.sources.as_slice().into();
+    let moves = Moves {
+        vertices: &vertices,
+        resizes: &resizes,
+        blends: &blends,
+        place: document.primitive_place(part.mesh, part.primitive),
+    };
+    moves.rewrite_attributes(draft, &mut primitive["attributes"], &sources, Mover::Point)?;
+    for target in super::references::items(&mut primitive, "targets") {
+        moves.rewrite_attributes(draft, target, &sources, Mover::Delta)?;
+    }
+    if let (Some(old), Some(triangles)) = (old_indices, &vertices.triangles) {
+        let new = new_indices(draft, old, triangles.as_flattened(), vertices.sources.len())?;
+        primitive["indices"] = draft.push_accessor(Some(old), new).into();
+    }
+    if primitive
+        .get("mode")
+        .and_then(as_index)
+        .is_some_and(|mode| mode != TRIANGLES)
+    {
+        primitive["mode"] = TRIANGLES.into();
+    }
+    note_extensions(draft, &primitive, &moves.place);
+    Ok(Some(primitive))
+}
+
+const TRIANGLES: usize = 4;
+
+fn accessor_of(number: &Value) -> usize {
+    as_index(number).expect("a primitive with triangles was read")
+}
+
+/// The triangles that a primitive has from now on.
+struct Kept {
+    triangles: Vec<KeptTriangle>,
+    resizes: Vec<Resize>,
+    /// By resize: old vertices, and how much what it moves has of each, where it has not all
+    /// of one.
+    blends: HashMap<u32, ([u32; 3], [f64; 3])>,
+}
+
+fn kept_triangles(
+    draft: &Draft,
+    fates: &Fates,
+    part_number: usize,
+    part: &Part,
+) -> Result<Kept, Fault> {
+    let triangles = draft.document.triangles(part.mesh, part.primitive)?;
+    let mut is_kept = vec![true; triangles.len()];
+    let mut resize_of = vec![None; triangles.len()];
+    let mut resizes = Vec::new();
+    for fate in fates.of_part(part_number) {
+        if fate.area_scale.is_none() {
+            for &triangle in fate.triangles {
+                is_kept[triangle as usize] = false;
+            }
+        } else if let Some(resize) = fates.resize(part_number, &fate) {
+            for &triangle in fate.triangles {
+                resize_of[triangle as usize] = Some(resizes.len() as u32);
+            }
+            resizes.push(resize);
+        }
+    }
+    let mut kept: Vec<KeptTriangle> = triangles
+        .iter()
+        .zip(resize_of)
+        .zip(is_kept)
+        .filter(|(_, is_kept)| *is_kept)
+        .map(|((&corners, resize), _)| KeptTriangle {
+            corners,
+            resizes: [resize; 3],
+        })
+        .collect();
+    // A vertex that shrinks to a point is one that moves there. Corners that
+    // are alike and at one place stay one vertex.
+    let mut placed = HashMap::new();
+    let mut blends = HashMap::new();
+    for triangle in fates.made_in(part_number) {
+        let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
+        let mut resize = |k: usize| {
+            let MadeCorner {
+                position_local,
+                blend,
+                ..
+            } = triangle[k];
+            let bits = position_local.to_array().map(f64::to_bits);
+            let blend_bits = blend.map(|t: Blend| (t.triangle, t.weights.map(f64::to_bits)));
+            *placed.entry((bits, blend_bits)).or_insert_with(|| {
+                let number = resizes.len() as u32;
+                resizes.push(Resize {
+                    centre_local: position_local,
+                    linear_scale: 0.0,
+                });
+                let of_vertices = |t: Blend| (triangles[t.triangle as usize], t.weights);
+                blends.extend(blend.map(|t| (number, of_vertices(t))));
+                number
+            })
+        };
+        kept.push(KeptTriangle {
+            corners,
+            resizes: [0, 1, 2].map(|k| Some(resize(k))),
+        });
+    }
+    Ok(Kept {
+        triangles: kept,
+        resizes,
+        blends,
+    })
+}
+
+/// How a resize acts on a vector of a vertex.
+#[derive(Clone, Copy)]
+enum Mover {
+    /// A position: away from the leaf's centre.
+    Point,
+    /// The displacement of a morph target: in proportion; of a corner of a new leaf, that
+    /// of what the corner is like.
+    Delta,
+}
+
+/// The vertices of a rewritten primitive and how some of them move.
+struct Moves<'a> {
+    vertices: &'a Vertices,
+    resizes: &'a [Resize],
+    blends: &'a HashMap<u32, ([u32; 3], [f64; 3])>,
+    place: String,
+}
+
+impl Moves<'_> {
+    fn rewrite_attributes(
+        &self,
+        draft: &mut Draft,
+        attributes: &mut Value,
+        sources: &Rc<[u32]>,
+        mover: Mover,
+    ) -> Result<(), Fault> {
+        let Some(attributes) = attributes.as_object_mut() else {
+            return Ok(());
+        };
+        for (semantic, number) in attributes {
+            let Some(old) = as_index(number) else {
+                continue;
+            };
+            let moves = semantic == "POSITION" && !self.vertices.moved.is_empty();
+            let is_blended = matches!(mover, Mover::Point) && !self.blends.is_empty();
+            let new = if moves {
+                self.move_vectors(draft, old, sources, mover)?
+            } else if is_blended && semantic.starts_with("TEXCOORD_") {
+                self.blend::<2>(draft, old, sources, |sum, _| sum)?
+            } else if is_blended && semantic == "NORMAL" {
+                self.blend::<3>(draft, old, sources, |sum, like| {
+                    let unit = DVec3::from_array(sum).try_normalize();
+                    unit.map_or(like, |unit| unit.to_array())
+                })?
+            } else {
+                draft.gather(old, Role::Vertex, sources)?
+            };
+            *number = new.into();
+        }
+        Ok(())
+    }
+
+    /// The accessor of an attribute that some new vertices have of several old ones, of
+    /// that sum and what the vertex that they are copies of has. As f32: sums may leave
+    /// the range or the grid of integers.
+    fn blend<const N: usize>(
+        &self,
+        draft: &mut Draft,
+        old: usize,
+        sources: &Rc<[u32]>,
+        of_sum: impl Fn([f64; N], [f64; N]) -> [f64; N],
+    ) -> Result<usize, Fault> {
+        let elements = draft.document.elements(old)?;
+        if elements.accessor.shape != Shape::Vector(N) {
+            return draft.gather(old, Role::Vertex, sources);
+        }
+        let at = || draft.document.place("accessors", old);
+        let mut vectors = gather_vectors::<N>(&elements, sources).at(at)?;
+        for (vertex, resize) in &self.vertices.moved {
+            let Some(blend) = self.blends.get(resize) else {
+                continue;
+            };
+            let sum = blended::<N>(&elements, blend).at(at)?;
+            let vector = &mut vectors[*vertex as usize];
+            *vector = of_sum(sum, *vector);
+        }
+        if elements.accessor.component != Component::F32 {
+            draft.notes.push(format!(
+                "{}: quantised texture coordinates or normals became f32, because those of new leaves leave their grid",
+                self.place
+            ));
+        }
+        let fields = &draft.document.root["accessors"][old];
+        let in_range = |x: &f64| (*x as f32).clamp(f32::MIN, f32::MAX);
+        let new = NewElements {
+            component: Component::F32,
+            shape: Shape::Vector(N),
+            normalized: false,
+            count: sources.len(),
+            bytes: Some(
+                vectors
+                    .as_flattened()
+                    .iter()
+                    .map(in_range)
+                    .flat_map(f32::to_le_bytes)
+                    .collect(),
+            ),
+            bounded: fields.get("min").is_some() || fields.get("max").is_some(),
+            role: Role::Vertex,
+        };
+        Ok(draft.push_accessor(Some(old), new))
+    }
+
+    /// The accessor of positions, or of their displacements, of which some move.
+    /// As f32: a leaf that grows may leave the range or the grid of integers.
+    fn move_vectors(
+        &self,
+        draft: &mut Draft,
+        old: usize,
+        sources: &Rc<[u32]>,
+        mover: Mover,
+    ) -> Result<usize, Fault> {
+        let elements = draft.document.elements(old)?;
+        let is_displacement = matches!(mover, Mover::Delta);
+        if is_displacement
+            && (is_all_zero(&elements) || elements.accessor.shape != Shape::Vector(3))
+        {
+            return draft.gather(old, Role::Vertex, sources);
+        }
+        let vectors = gather_vectors::<3>(&elements, sources)
+            .at(|| draft.document.place("accessors", old))?;
+        let mut vectors: Vec<DVec3> = vectors.into_iter().map(DVec3::from_array).collect();
+        for &(vertex, resize) in &self.vertices.moved {
+            let vector = &mut vectors[vertex as usize];
+            *vector = match self.blends.get(&resize) {
+                Some(blend) if is_displacement => {
+                    let sum = blended::<3>(&elements, blend)
+                        .at(|| draft.document.place("accessors", old))?;
+                    DVec3::from_array(sum)
+                }
+                _ => moved(*vector, &self.resizes[resize as usize], mover),
+            };
+        }
+        if elements.accessor.component != Component::F32 {
+            draft.notes.push(format!(
+                "{}: its quantised positions became f32, because leaves that grow or are new leave their grid",
+                self.place
+            ));
+        }
+        let bytes = vectors
+            .iter()
+            .flat_map(|v| v.as_vec3().clamp(Vec3::MIN, Vec3::MAX).to_array())
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        let new = NewElements {
+            component: Component::F32,
+            shape: Shape::Vector(3),
+            normalized: false,
+            count: sources.len(),
+            bytes: Some(bytes),
+            bounded: true,
+            role: Role::Vertex,
+        };
+        Ok(draft.push_accessor(Some(old), new))
+    }
+}
+
+/// Vectors that are f32 in the file come back to the same bits.
+fn gather_vectors<const N: usize>(
+    elements: &Elements,
+    sources: &[u32],
+) -> Result<Vec<[f64; N]>, Problem> {
+    let gathered = Elements {
+        accessor: elements.accessor,
+        bytes: Cow::Owned(gather_bytes(elements, sources)?),
+    };
+    Ok(gathered.vectors().collect())
+}
+
+fn blended<const N: usize>(
+    elements: &Elements,
+    (corners, weights): &([u32; 3], [f64; 3]),
+) -> Result<[f64; N], Problem> {
+    let of_corners = gather_vectors::<N>(elements, corners)?;
+    Ok(std::array::from_fn(|k| {
+        let pairs = of_corners.iter().zip(weights);
+        pairs.map(|(vector, weight)| weight * vector[k]).sum()
+    }))
+}
+
+fn moved(vector: DVec3, resize: &Resize, mover: Mover) -> DVec3 {
+    match mover {
+        Mover::Point => resize.centre_local + resize.linear_scale * (vector - resize.centre_local),
+        Mover::Delta if resize.linear_scale == 0.0 => vector,
+        Mover::Delta => resize.linear_scale * vector,
+    }
+}
+
+/// Indices in the smallest type that holds them, though never smaller than
+/// 16 bits where they were larger: many GPUs dislike 8.
+pub(super) fn new_indices(
+    draft: &Draft,
+    old: usize,
+    corners: &[u32],
+    vertex_count: usize,
+) -> Result<NewElements, Fault> {
+    // The largest value of a type means a new strip and names no vertex.
+    let old_component = draft.document.accessor(old)?.component;
+    let component = match vertex_count {
+        0..=0xff if old_component == Component::U8 => Component::U8,
+        0..=0xffff => Component::U16,
+        _ => Component::U32,
+    };
+    let bytes = match component {
+        Component::U8 => corners.iter().map(|&corner| corner as u8).collect(),
+        Component::U16 => corners
+            .iter()
+            .flat_map(|&corner| (corner as u16).to_le_bytes())
+            .collect(),
+        _ => corners
+            .iter()
+            .flat_map(|&corner| corner.to_le_bytes())
+            .collect(),
+    };
+    let fields = &draft.document.root["accessors"][old];
+    Ok(NewElements {
+        component,
+        shape: Shape::Scalar,
+        normalized: false,
+        count: corners.len(),
+        bytes: Some(bytes),
+        bounded: fields.get("min").is_some() || fields.get("max").is_some(),
+        role: Role::Index,
+    })
+}
+
+/// An extension of a primitive that is not known may speak of vertices by
+/// number.
+fn note_extensions(draft: &mut Draft, primitive: &Value, place: &str) {
+    let extensions = primitive.get("extensions").and_then(Value::as_object);
+    for name in extensions.into_iter().flatten().map(|(name, _)| name) {
+        if name != "KHR_materials_variants" {
+            draft.notes.push(format!(
+                "{place}: {name} was kept as it was; if it names vertices, it names those of the original"
+            ));
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! LODs of small trees in every encoding, and of real ones.
+
+mod check;
+mod compressed;
+mod encodings;
+mod every_encoding;
+mod fixture;
+mod grown;
+mod images;
+mod made;
+mod on_disk;
+mod particulars;
+mod real_trees;
+mod skeleton;
+#[allow(unreachable_pub, reason = "integration tests include this file too")]
+#[path = "../../../../../tests/validator/validator.rs"]
+mod validator;

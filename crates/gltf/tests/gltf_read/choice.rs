@@ -1,0 +1,225 @@
+//! What is taken for foliage, and what is said where it can't be told.
+
+use secateur_gltf::{Selector, TakenFor};
+use serde_json::json;
+
+use crate::small_tree::SmallTree;
+
+/// Twenty quads strewn about, then a box that is one closed piece, each a
+/// primitive with its own unnamed material.
+fn quads_and_box() -> SmallTree {
+    let mut tree = SmallTree::empty();
+    let quads: Vec<f32> = (0..20)
+        .flat_map(|k| {
+            let x = 3.0 * k as f32;
+            [
+                [x, 0.0, 0.0],
+                [x + 1.0, 0.0, 0.0],
+                [x, 1.0, 0.0],
+                [x + 1.0, 1.0, 0.0],
+            ]
+        })
+        .flatten()
+        .collect();
+    let quad_indices: Vec<u16> = (0..20)
+        .flat_map(|k| [0, 1, 2, 2, 1, 3].map(|i| 4 * k + i))
+        .collect();
+    let corner = |k: u16| [k & 1, k >> 1 & 1, k >> 2].map(|b| -f32::from(b));
+    let corners: Vec<f32> = (0..8).flat_map(corner).collect();
+    let faces = [
+        [0, 1, 3, 2],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 3, 7, 5],
+    ];
+    let box_indices: Vec<u16> = faces
+        .iter()
+        .flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d])
+        .collect();
+    for (material, (positions, indices)) in [(quads, quad_indices), (corners, box_indices)]
+        .into_iter()
+        .enumerate()
+    {
+        let positions = tree.floats("VEC3", &positions);
+        let indices = tree.shorts("SCALAR", &indices);
+        tree.primitive(json!({
+            "attributes": {"POSITION": positions}, "indices": indices, "material": material
+        }));
+    }
+    tree.set("/materials", json!([{}, {}]))
+}
+
+fn taken(tree: &SmallTree, selectors: &[Selector]) -> Vec<TakenFor> {
+    let inspection = tree.document().inspect(selectors);
+    inspection.primitives.iter().map(|p| p.taken_for).collect()
+}
+
+fn error(tree: &SmallTree, selectors: &[&str]) -> String {
+    let selectors: Vec<Selector> = selectors.iter().map(|s| s.parse().unwrap()).collect();
+    tree.document()
+        .into_tree(&selectors)
+        .unwrap_err()
+        .to_string()
+}
+
+#[test]
+fn many_alike_flat_pieces_are_leaves_without_any_name() {
+    let tree = quads_and_box();
+    assert_eq!(taken(&tree, &[]), [TakenFor::Foliage, TakenFor::Wood]);
+    let inspection = tree.document().inspect(&[]);
+    let reasons = |k: usize| inspection.primitives[k].reasons[0].text.clone();
+    assert_eq!(reasons(0), "20 of its 20 pieces are small and flat");
+    assert_eq!(
+        reasons(1),
+        "only 0 % of its triangles are in small flat pieces"
+    );
+    let facts = inspection.foliage.unwrap();
+    assert_eq!((facts.leaves, facts.triangles), (20, 40));
+    assert_eq!((facts.leaf_area.min, facts.leaf_area.max), (1.0, 1.0));
+    assert_eq!(inspection.wood_triangles, 12);
+    assert_eq!(
+        inspection.extents,
+        Some([[-1.0, -1.0, -1.0], [58.0, 1.0, 0.0]])
+    );
+}
+
+#[test]
+fn names_outweigh_shapes() {
+    // A box called leaf and quads called bark: 4 - 3 against -4 + 4 points.
+    // The name that all share, the mesh's, says nothing.
+    let tree = quads_and_box()
+        .set("/materials", json!([{"name": "bark"}, {"name": "leaf"}]))
+        .set("/meshes/0/name", json!("oak leaves"));
+    assert_eq!(
+        error(&tree, &[]),
+        "small.glb: it cannot be told what the foliage is; name it with `--foliage material:leaf`"
+    );
+}
+
+#[test]
+fn a_selector_decides() {
+    let tree = quads_and_box().set("/materials", json!([{"name": "oak_leaf"}, {}]));
+    for text in ["material:*leaf", "material:#0"] {
+        let selector: Selector = text.parse().unwrap();
+        assert_eq!(
+            taken(&tree, &[selector]),
+            [TakenFor::Foliage, TakenFor::Wood],
+            "{text}"
+        );
+    }
+    let all: Selector = "node:crown".parse().unwrap();
+    assert_eq!(taken(&tree, &[all]), [TakenFor::Foliage, TakenFor::Foliage]);
+    let unnamed: Selector = "material:#1".parse().unwrap();
+    let boxed = tree.document().into_tree(&[unnamed]).unwrap();
+    assert_eq!(boxed.foliage().leaves().len(), 1);
+    assert!(boxed.inspection().primitives[1].chosen_by_user);
+}
+
+#[test]
+fn a_node_selector_can_take_one_of_two_nodes() {
+    let tree = SmallTree::squares()
+        .set("/scenes/0/nodes", json!([0, 1]))
+        .set(
+            "/nodes",
+            json!([{"mesh": 0, "name": "left"}, {"mesh": 0, "name": "right"}]),
+        );
+    let right: Selector = "node:right".parse().unwrap();
+    assert_eq!(
+        taken(&tree, std::slice::from_ref(&right)),
+        [TakenFor::FoliageInPart]
+    );
+    let tree = tree.document().into_tree(&[right]).unwrap();
+    assert_eq!(tree.foliage().leaves().len(), 2);
+    assert_eq!(
+        (tree.leaf_triangle_count(), tree.wood_triangle_count()),
+        (4, 4)
+    );
+}
+
+#[test]
+fn a_selector_that_matches_nothing_is_told_what_there_is() {
+    let tree = quads_and_box().set("/materials", json!([{"name": "oak"}, {}]));
+    assert_eq!(
+        error(&tree, &["material:oak", "material:leaf*"]),
+        "small.glb: `material:leaf*` matches nothing; there are material:oak, material:#1"
+    );
+    assert_eq!(
+        error(&tree, &["node:tree"]),
+        "small.glb: `node:tree` matches nothing; there are node:crown"
+    );
+}
+
+#[test]
+fn wood_alone_is_no_foliage() {
+    let mut tree = quads_and_box();
+    tree.root["meshes"][0]["primitives"]
+        .as_array_mut()
+        .unwrap()
+        .remove(0);
+    assert_eq!(
+        error(&tree, &[]),
+        "small.glb: no foliage was found; name it with `--foliage material:#1`"
+    );
+    let empty = SmallTree::empty();
+    assert_eq!(
+        error(&empty, &[]),
+        "small.glb: no foliage was found; name it with `--foliage` (the file has no triangles to \
+         choose from)"
+    );
+}
+
+#[test]
+fn one_card_drawn_many_times_is_many_leaves() {
+    let mut tree = SmallTree::empty();
+    let card = tree.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    tree.primitive(json!({"attributes": {"POSITION": card}}));
+    let places: Vec<f32> = (0..60).map(|k| k as f32).collect();
+    let places = tree.floats("VEC3", &places);
+    let tree = tree.set(
+        "/nodes/0/extensions",
+        json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}}),
+    );
+    let inspection = tree.document().inspect(&[]);
+    assert_eq!(inspection.foliage.as_ref().unwrap().leaves, 20);
+    let primitive = &inspection.primitives[0];
+    assert_eq!(primitive.placements, 20);
+    assert_eq!(
+        primitive.reasons[0].text,
+        "its only piece is small and flat, and drawn 20 times"
+    );
+}
+
+#[test]
+fn an_inspection_reads_well_and_is_json() {
+    let inspection = quads_and_box().document().inspect(&[]);
+    let text = inspection.to_string();
+    for line in [
+        "  leaves       20 of 40 triangles in all",
+        "  a leaf       2 / 2 / 2 triangles (min / median / max)",
+        "  wood         12 triangles",
+        "    taken for foliage: +4 points",
+        "      -3  only 0 % of its triangles are in small flat pieces",
+    ] {
+        assert!(text.lines().any(|l| l == line), "{line}\n{text}");
+    }
+    let json = serde_json::to_value(&inspection).unwrap();
+    assert_eq!(json["foliage"]["leaves"], 20);
+    assert_eq!(json["primitives"][0]["taken_for"], "foliage");
+}
+
+#[test]
+fn skins_and_morph_targets_are_mentioned() {
+    let tree = SmallTree::squares()
+        .set("/nodes/0/skin", json!(0))
+        .set("/meshes/0/primitives/0/targets", json!([{"POSITION": 0}]));
+    let warnings = tree.tree().inspection().warnings.clone();
+    assert_eq!(
+        warnings,
+        [
+            "meshes[0].primitives[0]: is skinned; its bind pose is read",
+            "meshes[0].primitives[0]: has morph targets; its shape at rest is read",
+        ]
+    );
+}
