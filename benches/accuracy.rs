@@ -12,7 +12,7 @@ use secateur_gltf::Tree;
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{CpuRasteriser, ViewSet};
-use secateur_simplify::vds::{Progress, Reference, Resize, VdsOptions, fast};
+use secateur_simplify::vds::{Progress, Reference, Resize, VdsOptions, VdsRun, fast};
 
 fn main() {
     let mut rows = Rows::create("accuracy");
@@ -41,8 +41,8 @@ fn main() {
         judge(&mut rows, name, foliage, &defaults(foliage, *resolution));
     }
     if let Some((name, foliage, _)) = cases.first().filter(|(name, ..)| name == "ez_oak_20k") {
-        let options = shared(&defaults(foliage, 256), None);
-        judge(&mut rows, &format!("{name} by {SHARED}"), foliage, &options);
+        let job = shared(&defaults(foliage, 256), None);
+        judge(&mut rows, &format!("{name} by {SHARED}"), foliage, &job);
     }
     if let Some(path) = shared_tree("ez_oak_20k.glb") {
         let tree = Tree::open(&path, &[]).expect("the tree loads");
@@ -50,10 +50,10 @@ fn main() {
         for resolution in [256, 512] {
             let plain = defaults(foliage, resolution);
             let mut literal = plain.clone();
-            literal.resize = Resize::Literal;
+            literal.options.resize = Resize::Literal;
             let mut kept = plain.clone();
-            kept.max_coverage = Some(1.0);
-            for (by, options) in [
+            kept.options.max_coverage = Some(1.0);
+            for (by, job) in [
                 ("defaults", plain.clone()),
                 ("literal", literal),
                 ("defaults, max coverage 1", kept),
@@ -64,7 +64,7 @@ fn main() {
                     &mut rows,
                     &format!("ez_oak_20k with cut-outs by {by}"),
                     foliage,
-                    &options,
+                    &job,
                 );
             }
         }
@@ -76,19 +76,22 @@ const SHARED: &str = "previous, deficit, 4 neighbours";
 
 const SHARED_KEPT: &str = "previous, deficit, 4 neighbours, max coverage 1";
 
-fn shared(plain: &VdsOptions, max_coverage: Option<f64>) -> VdsOptions {
-    VdsOptions {
-        reference: Reference::Previous,
-        resize: Resize::Deficit,
-        neighbours: 4,
-        max_coverage,
+fn shared(plain: &VdsRun, max_coverage: Option<f64>) -> VdsRun {
+    VdsRun {
+        options: VdsOptions {
+            reference: Reference::Previous,
+            resize: Resize::Deficit,
+            neighbours: 4,
+            max_coverage,
+            ..plain.options
+        },
         ..plain.clone()
     }
 }
 
-fn defaults(foliage: &Foliage, resolution: u32) -> VdsOptions {
+fn defaults(foliage: &Foliage, resolution: u32) -> VdsRun {
     let views = ViewSet::dodecahedron(foliage.bounding_sphere().expect("leaves"));
-    VdsOptions::new(views, resolution, foliage.leaves().len() / 10)
+    VdsRun::to_leaves(views, resolution, foliage.leaves().len() as u64 / 10)
 }
 
 fn automatic(foliage: &Foliage) -> u32 {
@@ -97,11 +100,11 @@ fn automatic(foliage: &Foliage) -> u32 {
     chosen.expect("the CPU does not fail").resolution
 }
 
-fn judge(rows: &mut Rows, name: &str, foliage: &Foliage, options: &VdsOptions) {
+fn judge(rows: &mut Rows, name: &str, foliage: &Foliage, job: &VdsRun) {
     let leaves = foliage.leaves().len();
-    let resolution = options.resolution;
+    let resolution = job.resolution;
     let go_on = &mut |_: Progress| ControlFlow::Continue(());
-    let outcome = fast::simplify(foliage, options, &CpuRasteriser, go_on).expect("a run");
+    let outcome = fast::simplify(foliage, job, &CpuRasteriser, go_on).expect("a run");
     let judging = Judging::held_out(foliage).expect("leaves");
     for percent in [50, 25, 10] {
         let lod = Lod::after(&outcome.order, leaves - leaves * percent / 100);

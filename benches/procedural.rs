@@ -6,16 +6,16 @@
 
 mod rows;
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use rows::{Rows, Wanted, exponent, repeats};
-use secateur::plant::{
+use secateur::{
+    ChainOptions, Document, MergeOptions, Method, Options, Preset, Resolution, Stage,
+    StochasticOptions, Target, Tree, measure, plant_to_glb, simplify,
+};
+use secateur_plant::{
     Chain, ClusterSize, GrowOptions, Metric, Scheme, Skeleton, Species, grow_skeleton,
     merge_levels, plant_of,
-};
-use secateur::{
-    Document, Method, Preset, Resolution, Simplify, Target, Tree, measure, plant_to_glb, simplify,
 };
 use std::sync::Arc;
 
@@ -139,28 +139,28 @@ fn methods(rows: &mut Rows, species: Species, leaves: u32) {
     let skeleton = tree.skeleton().expect("a sound skeleton").map(Arc::new);
     for ratio in [0.5, 0.25, 0.1] {
         for method in [
-            Method::Chain,
-            Method::Merge,
-            Method::Vds,
-            Method::Stochastic,
+            Method::Chain(ChainOptions::default()),
+            Method::Merge(MergeOptions::default()),
+            Method::Vds(Preset::Information.vds()),
+            Method::Stochastic(StochasticOptions::default()),
         ] {
             let case = format!(
                 "{species} {leaves} to {} %, {}",
                 100.0 * ratio,
                 method.name()
             );
-            let mut settings = Simplify::with_preset(Preset::Information, Target::Ratio(ratio));
-            settings.method = method;
-            settings.skeleton = skeleton.clone();
-            settings.resolution = Resolution::Pixels(256);
-            settings.audit = false;
-            let run = simplify(
-                tree.foliage(),
-                &settings,
-                &mut |_| ControlFlow::Continue(()),
-            );
+            let target = Target::leaf_share(ratio);
+            let mut options = Options::with_preset(Preset::Information, target);
+            options.method = method;
+            options.skeleton = skeleton.clone();
+            options.resolution = Resolution::Pixels(256);
+            options.audit = false;
+            let run = simplify(tree.foliage(), &options);
             let run = run.expect("a crown that can be simplified");
-            let seconds = run.seconds.iter().find(|(stage, _)| *stage == "simplify");
+            let seconds = run
+                .seconds
+                .iter()
+                .find(|(stage, _)| *stage == Stage::Select);
             rows.note(
                 &case,
                 "seconds",

@@ -9,13 +9,13 @@ use std::time::Instant;
 use rows::{Row, Rows};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{CpuRasteriser, ViewSet};
-use secateur_simplify::vds::{Progress, VdsOptions, fast, reference};
+use secateur_simplify::vds::{Progress, VdsRun, fast, reference};
 
 fn main() {
     let mut rows = Rows::create("reference");
     let foliage = ellipsoid_crown(300, 1, &EllipsoidCrown::default()).expect("a crown");
     let sphere = foliage.bounding_sphere().expect("the crown has leaves");
-    let options = VdsOptions::new(ViewSet::dodecahedron(sphere), 256, 30);
+    let job = VdsRun::to_leaves(ViewSet::dodecahedron(sphere), 256, 30);
     let go_on = &mut |_: Progress| ControlFlow::Continue(());
     let mut add = |quantity, unit, value, repeat| {
         rows.add(&Row {
@@ -32,7 +32,7 @@ fn main() {
     let (mut fast_s, mut outcomes) = (Vec::new(), Vec::new());
     let mut run_fast = || {
         let start = Instant::now();
-        let outcome = fast::simplify(&foliage, &options, &CpuRasteriser, go_on);
+        let outcome = fast::simplify(&foliage, &job, &CpuRasteriser, go_on);
         fast_s.push(start.elapsed().as_secs_f64());
         outcomes.push(outcome.expect("a run"));
     };
@@ -40,7 +40,7 @@ fn main() {
     // and back: fast runs are spread over its steps, and their time is not its.
     let mut between_s = 0.0;
     let start = Instant::now();
-    let literal = reference::simplify(&foliage, &options, &mut |progress: Progress| {
+    let literal = reference::simplify(&foliage, &job, &mut |progress: Progress| {
         let every = progress.steps_at_most.div_ceil(repeats);
         if progress.steps.is_multiple_of(every) {
             let start = Instant::now();

@@ -131,11 +131,11 @@ fn a_simplified_tree_keeps_its_skeleton() {
 #[test]
 fn a_tree_without_skeleton_is_refused_in_one_sentence() {
     let bench = Bench::new();
-    let oak = secateur::plant::GrowOptions {
+    let oak = secateur_plant::GrowOptions {
         leaves: 20,
         seed: 1,
     };
-    let mut plant = secateur::plant::grow(secateur::plant::Species::Oak, &oak).unwrap();
+    let mut plant = secateur_plant::grow(secateur_plant::Species::Oak, &oak).unwrap();
     plant.skeleton = None;
     bench.put("bare.glb", &secateur::plant_to_glb(&plant));
     for method in ["chain", "merge"] {

@@ -1,7 +1,7 @@
 //! Sizes that are fitted at the end.
 
-use secateur::plant::{GrowOptions, Species, grow};
 use secateur::plant_to_glb;
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
 use crate::program::Bench;

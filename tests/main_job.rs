@@ -90,19 +90,18 @@ fn reports_have_their_keys() {
 #[test]
 fn a_coarser_order_begins_with_the_finer_one() {
     // Every prefix is a LOD: what goes first does not depend on the target.
-    use secateur::{Document, Fitting, Resolution, Simplify, Target, Views, simplify};
+    use secateur::{Document, Fitting, Options, Resolution, Target, Views, simplify};
     let oak = crate::program::oak().to_vec();
     let document = Document::from_bytes("oak", oak, None).unwrap();
     let tree = document.into_tree(&[]).unwrap();
     let to = |ratio| {
-        let settings = Simplify {
+        let options = Options {
             views: Views::Octahedron,
             resolution: Resolution::Pixels(64),
             fit: Fitting::None,
-            ..Simplify::to(Target::Ratio(ratio))
+            ..Options::to(Target::leaf_share(ratio))
         };
-        let go_on = &mut |_| std::ops::ControlFlow::Continue(());
-        simplify(tree.foliage(), &settings, go_on).unwrap().order
+        simplify(tree.foliage(), &options).unwrap().passes.order
     };
     let (half, mut tenth) = (to(0.5), to(0.1));
     assert_eq!((half.len(), tenth.len()), (120, 216));

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-use secateur::plant::{GrowOptions, Species, grow};
 use secateur::plant_to_glb;
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
 /// Leaves of [`oak`].
@@ -154,7 +154,7 @@ pub(crate) fn has_gpu() -> bool {
     static FOUND: OnceLock<bool> = OnceLock::new();
     #[cfg(feature = "gpu")]
     let found = *FOUND.get_or_init(|| {
-        use secateur::raster::gpu::{Device, Preference};
+        use secateur_raster::gpu::{Device, Preference};
         Device::find(Preference::Any).is_ok()
     });
     #[cfg(not(feature = "gpu"))]

@@ -1,7 +1,7 @@
 //! Budgets of triangles, and leaves that become coarser for them.
 
-use secateur::plant::{GrowOptions, Species, grow};
 use secateur::{Foliage, Tree, plant_to_glb};
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
 use crate::program::{Bench, OAK_LEAVES};

@@ -4,12 +4,11 @@
 //! `cargo run --release --example own_cameras`
 
 use std::error::Error;
-use std::ops::ControlFlow;
 
 use secateur::glam::DVec3;
 use secateur::plant::{EllipsoidCrown, ellipsoid_crown};
-use secateur::raster::{View, ViewError, ViewSet};
-use secateur::{LeafId, Resolution, Simplify, Target, Views, simplify};
+use secateur::{LeafId, Options, Resolution, Target, Views, simplify};
+use secateur::{View, ViewError, ViewSet};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let foliage = ellipsoid_crown(2000, 1, &EllipsoidCrown::default())?;
@@ -19,10 +18,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let look = |eye| View::look_at(eye, DVec3::ZERO, DVec3::Y, View::TAN_30_DEGREES, 0.1);
     let views: Vec<View> = path.map(look).collect::<Result<_, ViewError>>()?;
 
-    let mut settings = Simplify::to(Target::Ratio(0.2));
-    settings.views = Views::Cameras(ViewSet::new(views));
-    settings.resolution = Resolution::Pixels(128);
-    let result = simplify(&foliage, &settings, &mut |_| ControlFlow::Continue(()))?;
+    let mut options = Options::to(Target::leaf_share(0.2));
+    options.views = Views::Cameras(ViewSet::new(views));
+    options.resolution = Resolution::Pixels(128);
+    let result = simplify(&foliage, &options)?;
 
     // What faces the path stays.
     let faces_path = |leaf: &LeafId| foliage.leaf(*leaf).centre().z > 0.0;

@@ -5,9 +5,9 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 
+use secateur::gpu::{Device, wgpu};
 use secateur::plant::{EllipsoidCrown, ellipsoid_crown};
-use secateur::raster::gpu::{Device, wgpu};
-use secateur::{OpenEngine, Resolution, Simplify, Target, simplify_on};
+use secateur::{OpenEngine, Options, Resolution, Target, simplify_on};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
@@ -26,17 +26,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device = Device::from_wgpu(device, queue, adapter.get_info())?;
     let on_gpu = OpenEngine::on_device(device);
     let foliage = ellipsoid_crown(500, 1, &EllipsoidCrown::default())?;
-    let mut settings = Simplify::to(Target::Ratio(0.2));
-    settings.resolution = Resolution::Pixels(128);
+    let mut options = Options::to(Target::leaf_share(0.2));
+    options.resolution = Resolution::Pixels(128);
 
     let mut orders = Vec::new();
     for engine in [&on_gpu, &OpenEngine::cpu()] {
-        let result = simplify_on(engine, &foliage, &settings, &mut |_| {
+        let result = simplify_on(engine, &foliage, &options, &mut |_| {
             ControlFlow::Continue(())
         })?;
         let name = result.adapter.unwrap_or("CPU".to_owned());
-        println!("{name}: {}", result.order.sha256());
-        orders.push(result.order);
+        println!("{name}: {}", result.passes.order.sha256());
+        orders.push(result.passes.order);
     }
     assert_eq!(orders[0], orders[1], "the same, bit for bit");
     Ok(())

@@ -4,11 +4,10 @@
 //! tree it grows one. The result goes to the system's folder for temporary files.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use secateur::plant::{GrowOptions, Species, grow};
-use secateur::{Document, Lod, Selector, Simplify, Target, plant_to_glb, simplify};
+use secateur::{Document, Options, Selector, Target, plant_to_glb, simplify};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -30,22 +29,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}", document.inspect(&selectors));
     let tree = document.into_tree(&selectors)?;
 
-    let settings = Simplify::to(Target::Ratio(0.1));
-    let result = simplify(
-        tree.foliage(),
-        &settings,
-        &mut |_| ControlFlow::Continue(()),
-    )?;
-    for (step, cost) in result.order.steps().zip(&result.costs_scaled).take(5) {
+    let options = Options::to(Target::leaf_share(0.1));
+    let result = simplify(tree.foliage(), &options)?;
+    let pixels_per_view = result.resolution * result.resolution;
+    let removals = result.passes.order.steps().zip(&result.costs);
+    for (step, cost) in removals.take(5) {
         println!(
-            "{} goes at a cost of {cost}; {} grow for it",
+            "{} goes at a cost of {:.2e} bits; {} grow for it",
             step.removed[0],
+            cost.bits(pixels_per_view),
             step.grown.len()
         );
     }
 
-    // Every prefix of the order is a LOD: here half of the leaves, from the same run.
-    let half = Lod::after(&result.order, tree.foliage().leaves().len() / 2);
+    // Every prefix of the removal order is a LOD: here half of the leaves, from the same run.
+    let half = result.passes.lod_after(tree.foliage().leaves().len() / 2);
     for (name, lod) in [("half", &half), ("tenth", &result.lod)] {
         let path = std::env::temp_dir().join(format!("secateur-{name}.glb"));
         let written = tree.write_lod(lod, &path)?;

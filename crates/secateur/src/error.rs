@@ -1,86 +1,23 @@
-//! What can keep a run from its end, in one sentence each.
+//! What can keep a tree from being simplified or measured, in one sentence each.
 
-use secateur_eval::MeasureError;
 use secateur_gltf::GltfError;
-use secateur_model::SkeletonError;
-use secateur_plant::TooDeep;
-use secateur_simplify::vds::VdsError;
+use secateur_raster::CamerasError;
 
-/// Why a tree could not be simplified or measured.
+/// Why a tree could not be read, simplified, measured or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The file can't be read or written.
     #[error(transparent)]
     Gltf(#[from] GltfError),
-    /// The foliage has no leaf.
-    #[error("there is no leaf to simplify")]
-    NoLeaf,
-    /// The foliage is so large, so small or so far away that cameras around it
-    /// cannot be computed.
-    #[error(
-        "the foliage is out of range: a sphere of radius {radius:.1e}, {distance:.1e} from the origin; scale it to a size between 1e-30 and 1e30 and move it nearer than 1e9 times its size"
-    )]
-    OutOfRange {
-        /// Radius of its bounding sphere in world units.
-        radius: f64,
-        /// Distance of that sphere's centre from the origin.
-        distance: f64,
-    },
-    /// The target is no number of leaves, share or error.
-    #[error("the target of {0} must be {1}")]
-    Target(String, &'static str),
-    /// A method that follows branches, and a plant whose branches are not known.
-    #[error(
-        "the method {method} needs a tree with a skeleton, which this one has not: `secateur grow` \
-         writes one"
-    )]
-    NoSkeleton {
-        /// The method's name.
-        method: &'static str,
-    },
-    /// The skeleton is none, or one of another foliage.
+    /// The foliage can't be simplified as asked.
     #[error(transparent)]
-    Skeleton(#[from] SkeletonError),
-    /// The skeleton is too deep for methods that follow branches.
-    #[error(transparent)]
-    TooDeep(#[from] TooDeep),
-    /// A weight is out of range.
-    #[error("{0} must be a number {1}")]
-    Setting(String, &'static str),
+    Simplify(#[from] secateur_simplify::Error),
     /// A camera file is not what it should be.
-    #[error("{file}: {reason}")]
-    Cameras {
-        /// The file, or what else errors should call it.
-        file: String,
-        /// What is wrong, and where.
-        reason: String,
-    },
-    /// VDS could not be run.
     #[error(transparent)]
-    Vds(VdsError),
+    Cameras(#[from] CamerasError),
     /// Nothing can be measured.
+    #[cfg(feature = "eval")]
     #[error(transparent)]
-    Measure(#[from] MeasureError),
-    /// The GPU that was asked for is missing or failed.
-    #[error("{0}")]
-    Gpu(String),
-    /// The caller asked to stop.
-    #[error("stopped; nothing was written")]
-    Stopped,
-    /// The final areas are not those that drawing the foliage anew gives.
-    #[error(
-        "the result does not pass its audit ({0}): this is a mistake in secateur; please report it with the tree and the command"
-    )]
-    Audit(String),
-}
-
-impl From<VdsError> for Error {
-    fn from(error: VdsError) -> Self {
-        match error {
-            VdsError::Cancelled => Self::Stopped,
-            VdsError::Raster(reason) => Self::Gpu(reason),
-            other => Self::Vds(other),
-        }
-    }
+    Measure(#[from] secateur_eval::MeasureError),
 }

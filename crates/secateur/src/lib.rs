@@ -8,17 +8,16 @@
 //!
 //! # From a tree to a lighter tree
 //! ```
-//! use std::ops::ControlFlow;
 //! use secateur::plant::{GrowOptions, Species, grow};
-//! use secateur::{Document, Resolution, Simplify, Target, plant_to_glb, simplify};
+//! use secateur::{Document, Options, Resolution, Target, plant_to_glb, simplify};
 //!
 //! // Any .glb or .gltf will do: Tree::open(path, &[]). This one grows here.
 //! let oak = grow(Species::Oak, &GrowOptions { leaves: 200, seed: 1 })?;
 //! let tree = Document::from_bytes("oak.glb", plant_to_glb(&oak), None)?.into_tree(&[])?;
 //!
-//! let mut settings = Simplify::to(Target::Ratio(0.25));
-//! settings.resolution = Resolution::Pixels(64);
-//! let result = simplify(tree.foliage(), &settings, &mut |_| ControlFlow::Continue(()))?;
+//! let mut options = Options::to(Target::leaf_share(0.25));
+//! options.resolution = Resolution::Pixels(64);
+//! let result = simplify(tree.foliage(), &options)?;
 //! assert_eq!(result.lod.leaf_count(), 50);
 //!
 //! let glb = tree.lod_to_bytes(&result.lod)?; // or tree.write_lod(&result.lod, path)
@@ -28,29 +27,29 @@
 //!
 //! # How it flows
 //! ```text
-//! .glb -> Document -> Tree { Foliage } -> Fragments -> AreaTable -> Vmi
-//!                       |                                            |
-//!                       |                       RemovalOrder <- simplify
-//!                       +------ write_lod <- Lod <---+
+//! .glb -> Document -> Tree { Foliage } -> coarsen -> select -> size -> Lod -> write_lod -> .glb
+//!                                                       |
+//!                                views -> fragments -> areas -> VMI
 //! ```
 //! - [`Document`] is a file as it was found, [`Tree`] one whose leaves are known.
 //!   Which part is foliage the user names by [`Selector`]s, or the evidence
 //!   shows ([`Document::inspect`] says why).
 //! - A leaf is a set of triangles that hang together; a [`LeafId`] names it, from
 //!   1, in file order. 0 is the background wherever leaves are drawn.
-//! - [`simplify`] takes leaves away one by one, each time the one that changes
-//!   the measure least, and lets its nearest neighbour grow. The outcome is a
-//!   [`RemovalOrder`]; *every prefix of it is a LOD*, but for a last
-//!   step that fits sizes: [`Lod::after`]. So one run to
-//!   the coarsest level gives all finer ones, unless triangles are the target: then
-//!   leaves first become as coarse as that target needs.
+//! - [`simplify()`] is a row of passes. Where triangles are the target, leaves first become
+//!   coarser. Then a [`Method`] removes leaves one by one: VDS each time the one that changes the
+//!   measure least, and its nearest neighbour grows. At last the sizes of what is left are fitted
+//!   to the original. [`Passes`] holds what each of them did; every prefix of its [`RemovalOrder`]
+//!   is a LOD ([`Passes::lod_after`]), so one run to the coarsest level gives all finer ones.
+//! - [`simplify_with`] tells its progress and can be broken off; [`simplify_on`] works on a GPU
+//!   that is open already.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
 //!   it was: wood, materials, textures, attributes, names, extensions.
-//! - [`measure`] judges a result by views that [`simplify`] never saw.
+//! - `measure` judges a result by views that [`simplify()`] never saw.
 //!
-//! The same tree and settings give the same order on every machine, on the CPU
+//! The same tree and options give the same order on every machine, on the CPU
 //! and on every GPU, bit for bit: from the snapped triangles on all arithmetic
-//! is on integers. Which triangles of a coarser leaf are left ([`mod@coarsen`]) is
+//! is on integers. Which triangles of a coarser leaf are left is
 //! decided in floating point before that, and may differ between kinds of processors.
 //!
 //! # What it refuses
@@ -70,47 +69,34 @@
 //! |---|---|
 //! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
-//! | simplifying | [`simplify()`], [`Simplify`], [`Target`], [`Simplified`], [`Progress`] |
-//! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`raster::View`] |
-//! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
-//! | results | [`RemovalOrder`], [`Lod`], [`raster::AreaTable`], [`vmi`] |
-//! | judging | [`measure()`], [`measure_pictures`], [`eval`] |
-//! | one stage alone | [`raster`], [`vds`], [`vmi`] |
-//! | budgets of triangles | [`Target::Triangles`], [`LeafTriangles`], [`mod@coarsen`] |
+//! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
 //! | the look or the information | [`Preset`] |
-//! | sizes of what is left | [`Simplify::fit`], [`mod@fit`] |
-//! | other methods | [`Method`], [`fsa`], [`stochastic`], [`meshopt`](mod@meshopt) |
-//! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`plant::chain_order`], [`plant::merge_order`] |
-//! | trees without files | [`plant`] |
+//! | methods and their options | [`Method`], [`VdsOptions`], [`FsaOptions`], [`StochasticOptions`], [`MeshoptOptions`] |
+//! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`View`] |
+//! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
+//! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
+//! | judging | `measure`, `measure_pictures` |
+//! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`Options::skeleton`] |
+//! | trees without files | `plant` |
+//!
+//! Each stage by itself is a crate of its own: `secateur-model`, `secateur-gltf`,
+//! `secateur-raster`, `secateur-simplify`, `secateur-eval`, `secateur-plant`.
 //!
 //! # Features
-//! `gpu` (default): rasterising on a GPU through wgpu. `cli` (default): the
-//! program `secateur`; turn it off where only the library is wanted.
+//! `gpu` (default): rasterising on a GPU through wgpu. `plant` (default): growing plants, and
+//! methods that follow their branches. `eval` (default): judging. `cli` (default): the
+//! program `secateur`, which needs the other three but for the GPU; turn it off where only the
+//! library is wanted.
 
-mod audit;
-mod baseline;
-mod cameras;
-mod clock;
-mod driven;
-mod engine;
 mod error;
-mod fitted;
+#[cfg(feature = "eval")]
 mod measure;
-mod preset;
-mod run;
-mod settings;
-mod warnings;
 
-pub use cameras::{cameras_from_json, read_cameras};
-pub use engine::OpenEngine;
 pub use error::Error;
+#[cfg(feature = "eval")]
 pub use measure::{measure, measure_pictures};
-pub use preset::Preset;
-pub use run::{Progress, Simplified, simplify, simplify_on, sphere_of};
-pub use settings::{
-    Alpha, Engine, Fitting, LeafTriangles, Method, Resolution, Simplify, Target, Views,
-};
 
+#[cfg(feature = "eval")]
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_gltf::{
     Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
@@ -121,27 +107,38 @@ pub use secateur_model::{
     LeafTriangle, Lod, Material, NewCorner, NewLeaf, Place, Plant, PlantSkeleton, RemovalOrder,
     Segment, SegmentIndex, SkeletonError, Step, Surface, Texture, Wrap,
 };
-pub use secateur_simplify::vds::{Reference, Resize, Stopped, Ties};
+pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
+pub use secateur_raster::{
+    AreaTable, CamerasError, Engine, OpenEngine, View, ViewError, ViewSet, cameras_from_json,
+    read_cameras,
+};
+#[cfg(feature = "plant")]
+pub use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
+pub use secateur_simplify::coarsen::Coarse;
+pub use secateur_simplify::fit::Objective;
+pub use secateur_simplify::fsa::FsaOptions;
+pub use secateur_simplify::meshopt::{MeshoptOptions, Mode as MeshoptMode};
+pub use secateur_simplify::stochastic::StochasticOptions;
+pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};
+pub use secateur_simplify::{
+    Alpha, Amount, Error as SimplifyError, Fitting, LeafTriangles, Method, Observer, Options,
+    Passes, Preset, Progress, Resolution, Simplified, Stage, Stopped, Target, Views, Warning,
+    observe, simplify, simplify_on, simplify_with, sphere_of,
+};
 
 /// The vectors of this interface.
 pub use glam;
-/// What a result looks like beside its original.
-pub use secateur_eval as eval;
+
+/// A GPU to rasterise on.
+#[cfg(feature = "gpu")]
+pub mod gpu {
+    pub use secateur_raster::gpu::{Device, GpuError, Preference, wgpu};
+}
+
 /// Growing plants.
-pub use secateur_plant as plant;
-/// Views, fragments and areas, on the CPU and the GPU.
-pub use secateur_raster as raster;
-/// Coarser leaves, below [`simplify`].
-pub use secateur_simplify::coarsen;
-/// Sizes of what is left, below [`simplify`].
-pub use secateur_simplify::fit;
-/// Leaf collapse, below [`simplify`].
-pub use secateur_simplify::fsa;
-/// Mesh simplification, below [`simplify`].
-pub use secateur_simplify::meshopt;
-/// Stochastic pruning, below [`simplify`].
-pub use secateur_simplify::stochastic;
-/// VDS itself, below [`simplify`].
-pub use secateur_simplify::vds;
-/// The measure, in integers.
-pub use secateur_simplify::vmi;
+#[cfg(feature = "plant")]
+pub mod plant {
+    pub use secateur_plant::{
+        ClusterSize, EllipsoidCrown, GrowOptions, Species, ellipsoid_crown, grow,
+    };
+}

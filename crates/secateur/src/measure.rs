@@ -4,7 +4,9 @@ use secateur_eval::{Judging, Measurement, PictureMeasurement, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Foliage, Surface};
 
-use crate::{Error, sphere_of};
+use secateur_simplify::sphere_of;
+
+use crate::Error;
 
 /// Measures a simplified foliage against its original from the held-out views:
 /// the 12 vertices of an icosahedron about the original, 512 x 512.

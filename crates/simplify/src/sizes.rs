@@ -127,8 +127,9 @@ mod tests {
     use super::*;
     use crate::fsa::FsaOptions;
     use crate::stochastic::StochasticOptions;
-    use crate::{Passes, Warning,
-        Fitting, LeafTriangles, Method, Options, Resolution, Simplified, Target, simplify,
+    use crate::{
+        Fitting, LeafTriangles, Method, Options, Passes, Resolution, Simplified, Target, Warning,
+        simplify,
     };
 
     const INFORMATION: Objective = Objective::Information {

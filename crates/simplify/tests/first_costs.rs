@@ -3,10 +3,10 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
-use secateur_raster::{AreaTable, RevealEdge, Scene, ViewSet, cpu};
-use secateur_simplify::first_costs;
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::Vmi;
+use secateur_raster::{AreaTable, RevealEdge, Scene, ViewSet, cpu};
+use secateur_simplify::first_costs;
 
 fn any_foliage() -> impl Strategy<Value = Foliage> {
     let unit = || [-1.0..1.0f64, -1.0..1.0, -1.0..1.0].prop_map(DVec3::from_array);

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use secateur::plant::Scheme;
 use secateur::{Fitting, LeafTriangles, Resolution, Selector, Target};
+use secateur_plant::Scheme;
 
 use super::grow_lod::Amount;
 use super::names::{
@@ -271,7 +271,7 @@ pub(crate) struct Simplify {
     pub(crate) views: String,
     /// Width and height of the images in pixels: 1 to 2048, or auto: 256, more where the leaves
     /// need it.
-    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = resolution)]
+    #[arg(long, value_name = "auto|N", default_value = "auto")]
     pub(crate) resolution: Resolution,
     /// What the result is for; the options below override what it sets.
     #[arg(long, value_enum, default_value_t = PresetName::Look)]
@@ -288,8 +288,7 @@ pub(crate) struct Simplify {
         require_equals = true,
         default_value = "auto",
         default_missing_value = "0.95",
-        allow_negative_numbers = true,
-        value_parser = fitting
+        allow_negative_numbers = true
     )]
     pub(crate) fit: Fitting,
     /// What the cost of a leaf is measured against [default: previous for the look, original for
@@ -314,7 +313,7 @@ pub(crate) struct Simplify {
     /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
     /// `--triangles` fewer, so that as many leaves as possible stay, but of one with holes those
     /// that show the same, or two; else all.
-    #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N", default_value = "auto", value_parser = leaf_triangles)]
+    #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N", default_value = "auto")]
     pub(crate) leaf_triangles: LeafTriangles,
     /// For methods that draw lots: which of them.
     #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
@@ -394,10 +393,10 @@ impl TargetArgs {
     /// The one target that is given.
     pub(crate) fn target(self) -> Target {
         match (self.leaves, self.ratio, self.triangles) {
-            (Some(leaves), ..) => Target::Leaves(leaves),
-            (_, Some(ratio), _) => Target::Ratio(ratio),
+            (Some(leaves), ..) => Target::leaves(leaves),
+            (_, Some(ratio), _) => Target::leaf_share(ratio),
             (.., Some(triangles)) => triangles,
-            _ => Target::MaxError(self.max_error.unwrap_or(0.0)),
+            _ => Target::MaxErrorPercent(self.max_error.unwrap_or(0.0)),
         }
     }
 }
@@ -425,17 +424,6 @@ fn leaves(text: &str) -> Result<u64, String> {
     text.parse().map_err(wrong)
 }
 
-fn resolution(text: &str) -> Result<Resolution, String> {
-    match text.parse::<u32>() {
-        _ if text == "auto" => Ok(Resolution::Auto),
-        Ok(n) if (1..=secateur::raster::MAX_RESOLUTION).contains(&n) => Ok(Resolution::Pixels(n)),
-        _ => Err(format!(
-            "write auto or a number from 1 to {}",
-            secateur::raster::MAX_RESOLUTION
-        )),
-    }
-}
-
 /// A limit of coverage, or that there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MaxCoverage(pub(crate) Option<f64>);
@@ -448,38 +436,15 @@ fn max_coverage(text: &str) -> Result<MaxCoverage, String> {
     }
 }
 
-fn fitting(text: &str) -> Result<Fitting, String> {
-    let is_weight = |n| (0.0..=secateur::fit::MAX_OUTLINE_WEIGHT).contains(&n);
-    match (text, number(text, is_weight, "from 0 to 100")) {
-        ("auto", _) => Ok(Fitting::Auto),
-        ("none", _) => Ok(Fitting::None),
-        ("coverage", _) => Ok(Fitting::Coverage),
-        (_, Ok(weight)) => Ok(Fitting::Weight(weight)),
-        _ => Err(
-            "write auto, none, coverage or a weight of the outline from 0 to 100, such as 0.95"
-                .to_owned(),
-        ),
-    }
-}
-
 fn triangles(text: &str) -> Result<Target, String> {
     match (text.parse(), share(text)) {
-        (Ok(count), _) => Ok(Target::Triangles(count)),
-        (_, Ok(share)) => Ok(Target::TriangleRatio(share)),
+        (Ok(count), _) => Ok(Target::triangles(count)),
+        (_, Ok(share)) => Ok(Target::triangle_share(share)),
         _ => Err(
             "write a whole number of triangles from 0 upwards, or a share of them from 0 to 1 such \
              as 0.25"
                 .to_owned(),
         ),
-    }
-}
-
-fn leaf_triangles(text: &str) -> Result<LeafTriangles, String> {
-    match (text, text.parse::<u32>()) {
-        ("auto", _) => Ok(LeafTriangles::Auto),
-        ("keep", _) => Ok(LeafTriangles::Keep),
-        (_, Ok(n)) if n >= 1 => Ok(LeafTriangles::AtMost(n)),
-        _ => Err("write auto, keep or a number from 1 upwards".to_owned()),
     }
 }
 
@@ -505,7 +470,7 @@ mod tests {
                 _ => unreachable!("it is simplify"),
             }
         };
-        let usual = Fitting::Weight(secateur::fit::DEFAULT_OUTLINE_WEIGHT);
+        let usual = Fitting::Weight(secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT);
         assert_eq!(parse(&["--fit"]), usual);
         assert_eq!(parse(&[]), Fitting::Auto);
         assert_eq!(parse(&["--fit=auto"]), Fitting::Auto);
@@ -516,22 +481,11 @@ mod tests {
 
     #[test]
     fn whole_numbers_are_triangles_and_others_shares() {
-        assert_eq!(triangles("1"), Ok(Target::Triangles(1)));
-        assert_eq!(triangles("1.0"), Ok(Target::TriangleRatio(1.0)));
+        assert_eq!(triangles("1"), Ok(Target::triangles(1)));
+        assert_eq!(triangles("1.0"), Ok(Target::triangle_share(1.0)));
         for wrong in ["-3", "1.5", "NaN", "many"] {
             let says = triangles(wrong).unwrap_err();
             assert!(says.contains("number of triangles"), "{wrong}: {says}");
-        }
-        assert_eq!(leaf_triangles("2"), Ok(LeafTriangles::AtMost(2)));
-        assert!(leaf_triangles("0").is_err() && leaf_triangles("none").is_err());
-    }
-
-    #[test]
-    fn images_have_1_to_2048_pixels_a_side() {
-        assert_eq!(resolution("auto"), Ok(Resolution::Auto));
-        assert_eq!(resolution("2048"), Ok(Resolution::Pixels(2048)));
-        for bad in ["0", "2049", "-1", "many"] {
-            assert!(resolution(bad).is_err(), "{bad}");
         }
     }
 }

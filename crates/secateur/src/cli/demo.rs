@@ -3,18 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use secateur::plant::{GrowOptions, Species, grow};
 use secateur::{
-    Document, Measurement, Method, Preset, Simplified, Simplify, Target, Tree, Written,
-    plant_to_glb,
+    Document, Measurement, Method, Options, Preset, Simplified, Target, Tree, Written, plant_to_glb,
 };
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::{Value, json};
 
 use super::args::{self, Common};
 use super::failure::Failure;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
-use super::simplify::{timed, warn_all};
+use super::simplify::{sentences, timed, warn_all};
 use super::summary::{columns, grouped, percent, size};
 use super::watch::Watch;
 use super::{interrupt, machine, output, record};
@@ -36,12 +35,12 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let start = Instant::now();
     output::check_folder(&args.output)?;
     let mut stages = Vec::new();
-    let options = GrowOptions {
+    let growing = GrowOptions {
         leaves: args.leaves,
         seed: args.seed,
     };
     let plant = timed(&mut stages, "grow", || {
-        grow(Species::Oak, &options).map_err(|e| Failure(e.to_string()))
+        grow(Species::Oak, &growing).map_err(|e| Failure(e.to_string()))
     })?;
     let glb = plant_to_glb(&plant);
     let original = args.output.join("tree.glb");
@@ -51,11 +50,11 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
 
     let mut results = Vec::new();
     for percent in LEVELS_PERCENT {
-        let mut settings = Simplify::to(Target::Leaves(leaves_at(&tree, percent) as u64));
-        settings.engine = args.engine.into();
+        let mut options = Options::to(Target::leaves(leaves_at(&tree, percent) as u64));
+        options.engine = args.engine.into();
         let watch = Watch::new(common);
-        let result = secateur::simplify(tree.foliage(), &settings, &mut |p| watch.see(p))?;
-        warn_all(&result.warnings);
+        let result = secateur::simplify_with(tree.foliage(), &options, &mut |p| watch.see(p))?;
+        warn_all(&sentences(&result));
         results.push(result);
     }
     stages.extend(summed(&results));
@@ -76,11 +75,11 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         "species": Species::Oak.name(),
         "levels": rows,
         "picture": sheet.display().to_string(),
-        "method": Method::default().name(),
+        "method": Method::Vds(Preset::default().vds()).name(),
         "preset": Preset::default().name(),
         "engine": result.engine,
         "adapter": result.adapter,
-        "order_sha256": result.order.sha256(),
+        "order_sha256": result.passes.in_one_order().sha256(),
         "areas_sha256": result.areas.sha256(),
         "resolution": result.resolution,
         "resolution_reason": result.resolution_reason,
@@ -107,8 +106,9 @@ fn leaves_at(tree: &Tree, percent: u32) -> usize {
 /// The stages of all runs, each with its time over all of them.
 fn summed(results: &[Simplified]) -> Vec<(&'static str, f64)> {
     let mut stages: Vec<(&'static str, f64)> = Vec::new();
-    for (name, seconds) in results.iter().flat_map(|result| &result.seconds) {
-        match stages.iter_mut().find(|(stage, _)| stage == name) {
+    for (stage, seconds) in results.iter().flat_map(|result| &result.seconds) {
+        let name = stage.name();
+        match stages.iter_mut().find(|(known, _)| *known == name) {
             Some((_, sum)) => *sum += seconds,
             None => stages.push((name, *seconds)),
         }

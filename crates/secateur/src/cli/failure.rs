@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use secateur::SimplifyError;
+
 /// One sentence for standard error; the exit code is then 1.
 #[derive(Debug)]
 pub(crate) struct Failure(pub(crate) String);
@@ -15,13 +17,18 @@ impl Failure {
     }
 
     /// A library error about a file that it does not name itself.
-    pub(crate) fn about(path: &Path) -> impl Fn(secateur::Error) -> Self {
+    pub(crate) fn about<E: Into<secateur::Error>>(path: &Path) -> impl Fn(E) -> Self {
         let path = path.to_owned();
-        move |error| match error {
-            secateur::Error::NoLeaf
-            | secateur::Error::NoSkeleton { .. }
-            | secateur::Error::TooDeep(_)
-            | secateur::Error::OutOfRange { .. } => Self(format!("{}: {error}", path.display())),
+        move |error| match error.into() {
+            error @ secateur::Error::Simplify(SimplifyError::NoSkeleton { .. }) => Self(format!(
+                "{}: {error}: `secateur grow` writes one",
+                path.display()
+            )),
+            error @ secateur::Error::Simplify(
+                SimplifyError::NoLeaf
+                | SimplifyError::TooDeep(_)
+                | SimplifyError::OutOfRange { .. },
+            ) => Self(format!("{}: {error}", path.display())),
             other => Self(other.to_string()),
         }
     }
@@ -38,6 +45,12 @@ impl fmt::Display for Failure {
 
 impl From<secateur::Error> for Failure {
     fn from(error: secateur::Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<SimplifyError> for Failure {
+    fn from(error: SimplifyError) -> Self {
         Self(error.to_string())
     }
 }

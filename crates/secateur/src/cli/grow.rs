@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
-use secateur::plant::{
+use secateur::{Plant, plant_into_glb};
+use secateur_plant::{
     GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
 };
-use secateur::{Plant, plant_into_glb};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 

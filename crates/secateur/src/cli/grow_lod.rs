@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use secateur::plant::{Chain, Metric, Record, Skeleton, check_depth, merge_levels};
+use secateur_plant::{Chain, Metric, Record, Skeleton, check_depth, merge_levels};
 use serde_json::{Value, json};
 
 use super::args::{self, LodMethod};

@@ -1,6 +1,7 @@
 //! Ctrl-C, and the signals by which systems end programs (SIGTERM, SIGHUP): the first time a clean
 //! stop, the second time at once.
 
+use secateur::SimplifyError;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,9 +23,9 @@ pub(crate) fn listen() {
 }
 
 /// Whether to go on.
-pub(crate) fn check() -> Result<(), secateur::Error> {
+pub(crate) fn check() -> Result<(), SimplifyError> {
     match WANTED.load(Ordering::Relaxed) {
-        true => Err(secateur::Error::Stopped),
+        true => Err(SimplifyError::Stopped),
         false => Ok(()),
     }
 }
@@ -38,7 +39,7 @@ pub(crate) fn flow() -> ControlFlow<()> {
 }
 
 /// From now on only whole files are left behind, and all of them.
-pub(crate) fn writing() -> Result<(), secateur::Error> {
+pub(crate) fn writing() -> Result<(), SimplifyError> {
     check()?;
     WRITING.store(true, Ordering::Relaxed);
     Ok(())

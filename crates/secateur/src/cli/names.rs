@@ -1,9 +1,9 @@
 //! Names on the command line for values of the library.
 
 use clap::ValueEnum;
-use secateur::meshopt::Mode;
-use secateur::plant::ClusterSize;
-use secateur::{Alpha, Engine, Method, Preset, Reference, Resize, Ties};
+use secateur::{Alpha, Engine, Preset, Reference, Resize, Ties};
+use secateur_plant::ClusterSize;
+use secateur_simplify::meshopt::Mode;
 
 /// An enum of names, each with what it says in `--help`, and the values they stand for.
 macro_rules! names {
@@ -28,14 +28,9 @@ pub(crate) fn text(name: impl ValueEnum) -> String {
         .unwrap_or_default()
 }
 
-/// How a value of the library is written on the command line.
-pub(crate) fn text_of<Name: ValueEnum, Value: From<Name> + PartialEq>(value: Value) -> String {
-    let is_its_name = |name: &&Name| Value::from((*name).clone()) == value;
-    let name = Name::value_variants().iter().find(is_its_name);
-    name.cloned().map(text).unwrap_or_default()
-}
-
-names!(MethodName => Method {
+/// The methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
     /// Viewpoint-driven simplification, by an exact and fast engine
     Vds,
     /// The same by the paper's algorithm, literally; for a few hundred leaves
@@ -50,7 +45,8 @@ names!(MethodName => Method {
     Chain,
     /// Sticks and leaf clusters merge from the twigs down; for trees with a skeleton
     Merge,
-});
+}
+
 names!(PresetName => Preset {
     /// Pictures that look like the original: the crown stays as dense as it was
     Look,

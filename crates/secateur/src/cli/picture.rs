@@ -4,9 +4,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder};
-use secateur::eval::{Camera, Panel, RenderOptions, contact_sheet, framing, render};
-use secateur::raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
 use secateur::{Document, Foliage, Lod, Selector, Surface};
+use secateur_eval::{Camera, Panel, RenderOptions, contact_sheet, framing, render};
+use secateur_raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
 
 use super::failure::Failure;
 use super::output;

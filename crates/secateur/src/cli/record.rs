@@ -2,13 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::fit::Objective;
-use secateur::{Inspection, Measurement, Simplified, Simplify, Stopped, TakenFor, Tree, Written};
+use secateur::{Inspection, Measurement, Objective, Options, Simplified, TakenFor, Tree, Written};
 use serde_json::{Map, Value, json};
 
 use super::args;
 use super::machine;
-use super::names::{ReferenceName, ResizeName, text, text_of};
 use super::{failure::Failure, output};
 
 /// What was run, on what.
@@ -50,7 +48,7 @@ pub(crate) struct Run<'a> {
     pub(crate) input: &'a Path,
     pub(crate) tree: &'a Tree,
     pub(crate) result: &'a Simplified,
-    pub(crate) settings: &'a Simplify,
+    pub(crate) options: &'a Options,
     pub(crate) written: &'a Written,
     pub(crate) stages: &'a [(&'static str, f64)],
     pub(crate) total_seconds: f64,
@@ -65,7 +63,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
         "output": files(&run.written.files),
         "bytes": { "original": bytes_of(run.input), "final": run.written.bytes },
         "leaves": {
-            "original": result.order.leaf_count(),
+            "original": result.passes.order.leaf_count(),
             "final": result.lod.leaf_count(),
         },
         "triangles": { "original": tree.triangle_count(), "final": run.written.triangles },
@@ -73,10 +71,10 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
             "original": tree.foliage().triangles().len(),
             "final": result.lod.foliage(tree.foliage()).triangles().len(),
         },
-        "method": text(args.method),
+        "method": run.options.method.name(),
         "engine": result.engine,
         "adapter": result.adapter,
-        "order_sha256": result.order.sha256(),
+        "order_sha256": result.passes.in_one_order().sha256(),
         "areas_sha256": result.areas.sha256(),
         "seconds": seconds(run.stages, run.total_seconds),
         "peak_rss_bytes": machine::peak_rss_bytes(),
@@ -84,7 +82,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
         "vmi_bits": result.vmi_final.bits(),
         "vmi_bits_original": result.vmi_original.bits(),
         "driving_vmi_error_percent": result.driving_error_percent(),
-        "stopped": stopped(result.stopped),
+        "stopped": result.stopped.name(),
         "audit": result.audited_by,
         "settings": settings(run, args),
         "foliage": foliage(tree.inspection()),
@@ -94,48 +92,34 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
     })
 }
 
+/// How it was asked for, and what was decided meanwhile. Options of the method are spelled as the
+/// library spells them.
 fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
-    let (result, used) = (run.result, run.settings);
+    let (result, options) = (run.result, run.options);
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
-    json!({
+    let about = json!({
         "views": args.views,
         "view_count": result.views.len(),
         "resolution": result.resolution,
         "resolution_reason": result.resolution_reason,
-        "preset": used.preset.name(),
-        "reference": text_of::<ReferenceName, _>(used.reference),
-        "resize": text_of::<ResizeName, _>(used.resize),
-        "neighbours": used.neighbours,
-        "max_coverage": used.max_coverage,
-        "ties": text(args.ties),
-        "leaf_triangles": args.leaf_triangles.to_string(),
-        "fit": used.objective().map(fitted_to),
-        "alpha": text(args.alpha),
-        "engine": text(args.engine),
+        "preset": options.preset,
+        "target": options.target,
+        "leaf_triangles": options.leaf_triangles,
+        "fit": options.objective().map(fitted_to),
+        "alpha": options.alpha,
+        "engine": options.engine,
         "foliage": selectors.collect::<Vec<_>>(),
-        "seed": args.seed,
-        "area_weight": args.area_weight,
-        "distance_weight": args.distance_weight,
-        "planarity_weight": args.planarity_weight,
-        "meshopt_mode": text(args.meshopt_mode),
-        "preserve_area": args.preserve_area,
-        "cluster_size": text(args.cluster_size),
-    })
+    });
+    let method = json!(options.method);
+    let of_method = method.as_object().and_then(|named| named.values().next());
+    joined(about, of_method.cloned().unwrap_or_default())
 }
 
 /// `coverage`, or the weight of the outline.
 fn fitted_to(objective: Objective) -> Value {
     match objective {
         Objective::Information { outline_weight } => outline_weight.into(),
-        _ => "coverage".into(),
-    }
-}
-
-fn stopped(stopped: Stopped) -> &'static str {
-    match stopped {
-        Stopped::AtLeafCount => "leaf count",
-        Stopped::AtTriangles => "triangles",
-        Stopped::AtMaxError => "max error",
+        Objective::Coverage => "coverage".into(),
     }
 }
 

@@ -4,27 +4,27 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use secateur::fit::Objective;
-use secateur::raster::ViewSet;
 use secateur::{
-    Document, Error, Foliage, Lod, PlantSkeleton, Resolution, Simplified, Simplify, Stopped, Tree,
-    Views, Written, read_cameras,
+    ChainOptions, Document, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method,
+    Objective, Options, PlantSkeleton, Preset, Resolution, Simplified, StochasticOptions, Stopped,
+    Tree, VdsOptions, ViewSet, Views, Warning, Written, read_cameras,
 };
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
+use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::record::{self, Run};
 use super::summary::{columns, grouped, percent, size};
 use super::watch::Watch;
-use super::{interrupt, machine, names, output};
+use super::{interrupt, machine, output};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     let outputs = check_outputs(args)?;
-    let mut settings = settings(args)?;
+    let mut options = options(args)?;
     let mut stages = Vec::new();
 
     let tree = timed(&mut stages, "load", || {
@@ -36,11 +36,17 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     warn_all(&warnings);
     interrupt::check()?;
 
-    settings.skeleton = skeleton(&tree, &settings)?;
-    let result = simplified(&tree, &settings, args, common)?;
-    warn_all(&result.warnings);
-    warnings.extend(result.warnings.iter().cloned());
-    stages.extend(result.seconds.iter().copied());
+    options.skeleton = skeleton(&tree, &options.method)?;
+    let result = simplified(&tree, &options, args, common)?;
+    let of_run = sentences(&result);
+    warn_all(&of_run);
+    warnings.extend(of_run);
+    stages.extend(
+        result
+            .seconds
+            .iter()
+            .map(|(stage, time)| (stage.name(), *time)),
+    );
 
     interrupt::writing()?;
     let written = timed(&mut stages, "write", || {
@@ -54,13 +60,13 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         })?;
     }
     if let Some(folder) = &args.debug_images {
-        write_debug_images(folder, &settings, &tree, &result)?;
+        write_debug_images(folder, &options, &tree, &result)?;
     }
     let run = Run {
         input: &args.tree,
         tree: &tree,
         result: &result,
-        settings: &settings,
+        options: &options,
         written: &written,
         stages: &stages,
         total_seconds: start.elapsed().as_secs_f64(),
@@ -94,85 +100,94 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
 }
 
 /// What a run is asked to do.
-pub(crate) fn settings(args: &args::Simplify) -> Result<Simplify, Failure> {
-    let mut settings = Simplify::with_preset(args.preset.into(), args.target.target());
-    settings.method = args.method.into();
-    settings.engine = args.engine.into();
-    settings.views = views(&args.views)?;
-    settings.resolution = args.resolution;
-    if let Some(reference) = args.reference {
-        settings.reference = reference.into();
+pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
+    let options = Options::with_preset(args.preset.into(), args.target.target());
+    Ok(Options {
+        method: method(args),
+        engine: args.engine.into(),
+        views: views(&args.views)?,
+        resolution: args.resolution,
+        alpha: args.alpha.into(),
+        leaf_triangles: args.leaf_triangles,
+        fit: args.fit,
+        audit: args.audit || (options.audit && !args.no_audit),
+        ..options
+    })
+}
+
+fn method(args: &args::Simplify) -> Method {
+    match args.method {
+        MethodName::Vds => Method::Vds(vds(args)),
+        MethodName::VdsReference => Method::VdsReference(vds(args)),
+        MethodName::Fsa => Method::Fsa(FsaOptions {
+            distance_weight: args.distance_weight,
+            planarity_weight: args.planarity_weight,
+        }),
+        MethodName::Stochastic => Method::Stochastic(StochasticOptions {
+            seed: args.seed,
+            area_weight: args.area_weight,
+        }),
+        MethodName::Meshopt => Method::Meshopt(MeshoptOptions {
+            mode: args.meshopt_mode.into(),
+            preserve_area: args.preserve_area,
+        }),
+        MethodName::Chain => Method::Chain(ChainOptions::default()),
+        MethodName::Merge => Method::Merge(MergeOptions {
+            cluster_size: args.cluster_size.into(),
+        }),
     }
-    if let Some(resize) = args.resize {
-        settings.resize = resize.into();
+}
+
+fn vds(args: &args::Simplify) -> VdsOptions {
+    let preset = Preset::from(args.preset).vds();
+    VdsOptions {
+        reference: args.reference.map_or(preset.reference, Into::into),
+        resize: args.resize.map_or(preset.resize, Into::into),
+        neighbours: args.neighbours as usize,
+        max_coverage: match args.max_coverage {
+            Some(MaxCoverage(limit)) => limit,
+            None => preset.max_coverage,
+        },
+        ties: args.ties.into(),
     }
-    settings.neighbours = args.neighbours as usize;
-    if let Some(MaxCoverage(limit)) = args.max_coverage {
-        settings.max_coverage = limit;
-    }
-    settings.ties = args.ties.into();
-    settings.alpha = args.alpha.into();
-    settings.leaf_triangles = args.leaf_triangles;
-    settings.fit = args.fit;
-    settings.seed = args.seed;
-    settings.area_weight = args.area_weight;
-    settings.fsa.distance_weight = args.distance_weight;
-    settings.fsa.planarity_weight = args.planarity_weight;
-    settings.meshopt.mode = args.meshopt_mode.into();
-    settings.meshopt.preserve_area = args.preserve_area;
-    settings.cluster_size = args.cluster_size.into();
-    settings.audit = args.audit || (settings.audit && !args.no_audit);
-    Ok(settings)
 }
 
 /// The skeleton of a tree, where the method needs one.
 pub(crate) fn skeleton(
     tree: &Tree,
-    settings: &Simplify,
+    method: &Method,
 ) -> Result<Option<Arc<PlantSkeleton>>, Failure> {
-    if !settings.method.needs_skeleton() {
+    if !method.needs_skeleton() {
         return Ok(None);
     }
     Ok(tree.skeleton()?.map(Arc::new))
 }
 
+/// A set of views by its name, or cameras from a file.
 fn views(name: &str) -> Result<Views, Error> {
-    Ok(match name {
-        "dodecahedron" | "20" => Views::Dodecahedron,
-        "icosahedron" | "12" => Views::Icosahedron,
-        "92" => Views::Geodesic,
-        "cube" | "8" => Views::Cube,
-        "octahedron" | "6" => Views::Octahedron,
-        "vnc" => Views::Variable,
-        file => Views::Cameras(read_cameras(Path::new(file)).map_err(or_a_name(file))?),
-    })
-}
-
-/// A name that was mistyped is no file either.
-fn or_a_name(name: &str) -> impl Fn(Error) -> Error {
-    let is_there = Path::new(name).exists();
-    move |error| match error {
-        Error::Cameras { file, reason } if !is_there => Error::Cameras {
-            file,
-            reason: format!(
-                "{reason}; `--views` takes dodecahedron, icosahedron, 92, 8, 6, vnc or a JSON file"
-            ),
-        },
-        other => other,
+    if let Some(views) = Views::by_name(name) {
+        return Ok(views);
     }
+    let path = Path::new(name);
+    read_cameras(path).map(Views::Cameras).map_err(|mut error| {
+        // A name that was mistyped is no file either.
+        if !path.exists() {
+            error.reason += "; `--views` takes dodecahedron, icosahedron, 92, 8, 6, vnc or a JSON \
+                             file";
+        }
+        Error::Cameras(error)
+    })
 }
 
 fn simplified(
     tree: &Tree,
-    settings: &Simplify,
+    options: &Options,
     args: &args::Simplify,
     common: &Common,
 ) -> Result<Simplified, Failure> {
     let watch = Watch::new(common);
-    secateur::simplify(tree.foliage(), settings, &mut |progress| {
-        watch.see(progress)
-    })
-    .map_err(Failure::about(&args.tree))
+    secateur::simplify_with(tree.foliage(), options, &mut |progress| watch.see(progress))
+        .map_err(Failure::about(&args.tree))
 }
 
 /// Does something and notes how long it took.
@@ -185,6 +200,15 @@ pub(crate) fn timed<T>(
     let result = work()?;
     stages.push((name, start.elapsed().as_secs_f64()));
     Ok(result)
+}
+
+/// The warnings of a run, with the option that helps where there is one.
+pub(crate) fn sentences(result: &Simplified) -> Vec<String> {
+    let sentence = |warning: &Warning| match warning {
+        Warning::FitCostsInformation { .. } => format!("{warning} (`--fit=none`)"),
+        _ => warning.to_string(),
+    };
+    result.warnings.iter().map(sentence).collect()
 }
 
 pub(crate) fn warn_all(warnings: &[String]) {
@@ -243,12 +267,12 @@ pub(crate) fn share(kept: usize, count: usize) -> String {
 
 fn write_debug_images(
     folder: &Path,
-    settings: &Simplify,
+    options: &Options,
     tree: &Tree,
     result: &Simplified,
 ) -> Result<(), Failure> {
     output::make_folder(folder)?;
-    let foliage = settings.alpha.apply(tree.foliage());
+    let foliage = options.alpha.apply(tree.foliage());
     let original = Lod::original(foliage.leaves().len());
     let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
@@ -262,7 +286,9 @@ fn fitted_to(objective: Objective) -> String {
         Objective::Information { outline_weight } => {
             format!("fitted to the original at the end, outlines with a weight of {outline_weight}")
         }
-        _ => "fitted at the end, so that each part of the crown is as dense as it was".to_owned(),
+        Objective::Coverage => {
+            "fitted at the end, so that each part of the crown is as dense as it was".to_owned()
+        }
     }
 }
 
@@ -284,7 +310,7 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
         ]),
         numbers(
             "leaves",
-            result.order.leaf_count().into(),
+            result.passes.order.leaf_count().into(),
             result.lod.leaf_count() as u64,
         ),
         numbers("triangles", run.tree.triangle_count(), written.triangles),
@@ -306,7 +332,7 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
         "method",
         format!(
             "{} on the {}",
-            names::text(args.method),
+            run.options.method.name(),
             result.adapter.as_deref().unwrap_or("CPU")
         ),
     );
@@ -315,7 +341,7 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     if args.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }
-    if let (Some(objective), true) = (run.settings.objective(), result.is_fitted) {
+    if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
         say("sizes", fitted_to(objective));
     }
     say(

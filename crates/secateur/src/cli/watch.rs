@@ -33,7 +33,7 @@ impl Watch {
     /// To be called with all progress.
     pub(crate) fn see(&self, progress: Progress) -> ControlFlow<()> {
         match progress {
-            Progress::Stage(name) => self.bar.set_message(name),
+            Progress::Stage(stage) => self.bar.set_message(stage.name()),
             Progress::Step { done, at_most } => {
                 self.bar.set_length(at_most as u64);
                 self.bar.set_position(done as u64);

@@ -177,7 +177,10 @@ fn coarser_leaves_are_no_removal() {
     // Every prefix is a LOD, of coarser leaves.
     assert_eq!(fewer.passes.lod_after(0).leaf_count(), 12);
     assert_eq!(fewer.passes.lod_after(7).leaf_count(), 5);
-    assert_eq!(fewer.passes.in_one_order().len(), 8 + usize::from(fewer.passes.sizes.is_some()));
+    assert_eq!(
+        fewer.passes.in_one_order().len(),
+        8 + usize::from(fewer.passes.sizes.is_some())
+    );
 }
 
 /// Cards whose textures are empty at their borders: half of the triangles show all of

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use secateur::eval::study::{
+use secateur_eval::study::{
     COLUMNS, Picture, Row, Study, chart, readme, report, summarise, to_csv,
 };
 

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
-use secateur::eval::measure::Scores;
-use secateur::eval::pictures::{PictureScores, Pictures, difference};
-use secateur::eval::study::{Row, Values};
-use secateur::eval::{Camera, Judging, Original, RenderOptions, framing, render};
 use secateur::{Document, Lod, Surface, Tree, sphere_of};
+use secateur_eval::measure::Scores;
+use secateur_eval::pictures::{PictureScores, Pictures, difference};
+use secateur_eval::study::{Row, Values};
+use secateur_eval::{Camera, Judging, Original, RenderOptions, framing, render};
 
 use super::super::failure::Failure;
 use super::super::{machine, output};

@@ -1,6 +1,6 @@
 //! Numbers drawn by lot, the same on every machine.
 
-use secateur::glam::DVec3;
+use glam::DVec3;
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
 pub(super) struct Lots(u64);

@@ -19,8 +19,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use secateur::eval::study::{Row, RowKey};
-use secateur::{Lod, Method, Progress, Resolution, Simplify, Tree};
+use secateur::{Lod, Progress, Resolution, Stage, Tree};
+use secateur_eval::study::{Row, RowKey};
 use serde_json::json;
 
 use super::args::{self, Common};
@@ -133,7 +133,7 @@ fn jobs<'a>(args: &args::Study, subject: &'a Subject, done: &BTreeSet<RowKey>) -
     let tree = &subject.name;
     for case in &subject.cases {
         let draws_lots = case.draws_lots();
-        let own_seed = case.options.iter().any(|word| word.starts_with("--seed"));
+        let own_seed = case.words.iter().any(|word| word.starts_with("--seed"));
         let seeds: Vec<Option<u64>> = match draws_lots && !own_seed {
             true => (0..u64::from(args.seeds)).map(Some).collect(),
             false => vec![None],
@@ -179,14 +179,14 @@ fn runs(tree: &Tree, job: &Job<'_>) -> Result<Vec<Ran>, Failure> {
 
 fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure> {
     let coarsest = levels.iter().copied().fold(1.0, f64::min);
-    let mut settings = job.case.settings(coarsest, job.seed)?;
-    let sees_pixels = is_vds(&settings) || settings.objective().is_some();
+    let mut options = job.case.options(coarsest, job.seed)?;
+    let sees_pixels = options.method.vds().is_some() || options.objective().is_some();
     if !sees_pixels {
         // A method that sees no pixels does not have to choose how many.
-        settings.resolution = Resolution::Pixels(1);
+        options.resolution = Resolution::Pixels(1);
     }
-    settings.skeleton = simplify::skeleton(tree, &settings)?;
-    let changed = job.case.perturbation.apply(tree.foliage(), &settings);
+    options.skeleton = simplify::skeleton(tree, &options.method)?;
+    let changed = job.case.perturbation.apply(tree.foliage(), &options);
     let count = tree.foliage().leaves().len();
     let has_prefixes = job.case.has_prefixes()?;
     let steps: Vec<usize> = levels
@@ -201,12 +201,12 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
     let mut fitting: Option<(Instant, Instant)> = None;
     let mut begun = Instant::now();
     machine::forget_peak_rss();
-    let result = secateur::simplify(&changed.foliage, &changed.settings, &mut |progress| {
+    let result = secateur::simplify_with(&changed.foliage, &changed.options, &mut |progress| {
         match progress {
-            Progress::Stage("simplify") => begun = Instant::now(),
+            Progress::Stage(Stage::Select) => begun = Instant::now(),
             // All that comes after is no part of the method.
-            Progress::Stage("areas") => end = Some(Reached::now(begun)),
-            Progress::Stage("fit") => {
+            Progress::Stage(Stage::Observe) => end = Some(Reached::now(begun)),
+            Progress::Stage(Stage::Fit) => {
                 end.get_or_insert_with(|| Reached::now(begun));
                 fitting = Some((Instant::now(), Instant::now()));
             }
@@ -227,19 +227,19 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64]) -> Result<Vec<Ran>, Failure
             Err(_) => ControlFlow::Break(()),
         }
     })?;
-    let order = changed.order_of_tree(&result.order);
-    let of_stage = |name: &str| {
+    let order = changed.order_of_tree(&result.passes.in_one_order());
+    let of_stage = |name: Stage| {
         let stage = result.seconds.iter().find(|(stage, _)| *stage == name);
         stage.map_or(0.0, |(_, seconds)| *seconds)
     };
     let choosing = if sees_pixels {
-        of_stage("resolution")
+        of_stage(Stage::Resolution)
     } else {
         0.0
     };
     let fitted = fitting.map_or(0.0, |(from, to)| (to - from).as_secs_f64());
     let whole = Reached {
-        seconds: of_stage("simplify"),
+        seconds: of_stage(Stage::Select),
         peak_rss_bytes: machine::peak_rss_bytes(),
     };
     let fitting_peak = fitting.and(whole.peak_rss_bytes);
@@ -273,8 +273,4 @@ impl Reached {
             peak_rss_bytes: machine::peak_rss_bytes(),
         }
     }
-}
-
-fn is_vds(settings: &Simplify) -> bool {
-    matches!(settings.method, Method::Vds | Method::VdsReference)
 }

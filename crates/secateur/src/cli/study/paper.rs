@@ -1,7 +1,7 @@
 //! The paper's own studies: Entropy 2018, 20, 213, Fig. 5, Tables 1 and 2.
 
-use secateur::eval::study::{Paper, Published};
-use secateur::plant::Species;
+use secateur_eval::study::{Paper, Published};
+use secateur_plant::Species;
 
 /// One of the paper's models, and what is grown to stand for it.
 pub(super) struct Model {

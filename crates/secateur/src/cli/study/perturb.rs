@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use secateur::glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3};
 use secateur::{
-    CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Place, PlantSkeleton, RemovalOrder,
-    Simplify, Step, Views,
+    CornerRef, Foliage, LeafId, LeafTriangle, NewLeaf, Options, Place, PlantSkeleton, RemovalOrder,
+    Step, Views,
 };
 
 use super::lots::Lots;
@@ -48,9 +48,9 @@ impl Perturbation {
         }
     }
 
-    /// The foliage and the settings that a method gets.
-    pub(super) fn apply(self, foliage: &Foliage, settings: &Simplify) -> Changed {
-        let mut settings = settings.clone();
+    /// The foliage and the options that a method gets.
+    pub(super) fn apply(self, foliage: &Foliage, options: &Options) -> Changed {
+        let mut options = options.clone();
         let mut names: Vec<LeafId> = (0..foliage.leaves().len())
             .map(LeafId::from_index)
             .collect();
@@ -59,8 +59,8 @@ impl Perturbation {
             Self::None => {}
             Self::Rotated(seed) => {
                 lots = Lots::new(seed);
-                settings.views = Views::Turned {
-                    views: Box::new(settings.views),
+                options.views = Views::Turned {
+                    views: Box::new(options.views),
                     turn: any_turn(&mut lots),
                 };
             }
@@ -71,8 +71,8 @@ impl Perturbation {
                     names.iter().map(|leaf| (lots.draw(), *leaf)).collect();
                 keyed.sort_unstable();
                 names = keyed.into_iter().map(|(_, leaf)| leaf).collect();
-                let skeleton = settings.skeleton.take();
-                settings.skeleton = skeleton.map(|s| Arc::new(with_leaves_in(&s, &names)));
+                let skeleton = options.skeleton.take();
+                options.skeleton = skeleton.map(|s| Arc::new(with_leaves_in(&s, &names)));
             }
         }
         let radius = foliage.bounding_sphere().map_or(0.0, |s| s.radius);
@@ -88,7 +88,7 @@ impl Perturbation {
         }
         Changed {
             foliage: changed,
-            settings,
+            options,
             names,
         }
     }
@@ -97,7 +97,7 @@ impl Perturbation {
 /// What a method gets instead of the tree.
 pub(super) struct Changed {
     pub(super) foliage: Foliage,
-    pub(super) settings: Simplify,
+    pub(super) options: Options,
     /// For each leaf that the method sees, its name in the tree.
     names: Vec<LeafId>,
 }
@@ -176,19 +176,20 @@ fn jittered(triangles: &[LeafTriangle], reach: f64, lots: &mut Lots) -> Vec<Leaf
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur::plant::{EllipsoidCrown, ellipsoid_crown};
-    use secateur::stochastic::{StochasticOptions, simplify};
-    use secateur::{Lod, Method, Resolution, Segment, SegmentIndex, Target};
-    use std::ops::ControlFlow;
+    use secateur::{
+        ChainOptions, Lod, MergeOptions, Method, Resolution, Segment, SegmentIndex, Target,
+    };
+    use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+    use secateur_simplify::stochastic::{StochasticOptions, simplify};
 
-    fn settings() -> Simplify {
-        Simplify::to(Target::Ratio(0.5))
+    fn options() -> Options {
+        Options::to(Target::leaf_share(0.5))
     }
 
     #[test]
     fn a_shuffled_order_comes_back_to_the_leaves_it_meant() {
         let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
-        let changed = Perturbation::Shuffled(1).apply(&foliage, &settings());
+        let changed = Perturbation::Shuffled(1).apply(&foliage, &options());
         let order = simplify(&changed.foliage, 20, &StochasticOptions::default());
         let own = changed.order_of_tree(&order);
         assert_ne!(own.removed(), order.removed());
@@ -233,19 +234,20 @@ mod tests {
     #[test]
     fn shuffled_leaves_keep_their_segments() {
         let (foliage, skeleton) = by_the_stem(40);
-        for method in [Method::Chain, Method::Merge] {
-            let plain = Simplify {
+        for method in [
+            Method::Chain(ChainOptions::default()),
+            Method::Merge(MergeOptions::default()),
+        ] {
+            let plain = Options {
                 method,
                 resolution: Resolution::Pixels(1),
                 skeleton: Some(Arc::new(skeleton.clone())),
-                ..settings()
+                ..options()
             };
             let run = |change: Perturbation| {
                 let changed = change.apply(&foliage, &plain);
-                let result = secateur::simplify(&changed.foliage, &changed.settings, &mut |_| {
-                    ControlFlow::Continue(())
-                });
-                let order = changed.order_of_tree(&result.unwrap().order);
+                let result = secateur::simplify(&changed.foliage, &changed.options);
+                let order = changed.order_of_tree(&result.unwrap().passes.in_one_order());
                 assert_eq!(order.len(), 20);
                 let left = Lod::after(&order, 20).foliage(&foliage);
                 let mut centres: Vec<[u64; 3]> = (left.leaves().iter())
@@ -266,7 +268,7 @@ mod tests {
         let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
         let radius = foliage.bounding_sphere().unwrap().radius;
         let changed = Perturbation::Jittered(1e-3)
-            .apply(&foliage, &settings())
+            .apply(&foliage, &options())
             .foliage;
         for (before, after) in foliage.triangles().iter().zip(changed.triangles()) {
             for (a, b) in before.corners.iter().zip(after.corners) {
@@ -284,9 +286,9 @@ mod tests {
     fn turned_views_keep_their_distance() {
         let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
         let sphere = foliage.bounding_sphere().unwrap();
-        let changed = Perturbation::Rotated(1).apply(&foliage, &settings());
-        let views = changed.settings.views.around(sphere);
-        let original = secateur::raster::ViewSet::dodecahedron(sphere);
+        let changed = Perturbation::Rotated(1).apply(&foliage, &options());
+        let views = changed.options.views.around(sphere);
+        let original = secateur_raster::ViewSet::dodecahedron(sphere);
         assert_eq!(views.len(), original.len());
         for (a, b) in original.views().iter().zip(views.views()) {
             let [near, far] = [a, b].map(|v| v.eye().distance(sphere.centre));

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use secateur::{LeafTriangles, Method, Simplify};
+use secateur::Options;
 
 use super::super::args::{Cli, Command, PlanName};
 use super::super::failure::Failure;
@@ -18,7 +18,7 @@ pub(super) struct Case {
     /// The method's name.
     pub(super) method: String,
     /// Its options, as they are written.
-    pub(super) options: Vec<String>,
+    pub(super) words: Vec<String>,
     pub(super) perturbation: Perturbation,
     /// A word of the options that stands for this file of cameras.
     cameras: Option<(String, PathBuf)>,
@@ -156,11 +156,11 @@ impl Case {
         let mut words = text.split_whitespace().map(str::to_owned);
         let case = Self {
             method: words.next().unwrap_or_default(),
-            options: words.collect(),
+            words: words.collect(),
             perturbation,
             cameras: None,
         };
-        case.settings(1.0, None)?;
+        case.options(1.0, None)?;
         Ok(case)
     }
 
@@ -171,7 +171,7 @@ impl Case {
         // Checked as if it were another set of views.
         let mut case = Self::parse(&text.replace(word, "12"), Perturbation::None)?;
         if has_word {
-            case.options = text.split_whitespace().skip(1).map(str::to_owned).collect();
+            case.words = text.split_whitespace().skip(1).map(str::to_owned).collect();
             case.cameras = Some((word.to_owned(), file.to_owned()));
         }
         Ok(case)
@@ -179,14 +179,14 @@ impl Case {
 
     /// What is not the method's default, in words.
     pub(super) fn setting(&self) -> String {
-        let setting = self.options.join(" ").replace("--", "");
+        let setting = self.words.join(" ").replace("--", "");
         match &self.cameras {
             Some((word, _)) => setting.replace(word, "near"),
             None => setting,
         }
     }
 
-    /// Method, setting and change, as [`Row::label`](secateur::eval::study::Row::label).
+    /// Method, setting and change, as [`Row::label`](secateur_eval::study::Row::label).
     pub(super) fn label(&self) -> String {
         let change = self.perturbation.name();
         let variant = [self.setting(), change];
@@ -209,7 +209,7 @@ impl Case {
         });
         words.extend(["--no-audit", "--method"].map(str::to_owned));
         words.push(self.method.clone());
-        let options = self.options.iter().filter(|option| *option != OF_TRIANGLES);
+        let options = self.words.iter().filter(|option| *option != OF_TRIANGLES);
         words.extend(options.map(|option| match &self.cameras {
             Some((word, file)) if word == option => file.display().to_string(),
             _ => option.clone(),
@@ -229,11 +229,11 @@ impl Case {
         }
     }
 
-    /// The settings of a run to a level.
+    /// What a run to a level is to do.
     ///
     /// # Errors
     /// [`Failure`] if the options are wrong.
-    pub(super) fn settings(&self, level: f64, seed: Option<u64>) -> Result<Simplify, Failure> {
+    pub(super) fn options(&self, level: f64, seed: Option<u64>) -> Result<Options, Failure> {
         let words = self.arguments(Path::new("tree.glb"), level, seed);
         let of_this_case = |e: &dyn std::fmt::Display| {
             let first = e.to_string();
@@ -242,21 +242,21 @@ impl Case {
             Failure(format!(
                 "the case `{} {}` is no method with options of `simplify`: {first}",
                 self.method,
-                self.options.join(" ")
+                self.words.join(" ")
             ))
         };
         match Cli::try_parse_from(words)
             .map_err(|e| of_this_case(&e))?
             .command
         {
-            Command::Simplify(args) => simplify::settings(&args),
+            Command::Simplify(args) => simplify::options(&args),
             _ => Err(of_this_case(&"it is another command")),
         }
     }
 
     /// Whether levels are shares of the triangles, not of the leaves.
     pub(super) fn is_of_triangles(&self) -> bool {
-        self.options.iter().any(|option| option == OF_TRIANGLES)
+        self.words.iter().any(|option| option == OF_TRIANGLES)
     }
 
     /// Whether one run to the coarsest level gives all finer ones, a leaf a step.
@@ -264,17 +264,12 @@ impl Case {
     /// # Errors
     /// [`Failure`] if the options are wrong.
     pub(super) fn has_prefixes(&self) -> Result<bool, Failure> {
-        let settings = self.settings(1.0, None)?;
-        let is_of_one_level = settings.method == Method::Meshopt
-            || self.is_of_triangles()
-            || matches!(settings.leaf_triangles, LeafTriangles::AtMost(_))
-            || settings.objective().is_some();
-        Ok(!is_of_one_level)
+        Ok(self.options(1.0, None)?.levels_share_one_order())
     }
 
     /// Whether it gives something else for another seed.
     pub(super) fn draws_lots(&self) -> bool {
-        self.method == Method::Stochastic.name()
+        self.method == "stochastic"
     }
 }
 
@@ -306,7 +301,7 @@ mod tests {
 
     #[test]
     fn methods_by_branches_are_for_trees_that_know_them() {
-        let by_branches = |case: &&Case| case.settings(0.5, None).unwrap().method.needs_skeleton();
+        let by_branches = |case: &&Case| case.options(0.5, None).unwrap().method.needs_skeleton();
         let count = |plan, knows_branches| {
             let cases = cases(&[plan], &[], knows_branches).unwrap();
             cases.iter().filter(by_branches).count()
@@ -356,9 +351,9 @@ mod tests {
         let case = Case::parse(text, Perturbation::None).unwrap();
         assert_eq!(case.setting(), "triangles neighbours 4");
         for share in [0.25, 1.0] {
-            let settings = case.settings(share, None).unwrap();
-            assert_eq!(settings.target, Target::TriangleRatio(share));
-            assert_eq!(settings.neighbours, 4);
+            let settings = case.options(share, None).unwrap();
+            assert_eq!(settings.target, Target::triangle_share(share));
+            assert_eq!(settings.method.vds().unwrap().neighbours, 4);
         }
     }
 
@@ -366,7 +361,15 @@ mod tests {
     fn a_case_is_what_its_command_says() {
         let case = Case::parse("vds --resize none", Perturbation::None).unwrap();
         assert_eq!(case.setting(), "resize none");
-        assert_eq!(case.settings(0.5, None).unwrap().resize, Resize::None);
+        assert_eq!(
+            case.options(0.5, None)
+                .unwrap()
+                .method
+                .vds()
+                .unwrap()
+                .resize,
+            Resize::None
+        );
         let command = case.command(Path::new("a.glb"), 0.25, Some(3));
         assert!(command.contains("a.glb -o out.glb --ratio 0.25"));
         assert!(command.ends_with("--method vds --resize none --seed 3"));

@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use secateur::eval::study::{Row, RowKey, read_rows, to_line};
+use secateur_eval::study::{Row, RowKey, read_rows, to_line};
 
 use super::super::failure::Failure;
 use super::super::output;

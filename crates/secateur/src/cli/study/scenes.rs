@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use secateur::eval::study::Trial;
-use secateur::glam::{DVec3, Vec3};
-use secateur::raster::{View, ViewSet};
+use glam::{DVec3, Vec3};
 use secateur::{AlphaMode, BoundingSphere, Material, Plant, Surface};
+use secateur_eval::study::Trial;
+use secateur_raster::{View, ViewSet};
 
 use super::lots::Lots;
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::plant::{GrowOptions, grow};
 use secateur::{BoundingSphere, Document, Plant, Selector, Tree, plant_to_glb};
+use secateur_plant::{GrowOptions, grow};
 
 use super::super::args::{self, PlanName};
 use super::super::failure::Failure;
@@ -199,7 +199,7 @@ fn sphere_of_leaves(plant: &Plant) -> BoundingSphere {
         .iter()
         .fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
     let centre = 0.5 * (low + high);
-    let reach = |p: &secateur::glam::DVec3| p.distance(centre);
+    let reach = |p: &glam::DVec3| p.distance(centre);
     BoundingSphere {
         centre,
         radius: places.iter().map(reach).fold(0.0, f64::max),
@@ -211,7 +211,7 @@ mod tests {
     use super::super::super::args::{Cli, Command};
     use super::*;
     use clap::Parser;
-    use secateur::plant::Species;
+    use secateur_plant::Species;
 
     /// A tree that has lost its skeleton does without rule-based levels, in the same
     /// study as one that has them beside the other methods.
