@@ -11,17 +11,17 @@ use super::property;
 /// The type of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Component {
-    /// 5120.
+    /// Signed 8-bit integer, glTF's 5120.
     I8,
-    /// 5121.
+    /// Unsigned 8-bit integer, glTF's 5121.
     U8,
-    /// 5122.
+    /// Signed 16-bit integer, glTF's 5122.
     I16,
-    /// 5123.
+    /// Unsigned 16-bit integer, glTF's 5123.
     U16,
-    /// 5125.
+    /// Unsigned 32-bit integer, glTF's 5125.
     U32,
-    /// 5126.
+    /// 32-bit float, glTF's 5126.
     F32,
 }
 
@@ -93,7 +93,7 @@ impl Component {
 /// The type of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shape {
-    /// One component.
+    /// A single component, such as an index.
     Scalar,
     /// Two to four components.
     Vector(usize),

@@ -14,7 +14,7 @@ use super::uri::{self, Target};
 pub(crate) enum BufferSource {
     /// The binary chunk of the GLB.
     Chunk,
-    /// A data URI.
+    /// A data URI in the JSON.
     DataUri,
     /// A file beside the glTF.
     File,

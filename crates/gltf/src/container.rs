@@ -1,59 +1,116 @@
-//! GLB or JSON: taking a file apart.
+//! The GLB container: a header and two chunks, JSON and bytes (glTF 2.0,
+//! section 4.4); and telling it from bare JSON.
+//!
+//! Reading and writing it takes less code than calling the `gltf` crate for it
+//! would, whose parser trusts the header's length and refuses the chunks of
+//! unknown type that the specification says to ignore; and nothing else of that
+//! crate could be used here: it turns the JSON into its own structures, which
+//! loses what it does not know.
 
-use std::borrow::Cow;
+use std::ops::Range;
 
-use gltf::binary::Glb;
 use serde_json::Value;
 
 use super::error::Problem;
 use super::property;
 
+const HEADER_BYTES: usize = 12;
+const CHUNK_HEADER_BYTES: usize = 8;
+/// Chunks start and end at multiples of this many bytes.
+const ALIGNMENT: usize = 4;
+const JSON_CHUNK: [u8; 4] = *b"JSON";
+const BYTES_CHUNK: [u8; 4] = *b"BIN\0";
+
 /// The pieces of a file.
-pub(crate) struct Unpacked<'a> {
+pub(crate) struct Unpacked {
     pub(crate) root: Value,
-    /// The GLB's binary chunk.
-    pub(crate) chunk: Option<Cow<'a, [u8]>>,
+    /// The bytes of the GLB's second chunk, if there is one.
+    pub(crate) chunk: Option<Vec<u8>>,
 }
 
-const GLB_HEADER_BYTES: usize = 12;
-
 /// Tells GLB from JSON and parses the JSON.
-pub(crate) fn unpack(bytes: &[u8]) -> Result<Unpacked<'_>, Problem> {
-    let (json, chunk) = if bytes.starts_with(b"glTF") {
-        let glb = split_glb(bytes)?;
-        (glb.json, glb.bin)
+pub(crate) fn unpack(mut file: Vec<u8>) -> Result<Unpacked, Problem> {
+    let (json, chunk) = if file.starts_with(b"glTF") {
+        chunks(&file)?
     } else {
-        (Cow::Borrowed(bytes), None)
+        (0..file.len(), None)
     };
-    let root = parse_json(&json)?;
+    let root = parse_json(&file[json])?;
     check_version(&root)?;
+    // In the file's own memory: the chunk is nearly all of a large file.
+    let chunk = chunk.map(|range| {
+        file.truncate(range.end);
+        file.drain(..range.start);
+        file
+    });
     Ok(Unpacked { root, chunk })
 }
 
-fn split_glb(bytes: &[u8]) -> Result<Glb<'_>, Problem> {
-    let word = |at: usize| -> Option<u32> {
-        Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
-    };
-    let (Some(version), Some(length)) = (word(4), word(8)) else {
+/// Where the JSON of a GLB is, and its bytes, if it has any.
+fn chunks(file: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), Problem> {
+    let (Some(version), Some(length)) = (word(file, 4), word(file, 8)) else {
         return Err(Problem::Truncated {
-            expected: GLB_HEADER_BYTES as u64,
-            found: bytes.len() as u64,
+            expected: HEADER_BYTES as u64,
+            found: file.len() as u64,
         });
     };
     if version != 2 {
         return Err(Problem::Version(version.to_string()));
     }
-    // The parser subtracts the header from the length unchecked.
-    if (length as usize) < GLB_HEADER_BYTES {
-        return Err(Problem::DamagedGlb(format!(
-            "its header gives a length of {length} bytes"
-        )));
+    if length < HEADER_BYTES {
+        let reason = format!("its header gives a length of {length} bytes");
+        return Err(Problem::DamagedGlb(reason));
     }
-    let whole = bytes.get(..length as usize).ok_or(Problem::Truncated {
-        expected: u64::from(length),
-        found: bytes.len() as u64,
+    let file = file.get(..length).ok_or(Problem::Truncated {
+        expected: length as u64,
+        found: file.len() as u64,
     })?;
-    Glb::from_slice(whole).map_err(|error| Problem::DamagedGlb(error.to_string()))
+    let damaged = |reason: &str| Problem::DamagedGlb(reason.to_owned());
+    let json = match chunk_at(file, HEADER_BYTES)? {
+        Some(chunk) if chunk.kind == JSON_CHUNK => chunk.data,
+        _ => return Err(damaged("its first chunk is not JSON")),
+    };
+    // Chunks of other types, and those that follow, are passed over: they are of
+    // versions to come.
+    match chunk_at(file, json.end)? {
+        Some(chunk) if chunk.kind == BYTES_CHUNK => Ok((json, Some(chunk.data))),
+        Some(chunk) if chunk.kind == JSON_CHUNK => Err(damaged("it has two JSON chunks")),
+        _ => Ok((json, None)),
+    }
+}
+
+struct Chunk {
+    kind: [u8; 4],
+    /// Where its data is in the file.
+    data: Range<usize>,
+}
+
+/// The chunk that starts here; `None` at the end of the file.
+fn chunk_at(file: &[u8], start: usize) -> Result<Option<Chunk>, Problem> {
+    if start == file.len() {
+        return Ok(None);
+    }
+    let kind = file.get(start + 4..start + CHUNK_HEADER_BYTES);
+    let (Some(length), Some(kind)) = (word(file, start), kind) else {
+        let reason = "it ends within the header of a chunk";
+        return Err(Problem::DamagedGlb(reason.to_owned()));
+    };
+    let data = start + CHUNK_HEADER_BYTES;
+    let left = file.len() - data;
+    if length > left {
+        let reason = format!("a chunk of {length} bytes starts where only {left} are left");
+        return Err(Problem::DamagedGlb(reason));
+    }
+    let kind = kind.try_into().expect("four bytes");
+    Ok(Some(Chunk {
+        kind,
+        data: data..data + length,
+    }))
+}
+
+fn word(file: &[u8], start: usize) -> Option<usize> {
+    let bytes = file.get(start..start + 4)?.try_into().ok()?;
+    Some(u32::from_le_bytes(bytes) as usize)
 }
 
 fn parse_json(bytes: &[u8]) -> Result<Value, Problem> {
@@ -85,4 +142,113 @@ fn check_version(root: &Value) -> Result<(), Problem> {
         return Err(Problem::Version(super::error::shortened(least)));
     }
     Ok(())
+}
+
+/// The bytes of a GLB with this JSON and, unless it is empty, this buffer, or
+/// `None` if its length does not fit the format's 32 bits.
+///
+/// In the buffer's own memory, as it may be large.
+pub(crate) fn glb_bytes(root: &Value, mut buffer: Vec<u8>) -> Option<Vec<u8>> {
+    let mut json = serde_json::to_vec(root).expect("a JSON value can be written");
+    json.resize(json.len().next_multiple_of(ALIGNMENT), b' ');
+    let has_buffer = !buffer.is_empty();
+    buffer.resize(buffer.len().next_multiple_of(ALIGNMENT), 0);
+    let chunk_headers = if has_buffer { 2 } else { 1 } * CHUNK_HEADER_BYTES;
+    let total = HEADER_BYTES + chunk_headers + json.len() + buffer.len();
+    let total = u32::try_from(total).ok()?;
+
+    let mut head = Vec::with_capacity(HEADER_BYTES + chunk_headers + json.len());
+    head.extend_from_slice(b"glTF");
+    head.extend_from_slice(&2u32.to_le_bytes());
+    head.extend_from_slice(&total.to_le_bytes());
+    push_chunk_header(&mut head, JSON_CHUNK, json.len());
+    head.extend_from_slice(&json);
+    if has_buffer {
+        push_chunk_header(&mut head, BYTES_CHUNK, buffer.len());
+    }
+    buffer.splice(0..0, head);
+    Some(buffer)
+}
+
+fn push_chunk_header(glb: &mut Vec<u8>, kind: [u8; 4], bytes: usize) {
+    glb.extend_from_slice(&(bytes as u32).to_le_bytes());
+    glb.extend_from_slice(&kind);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// A GLB of these chunks.
+    fn glb(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+        let total: usize = chunks.iter().map(|(_, data)| 8 + data.len()).sum();
+        let mut file = b"glTF\x02\0\0\0".to_vec();
+        file.extend((12 + total as u32).to_le_bytes());
+        for (kind, data) in chunks {
+            push_chunk_header(&mut file, **kind, data.len());
+            file.extend_from_slice(data);
+        }
+        file
+    }
+
+    const ASSET: &[u8] = br#"{"asset":{"version":"2.0"}} "#;
+
+    #[test]
+    fn chunks_are_padded_and_counted() {
+        // {"a":1} is 7 bytes, so one space; the buffer of 5 gets three zeros.
+        let glb = glb_bytes(&json!({"a": 1}), vec![1, 2, 3, 4, 5]).unwrap();
+        assert_eq!(glb.len(), 12 + 8 + 8 + 8 + 8);
+        assert_eq!(glb[8..12], 44u32.to_le_bytes());
+        assert_eq!(&glb[12..28], b"\x08\0\0\0JSON{\"a\":1} ");
+        assert_eq!(&glb[28..], b"\x08\0\0\0BIN\0\x01\x02\x03\x04\x05\0\0\0");
+    }
+
+    #[test]
+    fn no_buffer_no_chunk() {
+        let glb = glb_bytes(&json!({}), Vec::new()).unwrap();
+        assert_eq!(&glb[12..], b"\x04\0\0\0JSON{}  ");
+    }
+
+    #[test]
+    fn what_was_written_is_read() {
+        let root: Value = serde_json::from_slice(ASSET).unwrap();
+        for bytes in [&[][..], &[1, 2, 3, 4]] {
+            let read = unpack(glb_bytes(&root, bytes.to_vec()).unwrap()).unwrap();
+            assert_eq!(read.root, root);
+            assert_eq!(read.chunk.unwrap_or_default(), bytes);
+        }
+    }
+
+    #[test]
+    fn chunks_of_types_to_come_are_passed_over() {
+        let with = |chunks: &[_]| unpack(glb(chunks)).map(|read| read.chunk);
+        let after = [(b"JSON", ASSET), (b"BIN\0", b"data"), (b"NEXT", b"abcd")];
+        assert_eq!(with(&after).unwrap(), Some(b"data".to_vec()));
+        assert_eq!(with(&[(b"JSON", ASSET), (b"NEXT", b"abcd")]).unwrap(), None);
+    }
+
+    #[test]
+    fn chunks_that_do_not_fit_together_are_damage() {
+        let refused = |file: Vec<u8>| match unpack(file) {
+            Err(Problem::DamagedGlb(reason)) => reason,
+            _ => panic!("not refused as a damaged GLB"),
+        };
+        let says = refused(glb(&[(b"BIN\0", b"data")]));
+        assert_eq!(says, "its first chunk is not JSON");
+        assert_eq!(refused(glb(&[])), "its first chunk is not JSON");
+        let says = refused(glb(&[(b"JSON", ASSET), (b"JSON", ASSET)]));
+        assert_eq!(says, "it has two JSON chunks");
+
+        let mut longer = glb(&[(b"JSON", ASSET), (b"BIN\0", b"data")]);
+        let at = longer.len() - 12;
+        longer[at] = 5;
+        let says = refused(longer);
+        assert_eq!(says, "a chunk of 5 bytes starts where only 4 are left");
+
+        let mut cut = glb(&[(b"JSON", ASSET), (b"BIN\0", b"")]);
+        cut.pop();
+        cut[8] -= 1;
+        assert_eq!(refused(cut), "it ends within the header of a chunk");
+    }
 }

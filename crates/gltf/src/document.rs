@@ -62,7 +62,7 @@ impl Document {
         bytes: Vec<u8>,
         base_dir: Option<&Path>,
     ) -> Result<Self, GltfError> {
-        Self::parse(name, &bytes, base_dir).map_err(|fault| GltfError::new(name, fault))
+        Self::parse(name, bytes, base_dir).map_err(|fault| GltfError::new(name, fault))
     }
 
     /// Its JSON as it was found, with everything that this crate doesn't know.
@@ -83,12 +83,11 @@ impl Document {
             .collect()
     }
 
-    fn parse(name: &str, bytes: &[u8], base_dir: Option<&Path>) -> Result<Self, Fault> {
+    fn parse(name: &str, bytes: Vec<u8>, base_dir: Option<&Path>) -> Result<Self, Fault> {
         let unpacked = container::unpack(bytes)?;
         let root = unpacked.root;
         check_extensions(&root)?;
-        let chunk = unpacked.chunk.map(|chunk| chunk.into_owned());
-        let buffers = buffer::load_all(&root, chunk, base_dir)?;
+        let buffers = buffer::load_all(&root, unpacked.chunk, base_dir)?;
         folder::check_images(&root, base_dir)?;
         let views = property::list(&root, "bufferViews")?.len();
         Ok(Self {

@@ -32,7 +32,7 @@ impl GltfError {
         &self.fault.place
     }
 
-    /// What is wrong.
+    /// What is wrong there, without file and place.
     pub fn problem(&self) -> &Problem {
         &self.fault.problem
     }
@@ -91,15 +91,15 @@ pub enum Problem {
     /// The file ends before its own header says it does.
     #[error("is truncated: its header speaks of {expected} bytes, it has {found}")]
     Truncated {
-        /// Bytes by the header.
+        /// Bytes of the whole file by its header.
         expected: u64,
-        /// Bytes there are.
+        /// Bytes that the file has.
         found: u64,
     },
     /// The chunks of a GLB don't fit together.
     #[error("is a damaged GLB: {0}")]
     DamagedGlb(String),
-    /// Not glTF 2.
+    /// The file is of another version than glTF 2.0.
     #[error("is glTF {0}; only version 2.0 can be read")]
     Version(String),
     /// The file needs an extension that is not supported.
@@ -116,7 +116,7 @@ pub enum Problem {
     /// A property has the wrong type or an impossible value.
     #[error("`{property}` is {found}, not {expected}")]
     BadProperty {
-        /// Its name.
+        /// The property's name in the JSON.
         property: &'static str,
         /// What it should be.
         expected: &'static str,
@@ -126,9 +126,9 @@ pub enum Problem {
     /// An index points past the end of a list.
     #[error("`{list}[{index}]` does not exist: there are {count}")]
     NoSuch {
-        /// The list.
+        /// The list's name in the JSON.
         list: &'static str,
-        /// The index.
+        /// The index that was asked for.
         index: usize,
         /// Entries in the list.
         count: usize,
@@ -146,7 +146,7 @@ pub enum Problem {
     /// A URI that isn't one.
     #[error("the URI `{uri}` is malformed: {why}")]
     BadUri {
-        /// The URI, shortened.
+        /// The start of the URI.
         uri: String,
         /// What is wrong with it.
         why: String,
@@ -154,9 +154,9 @@ pub enum Problem {
     /// A file named by a URI is not there or can't be read.
     #[error("the file `{uri}` cannot be read: {error}")]
     MissingFile {
-        /// The URI.
+        /// The URI as the file writes it, shortened.
         uri: String,
-        /// Why.
+        /// What the operating system says.
         error: std::io::Error,
     },
     /// A buffer without bytes: no URI and no GLB chunk.
@@ -165,21 +165,21 @@ pub enum Problem {
     /// A buffer shorter than it says.
     #[error("says it has {expected} bytes; only {found} are there")]
     ShortBuffer {
-        /// `byteLength`.
+        /// The `byteLength` of the buffer.
         expected: u64,
-        /// Bytes there are.
+        /// Bytes that its source has.
         found: u64,
     },
     /// A range of bytes that lies outside its container.
     #[error("asks for bytes {start}..{end} of {container}, which has {length}")]
     OutOfRange {
-        /// First byte.
+        /// The first byte of the range.
         start: u128,
         /// One past the last byte.
         end: u128,
         /// What should contain them.
         container: String,
-        /// Bytes in it.
+        /// How many bytes the container has.
         length: u64,
     },
     /// A number of elements so large that its bytes can't be counted, or more
@@ -188,11 +188,11 @@ pub enum Problem {
         "asks for {count} elements of {element_bytes} bytes; at most {limit} bytes are allowed without data in the file"
     )]
     TooManyZeros {
-        /// Elements.
+        /// How many elements the accessor claims.
         count: u64,
-        /// Bytes per element.
+        /// Bytes that one element takes.
         element_bytes: usize,
-        /// The limit in bytes.
+        /// The most bytes of such elements.
         limit: u64,
     },
     /// A stride that doesn't suit the element.
@@ -200,9 +200,9 @@ pub enum Problem {
         "`byteStride` is {stride}, elements of {element_bytes} bytes need {element_bytes} to 252"
     )]
     BadStride {
-        /// The stride.
+        /// The stride in the file, in bytes.
         stride: u64,
-        /// Bytes per element.
+        /// Bytes that one element takes.
         element_bytes: usize,
     },
     /// An accessor that can't serve as what it is used for.
@@ -210,15 +210,15 @@ pub enum Problem {
     WrongKind {
         /// Such as `VEC3 of FLOAT`.
         found: String,
-        /// Such as `POSITION`.
+        /// What it should be used as, such as `POSITION`.
         role: String,
     },
     /// Two accessors of one primitive that disagree.
     #[error("{attribute} has {found} elements where {other} has {expected}")]
     CountMismatch {
-        /// The attribute.
+        /// The name of the attribute that differs.
         attribute: String,
-        /// Its count.
+        /// How many elements it has.
         found: usize,
         /// The one it is compared with.
         other: String,
@@ -228,11 +228,11 @@ pub enum Problem {
     /// An index of a primitive names a vertex that doesn't exist.
     #[error("index {position} names vertex {vertex}, of {count}")]
     NoSuchVertex {
-        /// Which index.
+        /// Where in the list of indices.
         position: usize,
-        /// Its value.
+        /// The vertex that it names.
         vertex: u32,
-        /// Vertices there are.
+        /// How many vertices the primitive has.
         count: usize,
     },
     /// Sparse indices outside the accessor or not increasing.
@@ -240,7 +240,7 @@ pub enum Problem {
         "sparse index {index} does not come after the one before it, or is outside the accessor's {count} elements"
     )]
     BadSparseIndex {
-        /// The index.
+        /// The sparse index.
         index: u64,
         /// Elements of the accessor.
         count: usize,
@@ -248,9 +248,9 @@ pub enum Problem {
     /// A number that is NaN or infinite.
     #[error("{what} {index} is not a finite number")]
     NotFinite {
-        /// Such as `position`.
+        /// What the number is part of, such as `position`.
         what: &'static str,
-        /// Which one.
+        /// Which of them, from 0.
         index: usize,
     },
     /// A meshopt-compressed view that can't be decoded.
@@ -267,7 +267,7 @@ pub enum Problem {
     TooMuch {
         /// What there is too much of.
         what: &'static str,
-        /// The limit.
+        /// How much of it is allowed.
         limit: u64,
     },
     /// No foliage was named and none was found.
@@ -285,7 +285,7 @@ pub enum Problem {
     /// A selector that matches nothing.
     #[error("`{selector}` matches nothing; there are {known}", known = .known.join(", "))]
     SelectorMatchesNothing {
-        /// The selector.
+        /// The selector as it was written.
         selector: String,
         /// What there is to select.
         known: Vec<String>,

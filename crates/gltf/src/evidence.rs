@@ -24,7 +24,7 @@ pub struct Reason {
     /// How much it counts: names 2 to 4, pieces up to 4, cut-outs 3, colour 1.
     /// From 2 in sum a primitive is foliage, up to 0 it is wood.
     pub points: f64,
-    /// In words.
+    /// What was found, as a phrase for people.
     pub text: String,
 }
 

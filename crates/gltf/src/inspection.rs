@@ -40,7 +40,7 @@ pub enum TakenFor {
     Foliage,
     /// Leaves where some nodes draw it, wood elsewhere.
     FoliageInPart,
-    /// Wood.
+    /// All triangles are kept as they are: trunk, branches, pots and the like.
     Wood,
     /// Nothing: points, lines, or no vertices at all.
     Nothing,
@@ -62,7 +62,7 @@ pub struct PrimitiveReport {
     pub nodes: Vec<String>,
     /// How often it is drawn, instances counted.
     pub placements: u64,
-    /// Its triangles, once.
+    /// Triangles of one placement.
     pub triangles: u64,
     /// Its connected pieces, once: leaves, if it is foliage.
     pub pieces: u64,
@@ -72,16 +72,16 @@ pub struct PrimitiveReport {
     pub chosen_by_user: bool,
     /// The sum of the reasons' points: from 2 foliage, up to 0 wood.
     pub points: f64,
-    /// Why.
+    /// What speaks for and against foliage, the strongest reason first.
     pub reasons: Vec<Reason>,
 }
 
 /// The foliage in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FoliageReport {
-    /// Leaves.
+    /// Leaves, every instance counted.
     pub leaves: u64,
-    /// Their triangles.
+    /// Triangles of all leaves, every instance counted.
     pub triangles: u64,
     /// Triangles of a leaf.
     pub triangles_per_leaf: Spread,
@@ -94,11 +94,11 @@ pub struct FoliageReport {
 /// The least, the middle and the greatest of some numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// The least.
+    /// The least of the values.
     pub min: f64,
     /// The middle one, the upper of two.
     pub median: f64,
-    /// The greatest.
+    /// The greatest of the values.
     pub max: f64,
 }
 

@@ -87,14 +87,14 @@
 //! # Map
 //! | for | look at |
 //! |---|---|
-//! | the two chunks of a GLB | `container.rs`, `write/container.rs` |
+//! | the two chunks of a GLB | `container.rs` |
 //! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
 //! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
-//! | which entries stay | `write/references.rs`, `write/tidy.rs` |
+//! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |
 

@@ -38,7 +38,7 @@ pub(crate) struct TextureUse {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UvTransform {
     offset: DVec2,
-    /// Counter-clockwise, in radians.
+    /// The angle in radians, counter-clockwise on the image.
     rotation: f64,
     scale: DVec2,
 }

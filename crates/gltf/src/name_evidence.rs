@@ -38,7 +38,7 @@ const WOOD_WORDS: [&str; 4] = ["ast", "limb", "log", "rama"];
 pub(crate) enum NameSays {
     Leaf,
     Wood,
-    /// Neither, or both.
+    /// The name has words of neither, or of both.
     Nothing,
 }
 

@@ -13,7 +13,7 @@ pub(crate) const MAX_DEPTH: usize = 1024;
 /// A node of the scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedNode {
-    /// Index in `nodes`.
+    /// Its index in the file's `nodes`.
     pub(crate) index: usize,
     /// From the node's own space to world space.
     pub(crate) world_from_node: DMat4,

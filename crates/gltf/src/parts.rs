@@ -15,11 +15,11 @@ pub(crate) const MAX_TRIANGLES: u64 = 64 << 20;
 /// One primitive as one node (or one instance of it) draws it.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
-    /// Index in `nodes`.
+    /// Index in `nodes` of the node that draws it.
     pub(crate) node: usize,
     /// Which instance, where the node has EXT_mesh_gpu_instancing.
     pub(crate) instance: Option<usize>,
-    /// Index in `meshes`.
+    /// Index in `meshes` of the mesh that it belongs to.
     pub(crate) mesh: usize,
     /// Index in the mesh's `primitives`.
     pub(crate) primitive: usize,

@@ -31,13 +31,13 @@ pub(crate) struct Pictures<'a> {
 /// An image, or why it can't be had.
 #[derive(Clone)]
 pub(crate) enum Decoded {
-    /// It can.
+    /// The pixels of an image that could be decoded.
     Picture(Arc<Picture>),
     /// It can't be decoded: it then counts as opaque white.
     Unusable(Arc<str>),
 }
 
-/// A decoded image.
+/// The pixels of an image, and what was counted over them.
 pub(crate) struct Picture {
     /// sRGB colour and alpha.
     pub(crate) image: RgbaImage,
@@ -77,7 +77,7 @@ impl Tally {
 }
 
 impl<'a> Pictures<'a> {
-    /// Nothing decoded yet.
+    /// The images of this document; none is decoded before it is asked for.
     pub(crate) fn new(document: &'a Document) -> Self {
         Self {
             document,
@@ -86,7 +86,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// `images[index]`.
+    /// The pixels of `images[index]`, or why there are none.
     pub(crate) fn get(&mut self, index: usize) -> Result<Decoded, Fault> {
         if self.decoded.len() <= index {
             self.decoded.resize(index + 1, None);

@@ -13,11 +13,11 @@ use super::property;
 pub(crate) enum Topology {
     /// Points or lines: none.
     None,
-    /// Mode 4.
+    /// Mode 4: every three corners are a triangle.
     List,
-    /// Mode 5.
+    /// Mode 5: every corner makes a triangle with the two before it.
     Strip,
-    /// Mode 6.
+    /// Mode 6: every corner makes a triangle with the one before it and the first.
     Fan,
 }
 
@@ -51,7 +51,7 @@ impl Topology {
 }
 
 impl Document {
-    /// `meshes[0] "tree".primitives[1]`.
+    /// What errors call a primitive, such as `meshes[0] "tree".primitives[1]`.
     pub(crate) fn primitive_place(&self, mesh: usize, primitive: usize) -> String {
         format!("{}.primitives[{primitive}]", self.place("meshes", mesh))
     }

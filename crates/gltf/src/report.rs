@@ -109,7 +109,7 @@ pub(crate) fn extents(inspection: &mut Inspection, survey: &Survey, parts: &[Par
     }
 }
 
-/// Reports the leaves.
+/// Counts and measures the leaves of a foliage that was found.
 pub(crate) fn foliage(inspection: &mut Inspection, foliage: &Foliage) {
     let leaves = foliage.leaves();
     let ids = (0..leaves.len()).map(secateur_model::LeafId::from_index);

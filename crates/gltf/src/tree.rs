@@ -25,9 +25,9 @@ pub struct Tree {
 /// primitive (`Document::triangles`), ascending.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct LeafSource {
-    /// Index in [`Tree::parts`].
+    /// The part that it belongs to, as an index in [`Tree::parts`].
     pub(crate) part: u32,
-    /// Range of [`Tree::leaf_triangles`].
+    /// The range of [`Tree::leaf_triangles`] that names its triangles.
     pub(crate) triangles: Range<u32>,
 }
 

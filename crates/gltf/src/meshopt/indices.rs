@@ -6,7 +6,7 @@ use super::{ENDS_EARLY, GOES_ON, StreamError, WRONG_HEADER};
 const HEADER: u8 = 0xd1;
 const TAIL_BYTES: usize = 4;
 
-/// `count` indices.
+/// Decodes a stream of `count` indices in any order.
 pub(super) fn decode(source: &[u8], count: usize) -> Result<Vec<u32>, StreamError> {
     let (&header, rest) = source.split_first().ok_or(ENDS_EARLY)?;
     if header != HEADER {

@@ -5,14 +5,16 @@ use std::collections::{HashMap, HashSet};
 
 use serde_json::{Value, json};
 
+use super::compact_vertices::drop_unused_vertices;
 use super::draft::Draft;
-use super::fates::Fates;
-use super::leftover::drop_unused_vertices;
+use super::drop_unreferenced::{
+    References, drop_extension, drop_meshes, drop_unreferenced, remove_field,
+};
+use super::leaf_edits::LeafEdits;
 use super::meshes::rewrite_meshes;
 use super::packing::{ViewBytes, pack};
 use super::references::{items, len};
 use super::skeleton::rewrite_skeleton;
-use super::tidy::{References, drop_extension, drop_meshes, remove_field, tidy};
 use crate::Document;
 use crate::buffer::BufferSource;
 use crate::error::{At, Fault, Problem};
@@ -43,14 +45,14 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
         "a LOD knows every leaf of its tree"
     );
     let document = &tree.document;
-    let fates = Fates::new(tree, lod);
+    let edits = LeafEdits::new(tree, lod);
     let mut draft = Draft::new(document);
     let before = References::of(&mut draft.root);
-    let empty = rewrite_meshes(&mut draft, tree, &fates)?;
+    let empty = rewrite_meshes(&mut draft, tree, &edits)?;
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
     drop_unused_vertices(&mut draft, &before)?;
-    let thinned = tidy(&mut draft, &before);
+    let partly_used = drop_unreferenced(&mut draft, &before);
 
     let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
     for (view, bytes) in std::mem::take(&mut draft.new_bytes) {
@@ -64,12 +66,12 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
             .map(|b| b.bytes.as_slice())
             .collect(),
         own,
-        thinned,
+        partly_used,
     };
     let buffer = pack(&mut draft.root, &bytes).map_err(|stray| stray_view(document, stray.0))?;
     set_buffer(&mut draft.root, document, buffer.len());
     Ok(Content {
-        triangles: count_triangles(tree, &fates)?,
+        triangles: count_triangles(tree, &edits)?,
         notes: without_repeats(draft.notes),
         root: draft.root,
         buffer,
@@ -138,7 +140,7 @@ fn without_repeats(mut notes: Vec<String>) -> Vec<String> {
     notes
 }
 
-fn count_triangles(tree: &Tree, fates: &Fates) -> Result<u64, Fault> {
+fn count_triangles(tree: &Tree, edits: &LeafEdits) -> Result<u64, Fault> {
     let mut of_primitive: HashMap<(usize, usize), u64> = HashMap::new();
     let mut triangles = 0;
     for (number, part) in tree.parts.iter().enumerate() {
@@ -151,11 +153,11 @@ fn count_triangles(tree: &Tree, fates: &Fates) -> Result<u64, Fault> {
                 count
             }
         };
-        let gone = fates
+        let gone = edits
             .of_part(number)
-            .filter(|fate| fate.area_scale.is_none());
-        triangles += all - gone.map(|fate| fate.triangles.len() as u64).sum::<u64>();
-        triangles += fates.made_in(number).len() as u64;
+            .filter(|edit| edit.area_scale.is_none());
+        triangles += all - gone.map(|edit| edit.triangles.len() as u64).sum::<u64>();
+        triangles += edits.made_in(number).len() as u64;
     }
     debug_assert!(len(&tree.document.root, "meshes") > 0 || triangles == 0);
     Ok(triangles)

@@ -9,16 +9,16 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
-use super::container::glb_bytes;
 use super::content::{Content, lod_content};
 use super::images::{self, Copy};
 use super::problem::WriteProblem;
+use crate::container::glb_bytes;
 use crate::error::{GltfError, Problem};
 use crate::tree::Tree;
 use crate::uri;
 use secateur_model::Lod;
 
-/// What was written.
+/// The files of a LOD that were written, and what they hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Written {
@@ -52,7 +52,7 @@ impl Tree {
     /// If the LOD is of another number of leaves.
     pub fn lod_to_bytes(&self, lod: &Lod) -> Result<Vec<u8>, GltfError> {
         let content = lod_content(self, lod).map_err(|fault| self.document.error(fault))?;
-        glb_bytes(&content.root, &content.buffer)
+        glb_bytes(&content.root, content.buffer)
             .ok_or_else(|| self.document.error(Problem::from(WriteProblem::TooLarge)))
     }
 
@@ -166,7 +166,7 @@ impl Output {
     /// The bytes of each file, the one that names the others first.
     fn pack(self, mut content: Content) -> Result<Vec<(PathBuf, Vec<u8>)>, WriteProblem> {
         let Some(bin) = self.bin else {
-            let glb = glb_bytes(&content.root, &content.buffer).ok_or(WriteProblem::TooLarge)?;
+            let glb = glb_bytes(&content.root, content.buffer).ok_or(WriteProblem::TooLarge)?;
             return Ok(vec![(self.path, glb)]);
         };
         let has_buffer = !content.buffer.is_empty();

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::draft::{Draft, NewElements, Role};
 use super::meshes::take_mesh_away;
 use super::references::as_index;
-use super::solitary::Transform;
+use super::single_leaf_mesh::Transform;
 use super::vertices::Resize;
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
@@ -32,10 +32,10 @@ pub(super) fn place_instances(
     old_mesh: usize,
     placements: &[(usize, Placement)],
 ) -> Result<(), Fault> {
-    let is_as_it_was = |p: &Placement| p.mesh == Some(old_mesh) && p.resize.is_none();
+    let is_unchanged = |p: &Placement| p.mesh == Some(old_mesh) && p.resize.is_none();
     if placements
         .iter()
-        .all(|(_, placement)| is_as_it_was(placement))
+        .all(|(_, placement)| is_unchanged(placement))
     {
         return Ok(());
     }

@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use serde_json::Value;
 
 use super::draft::Draft;
-use super::fates::{Fates, Use, group_by_fate, uses_by_mesh};
 use super::instances::{Placement, place_instances};
+use super::leaf_edits::{LeafEdits, Use, group_by_edits, uses_by_mesh};
 use super::primitive::rewrite_primitive;
 use super::references::as_index;
-use super::solitary::{busy_nodes, is_free_to_scale, only_leaf, scale_node};
+use super::single_leaf_mesh::{animated_and_joint_nodes, can_scale_node, only_leaf, scale_node};
 use super::vertices::Resize;
 use crate::error::Fault;
 use crate::tree::Tree;
@@ -19,19 +19,27 @@ use crate::tree::Tree;
 pub(super) fn rewrite_meshes(
     draft: &mut Draft,
     tree: &Tree,
-    fates: &Fates,
+    edits: &LeafEdits,
 ) -> Result<BTreeSet<usize>, Fault> {
     let drawn_by = nodes_by_mesh(&tree.document.root);
-    let busy = busy_nodes(&tree.document.root);
+    let moved_by_others = animated_and_joint_nodes(&tree.document.root);
     let mut empty = BTreeSet::new();
     for (mesh, uses) in uses_by_mesh(tree) {
-        let is_changed = |place: &Use| place.parts.iter().any(|&part| fates.is_changed(part));
+        let is_changed = |place: &Use| place.parts.iter().any(|&part| edits.is_changed(part));
         if !uses.iter().any(is_changed) {
             continue;
         }
         let seen: HashSet<usize> = uses.iter().map(|place| place.node).collect();
         let is_drawn_elsewhere = drawn_by[&mesh].iter().any(|node| !seen.contains(node));
-        let plan = plan_mesh(draft, tree, fates, mesh, &uses, is_drawn_elsewhere, &busy)?;
+        let plan = plan_mesh(
+            draft,
+            tree,
+            edits,
+            mesh,
+            &uses,
+            is_drawn_elsewhere,
+            &moved_by_others,
+        )?;
         if plan.is_empty {
             empty.insert(mesh);
         }
@@ -61,11 +69,11 @@ struct MeshPlan {
 fn plan_mesh(
     draft: &mut Draft,
     tree: &Tree,
-    fates: &Fates,
+    edits: &LeafEdits,
     mesh: usize,
     uses: &[Use],
     is_drawn_elsewhere: bool,
-    busy: &HashSet<usize>,
+    moved_by_others: &HashSet<usize>,
 ) -> Result<MeshPlan, Fault> {
     let is_shared = uses.len() > 1 || is_drawn_elsewhere;
     let as_it_was = Placement {
@@ -76,9 +84,11 @@ fn plan_mesh(
     let mut is_mesh_kept = is_drawn_elsewhere;
     let mut changed = Vec::new();
     for (number, place) in uses.iter().enumerate() {
-        if !place.parts.iter().any(|&part| fates.is_changed(part)) {
+        if !place.parts.iter().any(|&part| edits.is_changed(part)) {
             is_mesh_kept = true;
-        } else if let Some(resize) = solitary_resize(tree, fates, place, is_shared, busy)? {
+        } else if let Some(resize) =
+            single_leaf_resize(tree, edits, place, is_shared, moved_by_others)?
+        {
             placements[number].resize = Some(resize);
             is_mesh_kept = true;
         } else {
@@ -89,8 +99,8 @@ fn plan_mesh(
     let mut is_slot_free = !is_mesh_kept;
     let mut added = 0;
     let changed_uses: Vec<&Use> = changed.iter().map(|&number| &uses[number]).collect();
-    for group in group_by_fate(tree, fates, &changed_uses) {
-        let rewritten = rewrite_mesh(draft, tree, fates, mesh, changed_uses[group[0]])?;
+    for group in group_by_edits(tree, edits, &changed_uses) {
+        let rewritten = rewrite_mesh(draft, tree, edits, mesh, changed_uses[group[0]])?;
         let number = match rewritten {
             None => None,
             Some(json) if is_slot_free => {
@@ -121,21 +131,21 @@ fn plan_mesh(
 
 /// How much a place grows as a whole, if its mesh is one leaf and the place can
 /// be scaled without touching anything else.
-fn solitary_resize(
+fn single_leaf_resize(
     tree: &Tree,
-    fates: &Fates,
+    edits: &LeafEdits,
     place: &Use,
     is_shared: bool,
-    busy: &HashSet<usize>,
+    moved_by_others: &HashSet<usize>,
 ) -> Result<Option<Resize>, Fault> {
     let is_free = match place.instance {
         Some(_) => true,
-        None => is_shared && is_free_to_scale(&tree.document.root, busy, place.node),
+        None => is_shared && can_scale_node(&tree.document.root, moved_by_others, place.node),
     };
     if !is_free {
         return Ok(None);
     }
-    only_leaf(tree, fates, place)
+    only_leaf(tree, edits, place)
 }
 
 /// A mesh's JSON with the leaves of one of its places, or `None` if no
@@ -143,7 +153,7 @@ fn solitary_resize(
 fn rewrite_mesh(
     draft: &mut Draft,
     tree: &Tree,
-    fates: &Fates,
+    edits: &LeafEdits,
     mesh: usize,
     place: &Use,
 ) -> Result<Option<Value>, Fault> {
@@ -151,7 +161,7 @@ fn rewrite_mesh(
     let changed: HashMap<usize, usize> = place
         .parts
         .iter()
-        .filter(|&&part| fates.is_changed(part))
+        .filter(|&&part| edits.is_changed(part))
         .map(|&part| (tree.parts[part].primitive, part))
         .collect();
     let Some(primitives) = json.get_mut("primitives").and_then(Value::as_array_mut) else {
@@ -161,7 +171,7 @@ fn rewrite_mesh(
     for (number, primitive) in primitives.drain(..).enumerate() {
         match changed.get(&number) {
             None => left.push(primitive),
-            Some(&part) => left.extend(rewrite_primitive(draft, tree, fates, part)?),
+            Some(&part) => left.extend(rewrite_primitive(draft, tree, edits, part)?),
         }
     }
     *primitives = left;

@@ -6,25 +6,24 @@
 //! bytes that are still named are packed into one buffer.
 
 mod bounds;
-mod container;
+mod compact_vertices;
 mod content;
 mod draft;
-mod fates;
+mod drop_unreferenced;
 mod files;
 mod images;
 mod instances;
-mod leftover;
+mod leaf_edits;
 mod meshes;
 mod packing;
 mod plant;
 mod primitive;
 mod problem;
 mod references;
+mod single_leaf_mesh;
 mod skeleton;
-mod solitary;
 #[cfg(test)]
 mod tests;
-mod tidy;
 mod vertices;
 
 pub use files::Written;

@@ -27,7 +27,7 @@ pub(super) struct ViewBytes<'a> {
     pub(super) own: HashMap<usize, Cow<'a, [u8]>>,
     /// Views that lost an accessor: of these only what the remaining accessors
     /// name is packed.
-    pub(super) thinned: HashSet<usize>,
+    pub(super) partly_used: HashSet<usize>,
 }
 
 /// A buffer view whose bytes are not there.
@@ -89,7 +89,7 @@ fn live_ranges(
 ) -> Vec<Vec<Range<usize>>> {
     let mut live: Vec<Vec<Range<usize>>> = vec![Vec::new(); views.len()];
     for part in accessor_parts(root) {
-        if let (true, Some(range)) = (bytes.thinned.contains(&part.view), part.range) {
+        if let (true, Some(range)) = (bytes.partly_used.contains(&part.view), part.range) {
             live[part.view].push(range);
         }
     }
@@ -239,7 +239,7 @@ fn copy_ranges(
     (packed, OffsetMap(map))
 }
 
-/// Gives the accessors of thinned views their new offsets.
+/// Gives the accessors of partly used views their new offsets.
 fn move_accessors(
     root: &mut Value,
     bytes: &ViewBytes,
@@ -247,7 +247,7 @@ fn move_accessors(
 ) {
     let move_part = |fields: &mut Value| {
         let view = fields.get("bufferView").and_then(as_index);
-        let Some(view) = view.filter(|view| bytes.thinned.contains(view)) else {
+        let Some(view) = view.filter(|view| bytes.partly_used.contains(view)) else {
             return;
         };
         let offset = fields.get("byteOffset").and_then(as_index).unwrap_or(0);
@@ -276,7 +276,7 @@ mod tests {
         ViewBytes {
             buffers: vec![buffer],
             own: HashMap::new(),
-            thinned: HashSet::new(),
+            partly_used: HashSet::new(),
         }
     }
 
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thinned_view_keeps_what_its_accessors_name() {
+    fn a_partly_used_view_keeps_what_its_accessors_name() {
         // Of five floats the first and the fourth are still used.
         let buffer: Vec<u8> = (0..20).collect();
         let mut root = json!({
@@ -305,7 +305,7 @@ mod tests {
                 {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "type": "SCALAR", "count": 1}],
         });
         let mut bytes = view_bytes(&buffer);
-        bytes.thinned.insert(0);
+        bytes.partly_used.insert(0);
         let packed = pack(&mut root, &bytes).unwrap();
         assert_eq!(packed, [0, 1, 2, 3, 12, 13, 14, 15]);
         assert_eq!(root["bufferViews"][0]["byteLength"], 8);
@@ -324,7 +324,7 @@ mod tests {
                 {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "type": "SCALAR", "count": 2}],
         });
         let mut bytes = view_bytes(&buffer);
-        bytes.thinned.insert(0);
+        bytes.partly_used.insert(0);
         let packed = pack(&mut root, &bytes).unwrap();
         assert_eq!(packed, buffer[8..]);
         assert_eq!(root["accessors"][0]["byteOffset"], 0);

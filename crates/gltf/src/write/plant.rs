@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Map, Value, json};
 
-use super::container::glb_around;
+use crate::container::glb_bytes;
 use crate::skeleton::{
     EXTRAS_NAME, LEAF_SEGMENT, SEGMENT_CONTINUES, SEGMENT_END, SEGMENT_PARENT, SEGMENT_RADIUS,
     SEGMENT_SIDES, SEGMENT_START, VERSION, number_of,
@@ -111,7 +111,7 @@ fn write(plant: &Plant, wood: Columns<'_>, leaves: Columns<'_>, expected_bytes: 
     if let Some(skeleton) = skeleton {
         root["extras"] = json!({ EXTRAS_NAME: skeleton });
     }
-    glb_around(&root, file.buffer).expect("a plant fits into 4 GiB")
+    glb_bytes(&root, file.buffer).expect("a plant fits into 4 GiB")
 }
 
 /// At least as many bytes as the vertices and corners take, and some for the rest:

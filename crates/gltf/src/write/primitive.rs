@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
-use super::fates::{Blend, Fates, MadeCorner};
+use super::leaf_edits::{Blend, LeafEdits, MadeCorner};
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::accessor::{Component, Elements, Shape};
@@ -16,12 +16,12 @@ use crate::error::{At, Fault, Problem};
 use crate::parts::Part;
 use crate::tree::Tree;
 
-/// A primitive's JSON after the fates of a part's leaves, or `None` if no
+/// A primitive's JSON after the edits of a part's leaves, or `None` if no
 /// triangle is left.
 pub(super) fn rewrite_primitive(
     draft: &mut Draft,
     tree: &Tree,
-    fates: &Fates,
+    edits: &LeafEdits,
     part_number: usize,
 ) -> Result<Option<Value>, Fault> {
     let part = &tree.parts[part_number];
@@ -29,7 +29,7 @@ pub(super) fn rewrite_primitive(
         triangles: kept,
         resizes,
         blends,
-    } = kept_triangles(draft, fates, part_number, part)?;
+    } = kept_triangles(draft, edits, part_number, part)?;
     if kept.is_empty() {
         return Ok(None);
     }
@@ -86,7 +86,7 @@ struct Kept {
 
 fn kept_triangles(
     draft: &Draft,
-    fates: &Fates,
+    edits: &LeafEdits,
     part_number: usize,
     part: &Part,
 ) -> Result<Kept, Fault> {
@@ -94,13 +94,13 @@ fn kept_triangles(
     let mut is_kept = vec![true; triangles.len()];
     let mut resize_of = vec![None; triangles.len()];
     let mut resizes = Vec::new();
-    for fate in fates.of_part(part_number) {
-        if fate.area_scale.is_none() {
-            for &triangle in fate.triangles {
+    for edit in edits.of_part(part_number) {
+        if edit.area_scale.is_none() {
+            for &triangle in edit.triangles {
                 is_kept[triangle as usize] = false;
             }
-        } else if let Some(resize) = fates.resize(part_number, &fate) {
-            for &triangle in fate.triangles {
+        } else if let Some(resize) = edits.resize(part_number, &edit) {
+            for &triangle in edit.triangles {
                 resize_of[triangle as usize] = Some(resizes.len() as u32);
             }
             resizes.push(resize);
@@ -120,7 +120,7 @@ fn kept_triangles(
     // are alike and at one place stay one vertex.
     let mut placed = HashMap::new();
     let mut blends = HashMap::new();
-    for triangle in fates.made_in(part_number) {
+    for triangle in edits.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
         let mut resize = |k: usize| {
             let MadeCorner {

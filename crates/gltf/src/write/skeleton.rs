@@ -76,7 +76,7 @@ fn drop_skeleton(draft: &mut Draft) {
         .as_object()
         .is_some_and(|e| e.is_empty())
     {
-        super::tidy::remove_field(&mut draft.root, "extras");
+        super::drop_unreferenced::remove_field(&mut draft.root, "extras");
     }
     draft
         .notes

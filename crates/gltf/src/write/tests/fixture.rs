@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::accessor::Component;
+use crate::container::glb_bytes;
 use crate::write::bounds::bounds;
-use crate::write::container::glb_bytes;
 use crate::{Document, Selector, Tree};
 
 pub(super) const BYTE: u32 = 5120;
@@ -141,7 +141,7 @@ impl Fixture {
         self.accessor(accessor)
     }
 
-    /// The same, normalised.
+    /// An accessor of these values, stored as normalised integers.
     pub(super) fn normalized(&mut self, component: u32, size: usize, values: &[f64]) -> usize {
         let accessor = self.elements(component, size, values);
         self.root["accessors"][accessor]["normalized"] = true.into();
@@ -184,7 +184,7 @@ impl Fixture {
             root["buffers"] = json!([{}]);
         }
         root["buffers"][0]["byteLength"] = self.bin.len().into();
-        glb_bytes(&root, &self.bin).unwrap()
+        glb_bytes(&root, self.bin.clone()).unwrap()
     }
 
     pub(super) fn tree(&self) -> Tree {

@@ -84,7 +84,7 @@ fn an_unknown_extension_keeps_meshes_in_their_places() {
 fn validate(name: &str, content: &Content) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(format!("{name}.glb"));
-    let glb = crate::write::container::glb_bytes(&content.root, &content.buffer).unwrap();
+    let glb = crate::container::glb_bytes(&content.root, content.buffer.clone()).unwrap();
     std::fs::write(&path, glb).unwrap();
     super::validator::assert_valid(&[path]);
 }

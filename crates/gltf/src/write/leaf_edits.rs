@@ -1,4 +1,6 @@
-//! What becomes of each leaf, and of each place where a mesh is drawn.
+//! What a LOD does to each leaf: keeps, removes or resizes it, or puts new leaves
+//! beside it; and which of the places that draw a mesh are edited alike, so that
+//! they can share one.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,24 +10,24 @@ use super::vertices::Resize;
 use crate::tree::Tree;
 use secateur_model::{LeafId, Lod, NewCorner, NewLeaf, Place};
 
-/// What becomes of one leaf of a part.
+/// What a LOD does to one leaf of a part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LeafFate<'t> {
+pub(super) struct LeafEdit<'t> {
     pub(super) leaf: LeafId,
     /// Numbers in the triangle list of the part's primitive.
     pub(super) triangles: &'t [u32],
-    /// As in [`Lod::area_scale`].
+    /// Its new area as a multiple of the old one, or `None` if the leaf goes.
     pub(super) area_scale: Option<f64>,
 }
 
-impl LeafFate<'_> {
-    fn is_as_it_was(&self) -> bool {
+impl LeafEdit<'_> {
+    fn is_unchanged(&self) -> bool {
         self.area_scale == Some(1.0)
     }
 }
 
-/// The fate of every leaf, by the part that it belongs to.
-pub(super) struct Fates<'t> {
+/// The edits of all leaves, by the part that a leaf belongs to.
+pub(super) struct LeafEdits<'t> {
     tree: &'t Tree,
     lod: &'t Lod,
     /// Leaf indices, those of part p at `starts[p]..starts[p + 1]`.
@@ -56,7 +58,7 @@ pub(super) struct Blend {
     pub(super) weights: [f64; 3],
 }
 
-impl<'t> Fates<'t> {
+impl<'t> LeafEdits<'t> {
     pub(super) fn new(tree: &'t Tree, lod: &'t Lod) -> Self {
         let mut starts = vec![0u32; tree.parts.len() + 1];
         for source in &tree.leaf_sources {
@@ -119,11 +121,11 @@ impl<'t> Fates<'t> {
     }
 
     /// The leaves of a part, in leaf order.
-    pub(super) fn of_part(&self, part: usize) -> impl Iterator<Item = LeafFate<'t>> + '_ {
+    pub(super) fn of_part(&self, part: usize) -> impl Iterator<Item = LeafEdit<'t>> + '_ {
         let range = self.starts[part] as usize..self.starts[part + 1] as usize;
         self.leaves[range].iter().map(|&index| {
             let leaf = LeafId::from_index(index as usize);
-            LeafFate {
+            LeafEdit {
                 leaf,
                 triangles: self
                     .tree
@@ -135,7 +137,7 @@ impl<'t> Fates<'t> {
 
     /// Whether a leaf of the part goes or changes size, or one is new.
     pub(super) fn is_changed(&self, part: usize) -> bool {
-        self.has_made(part) || self.of_part(part).any(|fate| !fate.is_as_it_was())
+        self.has_made(part) || self.of_part(part).any(|edit| !edit.is_unchanged())
     }
 
     /// Whether a new leaf belongs to the part.
@@ -145,9 +147,9 @@ impl<'t> Fates<'t> {
 
     /// The resize of a leaf of a part, in the space of the part's primitive, or
     /// `None` if its size stays.
-    pub(super) fn resize(&self, part: usize, fate: &LeafFate) -> Option<Resize> {
-        let area_scale = fate.area_scale.filter(|&scale| scale != 1.0)?;
-        let centre_world = self.tree.foliage.leaf(fate.leaf).centre();
+    pub(super) fn resize(&self, part: usize, edit: &LeafEdit) -> Option<Resize> {
+        let area_scale = edit.area_scale.filter(|&scale| scale != 1.0)?;
+        let centre_world = self.tree.foliage.leaf(edit.leaf).centre();
         let world_from_local = &self.tree.parts[part].world_from_local;
         Some(Resize {
             centre_local: origin_of_point(world_from_local, centre_world),
@@ -217,18 +219,18 @@ type Made = Vec<(usize, u64, Vec<(u32, usize)>)>;
 /// Of places that change alike, with how many it is tried to share a mesh.
 const MOST_TRIED: usize = 64;
 
-/// Sorts the places of a mesh into groups whose leaves share their fate, so
+/// Sorts the places of a mesh into groups whose leaves are edited alike, so
 /// that one mesh serves each group. Groups come in the order of their first
 /// place and hold numbers of `places`.
-pub(super) fn group_by_fate(tree: &Tree, fates: &Fates, places: &[&Use]) -> Vec<Vec<usize>> {
+pub(super) fn group_by_edits(tree: &Tree, edits: &LeafEdits, places: &[&Use]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut known: HashMap<(Changes, Made), Vec<usize>> = HashMap::new();
     for (number, place) in places.iter().enumerate() {
-        let key = (changes(tree, fates, place), made(tree, fates, place));
+        let key = (changes(tree, edits, place), made(tree, edits, place));
         let alike = known.entry(key).or_default();
         let same = alike.iter().copied().take(MOST_TRIED).find(|&group| {
             let first = places[groups[group][0]];
-            scale_alike(tree, fates, first, place) && are_made_alike(fates, first, place)
+            scale_alike(tree, edits, first, place) && are_made_alike(edits, first, place)
         });
         match same {
             Some(group) => groups[group].push(number),
@@ -241,22 +243,22 @@ pub(super) fn group_by_fate(tree: &Tree, fates: &Fates, places: &[&Use]) -> Vec<
     groups
 }
 
-fn changes<'t>(tree: &Tree, fates: &Fates<'t>, place: &Use) -> Changes<'t> {
+fn changes<'t>(tree: &Tree, edits: &LeafEdits<'t>, place: &Use) -> Changes<'t> {
     let mut changes = Changes::new();
     for &part in &place.parts {
-        let changed = fates.of_part(part).filter(|fate| !fate.is_as_it_was());
-        changes.extend(changed.map(|fate| {
-            let scale = fate.area_scale.map(f64::to_bits);
-            (tree.parts[part].primitive, fate.triangles, scale)
+        let changed = edits.of_part(part).filter(|edit| !edit.is_unchanged());
+        changes.extend(changed.map(|edit| {
+            let scale = edit.area_scale.map(f64::to_bits);
+            (tree.parts[part].primitive, edit.triangles, scale)
         }));
     }
     changes
 }
 
-fn made(tree: &Tree, fates: &Fates, place: &Use) -> Made {
+fn made(tree: &Tree, edits: &LeafEdits, place: &Use) -> Made {
     let mut made = Made::new();
     for &part in &place.parts {
-        for &(leaf, area_scale) in fates.made.get(&part).into_iter().flatten() {
+        for &(leaf, area_scale) in edits.made.get(&part).into_iter().flatten() {
             let triangles = tree.triangles_of(&tree.leaf_sources[leaf.donor.index()]);
             let vertex = |c: &NewCorner| (triangles[c.like as usize / 3], c.like as usize % 3);
             let corners = leaf.triangles.iter().flatten().map(vertex).collect();
@@ -268,10 +270,10 @@ fn made(tree: &Tree, fates: &Fates, place: &Use) -> Made {
 
 /// Whether the new leaves of two places that copy the same vertices are at the same
 /// place in the space of their primitive.
-fn are_made_alike(fates: &Fates, first: &Use, other: &Use) -> bool {
+fn are_made_alike(edits: &LeafEdits, first: &Use, other: &Use) -> bool {
     const TOLERANCE: f64 = 1e-5;
     first.parts.iter().zip(&other.parts).all(|(&a, &b)| {
-        let pairs = fates.made_in(a).into_iter().zip(fates.made_in(b));
+        let pairs = edits.made_in(a).into_iter().zip(edits.made_in(b));
         let places = |t: [MadeCorner; 3]| t.map(|corner| corner.position_local);
         pairs.map(|(a, b)| (places(a), places(b))).all(|(a, b)| {
             let size = a[0].distance(a[1]) + a[0].distance(a[2]);
@@ -283,17 +285,17 @@ fn are_made_alike(fates: &Fates, first: &Use, other: &Use) -> bool {
 /// Whether the resized leaves of one place, scaled as those of another of the
 /// same changes, still have their own centres. Where a transform is not
 /// uniform, the centre of a bent leaf depends on it.
-fn scale_alike(tree: &Tree, fates: &Fates, first: &Use, other: &Use) -> bool {
+fn scale_alike(tree: &Tree, edits: &LeafEdits, first: &Use, other: &Use) -> bool {
     const TOLERANCE: f64 = 1e-5;
     first.parts.iter().zip(&other.parts).all(|(&a, &b)| {
-        fates
+        edits
             .of_part(a)
-            .zip(fates.of_part(b))
-            .all(|(fate_a, fate_b)| {
-                let Some(resize) = fates.resize(a, &fate_a) else {
+            .zip(edits.of_part(b))
+            .all(|(edit_a, edit_b)| {
+                let Some(resize) = edits.resize(a, &edit_a) else {
                     return true;
                 };
-                let leaf = tree.foliage.leaf(fate_b.leaf);
+                let leaf = tree.foliage.leaf(edit_b.leaf);
                 let world_from_local = tree.parts[b].world_from_local;
                 let centre: DVec3 = world_from_local.transform_point3(resize.centre_local);
                 centre.distance(leaf.centre()) <= TOLERANCE * leaf.area().sqrt()

@@ -1,5 +1,6 @@
-//! What a file does not need any more, without giving new numbers to what it
-//! keeps: an extension that is not known may name things by number.
+//! Drops the accessors, buffer views and meshes that nothing names any more.
+//! Accessors and buffer views that stay keep their numbers: an extension that is
+//! not known may name them.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -38,17 +39,17 @@ impl References {
 /// Drops the accessors and buffer views that nothing names any more. Returns the
 /// views that lost some of their accessors, where it is certain that nobody else
 /// needs those bytes.
-pub(super) fn tidy(draft: &mut Draft, before: &References) -> HashSet<usize> {
+pub(super) fn drop_unreferenced(draft: &mut Draft, before: &References) -> HashSet<usize> {
     stop_animating_lost_weights(draft);
 
-    let settled = settle(
+    let renumbered = renumber_new(
         &mut draft.root,
         &ACCESSORS,
         &before.accessors,
         &draft.accessor_origins,
     );
     debug_assert!(
-        settled
+        renumbered
             .placeholders
             .iter()
             .all(|&n| before.accessors[n] > 0)
@@ -56,12 +57,13 @@ pub(super) fn tidy(draft: &mut Draft, before: &References) -> HashSet<usize> {
 
     let view_count = len(&draft.root, "bufferViews");
     let after = count_references(&mut draft.root, view_count, visit_view_numbers);
-    let settled = settle(&mut draft.root, &VIEWS, &before.views, &draft.view_origins);
+    let renumbered = renumber_new(&mut draft.root, &VIEWS, &before.views, &draft.view_origins);
     let first_new = before.views.len();
     let bytes = std::mem::take(&mut draft.new_bytes);
-    let renamed = |(view, bytes): (usize, Vec<u8>)| (settled.new_numbers[view - first_new], bytes);
+    let renamed =
+        |(view, bytes): (usize, Vec<u8>)| (renumbered.new_numbers[view - first_new], bytes);
     draft.new_bytes = bytes.into_iter().map(renamed).collect();
-    for placeholder in settled.placeholders {
+    for placeholder in renumbered.placeholders {
         draft
             .new_bytes
             .insert(placeholder, vec![0; PLACEHOLDER_BYTES]);
@@ -101,7 +103,7 @@ const VIEWS: List = List {
     inherited: &["name", "extras"],
 };
 
-struct Settled {
+struct Renumbered {
     /// The final numbers of the new items.
     new_numbers: Vec<usize>,
     /// Numbers of the input that are not needed and could not be dropped.
@@ -110,7 +112,12 @@ struct Settled {
 
 /// Moves new items into numbers that are not needed any more, each to that of
 /// the item it stands for if it can, and drops what is left over at the end.
-fn settle(root: &mut Value, list: &List, before: &[u32], origins: &[Option<usize>]) -> Settled {
+fn renumber_new(
+    root: &mut Value,
+    list: &List,
+    before: &[u32],
+    origins: &[Option<usize>],
+) -> Renumbered {
     let total = before.len() + origins.len();
     let after = count_references(root, total, list.visit_numbers);
     let mut free: BTreeSet<usize> = (0..before.len())
@@ -120,12 +127,12 @@ fn settle(root: &mut Value, list: &List, before: &[u32], origins: &[Option<usize
 
     (list.visit_numbers)(root, &mut |number| {
         let new = as_index(number).and_then(|n| n.checked_sub(before.len()));
-        if let Some(&settled) = new.and_then(|new| new_numbers.get(new)) {
-            *number = settled.into();
+        if let Some(&renumbered) = new.and_then(|new| new_numbers.get(new)) {
+            *number = renumbered.into();
         }
     });
     let Some(old) = root.get_mut(list.name).and_then(Value::as_array_mut) else {
-        return Settled {
+        return Renumbered {
             new_numbers,
             placeholders: Vec::new(),
         };
@@ -150,7 +157,7 @@ fn settle(root: &mut Value, list: &List, before: &[u32], origins: &[Option<usize
     if old.is_empty() {
         remove_field(root, list.name);
     }
-    Settled {
+    Renumbered {
         new_numbers,
         placeholders: free.into_iter().collect(),
     }

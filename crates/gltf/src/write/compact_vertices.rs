@@ -1,13 +1,14 @@
-//! Wood that shares its vertices with leaves: of those it keeps what it uses.
+//! Vertex lists that lost a user are compacted: wood that shares its vertices
+//! with leaves keeps those that it uses.
 
 use std::rc::Rc;
 
 use serde_json::Value;
 
 use super::draft::{Draft, Role};
+use super::drop_unreferenced::References;
 use super::primitive::new_indices;
 use super::references::{as_index, items, knows_all_extensions, len};
-use super::tidy::References;
 use crate::accessor::is_index;
 use crate::error::Fault;
 
@@ -25,7 +26,7 @@ pub(super) fn drop_unused_vertices(draft: &mut Draft, before: &References) -> Re
             let position = fields.pointer("/attributes/POSITION").and_then(as_index);
             if position.is_some_and(|position| lost_a_user.contains(&position)) {
                 let mut fields = fields.clone();
-                if thin(draft, &mut fields, position.unwrap_or(0))? {
+                if compact(draft, &mut fields, position.unwrap_or(0))? {
                     draft.root["meshes"][mesh]["primitives"][primitive] = fields;
                 }
             }
@@ -34,8 +35,8 @@ pub(super) fn drop_unused_vertices(draft: &mut Draft, before: &References) -> Re
     Ok(())
 }
 
-/// Whether the primitive had vertices that it does not use.
-fn thin(draft: &mut Draft, primitive: &mut Value, position: usize) -> Result<bool, Fault> {
+/// Gives the primitive lists of the vertices that it uses. Returns whether it had others.
+fn compact(draft: &mut Draft, primitive: &mut Value, position: usize) -> Result<bool, Fault> {
     let document = draft.document;
     let Some(old) = primitive.get("indices").and_then(as_index) else {
         return Ok(false);

@@ -1,5 +1,5 @@
-//! A mesh that is one leaf, drawn in many places: where a place can be scaled,
-//! the mesh stays shared.
+//! A mesh that is a single leaf, drawn in many places: where a leaf is resized,
+//! its node or instance is scaled and the mesh stays shared.
 
 use std::collections::HashSet;
 
@@ -7,7 +7,7 @@ use glam::{DMat4, DQuat, DVec3};
 use serde_json::{Value, json};
 
 use super::draft::Draft;
-use super::fates::{Fates, Use};
+use super::leaf_edits::{LeafEdits, Use};
 use super::references::{as_index, len};
 use super::vertices::Resize;
 use crate::error::Fault;
@@ -16,47 +16,51 @@ use crate::tree::Tree;
 
 /// The resize of the leaf that is all of this place's mesh; `None` if there is
 /// more in the mesh, or the leaf keeps its size or goes.
-pub(super) fn only_leaf(tree: &Tree, fates: &Fates, place: &Use) -> Result<Option<Resize>, Fault> {
+pub(super) fn only_leaf(
+    tree: &Tree,
+    edits: &LeafEdits,
+    place: &Use,
+) -> Result<Option<Resize>, Fault> {
     let [part] = place.parts[..] else {
         return Ok(None);
     };
-    if fates.has_made(part) {
+    if edits.has_made(part) {
         return Ok(None);
     }
-    let mut leaves = fates.of_part(part);
-    let (Some(fate), None) = (leaves.next(), leaves.next()) else {
+    let mut leaves = edits.of_part(part);
+    let (Some(edit), None) = (leaves.next(), leaves.next()) else {
         return Ok(None);
     };
-    let Some(resize) = fates.resize(part, &fate) else {
+    let Some(resize) = edits.resize(part, &edit) else {
         return Ok(None);
     };
     let (mesh, primitive) = (tree.parts[part].mesh, tree.parts[part].primitive);
     let is_whole = len(&tree.document.root["meshes"][mesh], "primitives") == 1
-        && tree.document.triangles(mesh, primitive)?.len() == fate.triangles.len();
+        && tree.document.triangles(mesh, primitive)?.len() == edit.triangles.len();
     Ok(is_whole.then_some(resize))
 }
 
 /// Whether scaling a node changes nothing but its mesh.
-pub(super) fn is_free_to_scale(root: &Value, busy: &HashSet<usize>, node: usize) -> bool {
+pub(super) fn can_scale_node(root: &Value, moved_by_others: &HashSet<usize>, node: usize) -> bool {
     let fields = &root["nodes"][node];
     let is_plain = ["children", "skin", "camera", "extensions"]
         .iter()
         .all(|name| fields.get(name).is_none());
-    is_plain && !busy.contains(&node)
+    is_plain && !moved_by_others.contains(&node)
 }
 
 /// Nodes whose transform matters to more than their mesh: joints, and all that
 /// an animation moves.
-pub(super) fn busy_nodes(root: &Value) -> HashSet<usize> {
-    let mut busy = HashSet::new();
+pub(super) fn animated_and_joint_nodes(root: &Value) -> HashSet<usize> {
+    let mut moved_by_others = HashSet::new();
     for channel in list(root, "animations").flat_map(|animation| list(animation, "channels")) {
-        busy.extend(animated_node(&channel["target"]));
+        moved_by_others.extend(animated_node(&channel["target"]));
     }
     for skin in list(root, "skins") {
         let joints = list(skin, "joints").chain(skin.get("skeleton"));
-        busy.extend(joints.filter_map(as_index));
+        moved_by_others.extend(joints.filter_map(as_index));
     }
-    busy
+    moved_by_others
 }
 
 /// KHR_animation_pointer names a node in a path such as `/nodes/3/scale`.
@@ -174,8 +178,8 @@ mod tests {
                 {"sampler": 0, "target": {"path": "pointer", "extensions":
                     {"KHR_animation_pointer": {"pointer": "/nodes/4/translation"}}}}]}],
         });
-        let busy = busy_nodes(&root);
-        let is_free = |&node: &usize| is_free_to_scale(&root, &busy, node);
+        let moved_by_others = animated_and_joint_nodes(&root);
+        let is_free = |&node: &usize| can_scale_node(&root, &moved_by_others, node);
         assert_eq!((0..5).filter(is_free).collect::<Vec<_>>(), [0]);
     }
 }
