@@ -16,7 +16,8 @@ folder=$target/unpacked
 rm -rf "$folder"
 mkdir -p "$folder"
 for package in "$target"/package/*.crate; do
-  tar --extract --gzip --file "$package" --directory "$folder"
+  # Touched: packages have times long past, which cargo takes for unchanged.
+  tar -xzmf "$package" -C "$folder"
 done
 for package in "$folder"/*/; do
   for file in README.md LICENSE; do
