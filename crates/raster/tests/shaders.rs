@@ -1,29 +1,12 @@
 //! Every shader on every backend, without a GPU.
 
 use std::mem::offset_of;
-use std::path::PathBuf;
 
 use naga::back::{PipelineConstants, hlsl, msl, pipeline_constants, spv, wgsl};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use secateur_model::Wrap;
 use secateur_raster::SnappedTriangle;
-
-/// All shaders: file name and text.
-fn shaders() -> Vec<(String, String)> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
-    let files = std::fs::read_dir(folder).expect("the folder of shaders");
-    let mut shaders: Vec<(String, String)> = files
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "wgsl"))
-        .map(|path| {
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            (name, std::fs::read_to_string(path).unwrap())
-        })
-        .collect();
-    shaders.sort();
-    assert!(shaders.len() >= 6, "shaders: {}", shaders.len());
-    shaders
-}
+use secateur_shaders::ALL;
 
 fn parse(name: &str, text: &str) -> naga::Module {
     naga::front::wgsl::parse_str(text)
@@ -39,18 +22,16 @@ fn validate(name: &str, module: &naga::Module) -> ModuleInfo {
 }
 
 fn shader(name: &str) -> naga::Module {
-    let (name, text) = shaders()
-        .into_iter()
-        .find(|(file, _)| file == name)
-        .unwrap_or_else(|| panic!("{name} exists"));
-    parse(&name, &text)
+    let found = ALL.iter().find(|(file, _)| *file == name);
+    let (_, text) = found.unwrap_or_else(|| panic!("{name} exists"));
+    parse(name, text)
 }
 
 #[test]
 fn shaders_are_valid_and_translate_to_every_backend() {
-    for (name, text) in shaders() {
-        let module = parse(&name, &text);
-        let info = validate(&name, &module);
+    for &(name, text) in ALL {
+        let module = parse(name, text);
+        let info = validate(name, &module);
         wgsl::write_string(&module, &info, wgsl::WriterFlags::empty())
             .unwrap_or_else(|e| panic!("{name} to WGSL: {e}"));
         // Any value that makes a workgroup.
@@ -83,8 +64,8 @@ fn shaders_are_valid_and_translate_to_every_backend() {
 
 #[test]
 fn shaders_compute_with_integers_only() {
-    for (name, text) in shaders() {
-        let has_float = parse(&name, &text)
+    for &(name, text) in ALL {
+        let has_float = parse(name, text)
             .types
             .iter()
             .any(|(_, ty)| ty.inner.scalar_kind() == Some(naga::ScalarKind::Float));

@@ -73,12 +73,7 @@ impl Stage {
     /// The entry point of a shader in WGSL, with values for its overrides. A
     /// shader that is not valid makes the next run on the device fail.
     pub fn new(device: &Device, wgsl: &str, entry: &str, overrides: &[(&str, u32)]) -> Self {
-        let module = device
-            .wgpu
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(entry),
-                source: wgpu::ShaderSource::Wgsl(wgsl.into()),
-            });
+        let module = module(&device.wgpu, entry, wgsl);
         stage(&device.wgpu, &module, entry, overrides)
     }
 
@@ -112,27 +107,20 @@ impl Stage {
     }
 }
 
-macro_rules! shader {
-    ($device:expr, $file:literal) => {
-        $device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some($file),
-            source: wgpu::ShaderSource::Wgsl(
-                include_str!(concat!("../../../../shaders/", $file)).into(),
-            ),
-        })
-    };
-}
-
 impl Stages {
     pub(super) fn new(device: &wgpu::Device) -> Self {
-        let rasterise = shader!(device, "rasterise.wgsl");
-        let scan = shader!(device, "fragments_scan.wgsl");
-        let sort = shader!(device, "fragments_sort.wgsl");
-        let sort_long = shader!(device, "fragments_sort_long.wgsl");
-        let leaf_ids = shader!(device, "leaf_ids.wgsl");
-        let histogram = shader!(device, "histogram.wgsl");
-        let probe = shader!(device, "probe.wgsl");
-        let reveal_edges = shader!(device, "reveal_edges.wgsl");
+        let rasterise = module(device, "rasterise", secateur_shaders::RASTERISE);
+        let scan = module(device, "fragments_scan", secateur_shaders::FRAGMENTS_SCAN);
+        let sort = module(device, "fragments_sort", secateur_shaders::FRAGMENTS_SORT);
+        let sort_long = module(
+            device,
+            "fragments_sort_long",
+            secateur_shaders::FRAGMENTS_SORT_LONG,
+        );
+        let leaf_ids = module(device, "leaf_ids", secateur_shaders::LEAF_IDS);
+        let histogram = module(device, "histogram", secateur_shaders::HISTOGRAM);
+        let probe = module(device, "probe", secateur_shaders::PROBE);
+        let reveal_edges = module(device, "reveal_edges", secateur_shaders::REVEAL_EDGES);
         let lanes = ("WORKGROUP", TRIANGLE_WORKGROUP);
         let blocks = ("KNOWN_BLOCKS", KNOWN_BLOCKS);
         let pixel_lanes = ("WORKGROUP", PIXEL_WORKGROUP);
@@ -170,6 +158,14 @@ impl Stages {
             ),
         }
     }
+}
+
+/// A shader, compiled; `stage` is what errors call it.
+fn module(device: &wgpu::Device, stage: &str, wgsl: &str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(stage),
+        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+    })
 }
 
 fn stage(

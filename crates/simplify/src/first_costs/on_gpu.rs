@@ -80,8 +80,9 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn new(device: &'a Device, areas: &AreaTable, table: &LgTable) -> Self {
-        let wgsl = include_str!("../../../../shaders/first_costs.wgsl");
-        let stage = |entry, overrides: &[(&str, u32)]| Stage::new(device, wgsl, entry, overrides);
+        let stage = |entry, overrides: &[(&str, u32)]| {
+            Stage::new(device, secateur_shaders::FIRST_COSTS, entry, overrides)
+        };
         let lanes = ("WORKGROUP", WORKGROUP);
         let logarithms: Vec<u32> = (0..TABLE_LEN).map(|n| table.lg(n) as u32).collect();
         Self {

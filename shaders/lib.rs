@@ -1,0 +1,53 @@
+//! The WGSL sources of secateur's GPU stages.
+//!
+//! A shader has the name of its stage; `secateur-raster` and `secateur-simplify`
+//! run them beside a twin in Rust. All of them compute with integers only.
+
+/// Embeds the named shaders of this folder.
+macro_rules! shaders {
+    ($($(#[$doc:meta])* $name:ident = $file:literal;)*) => {
+        $($(#[$doc])* pub const $name: &str = include_str!($file);)*
+
+        /// Every shader: the name of its file, and its source.
+        pub const ALL: &[(&str, &str)] = &[$(($file, $name)),*];
+    };
+}
+
+shaders! {
+    /// What pruning each leaf of the original foliage costs.
+    FIRST_COSTS = "first_costs.wgsl";
+    /// Fragments of each pixel to where each pixel's list starts.
+    FRAGMENTS_SCAN = "fragments_scan.wgsl";
+    /// Puts each pixel's list in order, each leaf once.
+    FRAGMENTS_SORT = "fragments_sort.wgsl";
+    /// The same for lists that are too long for one invocation.
+    FRAGMENTS_SORT_LONG = "fragments_sort_long.wgsl";
+    /// Leaf-ID images to areas.
+    HISTOGRAM = "histogram.wgsl";
+    /// The front leaf of each pixel, from its list.
+    LEAF_IDS = "leaf_ids.wgsl";
+    /// Counts to a bound that some drivers never reach.
+    PROBE = "probe.wgsl";
+    /// Snapped triangles to pixels.
+    RASTERISE = "rasterise.wgsl";
+    /// Which leaf each leaf's pixels would show if it went.
+    REVEAL_EDGES = "reveal_edges.wgsl";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ALL;
+
+    #[test]
+    fn every_shader_of_the_folder_is_handed_out() {
+        let entries = std::fs::read_dir(env!("CARGO_MANIFEST_DIR")).expect("the folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        let mut files: Vec<String> = names
+            .map(|name| name.to_string_lossy().into_owned())
+            .filter(|name| name.ends_with(".wgsl"))
+            .collect();
+        files.sort();
+        let handed_out: Vec<&str> = ALL.iter().map(|(name, _)| *name).collect();
+        assert_eq!(files, handed_out);
+    }
+}
