@@ -8,7 +8,7 @@ use std::sync::Arc;
 use secateur::eval::study::Trial;
 use secateur::glam::{DVec3, Vec3};
 use secateur::raster::{View, ViewSet};
-use secateur::{AlphaMode, BoundingSphere, Material, Plant, Surface};
+use secateur::{AlphaMode, BoundingSphere, Finish, Material, Plant, Surface};
 
 use super::lots::Lots;
 
@@ -358,6 +358,7 @@ fn surface(name: &str, base_color: [f32; 4]) -> Surface {
             texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: true,
+            finish: Finish::default(),
         }),
     }
 }
