@@ -126,6 +126,7 @@ impl Bench {
                 texture: None,
                 alpha_mode: AlphaMode::Opaque,
                 double_sided: true,
+                finish: secateur::Finish::default(),
             }),
         };
         let mut positions = Vec::new();

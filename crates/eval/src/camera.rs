@@ -135,6 +135,7 @@ mod tests {
             texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
+            finish: secateur_model::Finish::default(),
         };
         Surface {
             positions,

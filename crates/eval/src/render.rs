@@ -155,6 +155,7 @@ mod tests {
             texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
+            finish: secateur_model::Finish::default(),
         };
         Surface {
             positions: corners.map(|[x, y]| DVec3::new(x, y, z)).into(),
@@ -175,6 +176,7 @@ mod tests {
             height: 1,
             rgba: vec![255, 255, 255, 255, 255, 255, 255, 0],
             wrap: [Wrap::ClampToEdge; 2],
+            filters: secateur_model::Filters::default(),
         };
         let material = Arc::make_mut(&mut surface.material);
         material.texture = Some(Arc::new(texture));

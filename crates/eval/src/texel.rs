@@ -143,6 +143,7 @@ mod tests {
             height: 1,
             rgba: vec![255, 0, 0, 0, 0, 0, 0, 255],
             wrap: [Wrap::ClampToEdge; 2],
+            filters: secateur_model::Filters::default(),
         };
         let at = |u: f32| sample(Some(&texture), Vec2::new(u, 0.5));
         assert_eq!(at(0.25), Vec4::new(1.0, 0.0, 0.0, 0.0));

@@ -136,5 +136,6 @@ pub use error::{GltfError, Problem};
 pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use selector::{Selector, SelectorError};
+pub use surfaces::Detail;
 pub use tree::Tree;
 pub use write::{WriteProblem, Written, plant_into_glb, plant_to_glb};

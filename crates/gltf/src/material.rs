@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::Document;
 use super::error::{At, Fault, Problem};
 use super::property;
-use secateur_model::{AlphaMode, Wrap};
+use secateur_model::{AlphaMode, Filters, Mips, Wrap};
 
 /// The base colour, alpha and sides of a material.
 #[derive(Clone, Debug)]
@@ -20,6 +20,10 @@ pub(crate) struct Look {
     pub(crate) base_color: [f32; 4],
     pub(crate) texture: Option<TextureUse>,
     pub(crate) double_sided: bool,
+    pub(crate) roughness: f32,
+    pub(crate) is_unlit: bool,
+    /// Its normal map, and what scales it. Only looks: a broken one is left out.
+    pub(crate) normal_map: Option<(TextureUse, f32)>,
 }
 
 /// A texture as a material uses it.
@@ -29,9 +33,17 @@ pub(crate) struct TextureUse {
     /// read, only one in an extension's format.
     pub(crate) image: Option<usize>,
     pub(crate) wrap: [Wrap; 2],
+    pub(crate) filters: Filters,
     /// The `n` of `TEXCOORD_n`.
     pub(crate) uv_set: usize,
     pub(crate) transform: UvTransform,
+}
+
+impl TextureUse {
+    /// Whether a texture coordinate finds the same place in both.
+    pub(crate) fn is_placed_as(&self, other: &Self) -> bool {
+        (self.uv_set, self.transform) == (other.uv_set, other.transform)
+    }
 }
 
 /// KHR_texture_transform: scale, then rotation, then offset.
@@ -79,6 +91,9 @@ impl Document {
                 base_color: [1.0; 4],
                 texture: None,
                 double_sided: false,
+                roughness: 1.0,
+                is_unlit: false,
+                normal_map: None,
             });
         };
         let json = property::entry(&self.root, "materials", index).at(place)?;
@@ -102,6 +117,12 @@ impl Document {
             base_color: color.map(|c| c as f32),
             texture: texture.map(|t| self.texture_use(t)).transpose()?,
             double_sided: property::flag(json, "doubleSided")?,
+            roughness: number_or(pbr, "roughnessFactor", 1.0).clamp(0.0, 1.0),
+            is_unlit: property::extension(json, "KHR_materials_unlit").is_some(),
+            normal_map: json.get("normalTexture").and_then(|info| {
+                let texture = self.texture_use(info).ok()?;
+                Some((texture, number_or(info, "scale", 1.0)))
+            }),
         })
     }
 
@@ -128,6 +149,7 @@ impl Document {
         Ok(TextureUse {
             image,
             wrap: self.wrap(texture)?,
+            filters: self.filters(texture),
             uv_set,
             transform: transform.map_or(Ok(UvTransform::IDENTITY), uv_transform)?,
         })
@@ -140,6 +162,34 @@ impl Document {
         let sampler = property::entry(&self.root, "samplers", index)?;
         Ok([wrap_mode(sampler, "wrapS")?, wrap_mode(sampler, "wrapT")?])
     }
+
+    /// Only looks depend on filters: what cannot be read is the default.
+    fn filters(&self, texture: &Value) -> Filters {
+        const NEAREST: u64 = 9728;
+        let sampler = texture.get("sampler").and_then(Value::as_u64);
+        let sampler = sampler.and_then(|index| self.root.get("samplers")?.get(index as usize));
+        let filter = |name| sampler?.get(name)?.as_u64();
+        let (is_smooth_far, mips) = match filter("minFilter") {
+            Some(NEAREST) => (false, Mips::None),
+            Some(9729) => (true, Mips::None),
+            Some(9984) => (false, Mips::Nearest),
+            Some(9985) => (true, Mips::Nearest),
+            Some(9986) => (false, Mips::Blended),
+            _ => (true, Mips::Blended),
+        };
+        Filters {
+            is_smooth_near: filter("magFilter") != Some(NEAREST),
+            is_smooth_far,
+            mips,
+        }
+    }
+}
+
+/// A number that only looks depend on: what cannot be read is the default.
+fn number_or(json: &Value, name: &str, default: f32) -> f32 {
+    json.get(name)
+        .and_then(Value::as_f64)
+        .map_or(default, |n| n as f32)
 }
 
 fn wrap_mode(sampler: &Value, name: &'static str) -> Result<Wrap, Problem> {

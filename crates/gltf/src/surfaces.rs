@@ -8,17 +8,27 @@ use super::accessor::Shape;
 use super::choice;
 use super::error::{At, Fault, Problem};
 use super::evidence;
+use super::material::TextureUse;
 use super::parts::{Part, check_limit};
 use super::picture::{Decoded, Pictures};
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
-use secateur_model::{Material, Surface, Texture};
+use secateur_model::{Finish, Material, NormalMap, Surface, Texture};
 
 /// The most triangles that surfaces are made of, every instance counted.
 const MAX_TRIANGLES: u64 = 16 << 20;
 
 /// The most vertices of surfaces, every instance counted.
 const MAX_VERTICES: u64 = 3 * MAX_TRIANGLES;
+
+/// How much of a look is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// Colours, as the renders that judge need them.
+    Color,
+    /// Normal maps too.
+    NormalMaps,
+}
 
 impl Document {
     /// Everything that is drawn, as textured triangles in world space: a
@@ -32,6 +42,18 @@ impl Document {
     /// # Errors
     /// [`GltfError`] if the geometry can't be read or there is too much of it.
     pub fn surfaces(&self, selectors: &[Selector]) -> Result<Vec<(Surface, bool)>, GltfError> {
+        self.surfaces_with(Detail::Color, selectors)
+    }
+
+    /// As [`Document::surfaces`], in more or less detail.
+    ///
+    /// # Errors
+    /// As [`Document::surfaces`].
+    pub fn surfaces_with(
+        &self,
+        detail: Detail,
+        selectors: &[Selector],
+    ) -> Result<Vec<(Surface, bool)>, GltfError> {
         let read = || -> Result<_, Fault> {
             let mut parts = self.parts()?;
             let survey = self.survey(&parts)?;
@@ -40,7 +62,7 @@ impl Document {
             let verdicts = choice::judge(&survey.groups, &reasons);
             // Without foliage a tree can still be looked at.
             let _ = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
-            self.surfaces_of(&parts, &survey, &mut pictures)
+            self.surfaces_of(&parts, &survey, &mut pictures, detail)
         };
         read().map_err(|fault| self.error(fault))
     }
@@ -50,6 +72,7 @@ impl Document {
         parts: &[Part],
         survey: &Survey,
         pictures: &mut Pictures<'_>,
+        detail: Detail,
     ) -> Result<Vec<(Surface, bool)>, Fault> {
         let all = |count: fn(&Group) -> usize| -> u64 {
             let placed = |group: &Group| group.placements as u64 * count(group) as u64;
@@ -70,7 +93,7 @@ impl Document {
             if group.geometry.triangles.is_empty() {
                 continue;
             }
-            let template = self.template(group, pictures)?;
+            let template = self.template(group, pictures, detail)?;
             for is_foliage in [false, true] {
                 let placed = parts.iter().zip(&survey.group_of_part);
                 let mut surface = template.empty_surface();
@@ -89,10 +112,19 @@ impl Document {
         Ok(surfaces)
     }
 
-    fn template(&self, group: &Group, pictures: &mut Pictures<'_>) -> Result<Template, Fault> {
+    fn template(
+        &self,
+        group: &Group,
+        pictures: &mut Pictures<'_>,
+        detail: Detail,
+    ) -> Result<Template, Fault> {
         let (mesh, primitive) = (group.mesh, group.primitive);
         let normals = self.vectors_of::<3>(mesh, primitive, "NORMAL")?;
-        let texture = group.look.texture;
+        let normal_map = match (detail, group.look.normal_map) {
+            (Detail::NormalMaps, Some((texture, _))) => Some(texture),
+            _ => None,
+        };
+        let texture = group.look.texture.or(normal_map);
         let uvs = match texture {
             Some(texture) => self
                 .texture_coordinates(mesh, primitive, texture.uv_set)?
@@ -114,7 +146,7 @@ impl Document {
                     .collect()
             }),
             colors: self.colors(mesh, primitive)?,
-            material: Arc::new(self.material(group, pictures)?),
+            material: Arc::new(self.material(group, pictures, detail)?),
         })
     }
 
@@ -133,19 +165,24 @@ impl Document {
         Ok(colors.unwrap_or_default().into_iter().map(color).collect())
     }
 
-    fn material(&self, group: &Group, pictures: &mut Pictures<'_>) -> Result<Material, Fault> {
+    fn material(
+        &self,
+        group: &Group,
+        pictures: &mut Pictures<'_>,
+        detail: Detail,
+    ) -> Result<Material, Fault> {
         let look = &group.look;
-        let picture = match look.texture.and_then(|t| t.image) {
-            Some(image) => Some(pictures.get(image)?),
+        let texture = match look.texture {
+            Some(texture) => texture_of(texture, pictures)?,
             None => None,
         };
-        let texture = match (picture, look.texture) {
-            (Some(Decoded::Picture(picture)), Some(texture)) => Some(Arc::new(Texture {
-                width: picture.image.width(),
-                height: picture.image.height(),
-                rgba: picture.image.as_raw().clone(),
-                wrap: texture.wrap,
-            })),
+        let normal_map = match (detail, look.normal_map) {
+            // A surface has one set of texture coordinates.
+            (Detail::NormalMaps, Some((normals, scale)))
+                if look.texture.is_none_or(|t| t.is_placed_as(&normals)) =>
+            {
+                texture_of(normals, pictures)?.map(|texture| NormalMap { texture, scale })
+            }
             _ => None,
         };
         Ok(Material {
@@ -154,8 +191,32 @@ impl Document {
             texture,
             alpha_mode: look.alpha_mode,
             double_sided: look.double_sided,
+            finish: Finish {
+                roughness: look.roughness,
+                is_unlit: look.is_unlit,
+                normal_map,
+            },
         })
     }
+}
+
+fn texture_of(
+    texture: TextureUse,
+    pictures: &mut Pictures<'_>,
+) -> Result<Option<Arc<Texture>>, Fault> {
+    let Some(image) = texture.image else {
+        return Ok(None);
+    };
+    Ok(match pictures.get(image)? {
+        Decoded::Picture(picture) => Some(Arc::new(Texture {
+            width: picture.image.width(),
+            height: picture.image.height(),
+            rgba: picture.image.as_raw().clone(),
+            wrap: texture.wrap,
+            filters: texture.filters,
+        })),
+        Decoded::Unusable(_) => None,
+    })
 }
 
 impl Tree {
@@ -165,10 +226,19 @@ impl Tree {
     /// # Errors
     /// [`GltfError`] if there is too much of it.
     pub fn surfaces(&self) -> Result<Vec<(Surface, bool)>, GltfError> {
+        self.surfaces_with(Detail::Color)
+    }
+
+    /// As [`Tree::surfaces`], in more or less detail.
+    ///
+    /// # Errors
+    /// As [`Tree::surfaces`].
+    pub fn surfaces_with(&self, detail: Detail) -> Result<Vec<(Surface, bool)>, GltfError> {
         let document = &self.document;
         let read = || -> Result<_, Fault> {
             let survey = document.survey(&self.parts)?;
-            document.surfaces_of(&self.parts, &survey, &mut Pictures::new(document))
+            let mut pictures = Pictures::new(document);
+            document.surfaces_of(&self.parts, &survey, &mut pictures, detail)
         };
         read().map_err(|fault| document.error(fault))
     }

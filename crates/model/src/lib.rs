@@ -28,4 +28,4 @@ pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
 pub use plant::Plant;
 pub use removal_order::{Growth, RemovalOrder, Step};
 pub use skeleton::{PlantSkeleton, Segment, SegmentIndex, SkeletonError};
-pub use surface::{AlphaMode, Material, Surface, Texture};
+pub use surface::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Surface, Texture};

@@ -6,7 +6,40 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::Wrap;
 
-/// An image with its sampler's wrapping.
+/// How a sampler filters (glTF `magFilter` and `minFilter`); smooth in every way
+/// where the file does not say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Filters {
+    /// Near by, texels blend into each other; else each is a block.
+    pub is_smooth_near: bool,
+    /// Far off, texels of a mip level blend into each other.
+    pub is_smooth_far: bool,
+    /// What is done between mip levels.
+    pub mips: Mips,
+}
+
+impl Default for Filters {
+    fn default() -> Self {
+        Self {
+            is_smooth_near: true,
+            is_smooth_far: true,
+            mips: Mips::Blended,
+        }
+    }
+}
+
+/// Which mip levels a sampler reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mips {
+    /// Only the image itself.
+    None,
+    /// The nearest one.
+    Nearest,
+    /// The two nearest, blended.
+    Blended,
+}
+
+/// An image with its sampler.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Width in texels.
@@ -17,6 +50,8 @@ pub struct Texture {
     pub rgba: Vec<u8>,
     /// How u and v wrap.
     pub wrap: [Wrap; 2],
+    /// How it is filtered.
+    pub filters: Filters,
 }
 
 /// What a material does with alpha (glTF `alphaMode`).
@@ -28,6 +63,38 @@ pub enum AlphaMode {
     Mask(f32),
     /// Alpha blends with what is behind.
     Blend,
+}
+
+/// What a material does with light, beside its colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finish {
+    /// From 0, a mirror, to 1, matt (glTF `roughnessFactor`).
+    pub roughness: f32,
+    /// Light does not change its colour (KHR_materials_unlit).
+    pub is_unlit: bool,
+    /// Bends the shading normals.
+    pub normal_map: Option<NormalMap>,
+}
+
+impl Default for Finish {
+    fn default() -> Self {
+        Self {
+            roughness: 1.0,
+            is_unlit: false,
+            normal_map: None,
+        }
+    }
+}
+
+/// A normal map in tangent space (glTF `normalTexture`), read by the same
+/// texture coordinates as the base colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NormalMap {
+    /// Red is along u, green against v, blue along the normal, 0 to 255 for -1
+    /// to 1.
+    pub texture: Arc<Texture>,
+    /// What red and green are multiplied with.
+    pub scale: f32,
 }
 
 /// The part of a glTF material that a plain render needs.
@@ -43,6 +110,8 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Whether back faces are drawn.
     pub double_sided: bool,
+    /// What it does with light.
+    pub finish: Finish,
 }
 
 /// An indexed triangle mesh in world space with one material.

@@ -31,6 +31,7 @@ pub(crate) fn bark_texture(settings: &Settings) -> Option<Texture> {
         height: HEIGHT,
         rgba,
         wrap: [Wrap::Repeat; 2],
+        filters: secateur_model::Filters::default(),
     })
 }
 

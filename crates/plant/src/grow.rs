@@ -206,6 +206,7 @@ pub(crate) fn surfaces(skeleton: Skeleton, rules: &Rules, name: &str, seed: u64)
         },
         texture: leaf_texture.map(Arc::new),
         double_sided: true,
+        finish: secateur_model::Finish::default(),
     });
     let bark_material = Arc::new(Material {
         name: format!("{name} bark"),
@@ -213,6 +214,7 @@ pub(crate) fn surfaces(skeleton: Skeleton, rules: &Rules, name: &str, seed: u64)
         texture: bark_texture.map(Arc::new),
         alpha_mode: AlphaMode::Opaque,
         double_sided: false,
+        finish: secateur_model::Finish::default(),
     });
     let triangles = skeleton.leaves.iter().map(|leaf| leaf.kind.triangles());
     Plant {

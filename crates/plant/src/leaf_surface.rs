@@ -225,6 +225,7 @@ mod tests {
             texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: true,
+            finish: secateur_model::Finish::default(),
         });
         leaf_surface(&[pose], &settings, material, &mut Random::new(1))
     }

@@ -33,6 +33,7 @@ pub(crate) fn leaf_texture(settings: &Settings) -> Option<Texture> {
         height: SIZE,
         rgba,
         wrap: [Wrap::ClampToEdge; 2],
+        filters: secateur_model::Filters::default(),
     })
 }
 

@@ -137,6 +137,7 @@ mod tests {
             texture: None,
             alpha_mode: secateur_model::AlphaMode::Opaque,
             double_sided: false,
+            finish: secateur_model::Finish::default(),
         });
         wood_surface(&draw(&rules, &word).unwrap(), material)
     }

@@ -99,13 +99,15 @@ pub use measure::{measure, measure_pictures};
 #[cfg(feature = "eval")]
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_gltf::{
-    Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
-    SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_into_glb, plant_to_glb,
+    Detail, Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason,
+    Selector, SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_into_glb,
+    plant_to_glb,
 };
 pub use secateur_model::{
-    AlphaMode, BoundingSphere, CornerRef, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId,
-    LeafTriangle, Lod, Material, NewCorner, NewLeaf, Place, Plant, PlantSkeleton, RemovalOrder,
-    Segment, SegmentIndex, SkeletonError, Step, Surface, Texture, Wrap,
+    AlphaMode, BoundingSphere, CornerRef, Cutout, Filters, Finish, Foliage, FoliageError, Growth,
+    Leaf, LeafId, LeafTriangle, Lod, Material, Mips, NewCorner, NewLeaf, NormalMap, Place, Plant,
+    PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface, Texture,
+    Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

@@ -3,7 +3,8 @@
 use std::io::Cursor;
 
 use image::{ImageFormat, Rgba, RgbaImage};
-use secateur_model::Wrap;
+use secateur_gltf::Detail;
+use secateur_model::{Filters, Material, Mips, Wrap};
 use serde_json::{Value, json};
 
 use crate::small_tree::{SQUARES, SmallTree};
@@ -203,4 +204,54 @@ fn surfaces_carry_texture_and_colour() {
     let texture = surface.material.texture.as_ref().unwrap();
     assert_eq!((texture.width, texture.height), (2, 1));
     assert_eq!(texture.rgba[..4], [50, 200, 50, 0]);
+}
+
+/// The material of the squares, with all its detail.
+fn detailed(tree: &SmallTree) -> Material {
+    let surfaces = tree.tree().surfaces_with(Detail::NormalMaps).unwrap();
+    Material::clone(&surfaces[0].0.material)
+}
+
+#[test]
+fn filters_are_smooth_where_the_file_does_not_say() {
+    let png = encoded(&row(&[255]), ImageFormat::Png);
+    let tree = textured(&png, json!({}));
+    let filters = |tree: &SmallTree| detailed(tree).texture.unwrap().filters;
+    assert_eq!(filters(&tree), Filters::default());
+    let blocky = tree
+        .set("/samplers/0/magFilter", json!(9728))
+        .set("/samplers/0/minFilter", json!(9985));
+    let expected = Filters {
+        is_smooth_near: false,
+        is_smooth_far: true,
+        mips: Mips::Nearest,
+    };
+    assert_eq!(filters(&blocky), expected);
+}
+
+#[test]
+fn normal_maps_are_read_when_asked_for_and_placed_as_the_colour() {
+    let png = encoded(&row(&[255]), ImageFormat::Png);
+    let tree = textured(
+        &png,
+        json!({"normalTexture": {"index": 0, "scale": 0.5}, "extensions": {"KHR_materials_unlit": {}}}),
+    );
+    let finish = detailed(&tree).finish;
+    assert_eq!((finish.roughness, finish.is_unlit), (1.0, true));
+    assert_eq!(finish.normal_map.unwrap().scale, 0.5);
+    let plain = tree.tree().surfaces().unwrap();
+    assert_eq!(plain[0].0.material.finish.normal_map, None);
+    // A surface has one set of texture coordinates: the colour's.
+    let elsewhere = tree
+        .clone()
+        .set("/materials/0/normalTexture/texCoord", json!(1));
+    assert_eq!(detailed(&elsewhere).finish.normal_map, None);
+    // Without a colour texture, the normals'.
+    let alone = tree.without("/materials/0/pbrMetallicRoughness/baseColorTexture");
+    let surfaces = alone.tree().surfaces_with(Detail::NormalMaps).unwrap();
+    assert!(surfaces[0].0.material.finish.normal_map.is_some());
+    assert_eq!(surfaces[0].0.uvs.len(), 8);
+    // What is broken and only looks is left out.
+    let broken = alone.set("/materials/0/normalTexture/index", json!(7));
+    assert_eq!(detailed(&broken).finish.normal_map, None);
 }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use secateur::{AlphaMode, BoundingSphere, Material, Plant, Surface};
+use secateur::{AlphaMode, BoundingSphere, Finish, Material, Plant, Surface};
 use secateur_eval::study::Trial;
 use secateur_raster::{View, ViewSet};
 
@@ -358,6 +358,7 @@ fn surface(name: &str, base_color: [f32; 4]) -> Surface {
             texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: true,
+            finish: Finish::default(),
         }),
     }
 }

@@ -1,0 +1,81 @@
+//! One page to look at a tree's levels of detail.
+//!
+//! The page needs nothing else: its script, the geometry and the pictures are in
+//! it, and it asks no network. It draws with WebGL 2; what it needs of the
+//! browser beside that is `DecompressionStream` (any browser since 2023).
+//!
+//! Geometry is packed small (`geometry`), the pictures that levels share are in
+//! it once (`textures`), and `page/` holds what the browser runs.
+
+mod geometry;
+mod page;
+mod textures;
+
+use secateur_model::Surface;
+
+use crate::Screen;
+
+pub use page::page;
+
+/// Levels of a tree to look at.
+#[derive(Clone, Copy, Debug)]
+pub struct Preview<'a> {
+    /// What the page is headed with.
+    pub title: &'a str,
+    /// The screen that distances and heights in pixels are of.
+    pub screen: Screen,
+    /// The original first, then ever coarser ones.
+    pub levels: &'a [Level<'a>],
+}
+
+/// A level: how it looks, and its figures.
+#[derive(Clone, Debug)]
+pub struct Level<'a> {
+    /// All that is drawn, each with whether it is foliage; the rest is wood.
+    pub surfaces: &'a [(Surface, bool)],
+    /// What the page says of it.
+    pub facts: Facts,
+}
+
+/// The figures of a level.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Facts {
+    /// What it is called, short: `LOD1`.
+    pub name: String,
+    /// Leaves, where they are known.
+    pub leaves: Option<u64>,
+    /// Triangles of the whole plant.
+    pub triangles: u64,
+    /// Those of leaves.
+    pub foliage_triangles: u64,
+    /// Those of wood.
+    pub wood_triangles: u64,
+    /// From how far off it is used, in the file's unit (metres), up to the next
+    /// level's distance. The original's is 0.
+    pub distance: f64,
+    /// How many pixels high the screen shows the plant there; none for the
+    /// original.
+    pub pixels_high: Option<f64>,
+    /// The mean FLIP against the original at that height.
+    pub flip_mean: Option<f64>,
+    /// How much of the outline is the original's, 0 to 1.
+    pub silhouette_iou: Option<f64>,
+}
+
+/// Why there is no page.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PreviewError {
+    /// There is nothing to look at.
+    #[error("a preview needs a tree with at least one triangle")]
+    NothingToShow,
+    /// An image could not be packed.
+    #[error("a texture of {width} x {height} texels cannot be packed into the page ({reason})")]
+    Texture {
+        /// In texels.
+        width: u32,
+        /// In texels.
+        height: u32,
+        /// What the encoder said.
+        reason: String,
+    },
+}

@@ -1,0 +1,283 @@
+// The page: what is shown, and what the controls do.
+
+const $ = (id) => document.getElementById(id);
+const count = (n) => n.toLocaleString("en-US");
+const metres = (d) => `${d < 10 ? d.toFixed(1) : Math.round(d)} m`;
+const share = (part, whole) => {
+  const percent = (100 * part) / whole;
+  return `${percent < 10 ? percent.toFixed(1) : Math.round(percent)} %`;
+};
+
+const scene = JSON.parse($("scene").textContent);
+const chain = new Chain(scene);
+const canvas = $("canvas");
+const levels = chain.facts.length;
+
+const state = {
+  distance: 0,
+  level: 0,
+  isAutomatic: true,
+  show: { leaves: true, wood: true, wire: false },
+  isTrueSize: false,
+  isSpinning: false,
+};
+
+let renderer = null;
+let isAsked = false;
+const ask = () => {
+  if (isAsked || !renderer) return;
+  isAsked = true;
+  requestAnimationFrame(frame);
+};
+const orbit = new Orbit(canvas, ask);
+
+// The share of a half that the picture at true size takes.
+const TRUE_SIZE_SHARE = 0.36;
+
+// Cuts a box in two along its longer side.
+const cut = (box, share) => {
+  if (box.height >= box.width) {
+    const height = Math.round(box.height * (1 - share));
+    return [{ ...box, height }, { ...box, y: box.y + height, height: box.height - height }];
+  }
+  const width = Math.round(box.width * (1 - share));
+  return [{ ...box, width }, { ...box, x: box.x + width, width: box.width - width }];
+};
+
+// Boxes of the pictures in the canvas, in its pixels from the upper left: for the
+// original and the level one that fills it and one at true size.
+const boxes = () => {
+  const halves = cut({ x: 0, y: 0, width: canvas.width, height: canvas.height }, 0.5);
+  return halves.map((half) => state.isTrueSize ? { large: half, small: null } : {
+    large: cut(half, TRUE_SIZE_SHARE)[0],
+    small: cut(half, TRUE_SIZE_SHARE)[1],
+  });
+};
+
+const ratio = () => window.devicePixelRatio || 1;
+
+const fit = () => {
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio()));
+  const height = Math.max(1, Math.round(canvas.clientHeight * ratio()));
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+};
+
+const picture = (level, camera, box, show) => {
+  renderer.draw(level, camera, { ...box, y: canvas.height - box.y - box.height }, show);
+};
+
+const draw = () => {
+  fit();
+  const plain = { ...state.show, wire: false };
+  const high = chain.pixelsHigh(state.distance);
+  boxes().forEach(({ large, small }, k) => {
+    const level = k === 0 ? 0 : state.level;
+    const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
+    const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
+    picture(level, camera, large, state.show);
+    if (small) picture(level, trueSize(small), small, plain);
+    const half = k === 0 ? "original" : "level";
+    lay($(`half-${half}`), large);
+    lay($(`inset-${half}`), small ?? large);
+    const box = small ?? large;
+    const isPart = high > box.height || (2 * chain.reach * high) / chain.size[1] > box.width;
+    const caption = $(`inset-${half}`).firstElementChild;
+    caption.textContent = `True size · ${Math.round(high)} px${isPart ? " · part" : ""}`;
+  });
+};
+
+// Puts an element over a box.
+const lay = (element, box) => {
+  const px = (x) => `${x / ratio()}px`;
+  Object.assign(element.style, { left: px(box.x), top: px(box.y), width: px(box.width), height: px(box.height) });
+};
+
+// Frames per second over the last half second of steady drawing.
+const pace = { since: 0, frames: 0, last: 0 };
+const frame = (now) => {
+  isAsked = false;
+  if (now - pace.last > 250) Object.assign(pace, { since: now, frames: 0 });
+  else pace.frames += 1;
+  if (now - pace.since > 500) {
+    $("fps").textContent = `${Math.round((1000 * pace.frames) / (now - pace.since))} fps`;
+    Object.assign(pace, { since: now, frames: 0 });
+  }
+  const step = Math.min(now - pace.last, 100);
+  pace.last = now;
+  if (state.isSpinning) orbit.turn(0.0006 * step, 0);
+  draw();
+  if (state.isSpinning) ask();
+};
+
+const say = () => {
+  const original = chain.facts[0];
+  const facts = chain.facts[state.level];
+  const parts = (f) => `leaves ${count(f.foliage_triangles)} · wood ${count(f.wood_triangles)}`;
+  const leaves = (f) => f.leaves === null ? "" : ` · ${count(f.leaves)} leaves`;
+  const name = (id, title, f, of) => {
+    const head = document.createElement("strong");
+    head.textContent = title;
+    const lines = [`${count(f.triangles)} triangles${of}`, parts(f)].map((text) => {
+      const line = document.createElement("span");
+      line.textContent = text;
+      return line;
+    });
+    $(id).replaceChildren(head, ...lines);
+    $(id).title = `${count(f.triangles)} triangles${leaves(f)}`;
+  };
+  name("name-original", "Original", original, "");
+  name("name-level", facts.name, facts, state.level > 0 ? ` · ${share(facts.triangles, original.triangles)}` : "");
+  $("distance").value = Math.round(1000 * chain.share(state.distance));
+  $("distance-text").textContent = `${metres(state.distance)} · ${Math.round(chain.pixelsHigh(state.distance))} px`;
+  $("distance").setAttribute("aria-valuetext", $("distance-text").textContent);
+  $("level").value = state.level;
+  $("level").setAttribute("aria-valuetext", facts.name);
+  $("level-text").textContent = facts.name;
+  const pressed = {
+    auto: state.isAutomatic,
+    leaves: state.show.leaves,
+    wood: state.show.wood,
+    wire: state.show.wire,
+    "true-size": state.isTrueSize,
+    spin: state.isSpinning,
+  };
+  for (const [id, is] of Object.entries(pressed)) $(id).setAttribute("aria-pressed", is);
+  document.querySelectorAll("#levels tr").forEach((row, k) => row.classList.toggle("current", k === state.level));
+  document.querySelectorAll("#bands span").forEach((band, k) => band.classList.toggle("current", k === state.level));
+  ask();
+};
+
+const goTo = (distance) => {
+  state.distance = clamp(distance, chain.nearest, chain.farthest);
+  state.isAutomatic = true;
+  state.level = chain.levelAt(state.distance);
+  say();
+};
+const choose = (level) => {
+  state.level = clamp(level, 0, levels - 1);
+  state.isAutomatic = false;
+  say();
+};
+// Automatic again.
+const follow = () => {
+  state.isAutomatic = !state.isAutomatic;
+  if (state.isAutomatic) state.level = chain.levelAt(state.distance);
+  say();
+};
+const flip = (of, key) => () => {
+  of[key] = !of[key];
+  say();
+};
+
+const actions = {
+  auto: follow,
+  leaves: flip(state.show, "leaves"),
+  wood: flip(state.show, "wood"),
+  wire: flip(state.show, "wire"),
+  "true-size": flip(state, "isTrueSize"),
+  spin: flip(state, "isSpinning"),
+  reset: () => orbit.reset(),
+};
+const keys = { a: "auto", l: "leaves", w: "wood", f: "wire", t: "true-size", s: "spin", r: "reset" };
+
+const fillTable = () => {
+  const isKnown = (key) => chain.facts.some((f) => f[key] !== null);
+  for (const head of document.querySelectorAll("th[data-of]")) if (!isKnown(head.dataset.of)) head.remove();
+  const row = (f, k) => {
+    const row = document.createElement("tr");
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = f.name;
+    button.addEventListener("click", () => choose(k));
+    const bar = document.createElement("i");
+    bar.style.width = `${(100 * f.triangles) / chain.facts[0].triangles}%`;
+    const texts = [
+      count(f.triangles),
+      f.distance > 0 ? metres(f.distance) : "–",
+      ...[
+        ["pixels_high", (x) => `${Math.round(x)} px`],
+        ["flip_mean", (x) => x.toFixed(3).replace(/^0/, "")],
+        ["silhouette_iou", (x) => `${(100 * x).toFixed(1)} %`],
+      ].filter(([key]) => isKnown(key)).map(([key, text]) => f[key] === null ? "–" : text(f[key])),
+    ];
+    const cells = texts.map((text) => {
+      const cell = document.createElement("td");
+      cell.textContent = text;
+      return cell;
+    });
+    cells[0].append(bar);
+    const head = document.createElement("th");
+    head.scope = "row";
+    head.append(button);
+    row.append(head, ...cells);
+    return row;
+  };
+  $("levels").replaceChildren(...chain.facts.map(row));
+  const starts = chain.facts.map((f, k) => k === 0 ? 0 : chain.share(Math.max(f.distance, chain.nearest)));
+  const bands = starts.map((start, k) => {
+    const band = document.createElement("span");
+    band.style.flexGrow = Math.max((starts[k + 1] ?? 1) - start, 0);
+    band.textContent = chain.facts[k].name.replace(/^LOD/, "");
+    return band;
+  });
+  $("bands").replaceChildren(...bands);
+  const degrees = scene.screen[1];
+  $("screen").textContent = `For a screen ${count(chain.screenHeight)} pixels high, ${degrees}° field of view. The tree is ${metres(chain.size[1])} high.`;
+};
+
+const listen = () => {
+  $("level").max = levels - 1;
+  $("distance").addEventListener("input", (e) => goTo(chain.distanceAt(e.target.value / 1000)));
+  $("level").addEventListener("input", (e) => choose(Number(e.target.value)));
+  for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
+  addEventListener("keydown", (e) => {
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const key = e.key.toLowerCase();
+    if (/^[0-8]$/.test(key)) choose(Number(key));
+    else if (key === "[") goTo(state.distance / 1.06);
+    else if (key === "]") goTo(state.distance * 1.06);
+    else if (keys[key]) actions[keys[key]]();
+  });
+  new ResizeObserver(ask).observe(canvas);
+  canvas.addEventListener("webglcontextlost", () => {
+    renderer = null;
+    tell("The browser took the graphics card away. Load the page again.");
+  });
+};
+
+const tell = (text) => {
+  $("message").hidden = text === "";
+  $("message").textContent = text;
+};
+
+// A picture of one level alone, as PNG: for who compares renderers. The camera is
+// { eye, target, tangent (of half the field of view), near, far }.
+const pictureOf = (level, camera, width, height) => {
+  Object.assign(canvas, { width, height });
+  picture(level, camera, { x: 0, y: 0, width, height }, { leaves: true, wood: true, wire: false });
+  const url = canvas.toDataURL("image/png");
+  draw();
+  return url;
+};
+
+const start = async () => {
+  fillTable();
+  listen();
+  // Where a level begins, a difference shows most: the first level that the
+  // picture at true size shows whole, or the last one.
+  const fits = (f) => f.distance > 0 && chain.pixelsHigh(f.distance) < 300;
+  const first = chain.facts.find(fits) ?? chain.facts.at(-1);
+  goTo(first.distance > 0 ? first.distance : chain.distance(270));
+  try {
+    const made = new Renderer(canvas);
+    await made.load(scene, bytesOf("geometry"), bytesOf("pictures"));
+    renderer = made;
+    draw();
+    tell("");
+    window.preview = { state, orbit, chain, light: { ...LIGHT, background: BACKGROUND }, draw, pictureOf };
+    document.documentElement.dataset.ready = Math.round(performance.now());
+  } catch (error) {
+    tell(error.message);
+  }
+};
+start();

@@ -1,0 +1,209 @@
+// Draws levels of a tree with WebGL 2.
+
+// The sun stands to the upper left in front, the sky is a little blue, the ground
+// a little green. Units as three.js has them: a white face towards a light of
+// intensity pi is white.
+const LIGHT = {
+  toSun: unit([-0.5, 0.9, 0.75]),
+  sun: [3.4, 3.3, 3.1],
+  sky: [2.1, 2.2, 2.35],
+  ground: [1.0, 1.0, 0.85],
+};
+const BACKGROUND = [0.88, 0.905, 0.92];
+// Wireframes: the lines, and what they lie on.
+const FOLIAGE_COLORS = { lines: [0.05, 0.36, 0.14, 0.6], faces: [0.8, 0.91, 0.8, 1] };
+const WOOD_COLORS = { lines: [0.45, 0.2, 0.05, 0.6], faces: [0.94, 0.86, 0.78, 1] };
+const HAS = { texture: 1, normals: 2, normalMap: 4, unlit: 8, seeThrough: 16, fringe: 32, plain: 64 };
+
+class Renderer {
+  constructor(canvas) {
+    const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
+    if (!gl) throw new Error("This browser has no WebGL 2, which the pictures need.");
+    this.gl = gl;
+    this.program = this.link("vertex-shader", "fragment-shader");
+    this.at = {};
+    const count = gl.getProgramParameter(this.program, gl.ACTIVE_UNIFORMS);
+    for (let k = 0; k < count; k++) {
+      const { name } = gl.getActiveUniform(this.program, k);
+      this.at[name] = gl.getUniformLocation(this.program, name);
+    }
+  }
+
+  link(...ids) {
+    const { gl } = this;
+    const program = gl.createProgram();
+    for (const [id, type] of [[ids[0], gl.VERTEX_SHADER], [ids[1], gl.FRAGMENT_SHADER]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, document.getElementById(id).textContent.trim());
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    return program;
+  }
+
+  async load(scene, geometry, pictures) {
+    const [buffer, bitmaps] = await Promise.all([
+      inflated(geometry),
+      Promise.all(scene.textures.map((entry) => bitmapOf(entry, pictures))),
+    ]);
+    this.textures = scene.textures.map((entry, k) => this.upload(entry, bitmaps[k]));
+    this.materials = scene.materials;
+    this.levels = scene.levels.map((level) => level.surfaces.map((surface) => this.mesh(surface, buffer)));
+  }
+
+  upload(entry, bitmap) {
+    const { gl } = this;
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    const format = entry.is_srgb ? gl.SRGB8_ALPHA8 : gl.RGBA8;
+    gl.texImage2D(gl.TEXTURE_2D, 0, format, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
+    bitmap.close();
+    const wraps = { repeat: gl.REPEAT, clamp: gl.CLAMP_TO_EDGE, mirror: gl.MIRRORED_REPEAT };
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wraps[entry.wrap[0]]);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, wraps[entry.wrap[1]]);
+    const far = {
+      none: [gl.NEAREST, gl.LINEAR],
+      nearest: [gl.NEAREST_MIPMAP_NEAREST, gl.LINEAR_MIPMAP_NEAREST],
+      blended: [gl.NEAREST_MIPMAP_LINEAR, gl.LINEAR_MIPMAP_LINEAR],
+    };
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, far[entry.mips][Number(entry.is_smooth_far)]);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, entry.is_smooth_near ? gl.LINEAR : gl.NEAREST);
+    if (entry.mips !== "none") gl.generateMipmap(gl.TEXTURE_2D);
+    return texture;
+  }
+
+  mesh(surface, buffer) {
+    const { gl } = this;
+    const arrays = unpackSurface(surface, buffer);
+    const vertices = gl.createVertexArray();
+    gl.bindVertexArray(vertices);
+    const attribute = (location, values, size, type, isNormalized, stride) => {
+      if (!values) return;
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribPointer(location, size, type, isNormalized, stride, 0);
+    };
+    attribute(0, arrays.positions, 3, gl.UNSIGNED_SHORT, false, 8);
+    attribute(1, arrays.normals, 2, gl.SHORT, true, 0);
+    attribute(2, arrays.uvs, 2, gl.FLOAT, false, 0);
+    attribute(3, arrays.colors, 4, gl.UNSIGNED_SHORT, true, 0);
+    const triangles = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, arrays.indices, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    return { ...surface, vertices, buffers: { triangles, lines: null }, corners: arrays.indices };
+  }
+
+  // The three sides of each triangle, made when they are first wanted.
+  lines(mesh) {
+    if (mesh.buffers.lines) return mesh.buffers.lines;
+    const { gl } = this;
+    const sides = new Uint32Array(mesh.corners.length * 2);
+    for (let k = 0; k < mesh.corners.length; k += 3) {
+      const [a, b, c] = mesh.corners.subarray(k, k + 3);
+      sides.set([a, b, b, c, c, a], 2 * k);
+    }
+    mesh.buffers.lines = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.buffers.lines);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, sides, gl.STATIC_DRAW);
+    return mesh.buffers.lines;
+  }
+
+  // Draws one level into a box of the canvas, in its pixels from the lower left.
+  draw(level, camera, box, show) {
+    const { gl, at } = this;
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(box.x, box.y, box.width, box.height);
+    gl.viewport(box.x, box.y, box.width, box.height);
+    gl.depthMask(true);
+    gl.clearColor(...BACKGROUND, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.useProgram(this.program);
+    const projection = perspective(camera.tangent, box.width / box.height, camera.near, camera.far);
+    gl.uniformMatrix4fv(at.u_clip_from_world, false, product(projection, lookAt(camera.eye, camera.target)));
+    gl.uniform3fv(at.u_eye, camera.eye);
+    gl.uniform3fv(at.u_to_sun, LIGHT.toSun);
+    gl.uniform3fv(at.u_sun, LIGHT.sun);
+    gl.uniform3fv(at.u_sky, LIGHT.sky);
+    gl.uniform3fv(at.u_ground, LIGHT.ground);
+    gl.uniform1i(at.u_texture, 0);
+    gl.uniform1i(at.u_normal_map, 1);
+    const meshes = this.levels[level].filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
+    const blends = (mesh) => this.materials[mesh.material].alpha === "blend";
+    if (show.wire) {
+      gl.enable(gl.POLYGON_OFFSET_FILL);
+      gl.polygonOffset(1, 1);
+    }
+    for (const mesh of meshes) this.fill(mesh, blends(mesh) ? 0.5 : null, false, show.wire);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (show.wire) {
+      for (const mesh of meshes) this.drawLines(mesh);
+    } else {
+      for (const mesh of meshes.filter(blends)) this.fill(mesh, 1 / 255, true, false);
+    }
+    gl.bindVertexArray(null);
+  }
+
+  place(mesh) {
+    const { gl, at } = this;
+    gl.bindVertexArray(mesh.vertices);
+    gl.uniform3fv(at.u_origin, mesh.origin);
+    gl.uniform3fv(at.u_step, mesh.step);
+    // What vertices without colours have.
+    gl.vertexAttrib4f(3, 1, 1, 1, 1);
+  }
+
+  fill(mesh, cutoff, isFringe, isPlain) {
+    const { gl, at } = this;
+    const material = this.materials[mesh.material];
+    this.place(mesh);
+    let has = 0;
+    if (material.texture !== null && mesh.uvs !== null) has |= HAS.texture;
+    if (mesh.normals !== null) has |= HAS.normals;
+    if (material.normal_map !== null && mesh.uvs !== null) has |= HAS.normalMap;
+    if (material.is_unlit) has |= HAS.unlit;
+    if (isFringe) has |= HAS.seeThrough | HAS.fringe;
+    if (isPlain) has |= HAS.plain;
+    gl.uniform1i(at.u_has, has);
+    gl.uniform4fv(at.u_plain, (mesh.is_foliage ? FOLIAGE_COLORS : WOOD_COLORS).faces);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, has & HAS.normalMap ? this.textures[material.normal_map] : null);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, has & HAS.texture ? this.textures[material.texture] : null);
+    gl.uniform4fv(at.u_color, material.color);
+    gl.uniform1f(at.u_cutoff, cutoff ?? (material.alpha === "mask" ? material.cutoff : -1));
+    gl.uniform1f(at.u_roughness, material.roughness);
+    gl.uniform1f(at.u_normal_scale, material.normal_scale);
+    if (material.is_double_sided) gl.disable(gl.CULL_FACE);
+    else gl.enable(gl.CULL_FACE);
+    if (isFringe) {
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      gl.depthMask(false);
+    }
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.buffers.triangles);
+    gl.drawElements(gl.TRIANGLES, mesh.triangles * 3, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.BLEND);
+    gl.depthMask(true);
+  }
+
+  drawLines(mesh) {
+    const { gl, at } = this;
+    this.place(mesh);
+    gl.uniform1i(at.u_has, HAS.plain);
+    gl.uniform1f(at.u_cutoff, -1);
+    gl.uniform4fv(at.u_plain, (mesh.is_foliage ? FOLIAGE_COLORS : WOOD_COLORS).lines);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.lines(mesh));
+    gl.drawElements(gl.LINES, mesh.triangles * 6, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.BLEND);
+  }
+}

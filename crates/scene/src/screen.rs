@@ -1,0 +1,54 @@
+//! From distances to heights on a screen.
+
+/// The screen that levels are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Screen {
+    /// Its height in pixels.
+    pub height_px: f64,
+    /// The vertical field of view of the camera, in degrees.
+    pub field_of_view_degrees: f64,
+}
+
+impl Default for Screen {
+    /// 1080 pixels and 60 degrees.
+    fn default() -> Self {
+        Self {
+            height_px: 1080.0,
+            field_of_view_degrees: 60.0,
+        }
+    }
+}
+
+impl Screen {
+    /// How many pixels high it shows a plant of this height at this distance:
+    /// `height_px * plant_height / (2 distance tan(fov / 2))`.
+    pub fn pixels_high(&self, plant_height: f64, distance: f64) -> f64 {
+        self.height_px * plant_height / (2.0 * distance * self.half_tangent())
+    }
+
+    /// At what distance it shows a plant of this height as so many pixels.
+    pub fn distance(&self, plant_height: f64, pixels_high: f64) -> f64 {
+        self.height_px * plant_height / (2.0 * pixels_high * self.half_tangent())
+    }
+
+    fn half_tangent(&self) -> f64 {
+        (self.field_of_view_degrees.to_radians() / 2.0).tan()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plant_as_high_as_the_view_fills_the_screen() {
+        // 90 degrees see 2 m at a distance of 1 m.
+        let screen = Screen {
+            height_px: 1000.0,
+            field_of_view_degrees: 90.0,
+        };
+        assert!((screen.pixels_high(2.0, 1.0) - 1000.0).abs() < 1e-9);
+        assert!((screen.pixels_high(2.0, 4.0) - 250.0).abs() < 1e-9);
+        assert!((screen.distance(2.0, 250.0) - 4.0).abs() < 1e-9);
+    }
+}
