@@ -26,6 +26,7 @@
 //! the eye; at equal depth the lowest leaf number. Leaves are two-sided. Where
 //! a leaf's cut-out has a hole there is no fragment.
 
+pub mod abuffer;
 mod area_table;
 mod cameras;
 pub mod cpu;
@@ -35,6 +36,7 @@ mod fragments;
 pub mod gpu;
 mod leaf_id_image;
 pub mod measure;
+pub mod prefetch;
 mod rasteriser;
 mod reveal_edge;
 pub mod snap;

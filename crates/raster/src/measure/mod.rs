@@ -2,9 +2,11 @@
 //!
 //! - [`mod@lg`]: logarithms of counts, in integers.
 //! - [`vmi`]: viewpoint mutual information, per view.
+//! - [`incremental`]: the same, as areas change.
 //!
 //! It stands here, beside the areas, because both who simplifies and who judges
 //! need it, and neither may know the other.
 
+pub mod incremental;
 pub mod lg;
 pub mod vmi;

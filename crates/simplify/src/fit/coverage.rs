@@ -19,12 +19,13 @@
 //! on every machine. Which leaf is seen does not matter, only how many cover a pixel.
 
 use rayon::prelude::*;
-use secateur_model::{Foliage, LeafId};
-use secateur_raster::cpu::LeafFragments;
-use secateur_raster::{LeafIdImage, View};
+use secateur_model::LeafId;
+use secateur_raster::LeafIdImage;
+use secateur_raster::abuffer::{ABuffer, FrontTwo};
 
 use super::Fit;
 use super::rounds::{Trial, chance_px};
+use super::sized_view::{Change, SizedView};
 
 /// Width and height of a block in pixels.
 const BLOCK_PX: u32 = 8;
@@ -52,8 +53,7 @@ const SAME: i64 = 40;
 
 /// What is left of a foliage, and how densely it covers the views.
 pub(super) struct Coverage<'a> {
-    left: &'a Foliage,
-    views: Vec<Drawn<'a>>,
+    views: Vec<CoveredView<'a>>,
     /// Pixels of the original over all views.
     original_px: i64,
     /// Factors of area, leaf by leaf.
@@ -96,41 +96,30 @@ struct Effect {
     changed_px: u32,
 }
 
-/// A leaf that changes its size, by factors of its area.
-struct Change {
-    leaf: LeafId,
-    from: f64,
-    to: f64,
-}
-
 impl<'a> Coverage<'a> {
     pub(super) fn new(fit: &Fit<'a>) -> Self {
-        let views = fit.of_views(|view, original| Drawn::new(view, &original, fit.left));
+        let views = fit.of_views(|sized, _, original| CoveredView::new(sized, &original));
+        let views: Vec<CoveredView<'_>> = views.into_iter().flatten().collect();
         let covered = views.iter().flat_map(|view| &view.blocks.is_original);
         Self {
-            left: fit.left,
             original_px: covered.filter(|is_original| **is_original).count() as i64,
             scales: vec![1.0; fit.left.leaves().len()],
             errors: views
                 .iter()
-                .map(|view| view.blocks.errors())
+                .map(|view| view.blocks.errors)
                 .fold(Errors::default(), Errors::plus),
             views,
         }
     }
 
-    fn change(&mut self, changes: &[Change]) {
-        let left = self.left;
-        let effects = self.views.par_iter_mut().map(|view| {
-            let effects = changes.iter().map(|change| view.change(left, change));
-            effects.fold(Errors::default(), Errors::plus)
+    /// Has each view do something, and adds the errors up.
+    fn with_views(&mut self, act: impl Fn(&mut CoveredView<'a>) + Sync) {
+        let views = self.views.par_iter_mut();
+        let errors = views.map(|view| {
+            act(view);
+            view.blocks.errors
         });
-        for errors in effects.collect::<Vec<_>>() {
-            self.errors = self.errors.plus(errors);
-        }
-        for change in changes {
-            self.scales[change.leaf.index()] = change.to;
-        }
+        self.errors = errors.reduce(Errors::default, Errors::plus);
     }
 }
 
@@ -148,10 +137,10 @@ impl Trial for Coverage<'_> {
     }
 
     fn try_batch(&mut self, members: &[usize], factor: f64) {
-        let (left, scales) = (self.left, &self.scales);
-        let sizes_of = |k: usize| [scales[k], scales[k] * factor, scales[k] / factor];
+        let scales = &self.scales;
+        let sizes_of = |k: usize| [scales[k] * factor, scales[k] / factor];
         let effects = self.views.par_iter_mut().map(|view| {
-            let of = |&k: &usize| view.effects(left, LeafId::from_index(k), sizes_of(k));
+            let of = |&k: &usize| view.effects(LeafId::from_index(k), sizes_of(k));
             members.iter().map(of).collect::<Vec<_>>()
         });
         let effects: Vec<Vec<[Effect; 2]>> = effects.collect();
@@ -175,11 +164,9 @@ impl Trial for Coverage<'_> {
             };
             if gain > 0 {
                 errors = with;
-                let sizes = sizes_of(k);
                 changes.push(Change {
                     leaf: LeafId::from_index(k),
-                    from: sizes[0],
-                    to: sizes[1 + size],
+                    to: sizes_of(k)[size],
                 });
             }
         }
@@ -187,75 +174,60 @@ impl Trial for Coverage<'_> {
             return;
         }
         let before = self.objective();
-        self.change(&changes);
+        self.with_views(|view| view.try_out(&changes));
         if self.objective() > before {
-            for change in &mut changes {
-                std::mem::swap(&mut change.from, &mut change.to);
-            }
-            self.change(&changes);
+            self.with_views(CoveredView::take_back);
+            return;
+        }
+        for change in changes {
+            self.scales[change.leaf.index()] = change.to;
         }
     }
 }
 
-/// A view, and what is drawn in it.
-struct Drawn<'a> {
-    view: &'a View,
+/// A view, and how densely its blocks are covered.
+struct CoveredView<'a> {
+    sized: SizedView<'a>,
     blocks: Blocks,
-    at_size: LeafFragments,
-    at_other: LeafFragments,
 }
 
-/// The pixels of a leaf, and depths, which do not matter here.
-type Pixels<'a> = &'a [(u32, u32)];
-
-impl<'a> Drawn<'a> {
-    /// The leaves at their sizes, beside an image of the original.
-    fn new(view: &'a View, original: &LeafIdImage, left: &Foliage) -> Self {
-        let mut drawn = Self {
-            view,
-            blocks: Blocks::new(original),
-            at_size: LeafFragments::new(original.resolution),
-            at_other: LeafFragments::new(original.resolution),
-        };
-        for index in 0..left.leaves().len() {
-            let view = std::slice::from_ref(view);
-            let pixels = drawn.at_size.of(left, LeafId::from_index(index), 1.0, view);
-            drawn.blocks.put(pixels);
+impl<'a> CoveredView<'a> {
+    fn new(sized: SizedView<'a>, original: &LeafIdImage) -> Self {
+        Self {
+            blocks: Blocks::new(original, &sized.a_buffer),
+            sized,
         }
-        drawn
     }
 
-    /// What a leaf of the first size does at the two others.
-    fn effects(&mut self, left: &Foliage, leaf: LeafId, sizes: [f64; 3]) -> [Effect; 2] {
-        let view = std::slice::from_ref(self.view);
-        let now = self.at_size.of(left, leaf, sizes[0], view);
-        [1, 2].map(|k| {
-            let then = self.at_other.of(left, leaf, sizes[k], view);
-            self.blocks.effect(now, then)
+    /// What a leaf does at two other sizes than it has.
+    fn effects(&mut self, leaf: LeafId, sizes: [f64; 2]) -> [Effect; 2] {
+        sizes.map(|size| {
+            let (a_buffer, then) = self.sized.at_size(leaf, size);
+            self.blocks.effect(a_buffer, leaf.get(), then)
         })
     }
 
-    /// Makes a leaf larger or smaller.
-    fn change(&mut self, left: &Foliage, change: &Change) -> Errors {
-        let view = std::slice::from_ref(self.view);
-        let now = self.at_size.of(left, change.leaf, change.from, view);
-        let then = self.at_other.of(left, change.leaf, change.to, view);
-        let effect = self.blocks.effect(now, then);
-        self.blocks.take(now);
-        self.blocks.put(then);
-        effect.errors
+    fn try_out(&mut self, changes: &[Change]) {
+        let blocks = &mut self.blocks;
+        let changed = |pixel, before, after| blocks.change(pixel, before, after);
+        self.sized.try_out(changes, changed);
+    }
+
+    fn take_back(&mut self) {
+        let blocks = &mut self.blocks;
+        let changed = |pixel, before, after| blocks.change(pixel, before, after);
+        self.sized.take_back(changed);
     }
 }
 
-/// How many leaves cover each pixel of a view, and by how much the blocks show more
-/// foliage than they did of the original.
+/// By how much the blocks of a view show more foliage than they did of the original.
 struct Blocks {
     resolution: u32,
-    leaves_at: Vec<u32>,
     /// Whether a pixel shows foliage of the original.
     is_original: Vec<bool>,
     /// E, block by block.
     excess_px: Vec<i32>,
+    errors: Errors,
     /// By how much E would change; 0 everywhere between two leaves.
     change_px: Vec<i32>,
     /// Blocks whose E would change.
@@ -263,21 +235,26 @@ struct Blocks {
 }
 
 impl Blocks {
-    /// The blocks of a view before any leaf is drawn.
-    fn new(original: &LeafIdImage) -> Self {
+    fn new(original: &LeafIdImage, left: &ABuffer) -> Self {
         let blocks = original.resolution.div_ceil(BLOCK_PX).pow(2) as usize;
         let mut new = Self {
             resolution: original.resolution,
-            leaves_at: vec![0; original.leaf_ids.len()],
             is_original: original.leaf_ids.iter().map(|leaf| *leaf != 0).collect(),
             excess_px: vec![0; blocks],
+            errors: Errors::default(),
             change_px: vec![0; blocks],
             touched: Vec::new(),
         };
-        for (pixel, leaf) in original.leaf_ids.iter().enumerate() {
-            let block = new.block_of(pixel as u32);
-            new.excess_px[block] -= i32::from(*leaf != 0);
+        for pixel in 0..original.leaf_ids.len() as u32 {
+            let is_original = new.is_original[pixel as usize];
+            let is_covered = left.cover(pixel) > 0;
+            let block = new.block_of(pixel);
+            new.excess_px[block] += i32::from(is_covered) - i32::from(is_original);
+            new.errors.outline_px += i64::from(is_covered != is_original);
         }
+        let excesses = new.excess_px.iter().map(|e| i64::from(*e));
+        new.errors.excess_px = excesses.clone().sum();
+        new.errors.blocks_px = excesses.map(i64::abs).sum();
         new
     }
 
@@ -286,53 +263,35 @@ impl Blocks {
         (y / BLOCK_PX * self.resolution.div_ceil(BLOCK_PX) + x / BLOCK_PX) as usize
     }
 
-    fn errors(&self) -> Errors {
-        let pixels = self.leaves_at.iter().zip(&self.is_original);
-        let wrong = pixels.filter(|(leaves, is_original)| (**leaves > 0) != **is_original);
-        let excesses = self.excess_px.iter().map(|e| i64::from(*e));
-        Errors {
-            excess_px: excesses.clone().sum(),
-            blocks_px: excesses.map(i64::abs).sum(),
-            outline_px: wrong.count() as i64,
+    /// Another leaf is in front of a pixel.
+    fn change(&mut self, pixel: u32, before: FrontTwo, after: FrontTwo) {
+        let by = i32::from(after[0] != 0) - i32::from(before[0] != 0);
+        if by != 0 {
+            let block = self.block_of(pixel);
+            let excess = &mut self.excess_px[block];
+            self.errors.blocks_px += i64::from((*excess + by).abs() - excess.abs());
+            self.errors.excess_px += i64::from(by);
+            self.errors.outline_px += self.outline_px(pixel, by);
+            self.excess_px[block] += by;
         }
     }
 
-    fn put(&mut self, pixels: Pixels<'_>) {
-        for &(pixel, _) in pixels {
-            if self.leaves_at[pixel as usize] == 0 {
-                let block = self.block_of(pixel);
-                self.excess_px[block] += 1;
-            }
-            self.leaves_at[pixel as usize] += 1;
-        }
-    }
-
-    fn take(&mut self, pixels: Pixels<'_>) {
-        for &(pixel, _) in pixels {
-            self.leaves_at[pixel as usize] -= 1;
-            if self.leaves_at[pixel as usize] == 0 {
-                let block = self.block_of(pixel);
-                self.excess_px[block] -= 1;
-            }
-        }
-    }
-
-    /// What it does if a leaf that covers the first pixels covers the second ones instead;
-    /// both in order.
-    fn effect(&mut self, now: Pixels<'_>, then: Pixels<'_>) -> Effect {
+    /// What it does if a leaf covers other pixels, which are in order.
+    fn effect(&mut self, a_buffer: &ABuffer, leaf: u32, then: &[(u32, u32)]) -> Effect {
+        let now = a_buffer.pixels_of(leaf);
         let mut outline_px = 0;
         let mut changed_px = (now.len() + then.len()) as u32;
-        for &(pixel, _) in now {
-            if self.leaves_at[pixel as usize] == 1 {
+        for &pixel in now {
+            if a_buffer.cover(pixel) == 1 {
                 outline_px += self.note(pixel, -1);
             }
         }
-        let mut own = now.iter().map(|(pixel, _)| *pixel).peekable();
+        let mut own = now.iter().copied().peekable();
         for &(pixel, _) in then {
             while own.next_if(|before| *before < pixel).is_some() {}
             let is_there = u32::from(own.peek() == Some(&pixel));
             changed_px -= 2 * is_there;
-            if self.leaves_at[pixel as usize] == is_there {
+            if a_buffer.cover(pixel) == is_there {
                 outline_px += self.note(pixel, 1);
             }
         }
@@ -355,6 +314,11 @@ impl Blocks {
         let block = self.block_of(pixel);
         self.change_px[block] += change;
         self.touched.push(block);
+        self.outline_px(pixel, change)
+    }
+
+    /// What it does to the outline that a pixel shows a leaf (1) or none (-1).
+    fn outline_px(&self, pixel: u32, change: i32) -> i64 {
         match self.is_original[pixel as usize] {
             true => -i64::from(change),
             false => i64::from(change),

@@ -17,9 +17,10 @@
 
 mod coverage;
 mod information;
-mod ledger;
+mod outlined_view;
+mod price;
 mod rounds;
-mod screen;
+mod sized_view;
 #[cfg(test)]
 mod tests;
 
@@ -27,11 +28,13 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use secateur_model::{Foliage, Lod};
-use secateur_raster::{LeafIdImage, Scene, View, ViewSet, cpu};
+use secateur_raster::{LeafIdImage, Scene, ViewSet, cpu};
 
 use self::coverage::Coverage;
 use self::information::Information;
 use self::rounds::{Trial, fit_in_rounds};
+use self::sized_view::SizedView;
+use crate::lg::LgTable;
 
 /// The largest weight of the outline: there VMI counts for next to nothing.
 pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
@@ -70,36 +73,41 @@ pub struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    /// What `of` makes of each view and the original's leaf IDs in it; the views in the order of
-    /// their sets.
-    fn of_views<T: Send>(&self, of: impl Fn(&'a View, LeafIdImage) -> T + Sync) -> Vec<T> {
-        let lod = Lod::original(self.original.leaves().len());
-        let sets = self.views.iter();
-        let views: Vec<_> = sets
-            .flat_map(|set| set.views().iter().map(move |view| (set, view)))
-            .collect();
-        let drawn = views.par_iter().map(|&(views, view)| {
-            let scene = Scene {
-                foliage: self.original,
-                lod: &lod,
+    /// What `of` makes of each view of what is left, of its number in its set, and of the
+    /// original's leaf IDs in it; by set.
+    fn of_views<T: Send>(
+        &self,
+        of: impl Fn(SizedView<'a>, usize, LeafIdImage) -> T + Sync,
+    ) -> Vec<Vec<T>> {
+        let lods = [self.original, self.left].map(|f| Lod::original(f.leaves().len()));
+        let of_set = |views: &'a ViewSet| {
+            let scene = |foliage, lod| Scene {
+                foliage,
+                lod,
                 views,
                 resolution: self.resolution,
             };
-            of(view, cpu::draw_leaf_ids(&scene, view))
-        });
-        drawn.collect()
+            let [original, left] = [scene(self.original, &lods[0]), scene(self.left, &lods[1])];
+            let fragments = cpu::fragments(&left).into_views();
+            let views = fragments.into_par_iter().zip(views.views()).enumerate();
+            let made = views.map(|(number, (fragments, view))| {
+                let sized = SizedView::new(self.left, view, fragments, self.resolution);
+                of(sized, number, cpu::draw_leaf_ids(&original, view))
+            });
+            made.collect()
+        };
+        self.views.iter().map(of_set).collect()
     }
 }
 
 /// Leaf by leaf the factor of its area that fits best (see the module).
 ///
-/// A round over all leaves takes about the time of drawing them in all views three times,
-/// and those that change, or are changed back, twice more; there are three, and at most seven
+/// A round over all leaves takes about the time of drawing them in all views twice,
+/// and those that change once more; there are three, and at most seven
 /// over fewer leaves, on the threads of the current rayon pool, with the same result for any
-/// number of them. Memory for [`Objective::Coverage`]: 5 bytes a pixel over all views, and 64 a
-/// view and leaf of a batch; for [`Objective::Information`] about 25 bytes a pixel over all
-/// views, 8 to 16 a fragment, 12 a view and leaf that is left, and while it begins 8 a view and
-/// original leaf. `progress` gets, after every few leaves, the number tried and that of those to
+/// number of them. Memory: 13 bytes a pixel over all views, 12 to 20 a fragment of what is left,
+/// 9 a view and leaf that is left; for [`Objective::Information`] 4 more of these, and while it
+/// begins 8 a view and original leaf. `progress` gets, after every few leaves, the number tried and that of those to
 /// be tried at most, which gets smaller, and may break off.
 ///
 /// # Panics
@@ -114,7 +122,8 @@ pub fn fit(
         Objective::Coverage => fitted(Coverage::new(fit), progress),
         Objective::Information { outline_weight } => {
             assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&outline_weight));
-            fitted(Information::new(fit, outline_weight), progress)
+            let table = LgTable::new();
+            fitted(Information::new(fit, outline_weight, &table), progress)
         }
     }
 }

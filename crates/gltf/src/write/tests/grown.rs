@@ -15,7 +15,7 @@ fn material(name: &str, alpha_mode: AlphaMode, texture: Option<Arc<Texture>>) ->
         texture,
         alpha_mode,
         double_sided: true,
-        finish: crate::Finish::default(),
+        finish: secateur_model::Finish::default(),
     })
 }
 
@@ -41,7 +41,7 @@ pub(super) fn plant(leaves: usize) -> Plant {
         height: 1,
         rgba: vec![10, 200, 30, 255, 0, 0, 0, 0],
         wrap: [Wrap::ClampToEdge, Wrap::MirroredRepeat],
-        filters: crate::Filters::default(),
+        filters: secateur_model::Filters::default(),
     });
     Plant {
         name: "Larch".to_owned(),

@@ -5,7 +5,7 @@ use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::ViewSet;
 
 use super::super::{Objective, fit};
-use secateur_model::Lod;
+use secateur_model::{Foliage, Lod};
 use secateur_raster::{Scene, cpu};
 
 use super::*;
@@ -174,12 +174,15 @@ proptest! {
         let views = views_of(&original);
         let mut trial = Coverage::new(&of(&original, &left, &views));
         let leaf = LeafId::from_index(seed as usize % 30);
-        let effects = trial.views.iter_mut().map(|v| v.effects(&left, leaf, [1.0, to, 1.0])[0]);
+        let effects = trial.views.iter_mut().map(|v| v.effects(leaf, [to, 1.0])[0]);
         let effects: Vec<Effect> = effects.collect();
         let foreseen = effects.iter().fold(trial.errors, |sum, e| sum.plus(e.errors));
-        trial.change(&[Change { leaf, from: 1.0, to }]);
+        trial.with_views(|view| view.try_out(&[Change { leaf, to }]));
         prop_assert_eq!(trial.errors, foreseen);
-        let drawn = trial.views.iter().map(|view| view.blocks.errors());
-        prop_assert_eq!(drawn.fold(Errors::default(), Errors::plus), foreseen);
+        let mut scales = trial.scales.clone();
+        scales[leaf.index()] = to;
+        prop_assert_eq!(trial.objective(), objective_drawn(&original, &left, &scales));
+        trial.with_views(CoveredView::take_back);
+        prop_assert_eq!(trial.objective(), objective_drawn(&original, &left, &trial.scales));
     }
 }

@@ -1,9 +1,9 @@
 //! Areas, and what they say about pruning each leaf.
 //!
-//! With `f(a, S) = a (lg a - lg S)`, P times the VMI of view v is
-//! `P lg V + sum_o f(a_o(v), S_o)`. If leaf l goes, it hands `r_o(v)` of its
-//! pixels in view v to leaf o behind it, `s_o` over all views, and P times the
-//! VMI of *every* view changes by
+//! If leaf l goes, it hands `r_o(v)` of its pixels in view v to leaf o behind it, `s_o` over
+//! all views, and with `f(a, S) = a (lg a - lg S)`, the terms of VMI
+//! ([`incremental`](secateur_raster::measure::incremental)), P times the VMI of *every* view
+//! changes by
 //!
 //! ```text
 //! -f(a_l(v), S_l) + sum_o [ f(a_o(v) + r_o(v), S_o + s_o) - f(a_o(v), S_o) ]
@@ -18,46 +18,27 @@
 //! [`Counts::background_gains`]; [`Counts::background_drift`] bounds how far it has
 //! moved.
 
-use super::changes::BackgroundDrift;
-use super::events::Event;
-use super::prefetch::prefetch;
-use super::terms::Target;
-use crate::lg::{LG_FRACTION_BITS, LgTable};
+use std::ops::Deref;
 
-const UNTOUCHED: u32 = u32::MAX;
+use secateur_raster::AreaTable;
+use secateur_raster::abuffer::Event;
+use secateur_raster::measure::incremental::{IncrementalVmi, LeafAreas};
+use secateur_raster::measure::vmi::Vmi;
+
+use super::changes::BackgroundDrift;
+use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 /// Pixels of a view for which what the background gains by them is kept.
 pub(super) const GAINS: usize = 8;
 
-#[derive(Clone)]
-struct TouchedLeaf {
-    leaf: u32,
-    total_before: u32,
-    lg_total_before: i64,
-}
-
-/// A leaf of which the step changed the area in some view.
-#[derive(Clone, Copy)]
-pub(super) struct ChangedArea<'a> {
-    pub leaf: u32,
-    pub before: Target<'a>,
-    pub after: Target<'a>,
-    /// By how much its own term changed, by view.
-    pub own_term: &'a [i64],
-}
-
+/// Areas and VMI, measured from that of the original foliage, with what bounds need to know
+/// of the background.
 #[derive(Clone)]
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
-    view_count: usize,
+    vmi: IncrementalVmi<'t>,
     /// Over all views.
     pixels: u32,
-    /// Areas by leaf number, then view.
-    areas: Vec<u32>,
-    totals: Vec<u32>,
-    lg_totals: Vec<i64>,
-    /// P times VMI less that of the original foliage, by view.
-    deviations: Vec<i64>,
     background_drift: BackgroundDrift,
     /// `n lg n` of the background with 1, 2, ... pixels more, less without, by
     /// view.
@@ -65,13 +46,16 @@ pub(super) struct Counts<'t> {
     /// The areas of the background that those are for.
     gains_at: Vec<u32>,
     background_jumps: u32,
+}
 
-    touched_leaves: Vec<TouchedLeaf>,
-    /// By touched leaf, then view.
-    areas_before: Vec<u32>,
-    own_terms: Vec<i64>,
-    /// Where the touched leaves hold a leaf, by leaf number.
-    touched: Vec<u32>,
+/// Areas are read as they are there, and changed by [`Counts`] alone.
+impl<'t> Deref for Counts<'t> {
+    type Target = IncrementalVmi<'t>;
+
+    #[inline]
+    fn deref(&self) -> &IncrementalVmi<'t> {
+        &self.vmi
+    }
 }
 
 impl<'t> Counts<'t> {
@@ -83,80 +67,71 @@ impl<'t> Counts<'t> {
         leaf_count: usize,
         table: &'t LgTable,
     ) -> Self {
-        let mut areas = vec![0; (leaf_count + 1) * view_count];
-        let mut totals = vec![0; leaf_count + 1];
-        areas[..view_count].fill(pixels_per_view);
-        totals[0] = pixels_per_view * view_count as u32;
+        let width = leaf_count + 1;
+        let mut areas = vec![0; view_count * width];
+        areas
+            .iter_mut()
+            .step_by(width)
+            .for_each(|background| *background = pixels_per_view);
         for event in events {
-            let view = event.view as usize;
-            for (leaf, pixels) in [
-                (0, event.pixels.wrapping_neg()),
-                (event.after[0] as usize, event.pixels),
-            ] {
-                let area: &mut u32 = &mut areas[leaf * view_count + view];
-                *area = area.wrapping_add(pixels);
-                let total: &mut u32 = &mut totals[leaf];
-                *total = total.wrapping_add(pixels);
-            }
+            let row = &mut areas[event.view as usize * width..][..width];
+            row[0] -= event.pixels;
+            row[event.after[0] as usize] += event.pixels;
         }
+        let areas = AreaTable::from_rows(leaf_count, areas);
         let mut counts = Self {
             table,
-            view_count,
+            vmi: IncrementalVmi::new(&areas, table),
             pixels: pixels_per_view * view_count as u32,
-            areas,
-            lg_totals: totals.iter().map(|total| table.lg(*total)).collect(),
-            totals,
-            deviations: vec![0; view_count],
             background_drift: BackgroundDrift::default(),
             background_gains: vec![[0; GAINS]; view_count],
             gains_at: vec![u32::MAX; view_count],
             background_jumps: 0,
-            touched_leaves: Vec::new(),
-            areas_before: Vec::new(),
-            own_terms: Vec::new(),
-            touched: vec![UNTOUCHED; leaf_count + 1],
         };
         counts.note_gains();
         counts
     }
 
-    pub(super) fn view_count(&self) -> usize {
-        self.view_count
-    }
-
-    pub(super) fn leaf_count(&self) -> usize {
-        self.totals.len() - 1
-    }
-
-    /// Areas of a leaf by view in pixels; of the background for 0.
-    #[inline]
-    pub(super) fn areas(&self, leaf: u32) -> &[u32] {
-        &self.areas[leaf as usize * self.view_count..][..self.view_count]
-    }
-
     /// A leaf as edges lead to it; the background for 0.
     #[inline]
-    pub(super) fn target(&self, leaf: u32) -> Target<'_> {
-        Target {
-            areas: self.areas(leaf),
-            total: self.totals[leaf as usize],
-            lg_total: self.lg_totals[leaf as usize],
+    pub(super) fn target(&self, leaf: u32) -> LeafAreas<'_> {
+        self.vmi.leaf(leaf)
+    }
+
+    /// A leaf as it was before the step.
+    pub(super) fn target_before(&self, leaf: u32) -> LeafAreas<'_> {
+        let before = self.vmi.changed_from(leaf);
+        before.unwrap_or_else(|| self.vmi.leaf(leaf))
+    }
+
+    /// Measures VMI from that of the original foliage.
+    pub(super) fn measure_from(&mut self, original: &Vmi) {
+        self.vmi.measure_from(original);
+    }
+
+    /// Takes note of a change at the front of some pixels.
+    #[inline]
+    pub(super) fn record(&mut self, event: &Event) {
+        self.vmi.record(event);
+    }
+
+    /// Ends the recording of a step: brings VMI up to date.
+    pub(super) fn settle(&mut self) {
+        self.note_background();
+        if self.vmi.changed_from(0).is_some() {
+            self.note_gains();
         }
+        self.vmi.settle();
+    }
+
+    /// Forgets what was before the step.
+    pub(super) fn forget_step(&mut self) {
+        self.vmi.forget_step();
     }
 
     /// Pixels over all views that show foliage.
     pub(super) fn covered_px(&self) -> u64 {
-        u64::from(self.pixels - self.totals[0])
-    }
-
-    /// P times VMI less that of the original foliage, by view.
-    pub(super) fn deviations(&self) -> &[i64] {
-        &self.deviations
-    }
-
-    /// Sets where deviations start.
-    pub(super) fn set_deviations(&mut self, deviations: Vec<i64>) {
-        self.deviations = deviations;
+        u64::from(self.pixels - self.target(0).total)
     }
 
     /// How far the background's terms have moved since the beginning.
@@ -207,14 +182,14 @@ impl<'t> Counts<'t> {
         match self.background_gains[view as usize].get(pixels as usize - 1) {
             Some(gain) => *gain,
             None => {
-                let area = self.areas[view as usize];
+                let area = self.areas(0)[view as usize];
                 self.table.n_lg_n(area + pixels) - self.table.n_lg_n(area)
             }
         }
     }
 
     fn note_gains(&mut self) {
-        let background = &self.areas[..self.view_count];
+        let background = self.vmi.areas(0);
         let views = self.gains_at.iter_mut().zip(&mut self.background_gains);
         for (&area, (gains_at, gains)) in background.iter().zip(views) {
             // Mostly a step changes it in few views.
@@ -226,119 +201,13 @@ impl<'t> Counts<'t> {
         }
     }
 
-    /// Takes note of a change at the front of some pixels.
-    #[inline]
-    pub(super) fn record(&mut self, event: &Event) {
-        let (view, pixels) = (event.view as usize, event.pixels as i32);
-        if event.before[0] != event.after[0] {
-            self.add_area(event.before[0], view, -pixels);
-            self.add_area(event.after[0], view, pixels);
-        }
-    }
-
-    /// Asks for the memory that [`record`](Self::record) of an event will need.
-    #[inline(always)]
-    pub(super) fn prefetch(&self, event: &Event) {
-        for leaf in [event.before[0], event.after[0]] {
-            let leaf = leaf as usize;
-            prefetch(&self.touched, leaf);
-            prefetch(&self.totals, leaf);
-            prefetch(&self.areas, leaf * self.view_count + event.view as usize);
-        }
-    }
-
-    fn add_area(&mut self, leaf: u32, view: usize, by: i32) {
-        let row = leaf as usize * self.view_count;
-        if self.touched[leaf as usize] == UNTOUCHED {
-            self.touched[leaf as usize] = self.touched_leaves.len() as u32;
-            self.touched_leaves.push(TouchedLeaf {
-                leaf,
-                total_before: self.totals[leaf as usize],
-                lg_total_before: self.lg_totals[leaf as usize],
-            });
-            self.areas_before
-                .extend_from_slice(&self.areas[row..row + self.view_count]);
-        }
-        let area = &mut self.areas[row + view];
-        *area = area.wrapping_add_signed(by);
-        let total = &mut self.totals[leaf as usize];
-        *total = total.wrapping_add_signed(by);
-    }
-
-    /// Ends the recording of a step: brings the deviations up to date.
-    pub(super) fn settle(&mut self) {
-        self.note_background();
-        if self.touched[0] != UNTOUCHED {
-            self.note_gains();
-        }
-        for slot in 0..self.touched_leaves.len() {
-            let TouchedLeaf {
-                leaf,
-                lg_total_before,
-                ..
-            } = self.touched_leaves[slot];
-            let lg_total = self.table.lg(self.totals[leaf as usize]);
-            self.lg_totals[leaf as usize] = lg_total;
-            let after = &self.areas[leaf as usize * self.view_count..][..self.view_count];
-            let before = &self.areas_before[slot * self.view_count..][..self.view_count];
-            for ((&a, &b), deviation) in after.iter().zip(before).zip(&mut self.deviations) {
-                // Mostly neither is there.
-                let change = match a | b {
-                    0 => 0,
-                    _ => self.table.term(a, lg_total) - self.table.term(b, lg_total_before),
-                };
-                *deviation += change;
-                self.own_terms.push(change);
-            }
-        }
-    }
-
-    /// The leaves of which the step changed the area, and the background.
-    pub(super) fn changed_areas(&self) -> impl Iterator<Item = ChangedArea<'_>> {
-        (0..self.touched_leaves.len()).map(|slot| self.changed_area(slot))
-    }
-
-    fn changed_area(&self, slot: usize) -> ChangedArea<'_> {
-        let touched = &self.touched_leaves[slot];
-        let views = slot * self.view_count..(slot + 1) * self.view_count;
-        ChangedArea {
-            leaf: touched.leaf,
-            before: Target {
-                areas: &self.areas_before[views.clone()],
-                total: touched.total_before,
-                lg_total: touched.lg_total_before,
-            },
-            after: self.target(touched.leaf),
-            own_term: &self.own_terms[views],
-        }
-    }
-
-    /// A leaf as it was before the step.
-    pub(super) fn target_before(&self, leaf: u32) -> Target<'_> {
-        match self.touched[leaf as usize] {
-            UNTOUCHED => self.target(leaf),
-            slot => self.changed_area(slot as usize).before,
-        }
-    }
-
-    /// Forgets what was before the step.
-    pub(super) fn forget_step(&mut self) {
-        for leaf in self.touched_leaves.drain(..) {
-            self.touched[leaf.leaf as usize] = UNTOUCHED;
-        }
-        self.areas_before.clear();
-        self.own_terms.clear();
-    }
-
     /// Bounds the change of the background's terms by their derivatives.
     fn note_background(&mut self) {
-        let slot = self.touched[0];
-        if slot == UNTOUCHED {
+        let (Some(before), after) = (self.vmi.changed_from(0), self.vmi.leaf(0)) else {
             return;
-        }
-        let before = &self.areas_before[slot as usize * self.view_count..][..self.view_count];
+        };
         let (mut steepest, mut sum) = (0f64, 0u64);
-        for (&b, &a) in before.iter().zip(&self.areas[..self.view_count]) {
+        for (&b, &a) in before.areas.iter().zip(after.areas) {
             if a != b {
                 steepest = steepest.max(f64::from(a.abs_diff(b)) / f64::from(a.min(b)));
                 sum += u64::from(a.abs_diff(b));
@@ -349,10 +218,7 @@ impl<'t> Counts<'t> {
             self.background_jumps += 1;
             return;
         }
-        let (before, after) = (
-            self.touched_leaves[slot as usize].total_before,
-            self.totals[0],
-        );
+        let (before, after) = (before.total, after.total);
         let least = f64::from(after.min(before));
         let change = f64::from(after.abs_diff(before)) / least;
         let unit = f64::from(1u32 << LG_FRACTION_BITS) / std::f64::consts::LN_2 * (1.0 + 1e-9);

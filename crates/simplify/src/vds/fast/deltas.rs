@@ -4,11 +4,13 @@
 //! subtracted as they were and added as they are; integers make that equal to
 //! computing anew.
 
+use secateur_raster::measure::incremental::ChangedArea;
+use secateur_raster::prefetch::{prefetch, prefetch_range};
+
 use super::candidates::Silhouette;
 use super::changes::Change;
-use super::counts::{ChangedArea, Counts};
+use super::counts::Counts;
 use super::edges::Edges;
-use super::prefetch::{prefetch, prefetch_range};
 use super::split::Split;
 use super::terms::{add_term, move_term, replace_term};
 

@@ -4,7 +4,7 @@
 //! the caches: here their places can be [asked for](EdgeMap::prefetch), which
 //! maps of others do not offer.
 
-use super::prefetch::prefetch;
+use secateur_raster::prefetch::prefetch;
 
 /// Slots at first; a power of two.
 const FEWEST_SLOTS: usize = 64;

@@ -1,10 +1,11 @@
 //! Reveal edges: which leaf hands how many pixels to which.
 
+use secateur_raster::prefetch::prefetch;
+
 use super::edge_map::EdgeMap;
-use super::events::Event;
-use super::prefetch::prefetch;
 use super::reveals::Reveals;
 use super::split::Split;
+use secateur_raster::abuffer::Event;
 
 const NO_EDGE: u32 = u32::MAX;
 

@@ -3,37 +3,34 @@
 //! Removing a leaf hands each pixel it owns to the leaf behind it, so with an
 //! A-buffer the change of every area is known before it happens. The foliage is
 //! rasterised once; then each step picks the cheapest leaf (`candidates`),
-//! takes it out of the lists behind the pixels (`pixels`), rasterises the
+//! takes it out of the [A-buffer](secateur_raster::abuffer), rasterises the
 //! leaves that grow, and brings areas (`counts`), reveal edges (`edges`) and then
-//! costs (`deltas`) up to date with what changed (`events`). All of it is integers, so the result
+//! costs (`deltas`) up to date with what changed. All of it is integers, so the result
 //! equals that of [`reference`](super::reference) bit for bit: order, growth and
 //! VMI.
 //!
 //! Each core keeps the edges and costs of its own leaves, and areas of all
 //! (`shard`), follows the step and looks for its cheapest leaf, and edits the lists
-//! of some views at a time (`pane`). One core leads (`crew`): it finds out which
+//! of some views at a time (`view_slice`, `spin_pool`). One core leads: it finds out which
 //! leaves grow.
 
 mod candidates;
 mod changes;
 mod counts;
-mod crew;
 mod deltas;
 mod edge_map;
 mod edges;
-mod events;
 mod neighbours;
-mod pane;
-mod pixels;
-mod prefetch;
 mod reveals;
 mod shard;
 mod shared;
+mod spin_pool;
 mod split;
 mod stage;
 mod terms;
 #[cfg(test)]
 mod tests;
+mod view_slice;
 
 use std::ops::ControlFlow;
 

@@ -13,8 +13,8 @@ use super::candidates::{Candidates, Found, Limits};
 use super::counts::Counts;
 use super::deltas::{Deltas, Sight};
 use super::edges::Edges;
-use super::pane::Pane;
 use super::split::Split;
+use super::view_slice::ViewSlice;
 
 /// What a shard finds in a step.
 #[derive(Clone, Copy, Debug)]
@@ -63,13 +63,13 @@ fn cost_deviations<'c>(counts: &'c Counts<'_>, has_deviations: bool) -> Cow<'c, 
 const EVENTS_AHEAD: usize = 6;
 
 impl<'t> Shard<'t> {
-    /// The events of `panes` are what leads from nothing but background to what
+    /// The events of `slices` are what leads from nothing but background to what
     /// is there; `leaves`, neighbours close together, are those of all shards that are
     /// left; `rank_of` their ranks among equals, by leaf number; `has_deviations`
     /// whether costs are measured with those of VMI from that of the original foliage.
     pub(super) fn all(
         counts: &Counts<'t>,
-        panes: &[Pane],
+        slices: &[ViewSlice],
         split: Split,
         leaves: &[u32],
         rank_of: &Arc<[u32]>,
@@ -80,7 +80,7 @@ impl<'t> Shard<'t> {
         let shards = shards.map(|shard| {
             Self::new(
                 counts.clone(),
-                panes,
+                slices,
                 (split, shard),
                 leaves,
                 rank_of.clone(),
@@ -93,14 +93,14 @@ impl<'t> Shard<'t> {
 
     fn new(
         counts: Counts<'t>,
-        panes: &[Pane],
+        slices: &[ViewSlice],
         (split, shard): (Split, usize),
         leaves: &[u32],
         rank_of: Arc<[u32]>,
         pixels_per_view: usize,
         has_deviations: bool,
     ) -> Self {
-        let events = panes.iter().flat_map(Pane::events);
+        let events = slices.iter().flat_map(ViewSlice::events);
         let edges = Edges::new(
             events,
             (counts.leaf_count(), pixels_per_view as u32),
@@ -137,14 +137,14 @@ impl<'t> Shard<'t> {
         &self.counts
     }
 
-    /// Brings the areas up to date with the step that pruned a leaf, as the panes
+    /// Brings the areas up to date with the step that pruned a leaf, as the slices
     /// edited it; unless they are already.
-    pub(super) fn settle(&mut self, panes: &[impl Deref<Target = Pane>], pruned: u32) {
+    pub(super) fn settle(&mut self, slices: &[impl Deref<Target = ViewSlice>], pruned: u32) {
         if std::mem::replace(&mut self.settled, pruned) == pruned {
             return;
         }
-        for pane in panes {
-            let events = pane.events();
+        for slice in slices {
+            let events = slice.events();
             for (k, event) in events.iter().enumerate() {
                 if let Some(ahead) = events.get(k + EVENTS_AHEAD) {
                     self.counts.prefetch(ahead);
@@ -162,7 +162,7 @@ impl<'t> Shard<'t> {
     }
 
     /// Takes note of a [settled](Self::settle) step.
-    pub(super) fn follow(&mut self, panes: &[impl Deref<Target = Pane>], pruned: u32) {
+    pub(super) fn follow(&mut self, slices: &[impl Deref<Target = ViewSlice>], pruned: u32) {
         let Self {
             counts,
             edges,
@@ -170,7 +170,7 @@ impl<'t> Shard<'t> {
             candidates,
             ..
         } = self;
-        edges.follow(panes.iter().flat_map(|pane| pane.events()));
+        edges.follow(slices.iter().flat_map(|slice| slice.events()));
         deltas.follow(counts, edges);
         edges.forget_step();
         let sight = Sight {

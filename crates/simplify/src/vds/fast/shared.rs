@@ -7,14 +7,14 @@ use secateur_raster::ViewSet;
 
 use super::candidates::Limits;
 use super::counts::Counts;
-use super::crew::Crew;
-use super::pane::Pane;
 use super::shard::{Finds, Shard};
+use super::spin_pool::SpinPool;
 use super::split::Split;
+use super::view_slice::ViewSlice;
 
 /// What all threads do at a time.
 pub(super) enum Job {
-    /// Each pane takes a leaf away and draws those that grow.
+    /// Each slice of views takes a leaf away and draws those that grow.
     Edit { pruned: u32, grown: Vec<Growth> },
     /// Each shard follows the last step, if there was one, and looks for its
     /// cheapest leaf.
@@ -24,13 +24,13 @@ pub(super) enum Job {
     },
 }
 
-/// No thread ever waits for a lock: the rounds of the [`Crew`] keep apart who
+/// No thread ever waits for a lock: the rounds of the [`SpinPool`] keep apart who
 /// reads and who writes, and the locks only prove it.
 pub(super) struct Shared<'a> {
     foliage: &'a Foliage,
     views: &'a ViewSet,
     split: Split,
-    panes: Vec<RwLock<Pane>>,
+    slices: Vec<RwLock<ViewSlice>>,
     pub shards: Vec<Mutex<Shard<'a>>>,
     limits: Limits,
     job: RwLock<Job>,
@@ -42,14 +42,14 @@ impl<'a> Shared<'a> {
     pub(super) fn new(
         (foliage, views): (&'a Foliage, &'a ViewSet),
         split: Split,
-        panes: Vec<Pane>,
+        slices: Vec<ViewSlice>,
         shards: Vec<Shard<'a>>,
     ) -> Self {
         Self {
             foliage,
             views,
             split,
-            panes: panes.into_iter().map(RwLock::new).collect(),
+            slices: slices.into_iter().map(RwLock::new).collect(),
             shards: shards.into_iter().map(Mutex::new).collect(),
             limits: Limits::none(),
             job: RwLock::new(Job::Search {
@@ -61,31 +61,31 @@ impl<'a> Shared<'a> {
 
     /// The most parts of a job.
     pub(super) fn most_parts(&self) -> usize {
-        self.shards.len().max(self.panes.len())
+        self.shards.len().max(self.slices.len())
     }
 
     fn shard(&self, index: usize) -> MutexGuard<'_, Shard<'a>> {
         self.shards[index].lock().expect(HELD)
     }
 
-    /// Has the crew do a job.
-    pub(super) fn do_together(&self, crew: &Crew, job: Job) {
+    /// Has the pool do a job.
+    pub(super) fn do_together(&self, pool: &SpinPool, job: Job) {
         let parts = match job {
-            Job::Edit { .. } => self.panes.len(),
+            Job::Edit { .. } => self.slices.len(),
             Job::Search { .. } => self.shards.len(),
         };
         *self.job.write().expect(HELD) = job;
         self.limits.reset();
-        crew.begin(parts);
-        crew.finish(|part| self.do_part(part));
+        pool.begin(parts);
+        pool.finish(|part| self.do_part(part));
     }
 
     /// A part of the job at hand.
     pub(super) fn do_part(&self, part: usize) {
         match &*self.job.read().expect(HELD) {
             Job::Edit { pruned, grown } => {
-                let mut pane = self.panes[part].write().expect(HELD);
-                pane.edit(self.foliage, self.views, *pruned, grown);
+                let mut slice = self.slices[part].write().expect(HELD);
+                slice.edit(self.foliage, self.views, *pruned, grown);
             }
             Job::Search {
                 pruned,
@@ -93,10 +93,10 @@ impl<'a> Shared<'a> {
             } => {
                 let mut shard = self.shard(part);
                 if let Some(leaf) = *pruned {
-                    let panes = self.panes_as_edited();
-                    shard.settle(&panes, leaf);
+                    let slices = self.slices_as_edited();
+                    shard.settle(&slices, leaf);
                     shard.begin_step();
-                    shard.follow(&panes, leaf);
+                    shard.follow(&slices, leaf);
                 } else {
                     shard.begin_step();
                 }
@@ -105,8 +105,8 @@ impl<'a> Shared<'a> {
         }
     }
 
-    fn panes_as_edited(&self) -> Vec<RwLockReadGuard<'_, Pane>> {
-        self.panes.iter().map(|p| p.read().expect(HELD)).collect()
+    fn slices_as_edited(&self) -> Vec<RwLockReadGuard<'_, ViewSlice>> {
+        self.slices.iter().map(|p| p.read().expect(HELD)).collect()
     }
 
     /// Areas after the last step, which may have pruned a leaf.
@@ -117,7 +117,7 @@ impl<'a> Shared<'a> {
     ) -> T {
         let mut shard = self.shard(0);
         if let Some(leaf) = pruned {
-            shard.settle(&self.panes_as_edited(), leaf);
+            shard.settle(&self.slices_as_edited(), leaf);
         }
         see(shard.counts())
     }

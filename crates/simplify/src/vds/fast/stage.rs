@@ -5,12 +5,12 @@ use secateur_raster::{AreaTable, ViewSet};
 
 use super::candidates::Found;
 use super::counts::Counts;
-use super::crew::Crew;
 use super::neighbours::Neighbours;
-use super::pane::Pane;
 use super::shard::{Finds, Shard};
 use super::shared::{Job, Shared};
+use super::spin_pool::SpinPool;
 use super::split::Split;
+use super::view_slice::ViewSlice;
 use super::{Ended, Run, leaf_id};
 use crate::vds::outcome::{Progress, VdsError};
 use crate::vds::resize::{Pruned, covered_px, growths};
@@ -22,7 +22,7 @@ pub(super) struct Stage<'a> {
     pub views: &'a ViewSet,
     pub vmi_original: Vmi,
     shared: Shared<'a>,
-    crew: Crew,
+    pool: SpinPool,
     lead: Lead,
 }
 
@@ -47,24 +47,22 @@ impl<'a> Stage<'a> {
         let fragments = fragments.map_err(VdsError::from_raster)?;
         let pixels_per_view = fragments.pixels_per_view();
         // A few for each core, which may be late.
-        let panes = if cores > 1 { 2 * cores } else { 1 };
-        let mut panes = Pane::all(fragments, leaf_count, panes);
+        let slices = if cores > 1 { 2 * cores } else { 1 };
+        let mut slices = ViewSlice::all(fragments, leaf_count, slices);
         let mut counts = Counts::new(
-            panes.iter().flat_map(Pane::events),
+            slices.iter().flat_map(ViewSlice::events),
             views.views().len(),
             pixels_per_view as u32,
             leaf_count,
             run.table,
         );
-        let areas_now = area_table(&counts);
-        let vmi_now = Vmi::of(&areas_now, run.table);
+        let areas_now = counts.area_table();
         let areas_original = match run.order.is_empty() {
             true => areas_now,
             false => run.areas(&Lod::original(leaf_count), views)?,
         };
         let vmi_original = Vmi::of(&areas_original, run.table);
-        let pairs = vmi_now.scaled().iter().zip(vmi_original.scaled());
-        counts.set_deviations(pairs.map(|(now, then)| now - then).collect());
+        counts.measure_from(&vmi_original);
         let ranks = (0..=leaf_count as u32)
             .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
         let ranks = ranks.collect();
@@ -72,19 +70,19 @@ impl<'a> Stage<'a> {
         let split = Split::over(cores);
         let shards = Shard::all(
             &counts,
-            &panes,
+            &slices,
             split,
             &leaves,
             &ranks,
             pixels_per_view,
             run.options.reference == Reference::Original,
         );
-        panes.iter_mut().for_each(Pane::forget);
-        let shared = Shared::new((foliage, views), split, panes, shards);
+        slices.iter_mut().for_each(ViewSlice::forget);
+        let shared = Shared::new((foliage, views), split, slices, shards);
         Ok(Self {
             views,
             vmi_original,
-            crew: Crew::new(cores, shared.most_parts()),
+            pool: SpinPool::new(cores, shared.most_parts()),
             shared,
             lead: Lead {
                 covered_original_px: covered_px(&areas_original),
@@ -102,19 +100,19 @@ impl<'a> Stage<'a> {
         let Self {
             vmi_original,
             shared,
-            crew,
+            pool,
             lead,
             ..
         } = self;
         let shared: &Shared<'_> = shared;
         let mut left = run.lod.leaf_count();
-        crew.run(
+        pool.run(
             |part| shared.do_part(part),
             || {
                 while left > leaves {
-                    let finds = lead.pick(run.options, shared, crew);
+                    let finds = lead.pick(run.options, shared, pool);
                     let grown = lead.grow(run, shared, finds);
-                    lead.apply(shared, crew, finds.cheapest.leaf, &grown);
+                    lead.apply(shared, pool, finds.cheapest.leaf, &grown);
                     if lead.error_is_over(run.max_error_percent, shared, vmi_original) {
                         return Ok(Ended::BeyondMaxError);
                     }
@@ -134,21 +132,22 @@ impl<'a> Stage<'a> {
     }
 
     pub(super) fn areas(&self) -> AreaTable {
-        self.shared.with_counts(self.lead.pruned, area_table)
+        self.shared
+            .with_counts(self.lead.pruned, |counts| counts.area_table())
     }
 
     /// One step in which every leaf is looked at, for what should be found.
     #[cfg(test)]
     pub(super) fn step_and_exhaustively(&mut self, run: &mut Run<'_>) -> (Finds, Finds) {
         let Self {
-            shared, crew, lead, ..
+            shared, pool, lead, ..
         } = self;
-        let finds = lead.pick(run.options, shared, crew);
+        let finds = lead.pick(run.options, shared, pool);
         let shards = shared.shards.iter();
         let expected = shards.map(|shard| shard.lock().unwrap().exhaustively());
         let expected = expected.fold(Finds::NONE, Finds::and);
         let grown = lead.grow(run, shared, finds);
-        lead.apply(shared, crew, finds.cheapest.leaf, &grown);
+        lead.apply(shared, pool, finds.cheapest.leaf, &grown);
         run.record(finds.cheapest, &grown);
         (finds, expected)
     }
@@ -156,12 +155,12 @@ impl<'a> Stage<'a> {
 
 impl Lead {
     /// Has all shards follow the last step and look for their cheapest leaves.
-    fn pick(&mut self, options: &VdsOptions, shared: &Shared<'_>, crew: &Crew) -> Finds {
+    fn pick(&mut self, options: &VdsOptions, shared: &Shared<'_>, pool: &SpinPool) -> Finds {
         let job = Job::Search {
             pruned: self.pruned.take(),
             wants_largest: options.resize == Resize::Normalised,
         };
-        shared.do_together(crew, job);
+        shared.do_together(pool, job);
         let finds = shared.finds();
         assert!(finds.cheapest != Found::NONE, "a leaf is left");
         finds
@@ -198,12 +197,12 @@ impl Lead {
         growths(run.foliage, &run.lod, leaf, share, &nearest)
     }
 
-    fn apply(&mut self, shared: &Shared<'_>, crew: &Crew, leaf: u32, grown: &[Growth]) {
+    fn apply(&mut self, shared: &Shared<'_>, pool: &SpinPool, leaf: u32, grown: &[Growth]) {
         let job = Job::Edit {
             pruned: leaf,
             grown: grown.to_vec(),
         };
-        shared.do_together(crew, job);
+        shared.do_together(pool, job);
         self.pruned = Some(leaf);
     }
 
@@ -220,13 +219,6 @@ impl Lead {
         let deviation = shared.with_counts(self.pruned, deviation);
         error_percent(deviation, vmi_original.scaled().iter().sum()) > max
     }
-}
-
-fn area_table(counts: &Counts<'_>) -> AreaTable {
-    let views = 0..counts.view_count();
-    let leaf_count = counts.leaf_count();
-    let row = |view: usize| (0..=leaf_count as u32).map(move |leaf| counts.areas(leaf)[view]);
-    AreaTable::from_rows(leaf_count, views.flat_map(row).collect())
 }
 
 /// The leaves that are left along a space-filling curve: leaves near each other

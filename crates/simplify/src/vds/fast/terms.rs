@@ -1,31 +1,16 @@
 //! The terms of reveal edges: what pixels handed to a leaf do to the measure.
 
+use secateur_raster::measure::incremental::LeafAreas;
+
 use super::reveals::Reveals;
 use crate::lg::LgTable;
-
-/// The leaf that an edge leads to, before or after a step.
-#[derive(Clone, Copy)]
-pub(super) struct Target<'a> {
-    pub areas: &'a [u32],
-    pub total: u32,
-    pub lg_total: i64,
-}
-
-impl Target<'_> {
-    /// `lg (S + s) - lg S`, which is never negative and fits 32 bits: factors of
-    /// 32 bits are what vector instructions multiply.
-    #[inline]
-    pub(super) fn rise(&self, lg_after: i64) -> u64 {
-        u64::from((lg_after - self.lg_total) as u32)
-    }
-}
 
 /// Adds `f(a + r, S + s) - f(a, S)` to each view.
 #[inline]
 pub(super) fn add_term(
     table: &LgTable,
     deltas: &mut [i64],
-    target: Target,
+    target: LeafAreas,
     s: u32,
     reveals: &Reveals,
 ) {
@@ -42,7 +27,7 @@ pub(super) fn add_term(
 fn add_revealed(
     table: &LgTable,
     deltas: &mut [i64],
-    target: Target,
+    target: LeafAreas,
     lg_after: i64,
     reveals: &Reveals,
 ) {
@@ -59,8 +44,8 @@ fn add_revealed(
 pub(super) fn move_term(
     table: &LgTable,
     deltas: &mut [i64],
-    before: Target,
-    after: Target,
+    before: LeafAreas,
+    after: LeafAreas,
     s: u32,
     reveals: &Reveals,
 ) -> u64 {
@@ -88,8 +73,8 @@ pub(super) fn move_term(
 pub(super) fn replace_term(
     table: &LgTable,
     deltas: &mut [i64],
-    (before, s_before, reveals_before): (Target, u32, &Reveals),
-    (after, s_after, reveals_after): (Target, u32, &Reveals),
+    (before, s_before, reveals_before): (LeafAreas, u32, &Reveals),
+    (after, s_after, reveals_after): (LeafAreas, u32, &Reveals),
 ) {
     let lg_before = table.lg(before.total + s_before);
     let lg_after = table.lg(after.total + s_after);

@@ -266,9 +266,9 @@ fn sum(views: &Views) -> f32 {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::super::events::Event;
     use super::*;
     use crate::lg::LgTable;
+    use secateur_raster::abuffer::Event;
 
     const VIEWS: usize = 3;
 

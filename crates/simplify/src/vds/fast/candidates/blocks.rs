@@ -369,10 +369,10 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::super::counts::Counts;
-    use super::super::super::events::Event;
     use super::super::epochs::along_signs;
     use super::*;
     use crate::lg::LgTable;
+    use secateur_raster::abuffer::Event;
 
     const VIEWS: usize = 4;
     const PIXELS_PER_VIEW: u32 = 1 << 16;

@@ -1,7 +1,8 @@
 //! Evaluating a block: what its leaves' excesses are now.
 
+use secateur_raster::prefetch::{prefetch, prefetch_range};
+
 use super::super::deltas::Sight;
-use super::super::prefetch::{prefetch, prefetch_range};
 use super::Candidates;
 use super::blocks::Reveals;
 use super::drift::{drift_now, drift_then};

@@ -1,8 +1,9 @@
 //! Where leaves have their places, and how those are kept up to date.
 
+use secateur_raster::prefetch::prefetch;
+
 use super::super::changes::Change;
 use super::super::deltas::Sight;
-use super::super::prefetch::prefetch;
 use super::blocks::{Figures, NO_FIRST};
 use super::epochs::along_signs;
 use super::excess::{LANES, Lanes};

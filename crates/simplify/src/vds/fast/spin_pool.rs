@@ -1,7 +1,7 @@
 //! A few threads that share the work of every step.
 //!
 //! A step takes a fraction of a millisecond, less than it takes to wake a
-//! thread, so the crew stays awake between steps and waits by spinning. A part
+//! thread, so those of the pool stay awake between steps and wait by spinning. A part
 //! of the work that no helper has begun is done by the leader: on a machine that
 //! is busy with other things nothing waits for a thread that does not run.
 
@@ -22,7 +22,7 @@ pub(super) const MAX_PARTS: usize = (1 << PARTS_BITS) - 1;
 struct Claim(AtomicU64);
 
 /// Work in rounds of numbered parts, each done once, by whoever comes first.
-pub(super) struct Crew {
+pub(super) struct SpinPool {
     members: usize,
     /// Number of the round, then how many parts it has.
     round: AtomicU64,
@@ -34,7 +34,7 @@ pub(super) struct Crew {
     has_failed: AtomicBool,
 }
 
-impl Crew {
+impl SpinPool {
     /// Of a leader and helpers, for rounds of up to `parts` parts.
     pub(super) fn new(members: usize, parts: usize) -> Self {
         assert!(parts <= MAX_PARTS, "{parts} parts");
@@ -150,13 +150,13 @@ mod tests {
     #[test]
     fn each_part_of_each_round_is_done_once() {
         for members in [1, 2, 5] {
-            let crew = Crew::new(members, 7);
+            let pool = SpinPool::new(members, 7);
             let done: Vec<Mutex<u32>> = (0..7).map(|_| Mutex::new(0)).collect();
             let work = |part: usize| *done[part].lock().unwrap() += 1;
-            crew.run(work, || {
+            pool.run(work, || {
                 for round in 0..2000 {
-                    crew.begin(round % 7 + 1);
-                    crew.finish(work);
+                    pool.begin(round % 7 + 1);
+                    pool.finish(work);
                     let parts = done.iter().map(|d| std::mem::take(&mut *d.lock().unwrap()));
                     let expected = (0..7).map(|part| u32::from(part <= round % 7));
                     assert!(parts.eq(expected), "{members} members, round {round}");
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "a scoped thread panicked")]
     fn a_helper_that_panics_is_not_waited_for() {
-        let crew = Crew::new(2, 2);
+        let pool = SpinPool::new(2, 2);
         let begun = AtomicUsize::new(0);
         let main = std::thread::current().id();
         let work = |_: usize| {
@@ -178,10 +178,10 @@ mod tests {
             assert_eq!(std::thread::current().id(), main, "a helper");
         };
         let caught = std::panic::AssertUnwindSafe(|| {
-            crew.begin(2);
-            crew.finish(work);
+            pool.begin(2);
+            pool.finish(work);
         });
-        crew.run(work, || {
+        pool.run(work, || {
             assert!(std::panic::catch_unwind(caught).is_err());
         });
     }

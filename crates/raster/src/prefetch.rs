@@ -1,12 +1,12 @@
 //! Asking for memory before it is needed.
 //!
-//! A step visits hundreds of places scattered over tens of megabytes, all known
-//! beforehand; waiting for one after the other is most of what it would do.
+//! A step of the greedy loop visits hundreds of places scattered over tens of megabytes, all
+//! known beforehand; waiting for one after the other is most of what it would do.
 
 /// Asks for the cache line of `slice[index]`; does nothing where there is no
 /// such element or the processor is not known.
 #[inline(always)]
-pub(super) fn prefetch<T>(slice: &[T], index: usize) {
+pub fn prefetch<T>(slice: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]
     if let Some(element) = slice.get(index) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
@@ -19,7 +19,7 @@ pub(super) fn prefetch<T>(slice: &[T], index: usize) {
 
 /// Asks for all cache lines of `slice[start..start + len]`.
 #[inline(always)]
-pub(super) fn prefetch_range<T>(slice: &[T], start: usize, len: usize) {
+pub fn prefetch_range<T>(slice: &[T], start: usize, len: usize) {
     let per_line = (64 / size_of::<T>()).max(1);
     for k in (0..len).step_by(per_line) {
         prefetch(slice, start + k);

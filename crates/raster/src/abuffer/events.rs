@@ -1,23 +1,28 @@
-//! What a step changes at the front of the pixels.
+//! What edits change at the front of the pixels.
 
-/// The front leaf of a pixel and the one behind it; 0 where there is none.
-pub(super) type Ends = [u32; 2];
+/// The numbers of the front leaf of a pixel and of the one behind it; 0 where there is none.
+pub type FrontTwo = [u32; 2];
 
 /// Some pixels of a view, of which the first two leaves changed alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Event {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// Index of the view.
     pub view: u32,
+    /// The number of pixels.
     pub pixels: u32,
-    pub before: Ends,
-    pub after: Ends,
+    /// The first two leaves as they were.
+    pub before: FrontTwo,
+    /// The first two leaves as they are.
+    pub after: FrontTwo,
 }
 
 /// Events of which this many are remembered as they come.
 const RECENT: usize = 64;
 
-/// Events in turn, but of a [round](Self::begin_round) those alike are mostly
-/// one: shards follow events, not pixels.
-pub(super) struct Events {
+/// Events in turn, but of a [round](Self::begin_round) those alike are mostly one: who
+/// follows events has far fewer to follow than pixels.
+#[derive(Clone, Debug)]
+pub struct Events {
     all: Vec<Event>,
     /// Where those of the round begin.
     round: usize,
@@ -39,20 +44,21 @@ impl Default for Events {
 }
 
 impl Events {
-    pub(super) fn all(&self) -> &[Event] {
+    /// The events in turn.
+    pub fn all(&self) -> &[Event] {
         &self.all
     }
 
     /// From here on until the next call no pixel changes twice. Events of two
     /// rounds stay apart and in order: a pixel may lose in the second what it
     /// gained in the first, and what is counted never falls below zero.
-    pub(super) fn begin_round(&mut self) {
+    pub fn begin_round(&mut self) {
         self.round = self.all.len();
     }
 
     /// Notes one more pixel.
     #[inline]
-    pub(super) fn push(&mut self, view: u32, before: Ends, after: Ends) {
+    pub fn push(&mut self, view: u32, before: FrontTwo, after: FrontTwo) {
         let is_same = |e: &Event| (e.view, e.before, e.after) == (view, before, after);
         let round = self.round;
         let is_there = |at: usize, all: &[Event]| at >= round && all.get(at).is_some_and(is_same);
@@ -74,20 +80,21 @@ impl Events {
     }
 
     /// The views count from here on instead of from 0.
-    pub(super) fn move_views(&mut self, by: u32) {
+    pub fn move_views(&mut self, by: u32) {
         for event in &mut self.all {
             event.view += by;
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
         self.all.clear();
         self.round = 0;
     }
 }
 
 #[inline]
-fn place_among_recent(view: u32, before: Ends, after: Ends) -> usize {
+fn place_among_recent(view: u32, before: FrontTwo, after: FrontTwo) -> usize {
     let [a, b] = [before, after].map(|[front, second]| u64::from(front) << 32 | u64::from(second));
     let mixed = (a.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ b ^ u64::from(view) << 40)
         .wrapping_mul(0x9E37_79B9_7F4A_7C15);

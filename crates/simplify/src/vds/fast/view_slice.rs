@@ -4,46 +4,50 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use secateur_model::{Foliage, Growth};
+use secateur_raster::abuffer::{ABuffer, Event, Events};
 use secateur_raster::cpu::LeafFragments;
 use secateur_raster::{Fragments, ViewSet};
 
-use super::events::{Event, Events};
-use super::pixels::PixelLists;
-
-/// The pixel lists of some views in a row, and what draws there.
-pub(super) struct Pane {
+/// Some views in a row, and what draws there.
+pub(super) struct ViewSlice {
     views: Range<usize>,
-    pixels: PixelLists,
+    pixels_per_view: u32,
+    a_buffer: ABuffer,
     leaf_fragments: LeafFragments,
     events: Events,
 }
 
-impl Pane {
-    /// All views over so many panes. Events lead from nothing but background to
+impl ViewSlice {
+    /// All views over so many slices. Events lead from nothing but background to
     /// what is there.
-    pub(super) fn all(fragments: Fragments, leaf_count: usize, panes: usize) -> Vec<Self> {
+    pub(super) fn all(fragments: Fragments, leaf_count: usize, slices: usize) -> Vec<Self> {
         let resolution = fragments.resolution();
         let pixels_per_view = fragments.pixels_per_view() as u32;
         let view_count = fragments.views().len();
         let mut rest = fragments.into_views().into_iter();
-        let parts = (0..panes).map(|k| {
-            let views = k * view_count / panes..(k + 1) * view_count / panes;
+        let parts = (0..slices).map(|k| {
+            let views = k * view_count / slices..(k + 1) * view_count / slices;
             let own: Vec<_> = rest.by_ref().take(views.len()).collect();
             (views, own)
         });
         let parts: Vec<_> = parts.collect();
-        let panes = parts.into_par_iter().map(|(views, own)| {
-            let pixels = PixelLists::new(own, pixels_per_view, leaf_count);
-            let mut events = pixels.first_events();
-            events.move_views(views.start as u32);
+        let slices = parts.into_par_iter().map(|(views, own)| {
+            let a_buffer = ABuffer::new(own, leaf_count);
+            let mut events = Events::default();
+            for (pixel, front) in (0..).zip(a_buffer.fronts()) {
+                if front[0] != 0 {
+                    events.push(views.start as u32 + pixel / pixels_per_view, [0, 0], front);
+                }
+            }
             Self {
                 leaf_fragments: LeafFragments::new(resolution),
                 views,
-                pixels,
+                pixels_per_view,
+                a_buffer,
                 events,
             }
         });
-        panes.collect()
+        slices.collect()
     }
 
     /// Takes a leaf away and draws those that have grown anew. Events are those
@@ -56,22 +60,30 @@ impl Pane {
         grown: &[Growth],
     ) {
         let Self {
-            pixels,
+            pixels_per_view,
+            a_buffer,
             leaf_fragments,
             events,
             ..
         } = self;
+        let first_view = self.views.start as u32;
+        let view_of = |pixel: u32| first_view + pixel / *pixels_per_view;
         events.clear();
-        pixels.remove(pruned, events);
+        events.begin_round();
+        a_buffer.remove(pruned, |pixel, before, after| {
+            events.push(view_of(pixel), before, after);
+        });
         let views = &views.views()[self.views.clone()];
         for growth in grown {
             let drawn = leaf_fragments.of(foliage, growth.leaf, growth.area_scale, views);
-            pixels.replace(growth.leaf.get(), drawn, events);
+            events.begin_round();
+            a_buffer.replace(growth.leaf.get(), drawn, |pixel, before, after| {
+                events.push(view_of(pixel), before, after);
+            });
         }
-        events.move_views(self.views.start as u32);
     }
 
-    /// What changed, by view over all panes.
+    /// What changed, by view over all slices.
     pub(super) fn events(&self) -> &[Event] {
         self.events.all()
     }
