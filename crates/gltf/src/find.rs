@@ -15,8 +15,8 @@ use super::property;
 use super::report;
 use super::survey::{Group, Survey};
 use super::tree::LeafSource;
-use super::{Document, GltfError, Inspection, Selector, Tree};
-use secateur_model::{Foliage, LeafTriangle};
+use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
+use secateur_model::{Foliage, LeafId, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
@@ -34,7 +34,7 @@ impl Document {
     /// Never fails: what is wrong is told in [`Inspection::problem`].
     pub fn inspect(&self, selectors: &[Selector]) -> Inspection {
         let mut inspection = self.blank_inspection();
-        if let Err(fault) = self.find(selectors, &mut inspection) {
+        if let Err(fault) = self.find(selectors, false, &mut inspection) {
             inspection.problem = Some(self.error(fault).to_string());
         }
         inspection
@@ -49,9 +49,9 @@ impl Document {
     /// or no foliage is found.
     pub fn into_tree(self, selectors: &[Selector]) -> Result<Tree, GltfError> {
         let mut inspection = self.blank_inspection();
-        match self.find(selectors, &mut inspection) {
+        match self.find(selectors, false, &mut inspection) {
             Err(fault) => Err(self.error(fault)),
-            Ok((parts, found)) => Ok(Tree {
+            Ok((parts, found, _)) => Ok(Tree {
                 document: self,
                 parts,
                 foliage: found.foliage,
@@ -62,13 +62,42 @@ impl Document {
         }
     }
 
-    /// The foliage, its sources and the parts; fills the inspection as far as
-    /// it gets.
+    /// Finds the leaves as [`into_tree`](Self::into_tree) does, and the pieces of wood: the sets of
+    /// triangles of everything else that hang together.
+    ///
+    /// # Errors
+    /// As [`into_tree`](Self::into_tree).
+    pub fn into_whole_tree(self, selectors: &[Selector]) -> Result<WholeTree, GltfError> {
+        let mut inspection = self.blank_inspection();
+        let found = self.find(selectors, true, &mut inspection);
+        let (parts, leaves, wood) = found.map_err(|fault| self.error(fault))?;
+        let wood = wood.unwrap_or_default();
+        let items = leaves
+            .joined(&wood)
+            .map_err(|problem| self.error(problem.into()))?;
+        let tree = Tree {
+            document: self,
+            parts,
+            foliage: items.foliage,
+            leaf_sources: items.leaf_sources,
+            leaf_triangles: items.leaf_triangles,
+            inspection,
+        };
+        Ok(WholeTree {
+            tree,
+            leaves: leaves.foliage,
+            wood: wood.foliage,
+        })
+    }
+
+    /// The foliage, its sources and the parts, and the wood likewise where that is wanted; then
+    /// all parts are taken for parts with leaves. Fills the inspection as far as it gets.
     fn find(
         &self,
         selectors: &[Selector],
+        with_wood: bool,
         inspection: &mut Inspection,
-    ) -> Result<(Vec<Part>, Found), Fault> {
+    ) -> Result<(Vec<Part>, Found, Option<Found>), Fault> {
         let mut parts = self.parts()?;
         let survey = self.survey(&parts)?;
         let mut pictures = Pictures::new(self);
@@ -82,7 +111,21 @@ impl Document {
         choice?;
         let found = self.collect(&survey, &parts, &mut pictures, &mut inspection.warnings)?;
         report::foliage(inspection, &found.foliage);
-        Ok((parts, found))
+        if with_wood {
+            for part in &mut parts {
+                part.is_foliage = !part.is_foliage;
+            }
+            let wood = match parts.iter().any(|part| part.is_foliage) {
+                // Warnings about textures of wood are no matter of leaves.
+                true => self.collect(&survey, &parts, &mut pictures, &mut Vec::new())?,
+                false => Found::default(),
+            };
+            for part in &mut parts {
+                part.is_foliage = true;
+            }
+            return Ok((parts, found, Some(wood)));
+        }
+        Ok((parts, found, None))
     }
 
     fn collect(
@@ -262,6 +305,34 @@ fn check_size(survey: &Survey, parts: &[Part]) -> Result<(), Problem> {
 }
 
 impl Found {
+    /// These items, then those.
+    fn joined(&self, others: &Self) -> Result<Self, Problem> {
+        let cutouts = self
+            .foliage
+            .cutouts()
+            .iter()
+            .chain(others.foliage.cutouts());
+        let mut foliage = Foliage::new(cutouts.cloned().collect());
+        let mut cutouts_before = 0;
+        for found in [self, others] {
+            for (index, leaf) in found.foliage.leaves().iter().enumerate() {
+                let triangles = found.foliage.triangles_of(LeafId::from_index(index));
+                foliage.push_leaf(triangles, leaf.cutout().map(|c| cutouts_before + c))?;
+            }
+            cutouts_before += found.foliage.cutouts().len() as u32;
+        }
+        let first = self.leaf_triangles.len() as u32;
+        let moved = others.leaf_sources.iter().map(|source| LeafSource {
+            part: source.part,
+            triangles: first + source.triangles.start..first + source.triangles.end,
+        });
+        Ok(Self {
+            foliage,
+            leaf_sources: self.leaf_sources.iter().cloned().chain(moved).collect(),
+            leaf_triangles: [&self.leaf_triangles[..], &others.leaf_triangles].concat(),
+        })
+    }
+
     fn push_part(
         &mut self,
         number: u32,

@@ -129,6 +129,7 @@ mod survey;
 mod tree;
 mod uri;
 mod view;
+mod whole_tree;
 mod write;
 
 pub use document::Document;
@@ -138,4 +139,5 @@ pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFo
 pub use selector::{Selector, SelectorError};
 pub use surfaces::Detail;
 pub use tree::Tree;
+pub use whole_tree::WholeTree;
 pub use write::{WriteProblem, Written, plant_into_glb, plant_to_glb};

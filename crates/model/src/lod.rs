@@ -1,7 +1,7 @@
 //! Which leaves are left, and how large.
 
 use crate::foliage::scaled_about;
-use crate::{Foliage, LeafId, NewLeaf, RemovalOrder};
+use crate::{Foliage, LeafId, NewLeaf, Place, RemovalOrder};
 
 /// A level of detail of a foliage: for each leaf its area as a multiple of the
 /// original one, or nothing where the leaf is gone; and the leaves that were
@@ -106,6 +106,33 @@ impl Lod {
     /// their areas as multiples of those of their triangles.
     pub fn made(&self) -> impl Iterator<Item = (&NewLeaf, f64)> + '_ {
         self.made.iter().flatten().map(|m| (&m.leaf, m.area_scale))
+    }
+
+    /// The level of two foliages one after the other: this one's leaves, then the other's.
+    ///
+    /// Leaves that were made keep their shapes; their donors and the corners that they name are
+    /// those of the joined foliage.
+    #[must_use]
+    pub fn followed_by(&self, other: &Self) -> Self {
+        let before = self.area_scales.len();
+        let mut joined = Self {
+            area_scales: [&self.area_scales[..], &other.area_scales].concat(),
+            made: self.made.clone(),
+        };
+        let renamed = |leaf: LeafId| LeafId::from_index(before + leaf.index());
+        joined.made.extend(other.made.iter().map(|made| {
+            made.as_ref().map(|made| {
+                let mut made = made.clone();
+                made.leaf.donor = renamed(made.leaf.donor);
+                for corner in made.leaf.triangles.iter_mut().flatten() {
+                    if let Place::Of(at) = &mut corner.place {
+                        at.leaf = renamed(at.leaf);
+                    }
+                }
+                made
+            })
+        }));
+        joined
     }
 
     /// Whether only original leaves are left.

@@ -28,10 +28,48 @@ pub(super) fn vertices(triangles: &[LeafTriangle]) -> Option<Vec<u32>> {
     Mesh::of(triangles).map(|mesh| mesh.indices)
 }
 
+/// A mesh of fewer triangles.
+#[derive(Clone, Debug)]
+pub(crate) struct Collapsed {
+    /// Corners of the mesh, numbered as in [`secateur_model::CornerRef`].
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// How far it is from the surface that was, in world units, textures counted in.
+    pub(crate) error: f64,
+}
+
+/// What collapses leave at ever fewer triangles, each half of the number before, as far down as
+/// collapses get; finest first. Vertices stay where they are and keep their texture coordinates;
+/// a texture that would be off by its whole width counts as `uv_weight` of the mesh's size.
+pub(crate) fn halvings(triangles: &[LeafTriangle], uv_weight: f32) -> Vec<Collapsed> {
+    let Some(mesh) = Mesh::of(triangles) else {
+        return Vec::new();
+    };
+    let mut levels: Vec<Collapsed> = Vec::new();
+    let mut wanted = triangles.len() / 2;
+    while wanted > 0 {
+        let (kept, error) = mesh.collapsed_with_uvs(wanted, uv_weight);
+        let last = levels
+            .last()
+            .map_or(triangles.len(), |level| level.triangles.len());
+        if !kept.is_empty() && kept.len() < last {
+            levels.push(Collapsed {
+                triangles: mesh.corners_of(triangles, &kept),
+                error: f64::from(error) * mesh.size,
+            });
+        }
+        wanted /= 2;
+    }
+    levels
+}
+
 /// A leaf by its vertices: corners at one place of one texture coordinate.
 struct Mesh {
     /// Relative to the first corner, the furthest at 1.
     positions: Vec<[f32; 3]>,
+    /// Texture coordinates, relative to those of the first corner.
+    uvs: Vec<[f32; 2]>,
+    /// Distance of the furthest corner from the first, in world units.
+    size: f64,
     /// Vertices by corner.
     indices: Vec<u32>,
 }
@@ -44,7 +82,9 @@ impl Mesh {
         let size = corners()
             .map(|corner| (corner - origin).length())
             .fold(0.0, f64::max);
+        let uv_origin = triangles[0].uvs[0];
         let mut positions: Vec<[f32; 3]> = Vec::new();
+        let mut vertex_uvs: Vec<[f32; 2]> = Vec::new();
         let mut known: FxHashMap<[u64; 5], u32> = FxHashMap::default();
         let uvs = triangles.iter().flat_map(|t| t.uvs);
         let vertex = |(position, uv): (DVec3, DVec2)| {
@@ -52,12 +92,42 @@ impl Mesh {
             let key = [x, y, z, uv.x, uv.y].map(|v| (v + 0.0).to_bits());
             *known.entry(key).or_insert_with(|| {
                 positions.push(((position - origin) / size).as_vec3().to_array());
+                vertex_uvs.push((uv - uv_origin).as_vec2().to_array());
                 positions.len() as u32 - 1
             })
         };
         let indices = corners().zip(uvs).map(vertex).collect();
         let is_sound = positions.as_flattened().iter().all(|x| x.is_finite());
-        is_sound.then_some(Self { positions, indices })
+        is_sound.then_some(Self {
+            positions,
+            uvs: vertex_uvs,
+            size,
+            indices,
+        })
+    }
+
+    /// As [`Self::collapsed`], but texture coordinates count too; with the error, as a share of
+    /// the mesh's size.
+    fn collapsed_with_uvs(&self, triangles: usize, uv_weight: f32) -> (Vec<[u32; 3]>, f32) {
+        let bytes = ::meshopt::typed_to_bytes(&self.positions);
+        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
+            .expect("positions are whole vectors");
+        let is_sound = self.uvs.as_flattened().iter().all(|x| x.is_finite());
+        let weight = if is_sound { uv_weight } else { 0.0 };
+        let mut error = 0.0;
+        let kept = ::meshopt::simplify_with_attributes_and_locks(
+            &self.indices,
+            &vertices,
+            self.uvs.as_flattened(),
+            &[weight; 2],
+            size_of::<[f32; 2]>(),
+            &vec![false; self.positions.len()],
+            3 * triangles,
+            f32::MAX,
+            SimplifyOptions::ErrorAbsolute,
+            Some(&mut error),
+        );
+        (kept.as_chunks().0.to_vec(), error)
     }
 
     /// Triangles, as vertices, that collapses to this number leave.

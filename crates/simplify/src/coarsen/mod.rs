@@ -14,7 +14,7 @@
 
 mod around;
 mod cards;
-mod leaf_mesh;
+pub(crate) mod leaf_mesh;
 mod pass;
 mod shapes;
 mod shares;

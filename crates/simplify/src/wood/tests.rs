@@ -1,0 +1,121 @@
+//! Tubes that grow on each other.
+
+use glam::{DVec2, DVec3};
+use secateur_model::LeafTriangle;
+
+use super::*;
+
+/// A tube of eight sides from one point to another.
+fn tube(from: DVec3, to: DVec3, radius: f64, rings: usize) -> Vec<LeafTriangle> {
+    const SIDES: usize = 8;
+    let along = (to - from).normalize();
+    let across = along.any_orthonormal_vector();
+    let beside = along.cross(across);
+    let at = |ring: usize, side: usize| {
+        let angle = std::f64::consts::TAU * side as f64 / SIDES as f64;
+        let share = ring as f64 / rings as f64;
+        let place = from.lerp(to, share) + radius * (angle.cos() * across + angle.sin() * beside);
+        // Whole sides and rings: corners of two triangles are the same vertex to the last bit.
+        (place, DVec2::new(side as f64 / SIDES as f64, share))
+    };
+    let mut triangles = Vec::new();
+    for ring in 0..rings {
+        for side in 0..SIDES {
+            let next = (side + 1) % SIDES;
+            let [a, b, c, d] = [
+                (ring, side),
+                (ring, next),
+                (ring + 1, next),
+                (ring + 1, side),
+            ]
+            .map(|(ring, side)| at(ring, side));
+            for t in [[a, b, c], [a, c, d]] {
+                triangles.push(LeafTriangle {
+                    corners: t.map(|corner| corner.0),
+                    uvs: t.map(|corner| corner.1),
+                });
+            }
+        }
+    }
+    triangles
+}
+
+/// A trunk, a bough on it, and a twig on the bough.
+fn wood() -> Foliage {
+    let mut wood = Foliage::default();
+    let bough_tip = DVec3::new(3.0, 5.0, 0.0);
+    let pieces = [
+        tube(bough_tip, bough_tip + DVec3::new(1.0, 0.5, 0.0), 0.02, 4),
+        tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.4, 12),
+        tube(DVec3::new(0.3, 4.0, 0.0), bough_tip, 0.1, 8),
+    ];
+    for piece in pieces {
+        wood.push_leaf(&piece, None).unwrap();
+    }
+    wood
+}
+
+#[test]
+fn twigs_grow_on_boughs_and_boughs_on_trunks() {
+    assert_eq!(supports(&wood()), [Some(2), None, Some(1)]);
+}
+
+#[test]
+fn a_budget_is_kept_and_nothing_hangs_in_the_air() {
+    let foliage = wood();
+    let wood = Wood::new(&foliage, &[50.0, 1000.0, 300.0]);
+    let all = foliage.triangles().len();
+    let mut lost_before = f64::INFINITY;
+    for budget in 0..=all {
+        let (lod, lost) = wood.within(budget);
+        let left = lod.foliage(&foliage);
+        assert!(left.triangles().len() <= budget, "{budget}");
+        assert!(
+            lost <= lost_before + 1e-9,
+            "{budget}: {lost} after {lost_before}"
+        );
+        lost_before = lost;
+        let is_left = |piece: usize| {
+            let name = LeafId::from_index(piece);
+            lod.leaves().any(|(leaf, _)| leaf == name)
+                || lod.made().any(|(made, _)| made.donor == name)
+        };
+        assert!(
+            !is_left(0) || is_left(2),
+            "a twig without its bough at {budget}"
+        );
+        assert!(
+            !is_left(2) || is_left(1),
+            "a bough without its trunk at {budget}"
+        );
+    }
+    assert_eq!(lost_before, 0.0);
+    // A tenth of the triangles shows most of the pixels.
+    assert!(
+        wood.within(all / 10).1 < 0.4 * 1350.0,
+        "{}",
+        wood.within(all / 10).1
+    );
+}
+
+#[test]
+fn what_stays_is_made_of_corners_that_were_there() {
+    let foliage = wood();
+    let (lod, _) = Wood::new(&foliage, &[1.0, 1.0, 1.0]).within(60);
+    assert!(lod.made().next().is_some());
+    for (made, area_scale) in lod.made() {
+        assert_eq!(area_scale, 1.0);
+        for corner in made.triangles.iter().flatten() {
+            let Place::Of(at) = corner.place else {
+                panic!("a corner of its own");
+            };
+            assert_eq!((at.leaf, at.corner), (made.donor, corner.like));
+        }
+    }
+}
+
+#[test]
+fn no_wood_is_no_wood() {
+    let (lod, lost) = Wood::new(&Foliage::default(), &[]).within(0);
+    assert_eq!((lod.leaf_count(), lost), (0, 0.0));
+}
