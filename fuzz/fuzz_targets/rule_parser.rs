@@ -1,10 +1,9 @@
-//! Whatever the text, rules end in a plant or in an error:
-//! `cargo +nightly fuzz run rule_parser -- -rss_limit_mb=4096 -timeout=10`.
+//! Whatever the text, rules end in a plant or in an error.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use secateur_plant::{Random, Rules, draw};
+use secateur::plant::{Random, Rules, draw};
 
 fuzz_target!(|text: &str| {
     let limited = format!("modules = 2000;\n{text}");
