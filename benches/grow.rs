@@ -5,15 +5,17 @@
 //! `cargo bench --bench grow [-- PART]`; PART is `time`, `growth` or `species`, or
 //! picks cases of `time` by name. `species` also writes `species.md`.
 
+mod program;
 mod rows;
 
+use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::Command;
 use std::time::Instant;
 
 use glam::DVec3;
-use rows::{Row, Rows, Wanted, exponent, repeats, shared_tree};
+use program::Run;
+use rows::{Rows, Wanted, exponent, repeats, shared_tree};
 use secateur_gltf::{Document, Tree, plant_to_glb};
 use secateur_model::{Foliage, Lod};
 use secateur_plant::{GrowOptions, Species, grow, grow_skeleton};
@@ -69,42 +71,27 @@ impl Bench {
     fn timed(&mut self, species: Species, leaves: u32) -> f64 {
         let case = format!("{species} with {leaves} leaves");
         let line = format!("secateur grow {species} --leaves {leaves} --seed 7");
-        let mut least = f64::INFINITY;
-        for repeat in 0..repeats() {
-            let report = self.folder.join("report.json");
-            let mut command = Command::new(env!("CARGO_BIN_EXE_secateur"));
-            command
-                .args(["grow", species.name(), "--seed", "7", "--leaves"])
-                .arg(leaves.to_string())
-                .arg("-o")
-                .arg(self.folder.join("out.glb"))
-                .args(["--quiet", "--report"])
-                .arg(&report);
-            let start = Instant::now();
-            let status = command.status().expect("the command starts");
-            let wall = start.elapsed().as_secs_f64();
-            assert!(status.success(), "{case} failed");
-            let text = std::fs::read_to_string(&report).expect("a report");
-            let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-            let mut add = |quantity: &str, unit: &str, value: Option<f64>| {
-                self.rows.add(&Row {
-                    case: &case,
-                    quantity,
-                    unit,
-                    value: value.unwrap_or(f64::NAN),
-                    repeat,
-                    adapter: "cpu",
-                    command: &line,
-                });
-            };
-            add("wall", "s", Some(wall));
-            add("seconds.grow", "s", report["seconds"]["grow"].as_f64());
-            add("seconds.write", "s", report["seconds"]["write"].as_f64());
-            let mib = report["peak_rss_bytes"].as_f64().map(|b| b / 1_048_576.0);
-            add("peak_rss", "MiB", mib);
-            least = least.min(wall);
-        }
-        least
+        let count = leaves.to_string();
+        let output = self.folder.join("out.glb");
+        let mut arguments = [
+            "grow",
+            species.name(),
+            "--seed",
+            "7",
+            "--leaves",
+            &count,
+            "-o",
+        ]
+        .map(OsStr::new)
+        .to_vec();
+        arguments.push(output.as_os_str());
+        let run = Run {
+            case: &case,
+            line: &line,
+            arguments: &arguments,
+            stages: &["grow", "write"],
+        };
+        run.note(&mut self.rows, &self.folder)
     }
 
     /// The exponent of time over modules, by least squares of the logarithms.

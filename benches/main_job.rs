@@ -3,14 +3,15 @@
 //!
 //! `cargo bench --bench main_job [-- PART]`; PART picks cases by name.
 
+mod program;
 mod rows;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
-use std::time::Instant;
 
-use rows::{Row, Rows, Wanted, exponent, repeats, shared_tree};
+use program::Run;
+use rows::{Rows, Wanted, exponent, shared_tree};
 use secateur_gltf::plant_to_glb;
 use secateur_model::{AlphaMode, Material, Plant, Surface};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
@@ -63,52 +64,23 @@ struct Bench {
 impl Bench {
     /// Runs the command on a tree and notes its figures; least seconds.
     fn case(&mut self, case: &str, tree: &Path, target: &[&str]) -> f64 {
-        let mut least = f64::INFINITY;
-        for repeat in 0..repeats() {
-            let output = self.folder.join("out.glb");
-            let report = self.folder.join("report.json");
-            let mut command = Command::new(env!("CARGO_BIN_EXE_secateur"));
-            command
-                .arg("simplify")
-                .arg(tree)
-                .arg("-o")
-                .arg(&output)
-                .args(target)
-                .args(["--engine", "cpu", "--quiet", "--report"])
-                .arg(&report);
-            let start = Instant::now();
-            let status = command.status().expect("the command starts");
-            let wall = start.elapsed().as_secs_f64();
-            assert!(status.success(), "{case} failed");
-            let text = std::fs::read_to_string(&report).expect("a report");
-            let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-            let line = format!(
-                "secateur simplify {} {} --engine cpu",
-                tree.file_name().unwrap_or_default().to_string_lossy(),
-                target.join(" ")
-            );
-            let mut add = |quantity: &str, unit: &str, value: Option<f64>| {
-                self.rows.add(&Row {
-                    case,
-                    quantity,
-                    unit,
-                    value: value.unwrap_or(f64::NAN),
-                    repeat,
-                    adapter: "cpu",
-                    command: &line,
-                });
-            };
-            add("wall", "s", Some(wall));
-            for (stage, seconds) in report["seconds"].as_object().into_iter().flatten() {
-                if let Some(seconds) = seconds.as_f64() {
-                    add(&format!("seconds.{stage}"), "s", Some(seconds));
-                }
-            }
-            let mib = report["peak_rss_bytes"].as_f64().map(|b| b / 1_048_576.0);
-            add("peak_rss", "MiB", mib);
-            least = least.min(wall);
-        }
-        least
+        let line = format!(
+            "secateur simplify {} {} --engine cpu",
+            tree.file_name().unwrap_or_default().to_string_lossy(),
+            target.join(" ")
+        );
+        let output = self.folder.join("out.glb");
+        let mut arguments = vec![OsStr::new("simplify"), tree.as_os_str()];
+        arguments.extend([OsStr::new("-o"), output.as_os_str()]);
+        arguments.extend(target.iter().map(OsStr::new));
+        arguments.extend(["--engine", "cpu"].map(OsStr::new));
+        let run = Run {
+            case,
+            line: &line,
+            arguments: &arguments,
+            stages: &[],
+        };
+        run.note(&mut self.rows, &self.folder)
     }
 
     /// A crown of small quads in a file.

@@ -1,10 +1,10 @@
-//! Whatever the bytes, reading a glTF ends in a tree or in an error:
-//! `cargo +nightly fuzz run gltf_loader -- -rss_limit_mb=4096 -timeout=10`.
+//! Whatever the bytes, reading a glTF ends in a tree or in an error. Mutations
+//! know JSON and BIN.
 
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use secateur_gltf::Document;
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
+use secateur::Document;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(document) = Document::from_bytes("fuzz.glb", bytes.to_vec(), None) else {
@@ -13,4 +13,8 @@ fuzz_target!(|bytes: &[u8]| {
     let _ = document.inspect(&[]).to_string();
     let _ = document.surfaces(&[]);
     let _ = document.into_tree(&["material:*".parse().expect("a selector")]);
+});
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    secateur_fuzz::mutate_gltf(data, size, max_size, seed)
 });

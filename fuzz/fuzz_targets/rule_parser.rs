@@ -1,5 +1,4 @@
-//! Whatever the text, rules end in a plant or in an error:
-//! `cargo +nightly fuzz run rule_parser -- -rss_limit_mb=4096 -timeout=10`.
+//! Whatever the text, rules end in a plant or in an error.
 
 #![no_main]
 

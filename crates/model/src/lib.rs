@@ -7,6 +7,7 @@
 //! - [`Lod`]: which leaves are left, and how large, after some of those steps.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, and its [`PlantSkeleton`].
+//! - [`Random`]: numbers drawn by lot, the same on every machine.
 //!
 //! Nothing here knows a file format, a view, an image or a method.
 
@@ -16,6 +17,7 @@ mod leaf_id;
 mod lod;
 mod new_leaf;
 mod plant;
+mod random;
 mod removal_order;
 mod skeleton;
 mod surface;
@@ -26,6 +28,7 @@ pub use leaf_id::LeafId;
 pub use lod::Lod;
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
 pub use plant::Plant;
+pub use random::Random;
 pub use removal_order::{Growth, RemovalOrder, Step};
 pub use skeleton::{PlantSkeleton, Segment, SegmentIndex, SkeletonError};
 pub use surface::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Surface, Texture};

@@ -48,7 +48,6 @@ mod leaf_surface;
 mod leaf_texture;
 mod merge;
 mod outline;
-mod random;
 mod skeleton;
 mod species;
 mod turtle;
@@ -69,8 +68,7 @@ pub use merge::{
     ClusterSize, MergedLevel, Scheme, SchemeError, height_over_radius, merge_at, merge_levels,
     merge_order,
 };
-pub use random::Random;
-pub use secateur_model::{PlantSkeleton, Segment, SegmentIndex};
+pub use secateur_model::{PlantSkeleton, Random, Segment, SegmentIndex};
 pub use skeleton::{LeafKind, LeafPose, Skeleton};
 pub use species::{Species, UnknownSpecies};
 pub use turtle::draw;

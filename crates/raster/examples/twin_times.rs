@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use glam::DVec3;
-use secateur_model::{BoundingSphere, Foliage, LeafTriangle, Lod};
+use secateur_model::{BoundingSphere, Foliage, LeafTriangle, Lod, Random};
 use secateur_raster::gpu::{self, Device, Preference};
 use secateur_raster::{Scene, ViewSet, cpu};
 
@@ -17,34 +17,23 @@ const RUNS: u32 = 7;
 /// Leaves over each other where the crown is seen, on average.
 const LAYERS: f64 = 6.0;
 
-/// Numbers from 0 to 1 that look random (a Weyl sequence through a mixer).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ self.0 >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-        (mixed ^ mixed >> 32) as u32 as f64 / f64::from(u32::MAX)
-    }
-
-    fn in_ball(&mut self) -> DVec3 {
-        loop {
-            let p = DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0;
-            if p.length_squared() <= 1.0 {
-                return p;
-            }
+fn in_ball(random: &mut Random) -> DVec3 {
+    loop {
+        let p = DVec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));
+        if p.length_squared() <= 1.0 {
+            return p;
         }
     }
 }
 
 fn crown(leaves: u32) -> Foliage {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut foliage = Foliage::default();
     // A leaf shows half of its area from an average side; the ball shows pi.
     let side = (2.0 * LAYERS * std::f64::consts::PI / f64::from(leaves)).sqrt();
     for _ in 0..leaves {
-        let centre = random.in_ball();
-        let normal = random.in_ball().normalize_or(DVec3::Y);
+        let centre = in_ball(&mut random);
+        let normal = in_ball(&mut random).normalize_or(DVec3::Y);
         let right = normal.any_orthonormal_vector() * side * 0.5;
         let up = normal.cross(right);
         let corners = [

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use secateur_model::{Cutout, Foliage, LeafTriangle, Lod, Wrap};
-use secateur_raster::{RevealEdge, Scene, View, ViewSet, cpu};
+use secateur_raster::{Fragments, RevealEdge, Scene, View, ViewSet, cpu};
 
 /// A camera at the origin looking along -z. At distance 8 an image of 16
 /// pixels spans 16 units: a unit is a pixel, (0, 0) the image's middle.
@@ -60,6 +60,16 @@ fn areas(foliage: &Foliage, lod: &Lod) -> Vec<u32> {
     fronts
 }
 
+/// The A-buffer of the only view.
+fn fragments(foliage: &Foliage, lod: &Lod) -> Fragments {
+    cpu::fragments(&Scene {
+        foliage,
+        lod,
+        views: &ruler(),
+        resolution: 16,
+    })
+}
+
 fn areas_of(leaves: &[&[LeafTriangle]]) -> Vec<u32> {
     areas(&foliage(leaves), &Lod::original(leaves.len()))
 }
@@ -81,13 +91,7 @@ fn edges_say_what_is_right_behind() {
     let back = quad(-4.0, -2.0, 4.0, 2.0, 8.0);
     let front = quad(-2.0, -1.0, 0.0, 1.0, 4.0);
     let foliage = foliage(&[&back, &front]);
-    let views = ruler();
-    let fragments = cpu::fragments(&Scene {
-        foliage: &foliage,
-        lod: &Lod::original(2),
-        views: &views,
-        resolution: 16,
-    });
+    let fragments = fragments(&foliage, &Lod::original(2));
     let edge = |front, second| RevealEdge {
         front,
         second,
@@ -205,13 +209,7 @@ fn holes_of_a_cutout_show_what_is_behind() {
     let back = quad(-4.0, -4.0, 4.0, 4.0, 8.0);
     foliage.push_leaf(&back, None).unwrap();
     assert_eq!(areas(&foliage, &Lod::original(2)), [192, 48, 16]);
-    let views = ruler();
-    let fragments = cpu::fragments(&Scene {
-        foliage: &foliage,
-        lod: &Lod::original(2),
-        views: &views,
-        resolution: 16,
-    });
+    let fragments = fragments(&foliage, &Lod::original(2));
     // Row 4 is the leaves' first row, columns 4..12; the hole is its left half.
     let front = |column: usize| fragments.views()[0].at(4 * 16 + column)[0].leaf();
     assert_eq!([front(4), front(7), front(8), front(11)], [2, 2, 1, 1]);
@@ -226,12 +224,7 @@ fn holes_of_a_triangle_show_what_is_behind() {
         let mut foliage = Foliage::new(vec![Arc::new(mask.clone())]);
         foliage.push_leaf(&[triangle], Some(0)).unwrap();
         let area_px = areas(&foliage, &Lod::original(1))[1];
-        let fragments = cpu::fragments(&Scene {
-            foliage: &foliage,
-            lod: &Lod::original(1),
-            views: &ruler(),
-            resolution: 16,
-        });
+        let fragments = fragments(&foliage, &Lod::original(1));
         let lists = fragments.views()[0].pixels();
         assert_eq!(lists.map(|list| list.len() as u32).sum::<u32>(), area_px);
         both += area_px;
@@ -270,13 +263,7 @@ fn a_column_of_many_leaves_is_one_list() {
         .collect();
     let leaves: Vec<&[LeafTriangle]> = leaves.iter().map(|l| l.as_slice()).collect();
     let foliage = foliage(&leaves);
-    let views = ruler();
-    let fragments = cpu::fragments(&Scene {
-        foliage: &foliage,
-        lod: &Lod::original(3000),
-        views: &views,
-        resolution: 16,
-    });
+    let fragments = fragments(&foliage, &Lod::original(3000));
     assert_eq!(fragments.len(), 3000);
     let list = fragments.views()[0].at(7 * 16 + 8);
     assert!(list.is_sorted());

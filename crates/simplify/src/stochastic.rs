@@ -11,7 +11,7 @@
 //!
 //! With a weight w of 1 the area of the foliage is kept, with 0 no leaf grows.
 
-use secateur_model::{Foliage, LeafId, PlantSkeleton, RemovalOrder, Step};
+use secateur_model::{Foliage, LeafId, PlantSkeleton, Random, RemovalOrder, Step};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -86,23 +86,13 @@ pub fn simplify(foliage: &Foliage, leaves: usize, options: &StochasticOptions) -
 
 /// The leaves in the order of their lots, of equals the first.
 fn shuffled(count: u32, seed: u64) -> Vec<LeafId> {
-    let mut drawn: Vec<(u64, u32)> = (0..count).map(|index| (lot(seed, index), index)).collect();
+    // Seeds near each other would otherwise share most of their lots.
+    let start = Random::new(seed).bits();
+    let mut lots = Random::new(start);
+    let mut drawn: Vec<(u64, u32)> = (0..count).map(|index| (lots.bits(), index)).collect();
     drawn.sort_unstable();
     let name = |(_, index): &(u64, u32)| LeafId::from_index(*index as usize);
     drawn.iter().map(name).collect()
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014): output `index` of its sequence from a
-/// start that the seed decides.
-fn lot(seed: u64, index: u32) -> u64 {
-    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
-    let mix = |mut z: u64| {
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    };
-    let start = mix(seed.wrapping_add(GOLDEN));
-    mix(start.wrapping_add(GOLDEN.wrapping_mul(u64::from(index) + 1)))
 }
 
 #[cfg(test)]

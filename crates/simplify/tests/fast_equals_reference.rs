@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use secateur_model::{Cutout, Foliage, LeafTriangle, Wrap};
+use secateur_model::{Cutout, Foliage, LeafTriangle, Random, Wrap};
 use secateur_raster::{CpuRasteriser, ViewSet};
 use secateur_simplify::Target;
 use secateur_simplify::vds::{
@@ -33,25 +33,17 @@ enum Crown {
     Needles,
 }
 
-struct Random(u64);
+/// Points and directions drawn by lot.
+struct Lots(Random);
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        // splitmix64.
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
+impl Lots {
     /// -1 to 1.
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    fn signed(&mut self) -> f64 {
+        self.0.between(-1.0, 1.0)
     }
 
     fn point(&mut self) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit())
+        DVec3::new(self.signed(), self.signed(), self.signed())
     }
 
     fn direction(&mut self) -> DVec3 {
@@ -85,7 +77,7 @@ fn card(centre: DVec3, along: DVec3, across: DVec3) -> [LeafTriangle; 2] {
 }
 
 fn crown(kind: Crown, leaves: usize, seed: u64) -> Foliage {
-    let mut random = Random(seed);
+    let mut random = Lots(Random::new(seed));
     let mask = Cutout::from_fn([16, 16], [Wrap::Repeat, Wrap::ClampToEdge], |x, y| {
         (x as i32 - 8).pow(2) + (y as i32 - 8).pow(2) < 50 && (x / 3 + y / 4) % 2 == 0
     });
@@ -99,7 +91,7 @@ fn crown(kind: Crown, leaves: usize, seed: u64) -> Foliage {
             Crown::Grid => {
                 let grid = (random.point() * 2.0).round() * 0.4;
                 let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-                let i = (random.next() % 3) as usize;
+                let i = (random.0.bits() % 3) as usize;
                 let triangles = card(grid, axes[i] * 0.2, axes[(i + 1) % 3] * 0.2);
                 foliage.push_leaf(&triangles, None).unwrap();
                 continue;
@@ -112,7 +104,7 @@ fn crown(kind: Crown, leaves: usize, seed: u64) -> Foliage {
                 continue;
             }
         };
-        let size = size * (1.0 + 0.5 * random.unit());
+        let size = size * (1.0 + 0.5 * random.signed());
         let cutout = matches!(kind, Crown::Cutouts).then_some(0);
         foliage
             .push_leaf(&card(centre, along * size, across * size * 0.7), cutout)

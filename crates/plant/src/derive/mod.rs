@@ -9,7 +9,7 @@ mod word;
 use std::ops::Range;
 
 use crate::Random;
-use crate::language::{Code, Place, Production, Rules, RulesError, Template};
+use crate::language::{Code, Place, Production, Rules, RulesError, Template, cut};
 
 use context::Contexts;
 use word::ENDS;
@@ -203,7 +203,7 @@ impl<'a> Derivation<'a> {
         let total: f64 = self.candidates.iter().map(|(_, weight)| weight).sum();
         if !(total > 0.0 && total.is_finite()) {
             let place = self.rules.productions[self.candidates[0].0 as usize].place;
-            let name = &self.rules.symbols[symbol].name;
+            let name = cut(&self.rules.symbols[symbol].name);
             let message = format!(
                 "the weights of the productions that match `{name}` sum to {total}, not to a \
                  positive number"

@@ -5,6 +5,7 @@ use pest::iterators::{Pair, Pairs};
 
 use super::code::{Code, Op, Program};
 use super::expression::{Expressions, Names};
+use super::places::Places;
 use super::rules::{Production, Template};
 use super::size::check_size;
 use super::symbols::{Symbols, head_parts};
@@ -14,6 +15,7 @@ use super::{Grammar, Place, Rule, Rules, RulesError, Settings, settings};
 pub(super) const DETAIL: u16 = 0;
 pub(super) const ITERATION: u16 = 1;
 
+/// Where a pair starts, for errors: counted from the start of its line.
 pub(super) fn place_of(pair: &Pair<'_, Rule>) -> Place {
     let (line, column) = pair.line_col();
     Place {
@@ -35,14 +37,19 @@ impl Rules {
         let mut files = Grammar::parse(Rule::file, text)
             .map_err(|error| RulesError::of_syntax(&error, text))?;
         let file = files.next().expect("the grammar starts with a file");
-        let mut compiler = Compiler::default();
+        let mut compiler = Compiler {
+            places: Places::new(text),
+            ..Compiler::default()
+        };
         compiler.symbols.declare(file.clone().into_inner())?;
+        compiler.ignored = vec![false; compiler.symbols.len()];
         compiler.compile(file.into_inner())
     }
 }
 
 #[derive(Default)]
-struct Compiler {
+struct Compiler<'a> {
+    places: Places<'a>,
     symbols: Symbols,
     templates: Vec<Template>,
     productions: Vec<Production>,
@@ -50,19 +57,20 @@ struct Compiler {
     constants: Vec<Code>,
     /// Constants that have been defined, by their slot.
     names: Names,
-    ignored: Vec<u16>,
+    /// For each symbol, whether contexts look through it.
+    ignored: Vec<bool>,
     axiom: Option<std::ops::Range<u32>>,
     iterations: Option<(Code, Place)>,
     max_modules: Option<usize>,
     settings: Settings,
 }
 
-impl Compiler {
+impl Compiler<'_> {
     fn compile(mut self, statements: Pairs<'_, Rule>) -> Result<Rules, RulesError> {
         self.names = Names::of_file();
         let mut end = Place { line: 1, column: 1 };
         for statement in statements {
-            let place = place_of(&statement);
+            let place = self.place(&statement);
             let rule = statement.as_rule();
             let inner = statement.into_inner();
             match rule {
@@ -86,10 +94,6 @@ impl Compiler {
         for (production, index) in self.productions.iter().zip(0..) {
             productions_of[usize::from(production.symbol)].push(index);
         }
-        let mut ignored = vec![false; self.symbols.len()];
-        for symbol in self.ignored {
-            ignored[usize::from(symbol)] = true;
-        }
         let whole = Code {
             start: 0,
             end: self.program.ops.len() as u32,
@@ -106,7 +110,7 @@ impl Compiler {
             axiom,
             productions: self.productions,
             productions_of,
-            ignored,
+            ignored: self.ignored,
             constants: self.constants,
             iterations: self.iterations,
             max_modules: self.max_modules.unwrap_or(Rules::MAX_MODULES),
@@ -115,10 +119,15 @@ impl Compiler {
         })
     }
 
+    fn place(&self, pair: &Pair<'_, Rule>) -> Place {
+        self.places.at(pair.as_span().start())
+    }
+
     fn expression(&mut self, pair: Pair<'_, Rule>) -> Result<Code, RulesError> {
         Expressions {
             program: &mut self.program,
             names: &self.names,
+            places: &self.places,
         }
         .compile(pair)
     }
@@ -133,11 +142,13 @@ impl Compiler {
 
     fn ignore(&mut self, inner: Pairs<'_, Rule>) -> Result<(), RulesError> {
         for symbol in inner.filter(|p| p.as_rule() == Rule::symbol) {
-            let numbers = self.symbols.called(symbol.as_str());
-            if numbers.is_empty() {
+            let mut numbers = self.symbols.called(symbol.as_str()).peekable();
+            if numbers.peek().is_none() {
                 self.symbols.known(&symbol, 0)?;
             }
-            self.ignored.extend(numbers);
+            for number in numbers {
+                self.ignored[usize::from(number)] = true;
+            }
         }
         Ok(())
     }
@@ -190,7 +201,7 @@ impl Compiler {
         let start = self.templates.len() as u32;
         let mut open: Vec<Place> = Vec::new();
         for item in word.into_inner() {
-            let place = place_of(&item);
+            let place = self.place(&item);
             let template = match item.as_rule() {
                 Rule::push => {
                     open.push(place);
@@ -235,7 +246,6 @@ impl Compiler {
     }
 
     fn production(&mut self, inner: Pairs<'_, Rule>, place: Place) -> Result<(), RulesError> {
-        let file_names = self.names.clone();
         self.names.enter_production();
         let mut production = Production {
             symbol: 0,
@@ -271,7 +281,7 @@ impl Compiler {
             || !production.right.is_empty()
             || asks(production.condition);
         self.productions.push(production);
-        self.names = file_names;
+        self.names.leave_production();
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! What is wrong with a rule file, and where.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use super::Rule;
@@ -59,6 +60,17 @@ impl RulesError {
             [most @ .., last] => format!("expected {} or {last}, found {found}", most.join(", ")),
         };
         Self::at(place, message)
+    }
+}
+
+/// The most characters of a name that an error repeats.
+const MAX_NAME_CHARACTERS: usize = 80;
+
+/// A name as errors repeat it: cut where it is long.
+pub(crate) fn cut(name: &str) -> Cow<'_, str> {
+    match name.char_indices().nth(MAX_NAME_CHARACTERS) {
+        Some((end, _)) => Cow::Owned(format!("{}\u{2026}", &name[..end])),
+        None => Cow::Borrowed(name),
     }
 }
 

@@ -6,7 +6,8 @@ use pest::iterators::Pair;
 
 use super::code::{Code, Function, Op, Program};
 use super::compile::{DETAIL, ITERATION, place_of};
-use super::{Rule, RulesError};
+use super::places::Places;
+use super::{Place, Rule, RulesError, cut};
 
 /// The most names that are known at once.
 const MAX_NAMES: usize = 10_000;
@@ -16,7 +17,10 @@ const MAX_NAMES: usize = 10_000;
 pub(super) struct Names {
     slots: HashMap<String, u16>,
     next: u16,
-    in_production: bool,
+    /// The names that the production at hand has defined.
+    local: Vec<String>,
+    /// The first slot of these, in a production.
+    first_local: Option<u16>,
 }
 
 impl Names {
@@ -24,13 +28,23 @@ impl Names {
         Self {
             slots: HashMap::from([("detail".to_owned(), DETAIL)]),
             next: ITERATION + 1,
-            in_production: false,
+            local: Vec::new(),
+            first_local: None,
         }
     }
 
     pub(super) fn enter_production(&mut self) {
-        self.in_production = true;
+        self.first_local = Some(self.next);
         self.slots.insert("iteration".to_owned(), ITERATION);
+    }
+
+    /// Forgets what the production has defined.
+    pub(super) fn leave_production(&mut self) {
+        for name in self.local.drain(..) {
+            self.slots.remove(&name);
+        }
+        self.slots.remove("iteration");
+        self.next = self.first_local.take().unwrap_or(self.next);
     }
 
     /// Gives a name the next slot.
@@ -41,12 +55,15 @@ impl Names {
             return refuse(format!("`{text}` is the name of a function"));
         }
         if text == "iteration" || self.slots.contains_key(text) {
-            return refuse(format!("the name `{text}` is taken"));
+            return refuse(format!("the name `{}` is taken", cut(text)));
         }
         if usize::from(self.next) >= MAX_NAMES {
             return refuse(format!("more than {MAX_NAMES} names"));
         }
         self.slots.insert(text.to_owned(), self.next);
+        if self.first_local.is_some() {
+            self.local.push(text.to_owned());
+        }
         self.next += 1;
         Ok(())
     }
@@ -61,7 +78,10 @@ impl Names {
                 }
                 _ => String::new(),
             };
-            RulesError::at(place_of(name), format!("unknown name `{text}`{hint}"))
+            RulesError::at(
+                place_of(name),
+                format!("unknown name `{}`{hint}", cut(text)),
+            )
         })
     }
 }
@@ -69,6 +89,7 @@ impl Names {
 pub(super) struct Expressions<'a> {
     pub(super) program: &'a mut Program,
     pub(super) names: &'a Names,
+    pub(super) places: &'a Places<'a>,
 }
 
 impl Expressions<'_> {
@@ -79,13 +100,18 @@ impl Expressions<'_> {
         Ok(Code { start, end })
     }
 
+    fn place(&self, pair: &Pair<'_, Rule>) -> Place {
+        self.places.at(pair.as_span().start())
+    }
+
     fn push(&mut self, pair: Pair<'_, Rule>) -> Result<(), RulesError> {
         match pair.as_rule() {
             Rule::number => self.push_number(&pair),
             Rule::call => self.push_call(pair),
             Rule::variable => {
                 let slot = self.names.slot(&pair)?;
-                self.program.push(Op::Slot(slot), place_of(&pair));
+                let place = self.place(&pair);
+                self.program.push(Op::Slot(slot), place);
                 Ok(())
             }
             _ => self.push_operation(pair),
@@ -98,7 +124,7 @@ impl Expressions<'_> {
         let mut waiting = Vec::new();
         let mut operands = 0;
         for part in pair.into_inner() {
-            let place = place_of(&part);
+            let place = self.place(&part);
             let op = match (part.as_rule(), part.as_str()) {
                 (Rule::open | Rule::close, _) => continue,
                 (Rule::minus, _) => Op::Negate,
@@ -132,7 +158,7 @@ impl Expressions<'_> {
     }
 
     fn push_number(&mut self, pair: &Pair<'_, Rule>) -> Result<(), RulesError> {
-        let place = place_of(pair);
+        let place = self.place(pair);
         let value: f64 = pair.as_str().parse().unwrap_or(f64::INFINITY);
         if !value.is_finite() {
             return Err(RulesError::at(place, "the number is too large"));
@@ -142,13 +168,14 @@ impl Expressions<'_> {
     }
 
     fn push_call(&mut self, pair: Pair<'_, Rule>) -> Result<(), RulesError> {
-        let place = place_of(&pair);
+        let place = self.place(&pair);
         let mut inner = pair.into_inner();
         let name = inner.next().expect("a call has a name").as_str();
         let known = Function::ALL.iter().find(|(known, ..)| *known == name);
         let Some(&(_, takes, function)) = known else {
             let names: Vec<&str> = Function::ALL.iter().map(|(name, ..)| *name).collect();
             let names = names.join(", ");
+            let name = cut(name);
             let message = format!("unknown function `{name}`: there are {names}");
             return Err(RulesError::at(place, message));
         };

@@ -95,6 +95,7 @@ mod commands;
 mod compile;
 mod error;
 mod expression;
+mod places;
 mod rules;
 mod settings;
 mod size;
@@ -102,6 +103,7 @@ mod symbols;
 
 pub(crate) use code::Code;
 pub(crate) use commands::{Command, POP, PUSH, command_of};
+pub(crate) use error::cut;
 pub use error::{Place, RulesError};
 pub use rules::Rules;
 pub(crate) use rules::{Production, Template};

@@ -3,7 +3,7 @@
 use pest::iterators::Pair;
 
 use super::compile::place_of;
-use super::{Rule, RulesError};
+use super::{Rule, RulesError, cut};
 
 /// What is drawn on a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -163,6 +163,7 @@ pub(super) fn set(
             return count(name, values, 3);
         }
         other => {
+            let other = cut(other);
             let message = format!(
                 "unknown setting `{other}`: there are leaves, leaf_outline, leaf_width, leaf_shrinks, \
                  leaf_droop, leaf_fold, leaf_colour, leaf_variety, leaf_outward, bark_colour, bark_pattern"
@@ -208,11 +209,11 @@ fn word<T: Copy>(
     values: &[Pair<'_, Rule>],
     words: &[(&str, T)],
 ) -> Result<T, RulesError> {
-    let place = values.first().map_or(place_of(name), place_of);
     let written = values.first().map_or("", |value| value.as_str().trim());
     let known = words.iter().find(|(known, _)| *known == written);
     known.map(|(_, value)| *value).ok_or_else(|| {
         let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+        let place = place_of(values.first().unwrap_or(name));
         RulesError::at(place, format!("expected one of {}", known.join(", ")))
     })
 }

@@ -7,7 +7,7 @@ use pest::iterators::{Pair, Pairs};
 use super::commands::COMMANDS;
 use super::compile::place_of;
 use super::rules::SymbolInfo;
-use super::{Rule, RulesError};
+use super::{Rule, RulesError, cut};
 
 /// The most symbols with their numbers of parameters.
 const MAX_SYMBOLS: usize = 10_000;
@@ -16,7 +16,8 @@ const MAX_SYMBOLS: usize = 10_000;
 #[derive(Default)]
 pub(super) struct Symbols {
     infos: Vec<SymbolInfo>,
-    numbers: HashMap<(String, usize), u16>,
+    /// For each name the numbers of parameters it is known with, and its number.
+    numbers: HashMap<String, Vec<(usize, u16)>>,
 }
 
 impl Symbols {
@@ -30,12 +31,11 @@ impl Symbols {
             if matches!(statement.as_rule(), Rule::production | Rule::declaration) {
                 let heads = statement.into_inner();
                 for head in heads.filter(|p| p.as_rule() == Rule::head) {
-                    let place = place_of(&head);
                     let (symbol, names) = head_parts(head);
                     self.number(symbol.as_str(), names.len());
                     if self.infos.len() > MAX_SYMBOLS {
                         let message = format!("more than {MAX_SYMBOLS} symbols");
-                        return Err(RulesError::at(place, message));
+                        return Err(RulesError::at(place_of(&symbol), message));
                     }
                 }
             }
@@ -44,17 +44,23 @@ impl Symbols {
     }
 
     fn number(&mut self, name: &str, parameters: usize) -> u16 {
-        let key = (name.to_owned(), parameters);
-        if let Some(&known) = self.numbers.get(&key) {
+        if let Some(known) = self.find(name, parameters) {
             return known;
         }
         let number = self.infos.len() as u16;
         self.infos.push(SymbolInfo {
-            name: key.0.clone(),
+            name: name.to_owned(),
             parameters,
         });
-        self.numbers.insert(key, number);
+        let namesakes = self.numbers.entry(name.to_owned()).or_default();
+        namesakes.push((parameters, number));
         number
+    }
+
+    fn find(&self, name: &str, parameters: usize) -> Option<u16> {
+        let namesakes = self.numbers.get(name)?;
+        let found = namesakes.iter().find(|(takes, _)| *takes == parameters);
+        found.map(|&(_, number)| number)
     }
 
     pub(super) fn known(
@@ -63,12 +69,13 @@ impl Symbols {
         parameters: usize,
     ) -> Result<u16, RulesError> {
         let name = symbol.as_str();
-        if let Some(&number) = self.numbers.get(&(name.to_owned(), parameters)) {
+        if let Some(number) = self.find(name, parameters) {
             return Ok(number);
         }
-        let namesakes = self.infos.iter().filter(|info| info.name == name);
-        let mut counts: Vec<usize> = namesakes.map(|info| info.parameters).collect();
+        let namesakes = self.numbers.get(name).into_iter().flatten();
+        let mut counts: Vec<usize> = namesakes.map(|(takes, _)| *takes).collect();
         counts.sort_unstable();
+        let name = cut(name);
         let message = match counts.as_slice() {
             [] => format!(
                 "unknown symbol `{name}`: the turtle does not know it and no production is for it \
@@ -90,14 +97,13 @@ impl Symbols {
     /// # Panics
     /// If it is none, or before [`declare`](Self::declare).
     pub(super) fn of_turtle(&self, name: &str) -> u16 {
-        self.numbers[&(name.to_owned(), 0)]
+        self.find(name, 0).expect("a symbol of the turtle's")
     }
 
     /// The numbers of all symbols of a name, whatever parameters they take.
-    pub(super) fn called(&self, name: &str) -> Vec<u16> {
-        let named = self.infos.iter().zip(0u16..);
-        let same = named.filter(|(info, _)| info.name == name);
-        same.map(|(_, number)| number).collect()
+    pub(super) fn called(&self, name: &str) -> impl Iterator<Item = u16> {
+        let namesakes = self.numbers.get(name).into_iter().flatten();
+        namesakes.map(|&(_, number)| number)
     }
 
     pub(super) fn len(&self) -> usize {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use secateur_gltf::Document;
 use secateur_plant::{
     ClusterSize, MAX_DEPTH, Metric, Random, Segment, SegmentIndex, chain_order, check_depth,
-    merge_order,
+    merge_order, read_chain,
 };
 
 /// What the fuzz target does with a file, too. Whether there were orders.
@@ -31,8 +31,9 @@ fn ends(bytes: &[u8]) -> bool {
     true
 }
 
-fn seeds() -> Vec<(String, Vec<u8>)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/skeleton");
+fn seeds_of(target: &str) -> Vec<(String, Vec<u8>)> {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
+    let folder = corpus.join(target);
     let entries = std::fs::read_dir(folder).unwrap();
     let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
@@ -45,7 +46,7 @@ fn seeds() -> Vec<(String, Vec<u8>)> {
 
 #[test]
 fn skeletons_that_can_be_have_orders() {
-    let seeds = seeds();
+    let seeds = seeds_of("skeleton");
     assert!(seeds.len() >= 20, "{} seeds", seeds.len());
     for (name, bytes) in seeds {
         assert_eq!(ends(&bytes), !name.starts_with("broken"), "{name}");
@@ -58,7 +59,7 @@ fn mutations_of_skeletons_end() {
     let mut random = Random::new(2026);
     let below = |random: &mut Random, end: usize| (random.bits() % end as u64) as usize;
     let mut orders = 0;
-    for (_, seed) in seeds() {
+    for (_, seed) in seeds_of("skeleton") {
         let json_end = 20 + u32::from_le_bytes(seed[12..16].try_into().unwrap()) as usize;
         let of_json = 20..json_end;
         let digits: Vec<usize> = of_json.filter(|&k| seed[k].is_ascii_digit()).collect();
@@ -109,4 +110,20 @@ fn a_way_from_the_root_may_only_be_so_long() {
         said.starts_with("segment 10001 of the skeleton grows 10001 segments above its root"),
         "{said}"
     );
+}
+
+/// Chains as bytes, too: those that can be drawn are, the others are errors.
+#[test]
+fn chains_that_can_be_drawn_are() {
+    let seeds = seeds_of("chain_stream");
+    assert!(seeds.len() >= 8, "{} seeds", seeds.len());
+    for (name, bytes) in seeds {
+        let read = read_chain(&mut &bytes[..], &mut |_| true);
+        let error = read.err().map(|error| error.to_string());
+        assert_eq!(
+            error.is_some(),
+            name.starts_with("broken"),
+            "{name}: {error:?}"
+        );
+    }
 }

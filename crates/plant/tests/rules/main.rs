@@ -4,6 +4,7 @@ mod corpus;
 mod derivation;
 mod errors;
 mod expressions;
+mod long_lines;
 
 use secateur_plant::{Random, Rules, RulesError};
 

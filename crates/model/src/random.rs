@@ -1,4 +1,4 @@
-//! The seeded generator behind every chance in a plant.
+//! The seeded generator behind every chance: in plants, in random orders, in tests.
 
 use std::f64::consts::TAU;
 
