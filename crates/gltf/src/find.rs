@@ -72,9 +72,8 @@ impl Document {
         let found = self.find(selectors, true, &mut inspection);
         let (parts, leaves, wood) = found.map_err(|fault| self.error(fault))?;
         let wood = wood.unwrap_or_default();
-        let items = leaves
-            .joined(&wood)
-            .map_err(|problem| self.error(problem.into()))?;
+        let items = leaves.joined(&wood);
+        let items = items.map_err(|problem| self.error(Fault::from(problem)))?;
         let tree = Tree {
             document: self,
             parts,

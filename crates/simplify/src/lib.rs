@@ -40,6 +40,7 @@ mod target;
 pub mod vds;
 mod views;
 mod warning;
+pub mod whole;
 pub mod wood;
 
 pub use error::Error;

@@ -41,7 +41,7 @@ struct Piece {
 struct Offer {
     px_a_triangle: f64,
     piece: usize,
-    /// An index of its levels, or of none: the piece as it is.
+    /// 0 for the piece as it is, else one more than an index of its levels.
     level: usize,
 }
 
@@ -92,7 +92,7 @@ impl Wood {
         if triangles_at_most >= self.triangle_count() {
             return (Lod::original(self.pieces.len()), 0.0);
         }
-        let chosen = self.choose(triangles_at_most);
+        let chosen = self.choose(triangles_at_most, 0.0);
         let lost = self
             .pieces
             .iter()
@@ -104,9 +104,16 @@ impl Wood {
         (self.lod(&chosen), lost.sum())
     }
 
-    /// The level of each piece that is left: an index of its levels, or one more for the piece as
-    /// it is.
-    fn choose(&self, triangles_at_most: usize) -> Vec<Option<usize>> {
+    /// How many triangles save at least this many pixels each, the worthiest first; at most so many.
+    pub fn worth(&self, px_a_triangle: f64, triangles_at_most: usize) -> usize {
+        let chosen = self.choose(triangles_at_most, px_a_triangle);
+        let pieces = self.pieces.iter().zip(chosen);
+        pieces.map(|(piece, level)| piece.count(level)).sum()
+    }
+
+    /// The level of each piece that is left: 0 for the piece as it is, else one more than an index
+    /// of its levels. Triangles that save fewer pixels each than asked for are not spent.
+    fn choose(&self, triangles_at_most: usize, least_px_a_triangle: f64) -> Vec<Option<usize>> {
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); self.pieces.len()];
         let mut offers = BinaryHeap::new();
         for (index, piece) in self.pieces.iter().enumerate() {
@@ -118,6 +125,9 @@ impl Wood {
         let mut chosen: Vec<Option<usize>> = vec![None; self.pieces.len()];
         let mut left = triangles_at_most;
         while let Some(offer) = offers.pop() {
+            if offer.px_a_triangle < least_px_a_triangle {
+                break;
+            }
             let piece = &self.pieces[offer.piece];
             let before = chosen[offer.piece];
             let more = piece.count(Some(offer.level)) - piece.count(before);

@@ -1,0 +1,121 @@
+//! Whole plants: one budget of triangles for leaves and wood.
+
+use secateur_model::{Foliage, Lod};
+use secateur_raster::{OpenEngine, ViewSet};
+
+use crate::observe::observe;
+use crate::stage::Observer;
+use crate::wood::Wood;
+use crate::{Error, Options, Simplified, Target, simplify_on, sphere_of};
+
+/// Views of this many pixels a side say how much of each piece of wood is seen: enough for what
+/// shows at all at the heights at which coarse levels are seen.
+const SEEN_RESOLUTION: u32 = 256;
+
+/// What is hidden at first counts this much of what is seen: leaves that go lay some of it bare.
+/// Found by trial.
+const HIDDEN_WEIGHT: f64 = 0.1;
+
+/// A plant's leaves and wood, looked at once for any number of levels.
+#[derive(Clone, Debug)]
+pub struct WholePlant<'a> {
+    leaves: &'a Foliage,
+    wood: &'a Foliage,
+    levels: Wood,
+    /// Pixels that the views show of leaves.
+    leaves_px: f64,
+}
+
+/// A level of a whole plant.
+#[derive(Clone, Debug)]
+pub struct WholeLevel {
+    /// What came of the leaves.
+    pub leaves: Simplified,
+    /// What is left of the wood.
+    pub wood: Lod,
+    /// Triangles of that.
+    pub wood_triangles: usize,
+}
+
+impl<'a> WholePlant<'a> {
+    /// Looks at the plant, and finds how far each piece of wood can be simplified. `items` are the
+    /// leaves and then the wood.
+    ///
+    /// # Errors
+    /// [`Error`] if there is no leaf, the plant is out of range, or the rasteriser fails.
+    pub fn new(
+        items: &Foliage,
+        leaves: &'a Foliage,
+        wood: &'a Foliage,
+        engine: &OpenEngine,
+    ) -> Result<Self, Error> {
+        sphere_of(leaves)?;
+        let sphere = sphere_of(items)?;
+        let views = ViewSet::dodecahedron(sphere);
+        let px = |foliage: &Foliage| -> Result<Vec<f64>, Error> {
+            let all = Lod::original(foliage.leaves().len());
+            let areas = observe(foliage, &all, &views, SEEN_RESOLUTION, engine)?;
+            let mut px = vec![0.0; foliage.leaves().len()];
+            for row in areas.rows() {
+                for (sum, area_px) in px.iter_mut().zip(&row[1..]) {
+                    *sum += f64::from(*area_px);
+                }
+            }
+            Ok(px)
+        };
+        let seen = px(items)?;
+        let bare = if wood.leaves().is_empty() {
+            Vec::new()
+        } else {
+            px(wood)?
+        };
+        let of_wood = seen[leaves.leaves().len()..].iter().zip(bare);
+        let weights: Vec<f64> = of_wood
+            .map(|(seen, bare)| seen + HIDDEN_WEIGHT * (bare - seen).max(0.0))
+            .collect();
+        Ok(Self {
+            leaves,
+            wood,
+            levels: Wood::new(wood, &weights),
+            leaves_px: seen[..leaves.leaves().len()].iter().sum(),
+        })
+    }
+
+    /// Triangles of leaves and wood.
+    pub fn triangle_count(&self) -> usize {
+        self.leaves.triangles().len() + self.wood.triangles().len()
+    }
+
+    /// How many triangles of a budget are wood's: those that save as many pixels each as the
+    /// leaves' triangles show, or [`LEAF_MARGIN`] of that.
+    pub fn wood_share(&self, triangles: usize, margin: f64) -> usize {
+        let leaf_px_a_triangle = self.leaves_px / triangles.max(1) as f64;
+        self.levels.worth(margin * leaf_px_a_triangle, triangles)
+    }
+
+    /// The plant with at most this many triangles, of which wood gets `wood_triangles`; how leaves
+    /// are simplified is as the options say, but for their target.
+    ///
+    /// # Errors
+    /// As [`simplify_on`].
+    pub fn level(
+        &self,
+        triangles: usize,
+        wood_triangles: usize,
+        options: &Options,
+        engine: &OpenEngine,
+        observer: &mut Observer<'_>,
+    ) -> Result<WholeLevel, Error> {
+        let (wood, _) = self.levels.within(wood_triangles.min(triangles));
+        let wood_triangles = wood.foliage(self.wood).triangles().len();
+        let options = Options {
+            target: Target::triangles((triangles - wood_triangles) as u64),
+            ..options.clone()
+        };
+        Ok(WholeLevel {
+            leaves: simplify_on(engine, self.leaves, &options, observer)?,
+            wood,
+            wood_triangles,
+        })
+    }
+}
