@@ -8,14 +8,11 @@
 //! - [`meshopt`](mod@meshopt): a mesh simplifier that knows triangles, not leaves.
 //! - [`mod@coarsen`]: leaves of fewer triangles, before any goes.
 //! - [`mod@fit`]: sizes of the leaves that are left, fitted to outline and VMI.
-//! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
-//!   on the GPU.
 //! - [`resolution`]: how fine the images must be.
 //!
 //! Every method returns a [`RemovalOrder`](secateur_model::RemovalOrder).
 
 pub mod coarsen;
-pub mod first_costs;
 pub mod fit;
 pub mod fsa;
 pub mod meshopt;
