@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 use serde_json::Value;
 
 use super::buffer::{self, Buffer};
-use super::container;
+use super::container::{self, Unpacked};
 use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::property;
@@ -84,7 +84,15 @@ impl Document {
     }
 
     fn parse(name: &str, bytes: Vec<u8>, base_dir: Option<&Path>) -> Result<Self, Fault> {
-        let unpacked = container::unpack(bytes)?;
+        Self::from_unpacked(name, container::unpack(bytes)?, base_dir)
+    }
+
+    /// The document of a file that is taken apart already.
+    pub(crate) fn from_unpacked(
+        name: &str,
+        unpacked: Unpacked,
+        base_dir: Option<&Path>,
+    ) -> Result<Self, Fault> {
         let root = unpacked.root;
         check_extensions(&root)?;
         let buffers = buffer::load_all(&root, unpacked.chunk, base_dir)?;

@@ -137,4 +137,7 @@ pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use selector::{Selector, SelectorError};
 pub use tree::Tree;
-pub use write::{WriteProblem, Written, plant_into_glb, plant_to_glb};
+pub use write::{
+    CommitError, PreparedLod, StagedFiles, WriteOptions, WriteProblem, Written, plant_into_glb,
+    plant_to_glb,
+};

@@ -68,7 +68,7 @@
 //! # Map
 //! | for | look at |
 //! |---|---|
-//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`GltfError`] |
+//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Simplify`], [`Target`], [`Simplified`], [`Progress`] |
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`raster::View`] |
@@ -113,8 +113,9 @@ pub use settings::{
 
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_gltf::{
-    Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason, Selector,
-    SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_into_glb, plant_to_glb,
+    CommitError, Document, FoliageReport, GltfError, Inspection, PreparedLod, PrimitiveReport,
+    Problem, Reason, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree, WriteOptions,
+    WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CornerRef, Cutout, Foliage, FoliageError, Growth, Leaf, LeafId,

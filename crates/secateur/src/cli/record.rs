@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use secateur::fit::Objective;
-use secateur::{Inspection, Measurement, Simplified, Simplify, Stopped, TakenFor, Tree, Written};
+use secateur::{
+    Inspection, Measurement, Simplified, Simplify, StagedFiles, Stopped, TakenFor, Tree, Written,
+};
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -154,10 +156,26 @@ pub(crate) fn overall(measured: &Measurement) -> Value {
     joined(json!(measured.overall), about)
 }
 
+/// Writes a record, where one is asked for, that appears with the others of `staged`.
+pub(crate) fn stage(
+    staged: &mut StagedFiles,
+    path: Option<&Path>,
+    record: &Value,
+) -> Result<(), Failure> {
+    match path {
+        Some(path) => output::stage(staged, path, &bytes(record)),
+        None => Ok(()),
+    }
+}
+
+fn bytes(record: &Value) -> Vec<u8> {
+    format!("{record:#}\n").into_bytes()
+}
+
 /// Writes a record where one is asked for.
 pub(crate) fn write(path: Option<&Path>, record: &Value) -> Result<(), Failure> {
     match path {
-        Some(path) => output::write_file(path, format!("{record:#}\n").as_bytes()),
+        Some(path) => output::write_file(path, &bytes(record)),
         None => Ok(()),
     }
 }

@@ -7,8 +7,8 @@ use std::time::Instant;
 use secateur::fit::Objective;
 use secateur::raster::ViewSet;
 use secateur::{
-    Document, Error, Foliage, Lod, PlantSkeleton, Resolution, Simplified, Simplify, Stopped, Tree,
-    Views, Written, read_cameras,
+    Error, Foliage, Lod, PlantSkeleton, PreparedLod, Resolution, Simplified, Simplify, StagedFiles,
+    Stopped, Tree, Views, WriteOptions, Written, read_cameras,
 };
 
 use super::args::{self, Common, MaxCoverage};
@@ -43,18 +43,24 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     stages.extend(result.seconds.iter().copied());
 
     interrupt::writing()?;
-    let written = timed(&mut stages, "write", || {
+    // All files are written before the first appears: what fails leaves nothing.
+    let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        tree.write_lod(&result.lod, &args.output)
+        tree.prepare_lod(&result.lod, &args.output, write_options(args))
             .map_err(Failure::from)
     })?;
-    if let Some(picture) = &args.picture {
-        timed(&mut stages, "picture", || {
-            write_picture(picture, args, &tree, &result)
-        })?;
+    let picture = match args.picture {
+        Some(_) => Some(timed(&mut stages, "picture", || {
+            picture_of(&prepared, args, &tree, &result)
+        })?),
+        None => None,
+    };
+    let (written, mut staged) = prepared.into_files();
+    if let (Some(path), Some(picture)) = (&args.picture, picture) {
+        output::stage(&mut staged, path, &picture)?;
     }
     if let Some(folder) = &args.debug_images {
-        write_debug_images(folder, &settings, &tree, &result)?;
+        stage_debug_images(&mut staged, folder, &settings, &tree, &result)?;
     }
     let run = Run {
         input: &args.tree,
@@ -67,7 +73,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         warnings: &warnings,
     };
     let record = record::of_simplify(&run, args);
-    record::write(args.report.as_deref(), &record)?;
+    record::stage(&mut staged, args.report.as_deref(), &record)?;
+    staged.commit()?;
     Ok(Printed::single(pretty(&run, args), record))
 }
 
@@ -76,7 +83,7 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
     let cameras = Path::new(&args.views);
     inputs.push(cameras);
-    output::check_tree(&args.output, &inputs)?;
+    output::check_tree(&args.output, &inputs, write_options(args))?;
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;
@@ -91,6 +98,10 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     }
     output::check_distinct(&outputs)?;
     Ok(outputs)
+}
+
+fn write_options(args: &args::Simplify) -> WriteOptions {
+    WriteOptions::default().overwrite(args.overwrite)
 }
 
 /// What a run is asked to do.
@@ -193,14 +204,15 @@ pub(crate) fn warn_all(warnings: &[String]) {
     }
 }
 
-fn write_picture(
-    path: &Path,
+/// The bytes of the picture of the original and the result.
+fn picture_of(
+    prepared: &PreparedLod,
     args: &args::Simplify,
     tree: &Tree,
     result: &Simplified,
-) -> Result<(), Failure> {
+) -> Result<Vec<u8>, Failure> {
     let selectors = &args.foliage.foliage;
-    let after = Document::open(&args.output)?;
+    let after = prepared.document()?;
     let left = result.lod.foliage(tree.foliage());
     let in_words = |foliage: &Foliage| {
         let [leaves, triangles] = counts(foliage).map(|n| grouped(n as u64));
@@ -224,7 +236,7 @@ fn write_picture(
             surfaces: picture::surfaces(&after, &[])?,
         },
     ];
-    output::write_file(path, &picture::sheet(&exhibits)?)
+    picture::sheet(&exhibits)
 }
 
 /// Leaves and triangles.
@@ -241,18 +253,26 @@ pub(crate) fn share(kept: usize, count: usize) -> String {
     }
 }
 
-fn write_debug_images(
+fn stage_debug_images(
+    staged: &mut StagedFiles,
     folder: &Path,
     settings: &Simplify,
     tree: &Tree,
     result: &Simplified,
 ) -> Result<(), Failure> {
-    output::make_folder(folder)?;
     let foliage = settings.alpha.apply(tree.foliage());
     let original = Lod::original(foliage.leaves().len());
     let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
-        picture::write_leaf_ids(folder, name, &foliage, lod, views, result.resolution)?;
+        picture::stage_leaf_ids(
+            staged,
+            folder,
+            name,
+            &foliage,
+            lod,
+            views,
+            result.resolution,
+        )?;
     }
     Ok(())
 }
