@@ -20,6 +20,8 @@ pub struct Document {
     pub(crate) root: Value,
     /// The bytes of `buffers`, in their order.
     pub(crate) buffers: Vec<Buffer>,
+    /// How many bytes these are, those that buffers share counted once.
+    pub(crate) data_bytes: u64,
     /// What errors call the file.
     pub(crate) name: String,
     /// The folder in which its URIs are looked up.
@@ -100,6 +102,7 @@ impl Document {
         let views = property::list(&root, "bufferViews")?.len();
         Ok(Self {
             root,
+            data_bytes: buffer::distinct_bytes(&buffers),
             buffers,
             name: name.to_owned(),
             base_dir: base_dir.map(Path::to_owned),

@@ -8,11 +8,12 @@ use super::accessor::Shape;
 use super::choice;
 use super::error::{At, Fault, Problem};
 use super::evidence;
+use super::material::TextureUse;
 use super::parts::{Part, check_limit};
-use super::picture::{Decoded, Pictures};
+use super::picture::Pictures;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
-use secateur_model::{Material, Surface, Texture};
+use secateur_model::{Material, Surface};
 
 /// The most triangles that surfaces are made of, every instance counted.
 const MAX_TRIANGLES: u64 = 16 << 20;
@@ -135,17 +136,12 @@ impl Document {
 
     fn material(&self, group: &Group, pictures: &mut Pictures<'_>) -> Result<Material, Fault> {
         let look = &group.look;
-        let picture = match look.texture.and_then(|t| t.image) {
-            Some(image) => Some(pictures.get(image)?),
-            None => None,
-        };
-        let texture = match (picture, look.texture) {
-            (Some(Decoded::Picture(picture)), Some(texture)) => Some(Arc::new(Texture {
-                width: picture.image.width(),
-                height: picture.image.height(),
-                rgba: picture.image.as_raw().clone(),
-                wrap: texture.wrap,
-            })),
+        let texture = match look.texture {
+            Some(TextureUse {
+                image: Some(image),
+                wrap,
+                ..
+            }) => pictures.texture(image, wrap)?,
             _ => None,
         };
         Ok(Material {

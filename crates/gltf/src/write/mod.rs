@@ -30,4 +30,5 @@ mod vertices;
 pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub use problem::WriteProblem;
+pub(crate) use references::check_references;
 pub use staged_files::{CommitError, StagedFiles};
