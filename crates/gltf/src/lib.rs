@@ -138,4 +138,7 @@ pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFo
 pub use selector::{Selector, SelectorError};
 pub use surfaces::Detail;
 pub use tree::Tree;
-pub use write::{WriteProblem, Written, plant_into_glb, plant_to_glb};
+pub use write::{
+    CommitError, PreparedLod, StagedFiles, WriteOptions, WriteProblem, Written, plant_into_glb,
+    plant_to_glb,
+};

@@ -156,7 +156,7 @@ fn module(device: &wgpu::Device, stage: &str, wgsl: &str) -> wgpu::ShaderModule 
     })
 }
 
-fn stage(
+pub(super) fn stage(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     entry: &str,
