@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbaImage;
-use secateur::eval::pictures::FLIP_MEAN;
+use secateur_eval::pictures::FLIP_MEAN;
 use secateur::{Detail, Document, Surface};
 use secateur_scene::Screen;
 use secateur_scene::preview::{Facts, Level, Preview, page};
