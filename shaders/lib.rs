@@ -14,8 +14,6 @@ macro_rules! shaders {
 }
 
 shaders! {
-    /// What pruning each leaf of the original foliage costs.
-    FIRST_COSTS = "first_costs.wgsl";
     /// Fragments of each pixel to where each pixel's list starts.
     FRAGMENTS_SCAN = "fragments_scan.wgsl";
     /// Puts each pixel's list in order, each leaf once.
@@ -30,8 +28,6 @@ shaders! {
     PROBE = "probe.wgsl";
     /// Snapped triangles to pixels.
     RASTERISE = "rasterise.wgsl";
-    /// Which leaf each leaf's pixels would show if it went.
-    REVEAL_EDGES = "reveal_edges.wgsl";
 }
 
 #[cfg(test)]

@@ -134,11 +134,66 @@ fn a_link_that_the_user_names_is_followed() {
     bench
         .simplify(&["link.gltf", "-o", "out/o.glb", "--leaves", "1"])
         .succeeded();
-    // As an output it is replaced; the file that it leads to stays.
-    let before = bench.read("in/t.gltf");
+    // As an output too: what it leads to is written, and the buffer beside that.
     put_changed(&bench, "/nodes/0/name", json!("tree"));
     bench
         .simplify(&["tree.gltf", "-o", "link.gltf", "--leaves", "1"])
         .succeeded();
-    assert_eq!(bench.read("in/t.gltf"), before);
+    assert!(bench.path("link.gltf").is_symlink());
+    let written = bench.json("in/t.gltf");
+    assert_eq!(written["buffers"][0]["uri"], "t.bin");
+    assert!(bench.path("in/t.bin").exists() && !bench.path("link.bin").exists());
+}
+
+#[test]
+fn a_run_that_fails_leaves_none_of_its_files() {
+    // Only the picture needs the colours, and they are none.
+    let bench = Bench::new();
+    put_changed(
+        &bench,
+        "/meshes/0/primitives/0/attributes/COLOR_0",
+        json!(1),
+    );
+    let before = bench.names();
+    for output in ["o.gltf", "o.glb"] {
+        let arguments = ["tree.gltf", "-o", output, "--leaves", "1", "--fit=none"];
+        let more = [
+            "--picture",
+            "p.png",
+            "--report",
+            "r.json",
+            "--debug-images",
+            "d",
+        ];
+        let ran = bench.simplify(&[&arguments[..], &more].concat());
+        ran.failed_saying(&["COLOR_0"]);
+        assert_eq!(bench.names(), before);
+    }
+    let arguments = ["tree.gltf", "-o", "o.glb", "--leaves", "1"];
+    bench.simplify(&arguments).succeeded();
+}
+
+#[test]
+fn a_buffer_of_somebody_else_is_overwritten_only_on_demand() {
+    let bench = Bench::new();
+    put_changed(&bench, "/nodes/0/name", json!("tree"));
+    bench.put("o.bin", b"mine");
+    let arguments = ["tree.gltf", "-o", "o.gltf", "--leaves", "1"];
+    let parts = ["o.gltf: ", "`o.bin`", "--overwrite"];
+    bench.simplify(&arguments).failed_saying(&parts);
+    assert_eq!(bench.read("o.bin"), b"mine");
+    assert!(!bench.path("o.gltf").exists());
+
+    let on_demand = [&arguments[..], &["--overwrite"]].concat();
+    bench.simplify(&on_demand).succeeded();
+    let first = bench.read("o.bin");
+    // Now it is the output's own.
+    bench
+        .simplify(&["tree.gltf", "-o", "o.gltf", "--leaves", "2"])
+        .succeeded();
+    assert_ne!(bench.read("o.bin"), first);
+    assert_eq!(
+        bench.names(),
+        ["o.bin", "o.gltf", "oak.glb", "tree.bin", "tree.gltf"]
+    );
 }

@@ -14,11 +14,14 @@ mod help;
 mod main_job;
 mod measure;
 mod odd_trees;
+mod preview_page;
 mod program;
 mod report_page;
 mod shared_trees;
 mod small_files;
 mod study;
+#[path = "browser/tab.rs"]
+mod tab;
 mod triangles;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]

@@ -2,7 +2,8 @@
 # Passes the tests, all of them. Where the machine has no Vulkan driver that
 # computes correctly, installs lavapipe, a software one, through the system's
 # package manager, and Chromium likewise where there is no browser to open
-# reports with; where node is there, fetches the Khronos glTF validator.
+# pages with; where npm is there, fetches the Khronos glTF validator and three.js,
+# which the preview's pictures are compared with.
 # Further arguments go to `cargo test --workspace`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -89,14 +90,18 @@ if ! find_browser; then
 fi
 export SECATEUR_REQUIRE_BROWSER=1
 
-if [ ! -d tests/validator/node_modules ]; then
+fetch_packages() { npm ci --silent --no-audit --no-fund --prefix "$1"; }
+
+if [ ! -d tests/validator/node_modules ] || [ ! -d tests/browser/node_modules ]; then
   if command -v npm > /dev/null; then
-    say "fetching the Khronos glTF validator"
-    npm ci --silent --no-audit --no-fund --prefix tests/validator
+    say "fetching the Khronos glTF validator and three.js"
+    fetch_packages tests/validator
+    fetch_packages tests/browser
   else
-    say "no npm: the tests that ask the Khronos glTF validator will say that they skip"
+    say "no npm: the tests that ask the Khronos glTF validator or three.js will say that they skip"
   fi
 fi
 if [ -d tests/validator/node_modules ]; then export SECATEUR_REQUIRE_VALIDATOR=1; fi
+if [ -d tests/browser/node_modules ]; then export SECATEUR_REQUIRE_THREE=1; fi
 
 exec cargo test --workspace "$@"

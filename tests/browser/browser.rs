@@ -21,12 +21,7 @@ pub(crate) struct Visit {
 /// Nothing where there is no browser, unless the environment has
 /// `SECATEUR_REQUIRE_BROWSER=1`: then it panics.
 pub(crate) fn visit(page: &Path, widths_px: &[u64]) -> Option<(Vec<Visit>, Vec<String>)> {
-    let Some(browser) = browser() else {
-        let is_required = std::env::var("SECATEUR_REQUIRE_BROWSER").is_ok_and(|v| v == "1");
-        assert!(!is_required, "there is no Chromium");
-        eprintln!("SKIPPED: there is no Chromium; bash tests/run.sh installs it");
-        return None;
-    };
+    let browser = find()?;
     let folder = tempfile::tempdir().unwrap();
     let html = std::fs::read_to_string(page).unwrap();
     let probe = format!("<script>\n{}</script>\n", include_str!("probe.js"));
@@ -103,7 +98,19 @@ pub(crate) fn visit(page: &Path, widths_px: &[u64]) -> Option<(Vec<Visit>, Vec<S
     Some((visits, console.map(str::to_owned).collect()))
 }
 
-fn browser() -> Option<PathBuf> {
+/// The browser, or nothing where there is none, unless the environment has
+/// `SECATEUR_REQUIRE_BROWSER=1`: then it panics.
+pub(crate) fn find() -> Option<PathBuf> {
+    let found = installed();
+    if found.is_none() {
+        let is_required = std::env::var("SECATEUR_REQUIRE_BROWSER").is_ok_and(|v| v == "1");
+        assert!(!is_required, "there is no Chromium");
+        eprintln!("SKIPPED: there is no Chromium; bash tests/run.sh installs it");
+    }
+    found
+}
+
+fn installed() -> Option<PathBuf> {
     let own = std::env::var_os("SECATEUR_BROWSER").map(PathBuf::from);
     let names = [
         "chromium",

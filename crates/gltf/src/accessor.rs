@@ -237,8 +237,17 @@ pub(crate) fn is_index(accessor: &Accessor) -> bool {
     accessor.shape == Shape::Scalar && matches!(accessor.component, U8 | U16 | U32)
 }
 
-/// The most bytes of zeros that an accessor without a bufferView stands for.
-pub(crate) const MAX_ZERO_BYTES: u64 = 64 << 20;
+/// The most bytes of zeros that accessors without a bufferView stand for, however
+/// large the file.
+const MAX_ZERO_BYTES: u64 = 64 << 20;
+
+/// Bytes of zeros allowed however small the file: 64 KiB.
+const FREE_ZERO_BYTES: u64 = 64 << 10;
+
+/// Bytes of zeros allowed for each byte of the file's buffers. Sparse morph targets
+/// need some: each stands for all vertices, which are data elsewhere, perhaps
+/// compressed.
+const ZERO_BYTES_PER_BYTE: u64 = 64;
 
 impl Document {
     /// What `accessors[index]` is. Its range within its bufferView is checked.
@@ -264,18 +273,26 @@ impl Document {
         })
     }
 
+    /// The most bytes of zeros that accessors without data may stand for: memory
+    /// follows the size of the file, not what it claims.
+    pub(super) fn max_zero_bytes(&self) -> u64 {
+        let covered = ZERO_BYTES_PER_BYTE.saturating_mul(self.data_bytes);
+        covered.saturating_add(FREE_ZERO_BYTES).min(MAX_ZERO_BYTES)
+    }
+
     fn check_extent(&self, accessor: &Accessor) -> Result<(), Fault> {
         let place = || self.place("accessors", accessor.index);
         let element_bytes = accessor.element_bytes();
         let Some(view) = accessor.view else {
             let bytes = accessor.count as u128 * element_bytes as u128;
-            if bytes <= u128::from(MAX_ZERO_BYTES) {
+            let limit = self.max_zero_bytes();
+            if bytes <= u128::from(limit) {
                 return Ok(());
             }
             return Err(Problem::TooManyZeros {
                 count: accessor.count as u64,
                 element_bytes,
-                limit: MAX_ZERO_BYTES,
+                limit,
             })
             .at(place);
         };

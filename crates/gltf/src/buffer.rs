@@ -1,6 +1,8 @@
 //! Buffers: fetching their bytes.
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value;
 
@@ -25,9 +27,26 @@ pub(crate) enum BufferSource {
 /// The bytes of an entry of `buffers`.
 #[derive(Clone, Debug)]
 pub(crate) struct Buffer {
-    /// Exactly `byteLength` bytes, or none for a placeholder.
-    pub(crate) bytes: Vec<u8>,
+    /// At least `length` bytes, shared by all buffers of one file.
+    shared: Arc<Vec<u8>>,
+    /// `byteLength`, or 0 for a placeholder.
+    length: usize,
     pub(crate) source: BufferSource,
+}
+
+impl Buffer {
+    /// Exactly `byteLength` bytes, or none for a placeholder.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.shared[..self.length]
+    }
+}
+
+/// How many bytes are in memory.
+pub(crate) fn distinct_bytes(buffers: &[Buffer]) -> u64 {
+    let all = buffers
+        .iter()
+        .map(|b| (Arc::as_ptr(&b.shared), b.shared.len() as u64));
+    all.collect::<HashMap<_, _>>().values().sum()
 }
 
 /// Fetches the bytes of all buffers.
@@ -37,44 +56,99 @@ pub(crate) fn load_all(
     base_dir: Option<&Path>,
 ) -> Result<Vec<Buffer>, Fault> {
     let list = property::list(root, "buffers")?;
+    let mut files = Files::new(base_dir);
+    for json in list {
+        files.announce(json);
+    }
     let mut buffers = Vec::with_capacity(list.len());
     for (index, json) in list.iter().enumerate() {
         let chunk = if index == 0 { chunk.take() } else { None };
-        let buffer = load(json, chunk, base_dir);
+        let buffer = load(json, chunk, &mut files);
         buffers.push(buffer.at(|| property::place(root, "buffers", index))?);
     }
     Ok(buffers)
 }
 
-fn load(json: &Value, chunk: Option<Vec<u8>>, base_dir: Option<&Path>) -> Result<Buffer, Problem> {
+fn load(json: &Value, chunk: Option<Vec<u8>>, files: &mut Files) -> Result<Buffer, Problem> {
     let length = property::whole(json, "byteLength")?.ok_or(Problem::Missing("byteLength"))?;
     if is_fallback(json) {
         return Ok(placeholder());
     }
-    let (mut bytes, source) = match (property::text(json, "uri")?, chunk) {
+    let (shared, source) = match (property::text(json, "uri")?, chunk) {
         (Some(uri), _) => match uri::resolve(uri)? {
-            Target::Data(bytes) => (bytes, BufferSource::DataUri),
-            Target::File { relative, uri } => (
-                folder::read(base_dir, &relative, uri, length)?,
-                BufferSource::File,
-            ),
+            Target::Data(bytes) => (Arc::new(bytes), BufferSource::DataUri),
+            Target::File { relative, uri } => {
+                (files.read(&relative, uri, length)?, BufferSource::File)
+            }
         },
-        (None, Some(chunk)) => (chunk, BufferSource::Chunk),
+        (None, Some(chunk)) => (Arc::new(chunk), BufferSource::Chunk),
         (None, None) => return Ok(placeholder()),
     };
-    if (bytes.len() as u64) < length {
+    if (shared.len() as u64) < length {
         return Err(Problem::ShortBuffer {
             expected: length,
-            found: bytes.len() as u64,
+            found: shared.len() as u64,
         });
     }
-    bytes.truncate(length as usize);
-    Ok(Buffer { bytes, source })
+    Ok(Buffer {
+        shared,
+        length: length as usize,
+        source,
+    })
+}
+
+/// The files that buffers name, each read at most once: a small glTF can name a
+/// large file many times.
+struct Files<'a> {
+    base_dir: Option<&'a Path>,
+    /// By the file, links followed, how much of it some buffer needs.
+    longest: HashMap<PathBuf, u64>,
+    read: HashMap<PathBuf, Arc<Vec<u8>>>,
+}
+
+impl<'a> Files<'a> {
+    fn new(base_dir: Option<&'a Path>) -> Self {
+        Self {
+            base_dir,
+            longest: HashMap::new(),
+            read: HashMap::new(),
+        }
+    }
+
+    /// Notes what a buffer needs. What is wrong with it is left to its reading.
+    fn announce(&mut self, json: &Value) {
+        let uri = json.get("uri").and_then(Value::as_str);
+        let length = property::whole(json, "byteLength").ok().flatten();
+        let (Some(uri), Some(length), false) = (uri, length, is_fallback(json)) else {
+            return;
+        };
+        if let Some(relative) = uri::file(uri)
+            && let Ok(file) = folder::find(self.base_dir, &relative, uri)
+        {
+            let longest = self.longest.entry(file).or_insert(0);
+            *longest = length.max(*longest);
+        }
+    }
+
+    fn read(&mut self, relative: &Path, uri: &str, length: u64) -> Result<Arc<Vec<u8>>, Problem> {
+        let file = folder::find(self.base_dir, relative, uri)?;
+        if let Some(known) = self.read.get(&file) {
+            return Ok(Arc::clone(known));
+        }
+        let longest = self
+            .longest
+            .get(&file)
+            .map_or(length, |&all| all.max(length));
+        let bytes = Arc::new(folder::read_file(&file, uri, longest)?);
+        self.read.insert(file, Arc::clone(&bytes));
+        Ok(bytes)
+    }
 }
 
 fn placeholder() -> Buffer {
     Buffer {
-        bytes: Vec::new(),
+        shared: Arc::default(),
+        length: 0,
         source: BufferSource::Placeholder,
     }
 }
@@ -88,4 +162,27 @@ fn is_fallback(json: &Value) -> bool {
             == Some(true)
     };
     flagged("EXT_meshopt_compression") || flagged("KHR_meshopt_compression")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_file_that_is_named_often_is_in_memory_once() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("big.bin"), [1, 2, 3, 4, 5, 6, 7, 8]).unwrap();
+        // The same file under other names, and more or less of it.
+        let named = [("big.bin", 2), ("./big.bin", 6), ("big%2Ebin", 6)];
+        let json = named.map(|(uri, length)| json!({"uri": uri, "byteLength": length}));
+        let root = json!({ "buffers": json });
+        let loaded = load_all(&root, None, Some(folder.path())).unwrap();
+        let bytes: Vec<&[u8]> = loaded.iter().map(Buffer::bytes).collect();
+        assert_eq!(
+            bytes,
+            [&[1, 2][..], &[1, 2, 3, 4, 5, 6], &[1, 2, 3, 4, 5, 6]]
+        );
+        assert_eq!(distinct_bytes(&loaded), 6);
+    }
 }

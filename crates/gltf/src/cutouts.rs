@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::error::{Fault, Problem};
+use super::error::Fault;
 use super::material::{Look, TextureUse};
+use super::parts::check_limit;
 use super::picture::{Decoded, Pictures};
 use secateur_model::{AlphaMode, Cutout, Wrap};
 
@@ -16,6 +17,7 @@ const BLEND_CUTOFF: f32 = 0.5;
 pub(crate) struct Cutouts {
     pub(crate) masks: Vec<Arc<Cutout>>,
     known: HashMap<Key, Option<u32>>,
+    bytes: u64,
 }
 
 /// What a mask depends on.
@@ -33,8 +35,9 @@ impl Key {
     }
 }
 
-/// The most masks of one foliage; each takes up to half a mebibyte.
-const MAX_MASKS: usize = 256;
+/// The most bytes of all masks of one foliage. One takes up to half a mebibyte, those
+/// of usual leaf textures a hundredth of that.
+const MAX_MASK_BYTES: u64 = 256 << 20;
 
 /// The cutoff of a look's alpha, `None` where alpha is ignored.
 pub(crate) fn cutoff(look: &Look) -> Option<f32> {
@@ -71,13 +74,9 @@ impl Cutouts {
             return Ok(*index);
         }
         let mask = mask(key, pictures)?;
-        if mask.is_some() && self.masks.len() == MAX_MASKS {
-            return Err(Problem::TooMuch {
-                what: "different alpha masks",
-                limit: MAX_MASKS as u64,
-            }
-            .into());
-        }
+        let words = mask.as_ref().map_or(0, |mask| mask.words().len());
+        self.bytes += 4 * words as u64;
+        check_limit("bytes of different alpha masks", self.bytes, MAX_MASK_BYTES)?;
         let index = mask.map(|mask| {
             self.masks.push(Arc::new(mask));
             self.masks.len() as u32 - 1

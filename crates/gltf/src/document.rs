@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 use serde_json::Value;
 
 use super::buffer::{self, Buffer};
-use super::container;
+use super::container::{self, Unpacked};
 use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::property;
@@ -20,6 +20,8 @@ pub struct Document {
     pub(crate) root: Value,
     /// The bytes of `buffers`, in their order.
     pub(crate) buffers: Vec<Buffer>,
+    /// How many bytes these are, those that buffers share counted once.
+    pub(crate) data_bytes: u64,
     /// What errors call the file.
     pub(crate) name: String,
     /// The folder in which its URIs are looked up.
@@ -84,7 +86,15 @@ impl Document {
     }
 
     fn parse(name: &str, bytes: Vec<u8>, base_dir: Option<&Path>) -> Result<Self, Fault> {
-        let unpacked = container::unpack(bytes)?;
+        Self::from_unpacked(name, container::unpack(bytes)?, base_dir)
+    }
+
+    /// The document of a file that is taken apart already.
+    pub(crate) fn from_unpacked(
+        name: &str,
+        unpacked: Unpacked,
+        base_dir: Option<&Path>,
+    ) -> Result<Self, Fault> {
         let root = unpacked.root;
         check_extensions(&root)?;
         let buffers = buffer::load_all(&root, unpacked.chunk, base_dir)?;
@@ -92,6 +102,7 @@ impl Document {
         let views = property::list(&root, "bufferViews")?.len();
         Ok(Self {
             root,
+            data_bytes: buffer::distinct_bytes(&buffers),
             buffers,
             name: name.to_owned(),
             base_dir: base_dir.map(Path::to_owned),

@@ -15,6 +15,7 @@ use super::property;
 use super::report;
 use super::survey::{Group, Survey};
 use super::tree::LeafSource;
+use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
 use secateur_model::{Foliage, LeafId, LeafTriangle};
 
@@ -46,10 +47,13 @@ impl Document {
     ///
     /// # Errors
     /// [`GltfError`] if the geometry can't be read, a selector matches nothing,
-    /// or no foliage is found.
-    pub fn into_tree(self, selectors: &[Selector]) -> Result<Tree, GltfError> {
+    /// no foliage is found, or anything in the file, read or not, names an accessor,
+    /// a buffer view, a mesh or a node that is not there.
+    pub fn into_tree(mut self, selectors: &[Selector]) -> Result<Tree, GltfError> {
         let mut inspection = self.blank_inspection();
-        match self.find(selectors, false, &mut inspection) {
+        let found = self.find(selectors, false, &mut inspection);
+        let checked = check_references(&mut self.root);
+        match found.and_then(|found| checked.map(|()| found).map_err(Fault::from)) {
             Err(fault) => Err(self.error(fault)),
             Ok((parts, found, _)) => Ok(Tree {
                 document: self,
@@ -67,9 +71,11 @@ impl Document {
     ///
     /// # Errors
     /// As [`into_tree`](Self::into_tree).
-    pub fn into_whole_tree(self, selectors: &[Selector]) -> Result<WholeTree, GltfError> {
+    pub fn into_whole_tree(mut self, selectors: &[Selector]) -> Result<WholeTree, GltfError> {
         let mut inspection = self.blank_inspection();
         let found = self.find(selectors, true, &mut inspection);
+        let checked = check_references(&mut self.root);
+        let found = found.and_then(|found| checked.map(|()| found).map_err(Fault::from));
         let (parts, leaves, wood) = found.map_err(|fault| self.error(fault))?;
         let wood = wood.unwrap_or_default();
         let items = leaves.joined(&wood);

@@ -60,26 +60,20 @@ pub(crate) fn find(
     Ok(file)
 }
 
-/// At most `longest` bytes of the file that a URI names.
+/// At most `longest` bytes of a file that was found for a URI.
 ///
 /// # Errors
-/// As [`find`], and [`Problem::MissingFile`] if it can't be read.
-pub(crate) fn read(
-    base_dir: Option<&Path>,
-    relative: &Path,
-    uri: &str,
-    longest: u64,
-) -> Result<Vec<u8>, Problem> {
-    let missing = |error| Problem::MissingFile {
+/// [`Problem::MissingFile`] if it can't be read.
+pub(crate) fn read_file(file: &Path, uri: &str, longest: u64) -> Result<Vec<u8>, Problem> {
+    let read = || {
+        let mut bytes = Vec::new();
+        File::open(file)?.take(longest).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|error| Problem::MissingFile {
         uri: shortened(uri),
         error,
-    };
-    let file = File::open(find(base_dir, relative, uri)?).map_err(missing)?;
-    let mut bytes = Vec::new();
-    file.take(longest)
-        .read_to_end(&mut bytes)
-        .map_err(missing)?;
-    Ok(bytes)
+    })
 }
 
 /// Checks that no image leads out of the folder: also those that are never

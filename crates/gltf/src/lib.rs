@@ -140,4 +140,7 @@ pub use selector::{Selector, SelectorError};
 pub use surfaces::Detail;
 pub use tree::Tree;
 pub use whole_tree::WholeTree;
-pub use write::{WriteProblem, Written, plant_into_glb, plant_to_glb};
+pub use write::{
+    CommitError, PreparedLod, StagedFiles, WriteOptions, WriteProblem, Written, plant_into_glb,
+    plant_to_glb,
+};

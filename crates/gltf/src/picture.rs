@@ -1,7 +1,9 @@
 //! Images: decoding them, within limits.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::Cursor;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::{ImageReader, Limits, RgbaImage};
@@ -11,6 +13,7 @@ use super::error::{At, Fault, Problem, shortened};
 use super::folder;
 use super::property;
 use super::uri::{self, Target};
+use secateur_model::{Filters, Texture, Wrap};
 
 /// The most texels of one image.
 const MAX_TEXELS: u64 = 64 << 20;
@@ -25,7 +28,18 @@ const MAX_FILE_BYTES: u64 = 1 << 30;
 pub(crate) struct Pictures<'a> {
     document: &'a Document,
     decoded: Vec<Option<Decoded>>,
+    /// The first entry of `images` that was decoded from each source.
+    first_of: HashMap<Source, usize>,
+    textures: HashMap<(usize, [Wrap; 2], Filters), Arc<Texture>>,
     texels: u64,
+}
+
+/// Where the bytes of an image are; entries of `images` may share them.
+#[derive(Clone, PartialEq, Eq, Hash)]
+enum Source {
+    View(usize),
+    /// A file, links followed.
+    File(PathBuf),
 }
 
 /// An image, or why it can't be had.
@@ -82,6 +96,8 @@ impl<'a> Pictures<'a> {
         Self {
             document,
             decoded: Vec::new(),
+            first_of: HashMap::new(),
+            textures: HashMap::new(),
             texels: 0,
         }
     }
@@ -93,6 +109,14 @@ impl<'a> Pictures<'a> {
         }
         if let Some(known) = &self.decoded[index] {
             return Ok(known.clone());
+        }
+        if let Some(source) = self.document.image_source(index) {
+            let first = *self.first_of.entry(source).or_insert(index);
+            if let Some(known) = &self.decoded[first] {
+                let known = known.clone();
+                self.decoded[index] = Some(known.clone());
+                return Ok(known);
+            }
         }
         let budget = MAX_TEXELS.min(MAX_TEXELS_TOGETHER - self.texels);
         let decoded = match self.document.image_bytes(index)? {
@@ -108,6 +132,32 @@ impl<'a> Pictures<'a> {
         };
         self.decoded[index] = Some(decoded.clone());
         Ok(decoded)
+    }
+
+    /// `images[index]` as renderers want it; all that wrap and filter it alike share its pixels.
+    /// `None` if it can't be decoded.
+    pub(crate) fn texture(
+        &mut self,
+        index: usize,
+        wrap: [Wrap; 2],
+        filters: Filters,
+    ) -> Result<Option<Arc<Texture>>, Fault> {
+        let Decoded::Picture(picture) = self.get(index)? else {
+            return Ok(None);
+        };
+        let source = self.document.image_source(index);
+        let first = source.and_then(|source| self.first_of.get(&source));
+        let key = (first.copied().unwrap_or(index), wrap, filters);
+        let texture = self.textures.entry(key).or_insert_with(|| {
+            Arc::new(Texture {
+                width: picture.image.width(),
+                height: picture.image.height(),
+                rgba: picture.image.as_raw().clone(),
+                wrap,
+                filters,
+            })
+        });
+        Ok(Some(Arc::clone(texture)))
     }
 
     /// One sentence for each image that was asked for and can't be decoded.
@@ -158,6 +208,18 @@ fn decode(bytes: &[u8], most_texels: u64, all_texels: &mut u64) -> Result<RgbaIm
 }
 
 impl Document {
+    /// Where the bytes of an image are, if others may name the same place.
+    fn image_source(&self, index: usize) -> Option<Source> {
+        let json = self.root.get("images")?.get(index)?;
+        if let Some(view) = json.get("bufferView") {
+            return Some(Source::View(usize::try_from(view.as_u64()?).ok()?));
+        }
+        let uri = json.get("uri")?.as_str()?;
+        let relative = uri::file(uri)?;
+        let file = folder::find(self.base_dir.as_deref(), &relative, uri);
+        file.ok().map(Source::File)
+    }
+
     /// The encoded bytes of an image; the inner error says why it can't be had
     /// though the file is sound.
     fn image_bytes(&self, index: usize) -> Result<Result<Cow<'_, [u8]>, String>, Fault> {
@@ -173,8 +235,8 @@ impl Document {
         match uri::resolve(uri).at(place)? {
             Target::Data(bytes) => Ok(Ok(Cow::Owned(bytes))),
             Target::File { relative, uri } => {
-                let base_dir = self.base_dir.as_deref();
-                match folder::read(base_dir, &relative, uri, MAX_FILE_BYTES) {
+                let found = folder::find(self.base_dir.as_deref(), &relative, uri);
+                match found.and_then(|file| folder::read_file(&file, uri, MAX_FILE_BYTES)) {
                     Ok(bytes) => Ok(Ok(Cow::Owned(bytes))),
                     Err(Problem::MissingFile { uri, error }) => Ok(Err(format!(
                         "the file `{}` cannot be read ({error})",

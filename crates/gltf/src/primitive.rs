@@ -153,6 +153,20 @@ impl Document {
         Ok(positions.map_or(0, |accessor| accessor.count))
     }
 
+    /// How many bytes of positions and indices a primitive has that are not in the
+    /// file, but zeros for want of a bufferView.
+    pub(crate) fn zero_bytes(&self, mesh: usize, primitive: usize) -> Result<u64, Fault> {
+        let positions = self.position_accessor(mesh, primitive)?;
+        let indices = self.index_accessor(mesh, primitive)?;
+        let without_data = [positions, indices]
+            .into_iter()
+            .flatten()
+            .filter(|a| a.view.is_none());
+        Ok(without_data
+            .map(|a| (a.count * a.element_bytes()) as u64)
+            .sum())
+    }
+
     /// The positions of a primitive's vertices in its own space, dequantised;
     /// none where it has no POSITION. All are finite.
     pub(crate) fn positions(&self, mesh: usize, primitive: usize) -> Result<Vec<DVec3>, Fault> {

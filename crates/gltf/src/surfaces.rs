@@ -10,7 +10,7 @@ use super::error::{At, Fault, Problem};
 use super::evidence;
 use super::material::TextureUse;
 use super::parts::{Part, check_limit};
-use super::picture::{Decoded, Pictures};
+use super::picture::Pictures;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
 use secateur_model::{Finish, Material, NormalMap, Surface, Texture};
@@ -207,16 +207,7 @@ fn texture_of(
     let Some(image) = texture.image else {
         return Ok(None);
     };
-    Ok(match pictures.get(image)? {
-        Decoded::Picture(picture) => Some(Arc::new(Texture {
-            width: picture.image.width(),
-            height: picture.image.height(),
-            rgba: picture.image.as_raw().clone(),
-            wrap: texture.wrap,
-            filters: texture.filters,
-        })),
-        Decoded::Unusable(_) => None,
-    })
+    pictures.texture(image, texture.wrap, texture.filters)
 }
 
 impl Tree {

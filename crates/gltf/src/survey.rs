@@ -49,6 +49,7 @@ impl Document {
         let mut groups: Vec<Group> = Vec::new();
         let mut group_of_part = Vec::with_capacity(parts.len());
         let mut vertices = 0;
+        let mut zero_bytes = 0;
         for part in parts {
             let key = (part.mesh, part.primitive);
             let index = match known.get(&key) {
@@ -56,6 +57,9 @@ impl Document {
                 None => {
                     vertices += self.vertex_count(part.mesh, part.primitive)? as u64;
                     check_limit("vertices", vertices, MAX_VERTICES)?;
+                    zero_bytes += self.zero_bytes(part.mesh, part.primitive)?;
+                    let what = "bytes of vertices and indices without data";
+                    check_limit(what, zero_bytes, self.max_zero_bytes())?;
                     groups.push(self.group(part)?);
                     known.insert(key, groups.len() - 1);
                     groups.len() - 1

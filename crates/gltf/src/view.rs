@@ -35,15 +35,15 @@ impl Document {
             return Err(Problem::NoBytes);
         }
         let (start, end) = (u128::from(offset), u128::from(offset) + u128::from(length));
-        if end > data.bytes.len() as u128 {
+        if end > data.bytes().len() as u128 {
             return Err(Problem::OutOfRange {
                 start,
                 end,
                 container: self.place("buffers", buffer),
-                length: data.bytes.len() as u64,
+                length: data.bytes().len() as u64,
             });
         }
-        Ok(&data.bytes[start as usize..end as usize])
+        Ok(&data.bytes()[start as usize..end as usize])
     }
 
     /// Whether a range lies within a view's `length` bytes.

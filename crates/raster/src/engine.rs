@@ -46,12 +46,6 @@ impl OpenEngine {
         Self::default()
     }
 
-    /// The GPU, if that is the engine.
-    #[cfg(feature = "gpu")]
-    pub fn device(&self) -> Option<&Device> {
-        self.device.as_ref()
-    }
-
     /// The engine that is asked for. `triangle_views`, the number of leaf
     /// triangles times that of views, decides whether [`Engine::Auto`] looks for
     /// a GPU.

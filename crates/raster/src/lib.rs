@@ -13,9 +13,9 @@
 //! | pixels to a [`LeafIdImage`], by depth | [`cpu::draw_leaf_ids`] | `rasterise.wgsl` |
 //! | front fragments to a [`LeafIdImage`] | [`Fragments::leaf_ids`] | `leaf_ids.wgsl` |
 //! | [`LeafIdImage`] to an [`AreaTable`] | [`cpu::histogram`] | `histogram.wgsl` |
-//! | [`Fragments`] to [`RevealEdge`]s | [`cpu::reveal_edges`] | `reveal_edges.wgsl` |
 //!
-//! What an area table says, viewpoint mutual information, is in [`measure`].
+//! What an area table says, viewpoint mutual information, is in [`measure`]. Fragments that
+//! are edited stand in [`abuffer`], areas that change in [`measure::incremental`].
 //!
 //! The shaders run through wgpu, behind the feature `gpu` (on by default).
 //!
@@ -38,7 +38,6 @@ mod leaf_id_image;
 pub mod measure;
 pub mod prefetch;
 mod rasteriser;
-mod reveal_edge;
 pub mod snap;
 mod view;
 mod view_set;
@@ -49,7 +48,6 @@ pub use engine::{Engine, OpenEngine};
 pub use fragments::{Fragment, Fragments, ViewFragments};
 pub use leaf_id_image::LeafIdImage;
 pub use rasteriser::{CpuRasteriser, RasterError, Rasteriser};
-pub use reveal_edge::RevealEdge;
 pub use snap::SnappedTriangle;
 pub use view::{View, ViewError};
 pub use view_set::ViewSet;

@@ -3,12 +3,12 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
-use secateur_raster::abuffer::{ABuffer, Events, Undo};
+use secateur_raster::abuffer::{ABuffer, Event, Events, Undo};
 use secateur_raster::cpu::{self, LeafFragments};
 use secateur_raster::measure::incremental::IncrementalVmi;
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::Vmi;
-use secateur_raster::{Scene, ViewSet};
+use secateur_raster::{AreaTable, Fragment, Scene, ViewFragments, ViewSet};
 
 const RESOLUTION: u32 = 24;
 
@@ -169,7 +169,6 @@ proptest! {
         }
     }
 
-    /// A pixel's worth is the derivative of the sum of all views.
     #[test]
     fn a_step_tells_what_it_changed(foliage in any_foliage(), scale in 0.1..9.0f64) {
         let views = ViewSet::octahedron(foliage.bounding_sphere().unwrap());
@@ -200,7 +199,7 @@ proptest! {
 
 #[test]
 fn a_pixel_is_worth_the_logarithm_of_its_share() {
-    let areas = secateur_raster::AreaTable::from_rows(2, vec![8, 8, 0, 13, 0, 3]);
+    let areas = AreaTable::from_rows(2, vec![8, 8, 0, 13, 0, 3]);
     let table = LgTable::new();
     let vmi = IncrementalVmi::new(&areas, &table);
     // lg 8/8 = 0, lg 8/21 = 3 - lg 21, and none where there is no area.
@@ -208,4 +207,30 @@ fn a_pixel_is_worth_the_logarithm_of_its_share() {
     assert_eq!(vmi.pixel_value(1, 1), 0);
     assert_eq!(vmi.pixel_value(0, 0), table.lg(8) - table.lg(21));
     assert_eq!([vmi.pixel_value(2, 0), vmi.pixel_value(2, 1)], [0, 0]);
+}
+
+#[test]
+#[should_panic(expected = "the step before is settled")]
+fn steps_do_not_run_into_each_other() {
+    let areas = AreaTable::from_rows(1, vec![3, 1]);
+    let table = LgTable::new();
+    let mut vmi = IncrementalVmi::new(&areas, &table);
+    for _ in 0..2 {
+        vmi.record(&Event {
+            view: 0,
+            pixels: 1,
+            before: [0, 0],
+            after: [1, 0],
+        });
+        vmi.settle();
+    }
+}
+
+#[test]
+#[should_panic(expected = "leaf 1 was removed")]
+fn what_was_removed_does_not_come_back() {
+    let view = ViewFragments::from_lists(vec![0, 1], vec![Fragment::new(5, 1)]);
+    let mut a_buffer = ABuffer::new(vec![view], 1);
+    a_buffer.remove(1, |_, _, _| ());
+    a_buffer.replace(1, &[(0, 5)], |_, _, _| ());
 }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use secateur_model::{Cutout, Foliage, LeafTriangle, Lod, Wrap};
-use secateur_raster::{Fragments, RevealEdge, Scene, View, ViewSet, cpu};
+use secateur_raster::abuffer::{ABuffer, Events};
+use secateur_raster::{Fragments, Scene, View, ViewSet, cpu};
 
 /// A camera at the origin looking along -z. At distance 8 an image of 16
 /// pixels spans 16 units: a unit is a pixel, (0, 0) the image's middle.
@@ -85,20 +86,21 @@ fn a_leaf_in_front_hides_half_of_another() {
 }
 
 #[test]
-fn edges_say_what_is_right_behind() {
+fn an_a_buffer_says_what_is_right_behind() {
     // The leaf in front hides the left half of the one behind; what is left of
     // that one, and nothing else, hides the background.
     let back = quad(-4.0, -2.0, 4.0, 2.0, 8.0);
     let front = quad(-2.0, -1.0, 0.0, 1.0, 4.0);
     let foliage = foliage(&[&back, &front]);
     let fragments = fragments(&foliage, &Lod::original(2));
-    let edge = |front, second| RevealEdge {
-        front,
-        second,
-        view: 0,
-        pixels: 16,
-    };
-    assert_eq!(cpu::reveal_edges(&fragments), [edge(1, 0), edge(2, 1)]);
+    let mut events = Events::default();
+    let a_buffer = ABuffer::new(fragments.into_views(), 2);
+    for front in a_buffer.fronts().filter(|front| front[0] != 0) {
+        events.push(0, [0, 0], front);
+    }
+    let mut found: Vec<_> = events.all().iter().map(|e| (e.after, e.pixels)).collect();
+    found.sort_unstable();
+    assert_eq!(found, [([1, 0], 16), ([2, 1], 16)]);
 }
 
 #[test]

@@ -67,7 +67,7 @@
 //! # Map
 //! | for | look at |
 //! |---|---|
-//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`GltfError`] |
+//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
 //! | the look or the information | [`Preset`] |
@@ -99,9 +99,9 @@ pub use measure::{measure, measure_pictures};
 #[cfg(feature = "eval")]
 pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
 pub use secateur_gltf::{
-    Detail, Document, FoliageReport, GltfError, Inspection, PrimitiveReport, Problem, Reason,
-    Selector, SelectorError, Spread, TakenFor, Tree, WriteProblem, Written, plant_into_glb,
-    plant_to_glb,
+    CommitError, Detail, Document, FoliageReport, GltfError, Inspection, PreparedLod,
+    PrimitiveReport, Problem, Reason, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree,
+    WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CornerRef, Cutout, Filters, Finish, Foliage, FoliageError, Growth,

@@ -21,56 +21,7 @@ pub(crate) fn audit(
     if let Some(difference) = first_difference(areas, &again) {
         return Err(Error::Audit(format!("{difference} by the {path}")));
     }
-    #[cfg(feature = "gpu")]
-    if engine.name() == "gpu"
-        && let Some(device) = engine.device()
-    {
-        audit_first_costs(device, scene)?;
-    }
     Ok(path)
-}
-
-/// Compares the GPU's costs of pruning each leaf of the foliage, before
-/// anything is pruned, with the CPU's.
-#[cfg(feature = "gpu")]
-fn audit_first_costs(
-    device: &secateur_raster::gpu::Device,
-    scene: &Scene<'_>,
-) -> Result<(), Error> {
-    use crate::first_costs;
-    use secateur_raster::gpu;
-    use secateur_raster::measure::lg::LgTable;
-
-    let original = secateur_model::Lod::original(scene.foliage.leaves().len());
-    let scene = Scene {
-        lod: &original,
-        ..*scene
-    };
-    let table = LgTable::new();
-    let on_gpu = || {
-        let (fragments, areas) = gpu::fragments_and_areas(device, &scene)?;
-        let edges = gpu::reveal_edges(device, &fragments)?;
-        first_costs::on_gpu(device, &edges, &areas, &table)
-    };
-    let on_gpu = match on_gpu() {
-        Ok(costs) => costs,
-        Err::<_, gpu::GpuError>(reason) => {
-            // A device that fails is not a wrong result.
-            tracing::warn!("the first costs were not audited: {reason}");
-            return Ok(());
-        }
-    };
-    let edges = cpu::reveal_edges(&cpu::fragments(&scene));
-    let on_cpu = first_costs::on_cpu(&edges, &cpu::areas(&scene), &table);
-    match on_gpu.iter().zip(&on_cpu).position(|(a, b)| a != b) {
-        None => Ok(()),
-        Some(leaf) => Err(Error::Audit(format!(
-            "leaf {} costs {} on the GPU and {} on the CPU",
-            leaf + 1,
-            on_gpu[leaf],
-            on_cpu[leaf]
-        ))),
-    }
 }
 
 fn other_path(scene: &Scene<'_>, engine: &OpenEngine) -> (&'static str, AreaTable) {

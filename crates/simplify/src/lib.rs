@@ -12,8 +12,6 @@
 //! - [`stochastic`]: a random order, and survivors that grow alike.
 //! - [`meshopt`](mod@meshopt): a mesh simplifier that knows triangles, not leaves.
 //! - `by_branches` (feature `plant`): methods that follow the plant's branches.
-//! - [`first_costs`]: what pruning each leaf costs to begin with, on the CPU and
-//!   on the GPU.
 //! - [`resolution`]: how fine the images must be.
 
 mod audit;
@@ -21,7 +19,6 @@ mod audit;
 pub mod by_branches;
 pub mod coarsen;
 mod error;
-pub mod first_costs;
 pub mod fit;
 pub mod fsa;
 pub mod meshopt;

@@ -81,8 +81,7 @@ impl Document {
         compressed.check(view)?;
         let Compressed { stride, count, .. } = compressed;
         let size = count as u64 * stride as u64;
-        let available: u64 = self.buffers.iter().map(|b| b.bytes.len() as u64).sum();
-        let limit = FREE_BYTES + BYTES_PER_BYTE.saturating_mul(available);
+        let limit = FREE_BYTES.saturating_add(BYTES_PER_BYTE.saturating_mul(self.data_bytes));
         if self
             .decompressed_bytes
             .load(Ordering::Relaxed)

@@ -16,7 +16,7 @@ use super::packing::{ViewBytes, pack};
 use super::references::{items, len};
 use super::skeleton::rewrite_skeleton;
 use crate::Document;
-use crate::buffer::BufferSource;
+use crate::buffer::{Buffer, BufferSource};
 use crate::error::{At, Fault, Problem};
 use crate::tree::Tree;
 use secateur_model::Lod;
@@ -60,11 +60,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     }
     decompress_views(&mut draft, &mut own)?;
     let bytes = ViewBytes {
-        buffers: document
-            .buffers
-            .iter()
-            .map(|b| b.bytes.as_slice())
-            .collect(),
+        buffers: document.buffers.iter().map(Buffer::bytes).collect(),
         own,
         partly_used,
     };

@@ -2,18 +2,19 @@
 
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::{Component, Path, PathBuf};
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::Value;
-use tempfile::NamedTempFile;
 
 use super::content::{Content, lod_content};
 use super::images::{self, Copy};
 use super::problem::WriteProblem;
-use crate::container::glb_bytes;
-use crate::error::{GltfError, Problem};
+use super::staged_files::StagedFiles;
+use crate::container::{self, glb_bytes};
+use crate::document::Document;
+use crate::error::{Fault, GltfError, Problem};
 use crate::tree::Tree;
 use crate::uri;
 use secateur_model::Lod;
@@ -35,6 +36,91 @@ pub struct Written {
     /// the output goes to another folder, of each image in a file of its own
     /// whether it was copied, and if not, why.
     pub notes: Vec<String>,
+}
+
+/// How files may be written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct WriteOptions {
+    /// Whether the buffer beside a .gltf may take the place of a file that is no
+    /// buffer of the .gltf that is there.
+    pub overwrite: bool,
+}
+
+impl WriteOptions {
+    /// The same, with `overwrite` as given.
+    pub fn overwrite(self, overwrite: bool) -> Self {
+        Self { overwrite }
+    }
+
+    /// Refuses a path that [`Tree::prepare_lod`] could not write to, to know before
+    /// the work.
+    ///
+    /// # Errors
+    /// [`WriteProblem`] within [`GltfError`]: another extension, a folder that is
+    /// not there, an unrelated file where the buffer must go.
+    pub fn check(self, path: &Path) -> Result<(), GltfError> {
+        let output = Output::new(path);
+        let checked = output.and_then(|output| output.old_buffers(self).map(drop));
+        checked
+            .map_err(|problem| GltfError::new(&path.display().to_string(), Problem::from(problem)))
+    }
+}
+
+/// A LOD whose files are written, under temporary names; see [`Tree::prepare_lod`].
+#[derive(Debug)]
+pub struct PreparedLod {
+    written: Written,
+    staged: StagedFiles,
+    /// Where the .glb or .gltf is for the time being.
+    main: PathBuf,
+    /// The same of the .bin beside a .gltf.
+    buffer: Option<PathBuf>,
+    /// The folder of the input, which has the images.
+    images: Option<PathBuf>,
+}
+
+impl PreparedLod {
+    /// What is going to be there after [`commit`](Self::commit).
+    pub fn written(&self) -> &Written {
+        &self.written
+    }
+
+    /// The written file, read again, with the images of the input.
+    ///
+    /// # Errors
+    /// [`GltfError`] if it can't be read.
+    pub fn document(&self) -> Result<Document, GltfError> {
+        let name = self.written.files[0].display().to_string();
+        let read = || -> Result<Document, Fault> {
+            let file = fs::read(&self.main).map_err(Problem::Unreadable)?;
+            let mut unpacked = container::unpack(file)?;
+            if let Some(buffer) = &self.buffer {
+                super::drop_unreferenced::remove_field(&mut unpacked.root["buffers"][0], "uri");
+                unpacked.chunk = Some(fs::read(buffer).map_err(Problem::Unreadable)?);
+            }
+            Document::from_unpacked(&name, unpacked, self.images.as_deref())
+        };
+        read().map_err(|fault| GltfError::new(&name, fault))
+    }
+
+    /// Gives the files their names.
+    ///
+    /// # Errors
+    /// [`WriteProblem`] within [`GltfError`] if one can't have its name.
+    pub fn commit(self) -> Result<Written, GltfError> {
+        let name = self.written.files[0].display().to_string();
+        let failed = |error| GltfError::new(&name, Problem::from(WriteProblem::Io(error)));
+        self.staged
+            .commit()
+            .map_err(|failure| failed(failure.error))?;
+        Ok(self.written)
+    }
+
+    /// Its files, to be committed together with others.
+    pub fn into_files(self) -> (Written, StagedFiles) {
+        (self.written, self.staged)
+    }
 }
 
 impl Tree {
@@ -59,22 +145,48 @@ impl Tree {
     /// Writes the tree with the leaves of a LOD to a file whose name ends in
     /// .glb (one file) or .gltf (JSON, with a .bin of the same name beside it).
     ///
+    /// [`prepare_lod`](Self::prepare_lod) with the usual options, and at once
+    /// [`commit`](PreparedLod::commit).
+    ///
+    /// # Errors
+    /// [`GltfError`] as these.
+    ///
+    /// # Panics
+    /// If the LOD is of another number of leaves.
+    pub fn write_lod(&self, lod: &Lod, path: &Path) -> Result<Written, GltfError> {
+        self.prepare_lod(lod, path, WriteOptions::default())?
+            .commit()
+    }
+
+    /// Writes all that [`write_lod`](Self::write_lod) writes, but under temporary
+    /// names: a failure, now or before the files get their names, leaves nothing.
+    ///
     /// As [`lod_to_bytes`](Self::lod_to_bytes). Images in files of their own are
     /// copied if the output goes to another folder: those that a texture uses,
     /// that are PNG, JPEG, WebP or KTX2 by their names and first bytes, and no
     /// part of whose path begins with a dot. Nothing is written through symbolic
     /// links below that folder. An image that is not copied is still named, and
-    /// the notes say why it was not. Each file is written beside
-    /// its place and then renamed, so that a failure leaves nothing half-written.
+    /// the notes say why it was not.
+    ///
+    /// Files are on the disk before they get their names. Where a .gltf takes the
+    /// place of another, it knows its new buffer by a name of its own until the
+    /// buffer has the final one: whenever the program is killed, what lies there
+    /// is the old tree or the new one.
     ///
     /// # Errors
     /// [`GltfError`] as above, or [`WriteProblem`] within it: another extension,
     /// a folder that is not there or not writable, a full disk, a path that
-    /// belongs to the input, an image that would replace a different file.
+    /// belongs to the input, an image that would replace a different file, a
+    /// buffer that would replace a file that is none of the .gltf there.
     ///
     /// # Panics
     /// If the LOD is of another number of leaves.
-    pub fn write_lod(&self, lod: &Lod, path: &Path) -> Result<Written, GltfError> {
+    pub fn prepare_lod(
+        &self,
+        lod: &Lod,
+        path: &Path,
+        options: WriteOptions,
+    ) -> Result<PreparedLod, GltfError> {
         let failed = |problem: WriteProblem| {
             GltfError::new(&path.display().to_string(), Problem::from(problem))
         };
@@ -83,14 +195,17 @@ impl Tree {
         let content = lod_content(self, lod).map_err(|fault| self.document.error(fault))?;
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
         let images = self.images_to_copy(&content.root, &target, &mut notes);
-        let files = target.pack(content).map_err(failed)?;
-        let (files, bytes) = write_all(files, images.map_err(failed)?).map_err(failed)?;
-        Ok(Written {
+        let images = images.map_err(failed)?;
+        let written = Written {
             triangles,
-            bytes,
-            files,
+            bytes: 0,
+            files: Vec::new(),
             notes,
-        })
+        };
+        let prepared = target.stage(content, &images, options, written);
+        let mut prepared = prepared.map_err(failed)?;
+        prepared.images = self.document.base_dir.clone();
+        Ok(prepared)
     }
 
     fn check_not_input(&self, target: &Output) -> Result<(), WriteProblem> {
@@ -137,8 +252,22 @@ struct Output {
     bin: Option<PathBuf>,
 }
 
+/// What is in the way of a .gltf and its buffer.
+#[derive(Default)]
+struct OldBuffers {
+    /// Whether the .gltf that is there names the buffer that is there.
+    is_named: bool,
+    /// Buffers that a run which was killed left under names of their own.
+    stranded: Vec<PathBuf>,
+}
+
 impl Output {
     fn new(path: &Path) -> Result<Self, WriteProblem> {
+        // Its buffer belongs beside the file itself, not beside the link.
+        let path = match path.is_symlink() {
+            true => fs::canonicalize(path)?,
+            false => path.to_owned(),
+        };
         let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
         let bin = match extension.to_ascii_lowercase().as_str() {
             "glb" => None,
@@ -152,39 +281,158 @@ impl Output {
         if !folder.is_dir() {
             return Err(WriteProblem::NoFolder(folder));
         }
-        Ok(Self {
-            path: path.to_owned(),
-            folder,
-            bin,
-        })
+        Ok(Self { path, folder, bin })
     }
 
     fn paths(&self) -> Vec<PathBuf> {
         self.bin.iter().chain([&self.path]).cloned().collect()
     }
 
-    /// The bytes of each file, the one that names the others first.
-    fn pack(self, mut content: Content) -> Result<Vec<(PathBuf, Vec<u8>)>, WriteProblem> {
-        let Some(bin) = self.bin else {
-            let glb = glb_bytes(&content.root, content.buffer).ok_or(WriteProblem::TooLarge)?;
-            return Ok(vec![(self.path, glb)]);
-        };
+    /// Writes everything under temporary names.
+    fn stage(
+        self,
+        mut content: Content,
+        images: &[Copy],
+        options: WriteOptions,
+        mut written: Written,
+    ) -> Result<PreparedLod, WriteProblem> {
+        let mut staged = StagedFiles::new();
+        for copy in images {
+            let mut source = fs::File::open(&copy.from)?;
+            written.bytes += staged.add_from(&copy.to, &mut source)?;
+        }
+        staged.sync_folders();
+        let mut buffer = None;
+        let mut stranded = Vec::new();
         let has_buffer = !content.buffer.is_empty();
-        if has_buffer {
-            let name = bin
-                .file_name()
-                .and_then(OsStr::to_str)
-                .ok_or(WriteProblem::Name)?;
-            let uri = utf8_percent_encode(name, ESCAPED).to_string();
-            content.root["buffers"][0]["uri"] = uri.into();
-        }
-        let json = serde_json::to_vec_pretty(&content.root).map_err(io::Error::from)?;
-        let mut files = vec![(self.path, json)];
-        if has_buffer {
-            files.push((bin, content.buffer));
-        }
-        Ok(files)
+        let file = match &self.bin {
+            Some(bin) => {
+                if has_buffer {
+                    let old = self.old_buffers(options)?;
+                    if old.is_named && !has_content(bin, &content.buffer) {
+                        let other = self.unused_buffer_name();
+                        staged.add(&other, &content.buffer)?;
+                        staged.sync_folders();
+                        staged.add(&self.path, &json_naming(&mut content.root, &other)?)?;
+                        staged.sync_folders();
+                        stranded.push(other);
+                    }
+                    stranded.extend(old.stranded);
+                    staged.add(bin, &content.buffer)?;
+                    buffer = staged.last_temporary().map(Path::to_owned);
+                    staged.sync_folders();
+                    written.bytes += content.buffer.len() as u64;
+                    written.files.push(bin.clone());
+                }
+                match has_buffer {
+                    true => json_naming(&mut content.root, bin)?,
+                    false => json_bytes(&content.root)?,
+                }
+            }
+            None => glb_bytes(&content.root, content.buffer).ok_or(WriteProblem::TooLarge)?,
+        };
+        staged.add(&self.path, &file)?;
+        let main = staged.last_temporary().map(Path::to_owned);
+        staged.sync_folders();
+        stranded
+            .into_iter()
+            .for_each(|buffer| staged.remove(buffer));
+        written.bytes += file.len() as u64;
+        written.files.insert(0, self.path);
+        written
+            .files
+            .extend(images.iter().map(|copy| copy.to.clone()));
+        Ok(PreparedLod {
+            written,
+            staged,
+            main: main.expect("it was added"),
+            buffer,
+            images: None,
+        })
     }
+
+    /// # Errors
+    /// [`WriteProblem::UnrelatedBuffer`] if a file that is no buffer of the .gltf
+    /// is where the buffer goes, and may not be overwritten.
+    fn old_buffers(&self, options: WriteOptions) -> Result<OldBuffers, WriteProblem> {
+        let Some(bin) = &self.bin else {
+            return Ok(OldBuffers::default());
+        };
+        let named = buffers_of(&self.path);
+        let in_folder = |name: &PathBuf| self.folder.join(name);
+        let is_bin = |name: &PathBuf| Some(name.as_os_str()) == bin.file_name();
+        let stranded = named.iter().filter(|name| self.is_of_a_killed_run(name));
+        let old = OldBuffers {
+            is_named: named.iter().any(is_bin) && bin.exists(),
+            stranded: stranded.map(in_folder).collect(),
+        };
+        let is_own = old.is_named || !old.stranded.is_empty();
+        match bin.exists() && !is_own && !options.overwrite {
+            true => Err(WriteProblem::UnrelatedBuffer(bin.clone())),
+            false => Ok(old),
+        }
+    }
+
+    /// Names of a buffer that only the new .gltf knows, until the old buffer is
+    /// not needed any more.
+    fn other_buffer_name(&self, number: u32) -> PathBuf {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        self.folder.join(format!("{stem}.secateur-{number}.bin"))
+    }
+
+    fn unused_buffer_name(&self) -> PathBuf {
+        let names = (1..).map(|number| self.other_buffer_name(number));
+        let is_free = |name: &PathBuf| fs::symlink_metadata(name).is_err();
+        names.clone().find(is_free).expect("a folder has an end")
+    }
+
+    fn is_of_a_killed_run(&self, name: &Path) -> bool {
+        let number = || {
+            let stem = self.path.file_stem()?.to_str()?;
+            let rest = name.to_str()?.strip_prefix(stem)?;
+            let digits = rest.strip_prefix(".secateur-")?.strip_suffix(".bin")?;
+            digits.parse::<u32>().ok()
+        };
+        number().is_some_and(|n| self.other_buffer_name(n) == self.folder.join(name))
+    }
+}
+
+/// The buffers beside a .gltf that is there, as paths from its folder.
+fn buffers_of(path: &Path) -> Vec<PathBuf> {
+    // A pipe would be waited for.
+    if !path.is_file() {
+        return Vec::new();
+    }
+    let unpacked = fs::read(path)
+        .ok()
+        .and_then(|file| container::unpack(file).ok());
+    unpacked.map_or_else(Vec::new, |old| {
+        let files = uris(&old.root, "buffers").filter_map(uri::file);
+        files.map(|relative| plain(&relative)).collect()
+    })
+}
+
+/// A path without `.` in it.
+fn plain(relative: &Path) -> PathBuf {
+    let is_name = |part: &Component| matches!(part, Component::Normal(_));
+    relative.components().filter(is_name).collect()
+}
+
+fn has_content(path: &Path, bytes: &[u8]) -> bool {
+    let is_as_long = fs::metadata(path).is_ok_and(|there| there.len() == bytes.len() as u64);
+    is_as_long && fs::read(path).is_ok_and(|there| there == bytes)
+}
+
+/// The JSON of a .gltf whose buffer is this file beside it.
+fn json_naming(root: &mut Value, buffer: &Path) -> Result<Vec<u8>, WriteProblem> {
+    let name = buffer.file_name().and_then(OsStr::to_str);
+    let name = name.ok_or(WriteProblem::Name)?;
+    root["buffers"][0]["uri"] = utf8_percent_encode(name, ESCAPED).to_string().into();
+    json_bytes(root)
+}
+
+fn json_bytes(root: &Value) -> Result<Vec<u8>, WriteProblem> {
+    Ok(serde_json::to_vec_pretty(root).map_err(io::Error::from)?)
 }
 
 /// All but what RFC 3986 (section 2.3) calls unreserved.
@@ -207,49 +455,4 @@ fn same_place(a: &Path, b: &Path) -> bool {
         (Ok(a), Ok(b)) => a == b,
         _ => false,
     }
-}
-
-/// Writes all files beside their places, then renames them, what others need
-/// first. Returns the paths, and the bytes in all.
-fn write_all(
-    files: Vec<(PathBuf, Vec<u8>)>,
-    copies: Vec<Copy>,
-) -> Result<(Vec<PathBuf>, u64), WriteProblem> {
-    let mut waiting = Vec::new();
-    let mut total = 0;
-    for (path, bytes) in files {
-        total += bytes.len() as u64;
-        waiting.push((temporary_beside(&path, &mut bytes.as_slice())?, path));
-    }
-    for copy in copies {
-        if let Some(folder) = copy.to.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        let mut source = fs::File::open(&copy.from)?;
-        total += source.metadata()?.len();
-        waiting.push((temporary_beside(&copy.to, &mut source)?, copy.to));
-    }
-    let paths = waiting.iter().map(|(_, path)| path.clone()).collect();
-    for (temporary, path) in waiting.into_iter().rev() {
-        temporary.persist(path).map_err(|failure| failure.error)?;
-    }
-    Ok((paths, total))
-}
-
-fn temporary_beside(path: &Path, source: &mut dyn io::Read) -> io::Result<NamedTempFile> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".secateur-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // The permissions of an ordinary new file; temporary ones are private.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
-    io::copy(source, &mut file)?;
-    file.flush()?;
-    Ok(file)
 }

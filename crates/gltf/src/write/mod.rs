@@ -22,10 +22,13 @@ mod problem;
 mod references;
 mod single_leaf_mesh;
 mod skeleton;
+mod staged_files;
 #[cfg(test)]
 mod tests;
 mod vertices;
 
-pub use files::Written;
+pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub use problem::WriteProblem;
+pub(crate) use references::check_references;
+pub use staged_files::{CommitError, StagedFiles};

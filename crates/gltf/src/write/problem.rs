@@ -24,6 +24,13 @@ pub enum WriteProblem {
         .0.display()
     )]
     Occupied(PathBuf),
+    /// The buffer of a .gltf would be put over a file that is no buffer of the
+    /// .gltf that is there.
+    #[error(
+        "cannot be written: its buffer would replace `{}`, which belongs to no glTF of that name; choose another name, or ask to overwrite it",
+        .0.display()
+    )]
+    UnrelatedBuffer(PathBuf),
     /// The operating system refused.
     #[error("cannot be written: {0}")]
     Io(#[from] std::io::Error),

@@ -7,6 +7,7 @@
 
 use serde_json::Value;
 
+use crate::error::Problem;
 use crate::skeleton::ACCESSORS_POINTER;
 
 /// A walk over all numbers of one kind.
@@ -60,6 +61,49 @@ pub(super) fn visit_mesh_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Va
     for node in items(root, "nodes") {
         visit_field(node, "mesh", visit);
     }
+}
+
+/// Calls `visit` with each node number.
+fn visit_node_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    for scene in items(root, "scenes") {
+        items(scene, "nodes").for_each(&mut *visit);
+    }
+    for node in items(root, "nodes") {
+        items(node, "children").for_each(&mut *visit);
+    }
+    for skin in items(root, "skins") {
+        items(skin, "joints").for_each(&mut *visit);
+        visit_field(skin, "skeleton", visit);
+    }
+    for animation in items(root, "animations") {
+        for channel in items(animation, "channels") {
+            if let Some(target) = channel.get_mut("target") {
+                visit_field(target, "node", visit);
+            }
+        }
+    }
+}
+
+/// Refuses a file in which something names an entry that is not there: the writer adds
+/// entries at the ends of lists, and one of them would get that number.
+pub(crate) fn check_references(root: &mut Value) -> Result<(), Problem> {
+    const LISTS: [(&str, VisitNumbers); 4] = [
+        ("accessors", visit_accessor_numbers),
+        ("bufferViews", visit_view_numbers),
+        ("meshes", visit_mesh_numbers),
+        ("nodes", visit_node_numbers),
+    ];
+    for (list, visit_numbers) in LISTS {
+        let count = len(root, list);
+        let mut stray = None;
+        visit_numbers(root, &mut |number| {
+            stray = stray.or(as_index(number).filter(|&index| index >= count));
+        });
+        if let Some(index) = stray {
+            return Err(Problem::NoSuch { list, index, count });
+        }
+    }
+    Ok(())
 }
 
 /// How often each of `count` items is named by the numbers that `visit_numbers`
@@ -163,6 +207,44 @@ mod tests {
         );
         assert_eq!(count_references(&mut root, 4, visit_view_numbers), [1; 4]);
         assert_eq!(count_references(&mut root, 1, visit_mesh_numbers), [1]);
+    }
+
+    #[test]
+    fn numbers_of_entries_that_are_not_there_are_refused() {
+        // Two of each list; whoever names a third is found, in every place.
+        let sound = json!({
+            "accessors": [{"bufferView": 1}, {"sparse": {"indices": {"bufferView": 0}, "values": {"bufferView": 1}}}],
+            "bufferViews": [{}, {}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 1}, "indices": 0}]}, {}],
+            "nodes": [{"mesh": 1, "children": [1]}, {}],
+            "scenes": [{"nodes": [0]}],
+            "skins": [{"inverseBindMatrices": 1, "joints": [1], "skeleton": 0}],
+            "animations": [{
+                "samplers": [{"input": 0, "output": 1}],
+                "channels": [{"target": {"node": 1}}]}],
+            "images": [{"bufferView": 1}],
+        });
+        assert!(check_references(&mut sound.clone()).is_ok());
+        for (place, list) in [
+            ("/accessors/0/bufferView", "bufferViews"),
+            ("/accessors/1/sparse/values/bufferView", "bufferViews"),
+            ("/images/0/bufferView", "bufferViews"),
+            ("/meshes/0/primitives/0/attributes/POSITION", "accessors"),
+            ("/skins/0/inverseBindMatrices", "accessors"),
+            ("/animations/0/samplers/0/output", "accessors"),
+            ("/nodes/0/mesh", "meshes"),
+            ("/nodes/0/children/0", "nodes"),
+            ("/scenes/0/nodes/0", "nodes"),
+            ("/skins/0/joints/0", "nodes"),
+            ("/skins/0/skeleton", "nodes"),
+            ("/animations/0/channels/0/target/node", "nodes"),
+        ] {
+            let mut broken = sound.clone();
+            *broken.pointer_mut(place).unwrap() = 2.into();
+            let refused = check_references(&mut broken);
+            let is_it = matches!(refused, Err(Problem::NoSuch { list: l, index: 2, count: 2 }) if l == list);
+            assert!(is_it, "{place}: {refused:?}");
+        }
     }
 
     #[test]

@@ -49,12 +49,9 @@ fn hierarchies_that_are_no_trees() {
 
 #[test]
 fn instances_without_end_are_refused_before_they_are_made() {
-    // Zeros stand for five million translations of a node.
+    // Two million translations of a node, three bytes each.
     let mut tree = SmallTree::squares();
-    let many = tree.append(
-        "accessors",
-        json!({"type": "VEC3", "componentType": 5126, "count": 5_000_000}),
-    );
+    let many = tree.accessor("VEC3", 5120, 2_000_000, &vec![0; 6_000_000]);
     let attributes = json!({"attributes": {"TRANSLATION": many}});
     let tree = tree.set(
         "/nodes/0/extensions",

@@ -2,6 +2,7 @@
 
 mod broken;
 mod choice;
+mod claims;
 mod corpus;
 mod encodings;
 mod links;

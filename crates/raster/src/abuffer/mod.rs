@@ -148,14 +148,18 @@ impl ABuffer {
         self.leaf_pixels.clear(leaf);
     }
 
-    /// Gives a leaf that was not removed new fragments instead of its own: pairs of pixel and
-    /// depth, in the order of the pixels.
+    /// Gives a leaf new fragments instead of its own: pairs of pixel and depth, in the order of
+    /// the pixels.
+    ///
+    /// # Panics
+    /// If the leaf was removed.
     pub fn replace(
         &mut self,
         leaf: u32,
         fragments: &[(u32, u32)],
         mut changed: impl FnMut(u32, FrontTwo, FrontTwo),
     ) {
+        assert!(self.is_there[leaf as usize], "leaf {leaf} was removed");
         let changed = &mut changed;
         let mut own = self.leaf_pixels.range(leaf);
         for (k, &(pixel, depth)) in fragments.iter().enumerate() {

@@ -4,12 +4,10 @@ mod canvas;
 mod draw;
 mod fragments;
 mod histogram;
-mod reveal_edges;
 mod runs;
 mod triangle;
 
 pub use draw::draw_leaf_ids;
 pub use fragments::{LeafFragments, fragments, fragments_and_areas};
 pub use histogram::{areas, histogram};
-pub use reveal_edges::reveal_edges;
 pub use triangle::rasterise;

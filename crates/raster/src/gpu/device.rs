@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::stages::Stages;
-use super::{Dispatch, GpuError};
+use super::GpuError;
+use super::stages::{Dispatch, Stages};
 
 /// Which adapters will do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -244,4 +244,51 @@ fn watch(device: &wgpu::Device) -> Fault {
         }
     });
     fault
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stages::stage;
+    use super::*;
+
+    /// A device, or `None` with a word on why; a failure where
+    /// `SECATEUR_REQUIRE_GPU=1` is set.
+    fn device() -> Option<Device> {
+        match Device::find(Preference::Any) {
+            Ok(device) => Some(device),
+            Err(error) => {
+                let is_required = std::env::var("SECATEUR_REQUIRE_GPU").is_ok_and(|v| v == "1");
+                assert!(!is_required, "SECATEUR_REQUIRE_GPU=1, but: {error}");
+                eprintln!("GPU errors skipped: {error}");
+                None
+            }
+        }
+    }
+
+    #[test]
+    fn a_broken_rule_is_an_error_and_no_panic() {
+        let Some(own) = device() else { return };
+        let words = own.storage("words", 4);
+        let module = own.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl("fn main() { this is no shader }".into()),
+        });
+        let broken = stage(&own.wgpu, &module, "main", &[]);
+        let dispatch = Dispatch {
+            stage: &broken,
+            bindings: &[(0, &words)],
+            workgroups: [1, 1, 1],
+        };
+        let result = own.run(&[dispatch], &words, 4);
+        assert!(matches!(result, Err(GpuError::Failed(_))), "{result:?}");
+        // What was wrong is told once; the device goes on.
+        assert_eq!(own.run(&[], &words, 4), Ok(vec![0]));
+    }
+
+    #[test]
+    fn more_memory_than_there_is_is_an_error_and_no_panic() {
+        let Some(own) = device() else { return };
+        let words = own.storage("words", 1 << 60);
+        assert!(own.run(&[], &words, 4).is_err());
+    }
 }

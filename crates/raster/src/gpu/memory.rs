@@ -3,7 +3,8 @@
 use std::sync::mpsc;
 use std::time::Duration;
 
-use super::{Device, Dispatch, GpuError};
+use super::stages::Dispatch;
+use super::{Device, GpuError};
 
 /// A storage buffer that is made anew when it must be larger.
 #[derive(Debug)]
@@ -151,7 +152,7 @@ impl Download {
 
 impl Device {
     /// A storage buffer of at least so many bytes; its contents are zero.
-    pub fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
+    pub(super) fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
         self.wgpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: bytes.next_multiple_of(16).max(16),
@@ -163,7 +164,7 @@ impl Device {
     }
 
     /// A storage buffer with these words.
-    pub fn storage_of(&self, label: &str, words: &[u32]) -> wgpu::Buffer {
+    pub(super) fn storage_of(&self, label: &str, words: &[u32]) -> wgpu::Buffer {
         let buffer = self.storage(label, 4 * words.len() as u64);
         self.queue
             .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
@@ -171,7 +172,7 @@ impl Device {
     }
 
     /// A uniform buffer of four words.
-    pub fn uniform(&self, words: &[u32; 4]) -> wgpu::Buffer {
+    pub(super) fn uniform(&self, words: &[u32; 4]) -> wgpu::Buffer {
         let buffer = self.wgpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("uniform"),
             size: 16,
@@ -197,7 +198,7 @@ impl Device {
     ///
     /// # Errors
     /// [`GpuError`] if the device fails or the dispatches break a rule of wgpu.
-    pub fn run(
+    pub(super) fn run(
         &self,
         dispatches: &[Dispatch<'_>],
         result: &wgpu::Buffer,

@@ -8,9 +8,6 @@
 //! fragments than fit in windows of pixels, so only a single view, cut-out
 //! collection or pixel can be too large.
 //!
-//! [`Stage`], [`Dispatch`] and [`Device::run`] run shaders of one's own on such a
-//! device.
-//!
 //! Each shader of `shaders/` opens with how invocations map to its data.
 
 mod chunk;
@@ -22,7 +19,6 @@ mod fragments;
 mod long_lists;
 mod memory;
 mod pieces;
-mod reveal_edges;
 mod stages;
 mod tiles;
 
@@ -32,8 +28,6 @@ pub use device::{Device, Preference};
 pub use draw::{areas, leaf_ids};
 pub use error::GpuError;
 pub use fragments::{fragments, fragments_and_areas};
-pub use reveal_edges::reveal_edges;
-pub use stages::{Dispatch, Stage};
 pub use tiles::{TILE_PX, split_into_tiles};
 pub use wgpu;
 

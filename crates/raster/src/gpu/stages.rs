@@ -28,21 +28,21 @@ pub(super) const HEAP_MAX: u32 = 1024;
 
 /// One entry point of a shader, compiled for a device.
 #[derive(Debug)]
-pub struct Stage {
+pub(super) struct Stage {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
 }
 
 /// A stage at work on some buffers.
 #[derive(Clone, Copy)]
-pub struct Dispatch<'a> {
+pub(super) struct Dispatch<'a> {
     /// What is run.
-    pub stage: &'a Stage,
+    pub(super) stage: &'a Stage,
     /// Buffers by their number in group 0: exactly those the entry point uses.
-    pub bindings: &'a [(u32, &'a wgpu::Buffer)],
+    pub(super) bindings: &'a [(u32, &'a wgpu::Buffer)],
     /// Workgroups in each direction, at most 65,535; nothing is run where one
     /// is 0.
-    pub workgroups: [u32; 3],
+    pub(super) workgroups: [u32; 3],
 }
 
 /// All of them.
@@ -62,21 +62,12 @@ pub(super) struct Stages {
     pub(super) mark: Stage,
     pub(super) leaf_ids: Stage,
     pub(super) histogram: Stage,
-    pub(super) insert: Stage,
-    pub(super) gather: Stage,
 }
 
 /// A dispatch's bindings in group 0, by number.
 pub(super) type Bindings<'a> = [(u32, &'a wgpu::Buffer)];
 
 impl Stage {
-    /// The entry point of a shader in WGSL, with values for its overrides. A
-    /// shader that is not valid makes the next run on the device fail.
-    pub fn new(device: &Device, wgsl: &str, entry: &str, overrides: &[(&str, u32)]) -> Self {
-        let module = module(&device.wgpu, entry, wgsl);
-        stage(&device.wgpu, &module, entry, overrides)
-    }
-
     /// Records a dispatch of `workgroups` in each direction; none of nothing.
     pub(super) fn run(
         &self,
@@ -120,7 +111,6 @@ impl Stages {
         let leaf_ids = module(device, "leaf_ids", secateur_shaders::LEAF_IDS);
         let histogram = module(device, "histogram", secateur_shaders::HISTOGRAM);
         let probe = module(device, "probe", secateur_shaders::PROBE);
-        let reveal_edges = module(device, "reveal_edges", secateur_shaders::REVEAL_EDGES);
         let lanes = ("WORKGROUP", TRIANGLE_WORKGROUP);
         let blocks = ("KNOWN_BLOCKS", KNOWN_BLOCKS);
         let pixel_lanes = ("WORKGROUP", PIXEL_WORKGROUP);
@@ -148,8 +138,6 @@ impl Stages {
             ),
             exchange: stage(&sort_long, "exchange", &[pixel_lanes]),
             mark: stage(&sort_long, "mark", &[pixel_lanes]),
-            insert: stage(&reveal_edges, "insert", &[pixel_lanes]),
-            gather: stage(&reveal_edges, "gather", &[pixel_lanes]),
             leaf_ids: stage(&leaf_ids, "leaf_ids", &[pixel_lanes]),
             histogram: stage(
                 &histogram,
@@ -168,7 +156,7 @@ fn module(device: &wgpu::Device, stage: &str, wgsl: &str) -> wgpu::ShaderModule 
     })
 }
 
-fn stage(
+pub(super) fn stage(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     entry: &str,

@@ -219,7 +219,11 @@ impl<'t> IncrementalVmi<'t> {
     }
 
     /// Ends the recording of a step: brings the VMI up to date.
+    ///
+    /// # Panics
+    /// If the step before was neither forgotten nor taken back.
     pub fn settle(&mut self) {
+        assert!(self.own_terms.is_empty(), "the step before is settled");
         for slot in 0..self.touched_leaves.len() {
             let TouchedLeaf {
                 leaf,
@@ -287,8 +291,13 @@ impl<'t> IncrementalVmi<'t> {
         self.own_terms.clear();
     }
 
-    /// Takes a settled step back.
+    /// Takes a step back.
+    ///
+    /// # Panics
+    /// If it is not [settled](Self::settle).
     pub fn undo(&mut self) {
+        let is_settled = self.own_terms.len() == self.areas_before.len();
+        assert!(is_settled, "a step is settled before it is taken back");
         let Self {
             view_count,
             areas,

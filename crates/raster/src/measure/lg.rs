@@ -28,8 +28,7 @@ const PAGES: usize = 1 << 17;
 
 /// log2 of `n >= 1` in units of 2^-27, rounded down to within 1.2 units.
 ///
-/// The fraction comes bit by bit from squaring a 32-bit mantissa; the shader
-/// `first_costs.wgsl` does the same steps.
+/// The fraction comes bit by bit from squaring a 32-bit mantissa.
 pub fn lg(n: u32) -> u32 {
     debug_assert!(n > 0 && n < 1 << 31);
     let exponent = n.ilog2();

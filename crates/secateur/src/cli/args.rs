@@ -250,6 +250,9 @@ pub(crate) struct Simplify {
     /// The result, .glb or .gltf.
     #[arg(short, long, value_name = "OUT.glb")]
     pub(crate) output: PathBuf,
+    /// Let the buffer of a .gltf replace a file beside it that is not its own.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     #[command(flatten)]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use secateur::SimplifyError;
+use secateur::{Problem, SimplifyError, WriteProblem};
 
 /// One sentence for standard error; the exit code is then 1.
 #[derive(Debug)]
@@ -57,6 +57,21 @@ impl From<SimplifyError> for Failure {
 
 impl From<secateur::GltfError> for Failure {
     fn from(error: secateur::GltfError) -> Self {
+        let is_unrelated = matches!(
+            error.problem(),
+            Problem::Write(WriteProblem::UnrelatedBuffer(_))
+        );
+        let what_to_do = if is_unrelated {
+            " with `--overwrite`"
+        } else {
+            ""
+        };
+        Self(format!("{error}{what_to_do}"))
+    }
+}
+
+impl From<secateur::CommitError> for Failure {
+    fn from(error: secateur::CommitError) -> Self {
         Self(error.to_string())
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
-use secateur::{Plant, plant_into_glb};
+use secateur::{Plant, StagedFiles, plant_into_glb};
 use secateur_plant::{
     GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
 };
@@ -39,15 +39,18 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     let triangles = [&plant.leaves, &plant.wood].map(|surface| surface.triangles.len());
     let title = plant.name.clone();
     interrupt::writing()?;
+    // All files are written before the first appears: what fails leaves nothing.
+    let mut staged = StagedFiles::new();
     if let Some(path) = &args.picture {
         timed(&mut stages, "picture", || {
-            output::write_file(path, &picture::sheet(&[exhibit(&plant)])?)
+            let sheet = picture::sheet(&[exhibit(&plant)])?;
+            output::stage(&mut staged, path, &sheet)
         })?;
     }
     let bytes = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
         let glb = plant_into_glb(plant);
-        output::write_file(&args.output, &glb)?;
+        output::stage(&mut staged, &args.output, &glb)?;
         Ok(glb)
     })?;
     // A second for a large file, so only where someone will see it.
@@ -70,7 +73,8 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         "peak_rss_bytes": machine::peak_rss_bytes(),
         "run": record::provenance("grow"),
     });
-    record::write(args.report.as_deref(), &record)?;
+    record::stage(&mut staged, args.report.as_deref(), &record)?;
+    staged.commit()?;
     let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
     let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
     let of_lod = lod.map_or_else(String::new, |lod| format!("{} of ", lod.name));

@@ -3,20 +3,25 @@
 
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use secateur::Document;
+use secateur::{Document, StagedFiles, WriteOptions};
 
 use super::failure::Failure;
 
 /// Refuses an output tree that could not be written at the end.
-pub(crate) fn check_tree(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+pub(crate) fn check_tree(
+    path: &Path,
+    inputs: &[&Path],
+    options: WriteOptions,
+) -> Result<(), Failure> {
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
     if !["glb", "gltf"].contains(&extension.to_ascii_lowercase().as_str()) {
         return refuse(path, "its name must end in .glb or .gltf");
     }
-    check_file(path, inputs)
+    check_file(path, inputs)?;
+    Ok(options.check(path)?)
 }
 
 /// Refuses an output that could not be written as a single file at the end.
@@ -106,8 +111,14 @@ pub(crate) fn check_spares(document: &Document, paths: &[&Path]) -> Result<(), F
     Ok(())
 }
 
-/// An output and the buffer that is written beside it.
+/// An output and the buffer that is written beside it, or, if it is a link, beside the
+/// file that it leads to.
 fn files_of(path: &Path) -> Vec<PathBuf> {
+    let place = match path.is_symlink() {
+        true => fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
+        false => path.to_owned(),
+    };
+    let path = place.as_path();
     let mut files = vec![path.to_owned()];
     if path
         .extension()
@@ -128,21 +139,17 @@ pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
     fs::create_dir_all(path).map_err(|e| Failure::of_file(path, "cannot be made", &e))
 }
 
-/// Writes a file beside its place, makes sure that it is on the disk, and renames it. A link is
-/// followed, and a file that is there keeps its permissions.
+/// Writes a file whole or not at all.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let write = || -> io::Result<()> {
-        let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let mut file = temporary_in(&folder_of(&place))?;
-        file.write_all(bytes)?;
-        if let Ok(known) = fs::metadata(&place) {
-            file.as_file().set_permissions(known.permissions())?;
-        }
-        file.as_file().sync_all()?;
-        file.persist(&place).map_err(|failure| failure.error)?;
-        Ok(())
-    };
-    write().map_err(|e| Failure::of_file(path, "cannot be written", &e))
+    let mut staged = StagedFiles::new();
+    stage(&mut staged, path, bytes)?;
+    Ok(staged.commit()?)
+}
+
+/// Writes a file that appears with the others of `staged`.
+pub(crate) fn stage(staged: &mut StagedFiles, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let added = staged.add(path, bytes);
+    added.map_err(|e| Failure::of_file(path, "cannot be written", &e))
 }
 
 fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {

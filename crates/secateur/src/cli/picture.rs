@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder};
-use secateur::{Document, Foliage, Lod, Selector, Surface};
+use secateur::{Document, Foliage, Lod, Selector, StagedFiles, Surface};
 use secateur_eval::{Camera, Panel, RenderOptions, contact_sheet, framing, render};
 use secateur_raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
 
@@ -51,8 +51,9 @@ pub(crate) fn sheet(exhibits: &[Exhibit]) -> Result<Vec<u8>, Failure> {
     )
 }
 
-/// Writes the leaf-ID image of every view: `NAME-view-00.png` and so on.
-pub(crate) fn write_leaf_ids(
+/// Stages the leaf-ID image of every view: `NAME-view-00.png` and so on.
+pub(crate) fn stage_leaf_ids(
+    staged: &mut StagedFiles,
     folder: &Path,
     name: &str,
     foliage: &Foliage,
@@ -76,7 +77,8 @@ pub(crate) fn write_leaf_ids(
     for view in 0..views.len() {
         let rgb = fragments.leaf_ids(view).to_rgb();
         let bytes = png(&rgb, [resolution; 2], ExtendedColorType::Rgb8)?;
-        output::write_file(&folder.join(format!("{name}-view-{view:02}.png")), &bytes)?;
+        let file = folder.join(format!("{name}-view-{view:02}.png"));
+        output::stage(staged, &file, &bytes)?;
     }
     Ok(())
 }

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::{Inspection, Measurement, Objective, Options, Simplified, TakenFor, Tree, Written};
+use secateur::{
+    Inspection, Measurement, Objective, Options, Simplified, StagedFiles, TakenFor, Tree, Written,
+};
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -138,10 +140,26 @@ pub(crate) fn overall(measured: &Measurement) -> Value {
     joined(json!(measured.overall), about)
 }
 
+/// Writes a record, where one is asked for, that appears with the others of `staged`.
+pub(crate) fn stage(
+    staged: &mut StagedFiles,
+    path: Option<&Path>,
+    record: &Value,
+) -> Result<(), Failure> {
+    match path {
+        Some(path) => output::stage(staged, path, &bytes(record)),
+        None => Ok(()),
+    }
+}
+
+fn bytes(record: &Value) -> Vec<u8> {
+    format!("{record:#}\n").into_bytes()
+}
+
 /// Writes a record where one is asked for.
 pub(crate) fn write(path: Option<&Path>, record: &Value) -> Result<(), Failure> {
     match path {
-        Some(path) => output::write_file(path, format!("{record:#}\n").as_bytes()),
+        Some(path) => output::write_file(path, &bytes(record)),
         None => Ok(()),
     }
 }

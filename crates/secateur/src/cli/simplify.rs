@@ -5,9 +5,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Document, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method,
-    Objective, Options, PlantSkeleton, Preset, Resolution, Simplified, StochasticOptions, Stopped,
-    Tree, VdsOptions, ViewSet, Views, Warning, Written, read_cameras,
+    ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method, Objective,
+    Options, PlantSkeleton, PreparedLod, Preset, Resolution, Simplified, StagedFiles,
+    StochasticOptions, Stopped, Tree, VdsOptions, ViewSet, Views, Warning, WriteOptions, Written,
+    read_cameras,
 };
 
 use super::args::{self, Common, MaxCoverage};
@@ -49,18 +50,24 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     );
 
     interrupt::writing()?;
-    let written = timed(&mut stages, "write", || {
+    // All files are written before the first appears: what fails leaves nothing.
+    let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        tree.write_lod(&result.lod, &args.output)
+        tree.prepare_lod(&result.lod, &args.output, write_options(args))
             .map_err(Failure::from)
     })?;
-    if let Some(picture) = &args.picture {
-        timed(&mut stages, "picture", || {
-            write_picture(picture, args, &tree, &result)
-        })?;
+    let picture = match args.picture {
+        Some(_) => Some(timed(&mut stages, "picture", || {
+            picture_of(&prepared, args, &tree, &result)
+        })?),
+        None => None,
+    };
+    let (written, mut staged) = prepared.into_files();
+    if let (Some(path), Some(picture)) = (&args.picture, picture) {
+        output::stage(&mut staged, path, &picture)?;
     }
     if let Some(folder) = &args.debug_images {
-        write_debug_images(folder, &options, &tree, &result)?;
+        stage_debug_images(&mut staged, folder, &options, &tree, &result)?;
     }
     let run = Run {
         input: &args.tree,
@@ -73,7 +80,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         warnings: &warnings,
     };
     let record = record::of_simplify(&run, args);
-    record::write(args.report.as_deref(), &record)?;
+    record::stage(&mut staged, args.report.as_deref(), &record)?;
+    staged.commit()?;
     Ok(Printed::single(pretty(&run, args), record))
 }
 
@@ -82,7 +90,7 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
     let cameras = Path::new(&args.views);
     inputs.push(cameras);
-    output::check_tree(&args.output, &inputs)?;
+    output::check_tree(&args.output, &inputs, write_options(args))?;
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;
@@ -97,6 +105,10 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     }
     output::check_distinct(&outputs)?;
     Ok(outputs)
+}
+
+fn write_options(args: &args::Simplify) -> WriteOptions {
+    WriteOptions::default().overwrite(args.overwrite)
 }
 
 /// What a run is asked to do.
@@ -217,14 +229,15 @@ pub(crate) fn warn_all(warnings: &[String]) {
     }
 }
 
-fn write_picture(
-    path: &Path,
+/// The bytes of the picture of the original and the result.
+fn picture_of(
+    prepared: &PreparedLod,
     args: &args::Simplify,
     tree: &Tree,
     result: &Simplified,
-) -> Result<(), Failure> {
+) -> Result<Vec<u8>, Failure> {
     let selectors = &args.foliage.foliage;
-    let after = Document::open(&args.output)?;
+    let after = prepared.document()?;
     let left = result.lod.foliage(tree.foliage());
     let in_words = |foliage: &Foliage| {
         let [leaves, triangles] = counts(foliage).map(|n| grouped(n as u64));
@@ -248,7 +261,7 @@ fn write_picture(
             surfaces: picture::surfaces(&after, &[])?,
         },
     ];
-    output::write_file(path, &picture::sheet(&exhibits)?)
+    picture::sheet(&exhibits)
 }
 
 /// Leaves and triangles.
@@ -265,18 +278,26 @@ pub(crate) fn share(kept: usize, count: usize) -> String {
     }
 }
 
-fn write_debug_images(
+fn stage_debug_images(
+    staged: &mut StagedFiles,
     folder: &Path,
     options: &Options,
     tree: &Tree,
     result: &Simplified,
 ) -> Result<(), Failure> {
-    output::make_folder(folder)?;
     let foliage = options.alpha.apply(tree.foliage());
     let original = Lod::original(foliage.leaves().len());
     let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
-        picture::write_leaf_ids(folder, name, &foliage, lod, views, result.resolution)?;
+        picture::stage_leaf_ids(
+            staged,
+            folder,
+            name,
+            &foliage,
+            lod,
+            views,
+            result.resolution,
+        )?;
     }
     Ok(())
 }

@@ -53,7 +53,7 @@ fn accessors_without_data_are_bounded() {
     assert!(tree.glb().len() < 1024);
     assert_error(
         &tree,
-        "accessors[0]: asks for 1000000000 elements of 12 bytes; at most 67108864 bytes are \
+        "accessors[0]: asks for 1000000000 elements of 12 bytes; at most 73216 bytes are \
          allowed without data in the file",
     );
 }

@@ -96,7 +96,8 @@ const lay = (element, box) => {
 const pace = { since: 0, frames: 0, last: 0 };
 const frame = (now) => {
   isAsked = false;
-  if (now - pace.last > 250) Object.assign(pace, { since: now, frames: 0 });
+  // A pause is none, while the page itself asks for every frame.
+  if (now - pace.last > (state.isSpinning ? 2000 : 250)) Object.assign(pace, { since: now, frames: 0 });
   else pace.frames += 1;
   if (now - pace.since > 500) {
     $("fps").textContent = `${Math.round((1000 * pace.frames) / (now - pace.since))} fps`;

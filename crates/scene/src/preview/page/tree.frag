@@ -70,7 +70,10 @@ vec3 lit(vec3 base) {
   float distribution = a2 / (PI * d * d);
   float visibility = 0.5 / max(nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2), 1e-6);
   float fresnel = F0 + (1.0 - F0) * pow(1.0 - max(dot(to_eye, half_way), 0.0), 5.0);
-  return (sky + nl * u_sun) * base / PI + nl * u_sun * distribution * visibility * fresnel;
+  // What is reflected does not get under the surface, of the sky's light either.
+  float of_sky = F0 + (1.0 - F0) * (1.0 - u_roughness) * pow(1.0 - nv, 5.0);
+  vec3 under = sky * (1.0 - of_sky) + nl * u_sun * (1.0 - fresnel);
+  return under * base / PI + nl * u_sun * distribution * visibility * fresnel;
 }
 
 vec3 to_srgb(vec3 linear) {

@@ -26,10 +26,10 @@ mod shard;
 mod shared;
 mod spin_pool;
 mod split;
-mod stage;
 mod terms;
 #[cfg(test)]
 mod tests;
+mod view_set_loop;
 mod view_slice;
 
 use std::ops::ControlFlow;
@@ -38,7 +38,7 @@ use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder};
 use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
 
 use self::candidates::Found;
-use self::stage::Stage;
+use self::view_set_loop::ViewSetLoop;
 use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{Phase, final_phase, phases};
 use super::{VdsOptions, VdsRun};
@@ -85,7 +85,7 @@ pub fn simplify(
         progress,
     };
     for phase in &phases {
-        let mut stage = Stage::new(&run, &phase.views, cores)?;
+        let mut stage = ViewSetLoop::new(&run, &phase.views, cores)?;
         let ended = stage.prune_down_to(&mut run, phase.leaves_at_end)?;
         let is_last = phase.leaves_at_end == leaves_at_end;
         match ended {
@@ -146,7 +146,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn outcome(self, stage: Stage<'_>) -> VdsOutcome {
+    fn outcome(self, stage: ViewSetLoop<'_>) -> VdsOutcome {
         let areas = stage.areas();
         VdsOutcome {
             order: self.order,

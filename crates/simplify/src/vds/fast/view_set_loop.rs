@@ -18,7 +18,7 @@ use crate::vds::{Reference, Resize, VdsOptions};
 use crate::vmi::{Vmi, error_percent};
 
 /// The engine's state for one view set.
-pub(super) struct Stage<'a> {
+pub(super) struct ViewSetLoop<'a> {
     pub views: &'a ViewSet,
     pub vmi_original: Vmi,
     shared: Shared<'a>,
@@ -35,7 +35,7 @@ struct Lead {
     pruned: Option<u32>,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> ViewSetLoop<'a> {
     pub(super) fn new<'r: 'a>(
         run: &Run<'r>,
         views: &'a ViewSet,
