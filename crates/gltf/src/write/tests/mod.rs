@@ -1,5 +1,6 @@
 //! LODs of small trees in every encoding, and of real ones.
 
+mod chain;
 mod check;
 mod compressed;
 mod encodings;
