@@ -2,7 +2,8 @@
 # Passes the tests, all of them. Where the machine has no Vulkan driver that
 # computes correctly, installs lavapipe, a software one, through the system's
 # package manager, and Chromium likewise where there is no browser to open
-# reports with; where node is there, fetches the Khronos glTF validator.
+# reports with; where node is there, fetches the Khronos glTF validator and the
+# libraries that chains of levels are shown to, three.js and Babylon.js.
 # Further arguments go to `cargo test --workspace`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -98,5 +99,15 @@ if [ ! -d tests/validator/node_modules ]; then
   fi
 fi
 if [ -d tests/validator/node_modules ]; then export SECATEUR_REQUIRE_VALIDATOR=1; fi
+
+if [ ! -d tests/clients/node_modules ]; then
+  if command -v npm > /dev/null; then
+    say "fetching three.js and Babylon.js"
+    npm ci --silent --no-audit --no-fund --ignore-scripts --prefix tests/clients
+  else
+    say "no npm: the tests that show chains to three.js and Babylon.js will say that they skip"
+  fi
+fi
+if [ -d tests/clients/node_modules ]; then export SECATEUR_REQUIRE_CLIENTS=1; fi
 
 exec cargo test --workspace "$@"

@@ -136,15 +136,15 @@ impl Copy {
         Some(number)
     }
 
-    /// The number of a mesh in the chain: one that a finer level has too is shared.
+    /// The number of a mesh in the chain. No two levels have the same mesh, though
+    /// they may have the same vertices: Babylon.js draws what several nodes share
+    /// as instances of the first, and takes a level away with its meshes when the
+    /// next finer one is there.
     fn mesh(&mut self, draft: &mut Draft, mesh: usize) -> usize {
         if let Some(&known) = self.meshes.get(&mesh) {
             return known;
         }
-        let json = &self.of_level[1][mesh];
-        let of_chain = draft.root["meshes"].as_array();
-        let same = of_chain.and_then(|meshes| meshes.iter().position(|other| other == json));
-        let number = same.unwrap_or_else(|| draft.push("meshes", json.clone()));
+        let number = draft.push("meshes", self.of_level[1][mesh].clone());
         self.meshes.insert(mesh, number);
         number
     }

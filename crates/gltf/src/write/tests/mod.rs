@@ -2,6 +2,12 @@
 
 mod chain;
 mod check;
+#[allow(
+    unreachable_pub,
+    reason = "integration tests may include this file too"
+)]
+#[path = "../../../../../tests/clients/clients.rs"]
+mod clients;
 mod compressed;
 mod encodings;
 mod every_encoding;
