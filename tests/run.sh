@@ -2,8 +2,8 @@
 # Passes the tests, all of them. Where the machine has no Vulkan driver that
 # computes correctly, installs lavapipe, a software one, through the system's
 # package manager, and Chromium likewise where there is no browser to open
-# pages with; where npm is there, fetches the Khronos glTF validator and three.js,
-# which the preview's pictures are compared with.
+# pages with; where npm is there, fetches the Khronos glTF validator, three.js, which the
+# preview's pictures are compared with, and Babylon.js, which chains of levels are shown to.
 # Further arguments go to `cargo test --workspace`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -103,5 +103,15 @@ if [ ! -d tests/validator/node_modules ] || [ ! -d tests/browser/node_modules ];
 fi
 if [ -d tests/validator/node_modules ]; then export SECATEUR_REQUIRE_VALIDATOR=1; fi
 if [ -d tests/browser/node_modules ]; then export SECATEUR_REQUIRE_THREE=1; fi
+
+if [ ! -d tests/clients/node_modules ]; then
+  if command -v npm > /dev/null; then
+    say "fetching three.js and Babylon.js"
+    npm ci --silent --no-audit --no-fund --ignore-scripts --prefix tests/clients
+  else
+    say "no npm: the tests that show chains to three.js and Babylon.js will say that they skip"
+  fi
+fi
+if [ -d tests/clients/node_modules ]; then export SECATEUR_REQUIRE_CLIENTS=1; fi
 
 exec cargo test --workspace "$@"

@@ -260,7 +260,8 @@ impl Document {
         Ok(accessor)
     }
 
-    fn describe(&self, index: usize, json: &Value) -> Result<Accessor, Problem> {
+    /// What the JSON of an accessor says, not checked against its data.
+    pub(crate) fn describe(&self, index: usize, json: &Value) -> Result<Accessor, Problem> {
         Ok(Accessor {
             index,
             count: property::required_index(json, "count")?,

@@ -296,6 +296,9 @@ pub enum Problem {
     /// The output cannot be written.
     #[error("{0}")]
     Write(#[from] super::write::WriteProblem),
+    /// The levels are no chain.
+    #[error("{0}")]
+    Chain(#[from] super::write::chain::ChainProblem),
     /// The skeleton is none, or one of another foliage.
     #[error("{0}")]
     Skeleton(secateur_model::SkeletonError),

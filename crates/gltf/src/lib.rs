@@ -95,6 +95,7 @@
 //! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
+//! | chains of levels | `write/chain/` |
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |
 
@@ -131,6 +132,17 @@ mod uri;
 mod view;
 mod whole_tree;
 mod write;
+
+pub mod chain {
+    //! Chains of levels of detail, in the layouts that engines read.
+    //!
+    //! [`Tree::chain_to_bytes`](crate::Tree::chain_to_bytes) and
+    //! [`Tree::write_chain`](crate::Tree::write_chain) make one of [`Level`]s.
+
+    pub use super::write::chain::{
+        Chain, ChainFile, ChainProblem, Layout, Level, MAX_LEVELS, WrittenChain,
+    };
+}
 
 pub use document::Document;
 pub use error::{GltfError, Problem};

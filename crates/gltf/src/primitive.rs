@@ -33,7 +33,7 @@ impl Topology {
 
     /// The triangles of a run of indices. Strips join their pieces by triangles
     /// that name a vertex twice; those are left out.
-    fn triangles(self, indices: &[u32]) -> Vec<[u32; 3]> {
+    pub(crate) fn triangles(self, indices: &[u32]) -> Vec<[u32; 3]> {
         let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
         match self {
             Self::None => Vec::new(),

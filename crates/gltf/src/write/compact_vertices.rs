@@ -35,8 +35,13 @@ pub(super) fn drop_unused_vertices(draft: &mut Draft, before: &References) -> Re
     Ok(())
 }
 
-/// Gives the primitive lists of the vertices that it uses. Returns whether it had others.
-fn compact(draft: &mut Draft, primitive: &mut Value, position: usize) -> Result<bool, Fault> {
+/// Gives a primitive of the input, whose positions are this accessor, lists of the
+/// vertices that it uses. Returns whether it had others.
+pub(super) fn compact(
+    draft: &mut Draft,
+    primitive: &mut Value,
+    position: usize,
+) -> Result<bool, Fault> {
     let document = draft.document;
     let Some(old) = primitive.get("indices").and_then(as_index) else {
         return Ok(false);

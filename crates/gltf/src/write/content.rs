@@ -44,15 +44,26 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
         tree.foliage.leaves().len(),
         "a LOD knows every leaf of its tree"
     );
-    let document = &tree.document;
     let edits = LeafEdits::new(tree, lod);
-    let mut draft = Draft::new(document);
+    let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);
     let empty = rewrite_meshes(&mut draft, tree, &edits)?;
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
     drop_unused_vertices(&mut draft, &before)?;
-    let partly_used = drop_unreferenced(&mut draft, &before);
+    let triangles = count_triangles(tree, &edits)?;
+    finished(draft, &before, triangles)
+}
+
+/// The content of a draft: what nothing names any more is gone, and the rest of
+/// the bytes lies in one buffer. `before` is what the input names.
+pub(super) fn finished(
+    mut draft: Draft,
+    before: &References,
+    triangles: u64,
+) -> Result<Content, Fault> {
+    let document = draft.document;
+    let partly_used = drop_unreferenced(&mut draft, before);
 
     let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
     for (view, bytes) in std::mem::take(&mut draft.new_bytes) {
@@ -67,7 +78,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     let buffer = pack(&mut draft.root, &bytes).map_err(|stray| stray_view(document, stray.0))?;
     set_buffer(&mut draft.root, document, buffer.len());
     Ok(Content {
-        triangles: count_triangles(tree, &edits)?,
+        triangles,
         notes: without_repeats(draft.notes),
         root: draft.root,
         buffer,
@@ -130,13 +141,14 @@ fn set_buffer(root: &mut Value, document: &Document, byte_length: usize) {
 }
 
 /// A mesh that is written several times has the same to say each time.
-fn without_repeats(mut notes: Vec<String>) -> Vec<String> {
+pub(super) fn without_repeats(mut notes: Vec<String>) -> Vec<String> {
     let mut said = HashSet::new();
     notes.retain(|note| said.insert(note.clone()));
     notes
 }
 
-fn count_triangles(tree: &Tree, edits: &LeafEdits) -> Result<u64, Fault> {
+/// The triangles that are drawn, each instance counted.
+pub(super) fn count_triangles(tree: &Tree, edits: &LeafEdits) -> Result<u64, Fault> {
     let mut of_primitive: HashMap<(usize, usize), u64> = HashMap::new();
     let mut triangles = 0;
     for (number, part) in tree.parts.iter().enumerate() {

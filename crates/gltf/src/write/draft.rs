@@ -1,5 +1,6 @@
 //! The file that is being written: its JSON and the bytes that are new in it.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -148,6 +149,45 @@ impl<'d> Draft<'d> {
         }
         self.accessor_origins.push(origin);
         self.push("accessors", accessor)
+    }
+
+    /// The elements of an accessor, one of the document or a new one.
+    pub(super) fn elements(&self, accessor: usize) -> Result<Elements<'_>, Fault> {
+        if accessor < len(&self.document.root, "accessors") {
+            return self.document.elements(accessor);
+        }
+        let described = self
+            .document
+            .describe(accessor, &self.root["accessors"][accessor]);
+        let described = described.at(|| format!("accessors[{accessor}]"))?;
+        let size = described.element_bytes();
+        let bytes = match described.view {
+            None => Cow::Owned(vec![0; described.count * size]),
+            Some(view) => {
+                let stride = self.root["bufferViews"][view].get("byteStride");
+                let stride = stride.and_then(super::references::as_index);
+                let bytes = &self.new_bytes[&view];
+                match stride.filter(|&stride| stride != size) {
+                    None => Cow::Borrowed(bytes.as_slice()),
+                    Some(stride) => {
+                        let elements = bytes.chunks_exact(stride).map(|padded| &padded[..size]);
+                        Cow::Owned(elements.flatten().copied().collect())
+                    }
+                }
+            }
+        };
+        Ok(Elements {
+            accessor: described,
+            bytes,
+        })
+    }
+
+    /// The accessor of the document that an accessor is, or stands for.
+    pub(super) fn origin_of(&self, accessor: usize) -> Option<usize> {
+        match accessor.checked_sub(len(&self.document.root, "accessors")) {
+            None => Some(accessor),
+            Some(new) => self.accessor_origins[new],
+        }
     }
 
     fn view_of(&self, accessor: usize) -> Option<usize> {

@@ -6,6 +6,7 @@
 //! bytes that are still named are packed into one buffer.
 
 mod bounds;
+pub(crate) mod chain;
 mod compact_vertices;
 mod content;
 mod draft;

@@ -1,5 +1,5 @@
-//! Every place of a glTF file that names an accessor, a buffer view or a mesh
-//! by its number.
+//! Every place of a glTF file that names an accessor, a buffer view, a mesh or a
+//! node by its number.
 //!
 //! An extension that is not known here may hold such numbers too. That is why
 //! the writer never renumbers what was there before; see
@@ -64,12 +64,15 @@ pub(super) fn visit_mesh_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Va
 }
 
 /// Calls `visit` with each node number.
-fn visit_node_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+pub(super) fn visit_node_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     for scene in items(root, "scenes") {
         items(scene, "nodes").for_each(&mut *visit);
     }
     for node in items(root, "nodes") {
         items(node, "children").for_each(&mut *visit);
+        if let Some(lod) = node.pointer_mut("/extensions/MSFT_lod") {
+            items(lod, "ids").for_each(&mut *visit);
+        }
     }
     for skin in items(root, "skins") {
         items(skin, "joints").for_each(&mut *visit);
@@ -126,7 +129,7 @@ pub(super) fn count_references(
 /// buffer view or mesh other than in the places visited here.
 pub(super) fn knows_all_extensions(root: &Value) -> bool {
     const FAMILIES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
-    const OTHERS: [&str; 8] = [
+    const OTHERS: [&str; 9] = [
         "EXT_mesh_gpu_instancing",
         "EXT_meshopt_compression",
         "KHR_lights_punctual",
@@ -134,6 +137,7 @@ pub(super) fn knows_all_extensions(root: &Value) -> bool {
         "KHR_meshopt_compression",
         "KHR_node_visibility",
         "KHR_xmp_json_ld",
+        "MSFT_lod",
         "MSFT_texture_dds",
     ];
     let known = |name: &str| {
@@ -201,6 +205,17 @@ mod tests {
                 {"count": 9}],
             "images": [{"bufferView": 3}, {"uri": "bark.png"}],
         });
+        let nodes = json!([{"children": [0]}, {"extensions": {"MSFT_lod": {"ids": [1, 2]}}}]);
+        let mut of_nodes = json!({
+            "scenes": [{"nodes": [3]}, {}],
+            "nodes": nodes,
+            "skins": [{"joints": [4, 5], "skeleton": 6}],
+            "animations": [{"channels": [{"target": {"node": 7}}, {"target": {}}]}],
+        });
+        assert_eq!(
+            count_references(&mut of_nodes, 8, visit_node_numbers),
+            [1; 8]
+        );
         assert_eq!(
             count_references(&mut root, 11, visit_accessor_numbers),
             [1; 11]

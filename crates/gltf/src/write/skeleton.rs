@@ -67,7 +67,11 @@ pub(super) fn rewrite_skeleton(draft: &mut Draft, tree: &Tree, lod: &Lod) -> Res
     Ok(())
 }
 
-fn drop_skeleton(draft: &mut Draft) {
+/// Leaves the skeleton out, and says so.
+pub(super) fn drop_skeleton(draft: &mut Draft) {
+    if draft.root.pointer(ACCESSORS_POINTER).is_none() {
+        return;
+    }
     let extras = draft.root.get_mut("extras").and_then(Value::as_object_mut);
     if let Some(extras) = extras {
         extras.shift_remove(EXTRAS_NAME);

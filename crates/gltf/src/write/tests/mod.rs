@@ -1,6 +1,13 @@
 //! LODs of small trees in every encoding, and of real ones.
 
+mod chain;
 mod check;
+#[allow(
+    unreachable_pub,
+    reason = "integration tests may include this file too"
+)]
+#[path = "../../../../../tests/clients/clients.rs"]
+mod clients;
 mod compressed;
 mod encodings;
 mod every_encoding;

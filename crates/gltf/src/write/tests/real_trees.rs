@@ -8,7 +8,8 @@ use crate::{Document, Tree};
 use secateur_model::LeafId;
 use secateur_model::Lod;
 
-fn trees() -> Vec<PathBuf> {
+/// Those that are there.
+pub(super) fn trees() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/trees");
     let names = [
         "ez_bush2",

@@ -1,0 +1,253 @@
+//! Chains of levels of detail, in the layouts that engines read.
+//!
+//! Each level is an edited copy of the same tree. What the edits leave alone has
+//! the same number in every copy, so that levels share it: materials, textures,
+//! images, skins, and vertices that they have in common.
+
+mod merged;
+mod node_trees;
+mod on_disk;
+mod one_mesh;
+mod plan;
+mod scene;
+mod tidy;
+mod vertices;
+
+use std::collections::{BTreeSet, HashSet};
+
+use serde_json::{Map, Value};
+
+pub use on_disk::WrittenChain;
+
+use super::content::{Content, count_triangles, finished, without_repeats};
+use super::draft::Draft;
+use super::drop_unreferenced::{References, drop_meshes};
+use super::leaf_edits::LeafEdits;
+use super::problem::WriteProblem;
+use super::references::{count_references, len, visit_mesh_numbers};
+use super::skeleton::{drop_skeleton, rewrite_skeleton};
+use crate::container::glb_bytes;
+use crate::error::{Fault, GltfError, Problem};
+use crate::tree::Tree;
+use secateur_model::Lod;
+
+/// How the levels of a chain lie in files. Engines exclude each other here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Layout {
+    /// A file for each level, named after it.
+    Files,
+    /// One file: the levels' nodes are the children of one node that has the
+    /// chain's name, and all of them are in the scene.
+    Siblings,
+    /// One file with the extension `MSFT_lod`: the finest level is in the scene
+    /// and names the others, which are not.
+    Msft,
+}
+
+/// A level of a chain.
+#[derive(Clone, Debug)]
+pub struct Level<'a> {
+    /// The leaves that it has.
+    pub lod: &'a Lod,
+    /// What its node, its mesh and, in the layout of files, its file are called.
+    pub name: String,
+    /// Plain facts for the `extras` of its node.
+    ///
+    /// [`Layout::Msft`] needs one of them, the number `screen_coverage`: the
+    /// least share of the screen at which the level is drawn. Below it the next
+    /// level takes over, or nothing is drawn any more after the last one, which
+    /// therefore should have 0.
+    pub facts: Map<String, Value>,
+}
+
+impl<'a> Level<'a> {
+    /// The level of this number, 0 being the finest, named as most engines want
+    /// it: `oak_LOD0`.
+    pub fn new(chain: &str, number: usize, lod: &'a Lod, facts: Map<String, Value>) -> Self {
+        Self {
+            lod,
+            name: format!("{chain}_LOD{number}"),
+            facts,
+        }
+    }
+
+    fn screen_coverage(&self) -> Option<f64> {
+        self.facts.get("screen_coverage").and_then(Value::as_f64)
+    }
+}
+
+/// The most levels of a chain: as many as Unity's LOD Group has.
+pub const MAX_LEVELS: usize = 8;
+
+/// Why levels are no chain.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChainProblem {
+    /// A chain of no level, or of too many.
+    #[error("a chain has 1 to {MAX_LEVELS} levels, not {0}")]
+    Levels(usize),
+    /// A name that cannot be the name of a file.
+    #[error("`{0}` cannot be the name of a level: it must be the name of a file, without a path")]
+    Name(String),
+    /// Two levels of one name.
+    #[error("two levels are named `{0}`")]
+    SameName(String),
+    /// No `screen_coverage`, or one that is not less than that of the level before.
+    #[error(
+        "the fact `screen_coverage` of level `{0}` must be a number that is at least 0 and less than that of the level before it"
+    )]
+    Coverage(String),
+}
+
+/// The files of a chain, and what they hold.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Chain {
+    /// One file, or one for each level.
+    pub files: Vec<ChainFile>,
+    /// Triangles of each level, finest first, each instance counted.
+    pub triangles: Vec<u64>,
+    /// What is not as one might expect, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// A file of a chain.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ChainFile {
+    /// Its name: that of the chain, or of its level, and `.glb`.
+    pub name: String,
+    /// The bytes of a GLB.
+    pub bytes: Vec<u8>,
+}
+
+impl Tree {
+    /// The levels of a chain, finest first, as GLB files.
+    ///
+    /// Every level is a node without transform with one mesh, whose primitives
+    /// are wood and leaves; the transforms of the tree's nodes are put into the
+    /// vertices. Where that cannot be, since the tree is animated, instanced or
+    /// has several skins, a level is a node that holds a copy of the node tree,
+    /// and a note says so. Materials, textures, images and skins are there once
+    /// for each file. The facts of a level are in its node's `extras`, with the
+    /// extras of the nodes that it takes the place of. Images in files of their
+    /// own stay there. The same input gives the same bytes.
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`lod_to_bytes`](Self::lod_to_bytes), and with
+    /// [`ChainProblem`] if the levels are no chain.
+    ///
+    /// # Panics
+    /// If a level is of another number of leaves.
+    pub fn chain_to_bytes(
+        &self,
+        name: &str,
+        levels: &[Level],
+        layout: Layout,
+    ) -> Result<Chain, GltfError> {
+        let failed = |fault: Fault| self.document.error(fault);
+        check(name, levels, layout).map_err(|problem| failed(Problem::Chain(problem).into()))?;
+        let mut chain = Chain {
+            files: Vec::new(),
+            triangles: Vec::new(),
+            notes: Vec::new(),
+        };
+        for level in levels {
+            let triangles = count_triangles(self, &LeafEdits::new(self, level.lod));
+            chain.triangles.push(triangles.map_err(failed)?);
+        }
+        let of_files: Vec<(&str, &[Level])> = match layout {
+            Layout::Files => levels
+                .iter()
+                .map(|level| (level.name.as_str(), std::slice::from_ref(level)))
+                .collect(),
+            Layout::Siblings | Layout::Msft => vec![(name, levels)],
+        };
+        for (file, levels) in of_files {
+            let content = content(self, name, levels, layout).map_err(failed)?;
+            chain.notes.extend(content.notes);
+            let glb = glb_bytes(&content.root, content.buffer);
+            chain.files.push(ChainFile {
+                name: format!("{file}.glb"),
+                bytes: glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?,
+            });
+        }
+        chain.notes = without_repeats(chain.notes);
+        Ok(chain)
+    }
+}
+
+fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProblem> {
+    if levels.is_empty() || levels.len() > MAX_LEVELS {
+        return Err(ChainProblem::Levels(levels.len()));
+    }
+    let mut names = HashSet::new();
+    for name in levels.iter().map(|level| level.name.as_str()).chain([name]) {
+        let is_plain = !name.is_empty()
+            && !name.starts_with('.')
+            && !name.contains(|c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c));
+        if !is_plain {
+            return Err(ChainProblem::Name(crate::error::shortened(name)));
+        }
+        if !names.insert(name) {
+            return Err(ChainProblem::SameName(name.to_owned()));
+        }
+    }
+    if layout == Layout::Msft {
+        let mut last = f64::INFINITY;
+        for level in levels {
+            match level.screen_coverage() {
+                Some(coverage) if (0.0..last).contains(&coverage) => last = coverage,
+                _ => return Err(ChainProblem::Coverage(level.name.clone())),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The content of one file.
+fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<Content, Fault> {
+    for level in levels {
+        assert_eq!(
+            level.lod.area_scales().len(),
+            tree.foliage.leaves().len(),
+            "a LOD knows every leaf of its tree"
+        );
+    }
+    let mut draft = Draft::new(&tree.document);
+    let before = References::of(&mut draft.root);
+    let nodes = match plan::one_mesh(tree) {
+        Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan)?,
+        Err(obstacle) => {
+            draft.notes.push(format!(
+                "the levels keep the node tree of the file instead of one mesh each: {obstacle}"
+            ));
+            node_trees::build(&mut draft, tree, levels)?
+        }
+    };
+    scene::arrange(&mut draft, name, levels, layout, nodes);
+    drop_undrawn_meshes(&mut draft);
+    match layout {
+        // All levels are in the scene: the leaves of a reader are those of all.
+        Layout::Siblings if levels.len() > 1 => drop_skeleton(&mut draft),
+        _ => rewrite_skeleton(&mut draft, tree, levels[0].lod)?,
+    }
+    tidy::tidy(&mut draft);
+    let mut content = finished(draft, &before, 0)?;
+    content.notes = without_repeats(content.notes);
+    Ok(content)
+}
+
+/// Drops meshes that were drawn in the file and are not any more.
+fn drop_undrawn_meshes(draft: &mut Draft) {
+    let count = len(&draft.document.root, "meshes");
+    let mut original = draft.document.root.clone();
+    let was_drawn = count_references(&mut original, count, visit_mesh_numbers);
+    let all = len(&draft.root, "meshes");
+    let is_drawn = count_references(&mut draft.root, all, visit_mesh_numbers);
+    let undrawn: BTreeSet<usize> = (0..count.min(all))
+        .filter(|&mesh| was_drawn[mesh] > 0 && is_drawn[mesh] == 0)
+        .collect();
+    drop_meshes(draft, &undrawn);
+}

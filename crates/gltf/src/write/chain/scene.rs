@@ -1,0 +1,160 @@
+//! Where the levels stand in the scene.
+
+use std::collections::{BTreeSet, HashSet};
+
+use serde_json::{Map, Value, json};
+
+use super::super::draft::Draft;
+use super::super::drop_unreferenced::remove_field;
+use super::super::references::{as_index, items, knows_all_extensions, len, visit_node_numbers};
+use super::{Layout, Level};
+
+pub(super) const EXTENSION: &str = "MSFT_lod";
+
+/// The nodes of a chain before it is put into the scene.
+pub(super) struct LevelNodes {
+    /// One a level, finest first.
+    pub(super) levels: Vec<usize>,
+    /// Roots of the scene that belong to the tree: its skeleton.
+    pub(super) with_tree: Vec<usize>,
+    /// Other roots of the scene.
+    pub(super) others: Vec<usize>,
+    /// Nodes that nothing needs any more.
+    pub(super) needless: BTreeSet<usize>,
+}
+
+/// Puts the levels into the scene.
+pub(super) fn arrange(
+    draft: &mut Draft,
+    name: &str,
+    levels: &[Level],
+    layout: Layout,
+    nodes: LevelNodes,
+) {
+    let mut roots = Vec::new();
+    match layout {
+        Layout::Siblings => {
+            let children: Vec<usize> = nodes
+                .levels
+                .iter()
+                .chain(&nodes.with_tree)
+                .copied()
+                .collect();
+            roots.push(draft.push("nodes", json!({"name": name, "children": children})));
+        }
+        Layout::Msft | Layout::Files => {
+            roots.push(nodes.levels[0]);
+            roots.extend(&nodes.with_tree);
+        }
+    }
+    roots.extend(&nodes.others);
+    set_roots(&mut draft.root, &roots);
+    if layout == Layout::Msft && levels.len() > 1 {
+        link_levels(&mut draft.root, levels, &nodes.levels);
+    }
+    drop_nodes(&mut draft.root, &nodes.needless);
+}
+
+fn link_levels(root: &mut Value, levels: &[Level], nodes: &[usize]) {
+    let coverages: Vec<f64> = levels.iter().filter_map(Level::screen_coverage).collect();
+    let finest = &mut root["nodes"][nodes[0]];
+    if finest
+        .get("extras")
+        .is_none_or(|extras| !extras.is_object())
+    {
+        finest["extras"] = Map::new().into();
+    }
+    finest["extras"]["MSFT_screencoverage"] = coverages.into();
+    finest["extensions"][EXTENSION] = json!({"ids": nodes[1..]});
+    match root.get_mut("extensionsUsed").and_then(Value::as_array_mut) {
+        Some(names) if names.iter().any(|name| name == EXTENSION) => {}
+        Some(names) => names.push(EXTENSION.into()),
+        None => root["extensionsUsed"] = json!([EXTENSION]),
+    }
+}
+
+/// The roots of the default scene: those that the reader takes.
+pub(super) fn scene_roots(root: &Value) -> Vec<usize> {
+    let of_list = |nodes: Option<&Value>| {
+        let nodes = nodes.and_then(Value::as_array).into_iter().flatten();
+        nodes.filter_map(as_index).collect()
+    };
+    if let Some(scene) = default_scene(root) {
+        return of_list(root["scenes"][scene].get("nodes"));
+    }
+    let count = len(root, "nodes");
+    let is_child: BTreeSet<usize> = (0..count).flat_map(|node| children(root, node)).collect();
+    (0..count).filter(|node| !is_child.contains(node)).collect()
+}
+
+fn default_scene(root: &Value) -> Option<usize> {
+    let named = root.get("scene").and_then(as_index);
+    named.or((len(root, "scenes") > 0).then_some(0))
+}
+
+fn set_roots(root: &mut Value, roots: &[usize]) {
+    match default_scene(root) {
+        Some(scene) => root["scenes"][scene]["nodes"] = roots.into(),
+        None => {
+            root["scenes"] = json!([{ "nodes": roots }]);
+            root["scene"] = 0.into();
+        }
+    }
+}
+
+/// The children of a node.
+pub(super) fn children(root: &Value, node: usize) -> Vec<usize> {
+    let children = root["nodes"][node]
+        .get("children")
+        .and_then(Value::as_array);
+    let children = children.into_iter().flatten();
+    children.filter_map(as_index).collect()
+}
+
+/// Whether a node, or one below it, is one of these.
+pub(super) fn holds_any(root: &Value, node: usize, wanted: &HashSet<usize>) -> bool {
+    let mut left = vec![node];
+    while let Some(node) = left.pop() {
+        if wanted.contains(&node) {
+            return true;
+        }
+        left.extend(children(root, node));
+    }
+    false
+}
+
+/// Takes nodes from the lists of their parents and scenes.
+pub(super) fn unlink(draft: &mut Draft, gone: &BTreeSet<usize>) {
+    let is_gone = |number: &Value| as_index(number).is_some_and(|node| gone.contains(&node));
+    for (list, members) in [("nodes", "children"), ("scenes", "nodes")] {
+        for holder in items(&mut draft.root, list) {
+            let Some(numbers) = holder.get_mut(members).and_then(Value::as_array_mut) else {
+                continue;
+            };
+            numbers.retain(|number| !is_gone(number));
+            if numbers.is_empty() {
+                remove_field(holder, members);
+            }
+        }
+    }
+}
+
+/// Drops nodes that nothing names. Nodes behind them move up, unless an
+/// extension that is not known might name one: then an empty node keeps the place.
+fn drop_nodes(root: &mut Value, gone: &BTreeSet<usize>) {
+    if !knows_all_extensions(root) {
+        for &node in gone {
+            root["nodes"][node] = json!({});
+        }
+        return;
+    }
+    visit_node_numbers(root, &mut |number| {
+        if let Some(node) = as_index(number) {
+            *number = (node - gone.range(..node).count()).into();
+        }
+    });
+    if let Some(nodes) = root.get_mut("nodes").and_then(Value::as_array_mut) {
+        let mut number = 0..;
+        nodes.retain(|_| number.next().is_some_and(|node| !gone.contains(&node)));
+    }
+}
