@@ -33,6 +33,16 @@ pub struct Document {
 }
 
 impl Document {
+    /// What errors call the file: its path, as it was given.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The folder in which its URIs are looked up, where it has one.
+    pub fn folder(&self) -> Option<&Path> {
+        self.base_dir.as_deref()
+    }
+
     /// Reads a .glb or .gltf file and the buffers it names.
     ///
     /// Its URIs are looked up in its own folder; if `path` is a symbolic link,

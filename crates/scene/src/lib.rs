@@ -1,10 +1,10 @@
 //! Trees in a scene: how large a screen shows them, and a page to look at them.
 //!
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
+//! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
-//!
-//! Nothing here reads or writes a tree's file, or knows a method.
 
+pub mod chain;
 pub mod preview;
 mod screen;
 

@@ -143,9 +143,18 @@ impl Pictures {
 
     /// Draws everything, wood and leaves, from every view, without shadows.
     pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet) -> Self {
+        Self::of_size(surfaces, views, Self::RESOLUTION)
+    }
+
+    /// As [`Self::of`], of another number of pixels a side.
+    pub fn of_size<S: Borrow<Surface> + Sync>(
+        surfaces: &[S],
+        views: &ViewSet,
+        resolution: u32,
+    ) -> Self {
         let options = RenderOptions {
-            width: Self::RESOLUTION,
-            height: Self::RESOLUTION,
+            width: resolution,
+            height: resolution,
             samples: 2,
             shadows: false,
         };

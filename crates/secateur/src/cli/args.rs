@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Inspect(Inspect),
     /// Make the foliage of a tree lighter and write the result.
     Simplify(Box<Simplify>),
+    /// Make a chain of levels of detail for an engine, wood and leaves alike.
+    Lods(Box<Lods>),
     /// Judge a simplified tree against its original, from 12 views; by default the simplifier sees
     /// none of them.
     Measure(Measure),
@@ -374,6 +376,67 @@ pub(crate) struct Simplify {
     pub(crate) debug_images: Option<PathBuf>,
 }
 
+#[derive(Args, Debug)]
+pub(crate) struct Lods {
+    /// The trees, .glb or .gltf.
+    #[arg(value_name = "TREE.glb", required = true)]
+    pub(crate) trees: Vec<PathBuf>,
+    /// The folder for the levels, made if it is not there; or, for one tree, a file that holds all
+    /// of them.
+    #[arg(short, long, value_name = "DIR|OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: the
+    /// lightest levels for heights on the screen of 1080, 540, 270 and 135 pixels].
+    #[arg(long, value_name = "R,R,...", value_delimiter = ',', value_parser = share, conflicts_with = "triangles")]
+    pub(crate) levels: Vec<f64>,
+    /// The levels as numbers of triangles, the finest first, such as 20000,5000,1000.
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = leaves)]
+    pub(crate) triangles: Vec<u64>,
+    /// How the levels lie in files [default: files in a folder, siblings in one file].
+    #[arg(long, value_enum)]
+    pub(crate) layout: Option<LayoutName>,
+    /// The largest difference (mean FLIP) that a level may have where it begins to be seen.
+    #[arg(long, value_name = "F", default_value_t = secateur_scene::chain::MAX_FLIP, value_parser = flip)]
+    pub(crate) max_flip: f64,
+    /// The height of the screen that the levels are for, in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = above_zero)]
+    pub(crate) screen_height: f64,
+    /// The vertical field of view of the camera that they are seen by, in degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = field_of_view)]
+    pub(crate) fov: f64,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    /// Whether holes of leaf textures count.
+    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
+    pub(crate) alpha: AlphaName,
+    /// What the leaves are simplified for.
+    #[arg(long, value_enum, default_value_t = PresetName::Look)]
+    pub(crate) preset: PresetName,
+    /// Where to rasterise; results are the same.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+    /// Write a page to look at the original and the chain side by side; it needs nothing else.
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) preview: Option<PathBuf>,
+    /// Replace levels of other runs that have the same names.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// How levels lie in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayoutName {
+    /// A file for each level: NAME_LOD0.glb, NAME_LOD1.glb, ...
+    Files,
+    /// One file with a node for each level under one parent, as Unity and Unreal import it
+    Siblings,
+    /// One file with the extension MSFT_lod, as Babylon.js reads it
+    Msft,
+}
+
 #[derive(Args, Clone, Copy, Debug)]
 #[group(required = true, multiple = false)]
 pub(crate) struct TargetArgs {
@@ -420,6 +483,14 @@ fn from_zero(text: &str) -> Result<f64, String> {
 
 fn above_zero(text: &str) -> Result<f64, String> {
     number(text, |n| n.is_finite() && n > 0.0, "above 0")
+}
+
+fn flip(text: &str) -> Result<f64, String> {
+    number(text, |n| n > 0.0 && n <= 1.0, "above 0 and at most 1")
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    number(text, |n| n >= 1.0 && n < 179.0, "of degrees from 1 to 179")
 }
 
 fn leaves(text: &str) -> Result<u64, String> {

@@ -8,6 +8,7 @@ mod grow;
 mod grow_lod;
 mod inspect;
 mod interrupt;
+mod lods;
 mod log;
 mod machine;
 mod measure;
@@ -56,6 +57,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Demo(args) => demo::run(args, &cli.common)?,
         Command::Inspect(args) => inspect::run(args)?,
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
+        Command::Lods(args) => lods::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
         Command::Study(args) => study::run(args, &cli.common)?,
         Command::Grow(args) => grow::run(args, &cli.common)?,

@@ -1,0 +1,406 @@
+//! Chains of levels of detail of whole plants: which levels, and for which distances.
+
+use secateur_eval::{Judging, Pictures};
+use secateur_gltf::{Document, WholeTree};
+use secateur_model::{Lod, Surface};
+use secateur_raster::{OpenEngine, ViewSet};
+use secateur_simplify::whole::{WholeLevel, WholePlant};
+use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options};
+
+use crate::Screen;
+
+/// Pictures that levels are judged by have at most this many pixels a side: from there on time
+/// grows and FLIP hardly changes.
+const MOST_PICTURE_PX: f64 = 512.0;
+
+/// And at least so many: in fewer, FLIP has no room for its filters.
+const LEAST_PICTURE_PX: f64 = 48.0;
+
+/// Every how many of the held-out views a picture is taken from.
+const VIEW_STEP: usize = 2;
+
+/// The shares of all triangles among which levels for heights are sought.
+const LADDER: [f64; 14] = [
+    0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03, 0.022, 0.015, 0.011, 0.0075,
+];
+
+/// Heights on the screen for which levels are made where nothing else is asked for.
+pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
+
+/// The FLIP that a level may have at the height from which it is seen.
+pub const MAX_FLIP: f64 = 0.05;
+
+/// Which levels a chain has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// Of so many triangles of the whole plant, finest first.
+    Triangles(Vec<Amount>),
+    /// For each of these heights on the screen in pixels, the largest first, the fewest triangles
+    /// within the difference.
+    Heights(Vec<f64>),
+}
+
+/// How a chain is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChainOptions {
+    /// Which levels.
+    pub wanted: Wanted,
+    /// What shows them.
+    pub screen: Screen,
+    /// The FLIP that a level may have at the height from which it is seen, 0 to 1.
+    pub max_flip: f64,
+    /// How leaves are simplified; its target is not looked at.
+    pub leaves: Options,
+}
+
+/// A level of a chain, and from where it is to be seen.
+#[derive(Clone, Debug)]
+pub struct ChainLevel {
+    /// Of [`WholeTree::items`].
+    pub lod: Lod,
+    /// Leaves that are left.
+    pub leaves: u64,
+    /// Triangles of leaves.
+    pub foliage_triangles: u64,
+    /// Triangles of wood.
+    pub wood_triangles: u64,
+    /// From how far off it is used, in units of the file (metres).
+    pub distance: f64,
+    /// How many pixels high the screen shows the plant there.
+    pub pixels_high: f64,
+    /// The least share of the screen's height at which it is drawn, before the next level takes
+    /// over; 0 for the last.
+    pub screen_coverage: f64,
+    /// Mean FLIP of the whole plant against the original at that height.
+    pub flip_mean: f64,
+    /// Outline of the leaves against the original's, by the held-out views.
+    pub silhouette_iou: f64,
+    /// VMI error of the leaves by the held-out views, in per cent.
+    pub vmi_error_percent: f64,
+    /// SHA-256 of all that was done to the leaves.
+    pub order_sha256: String,
+}
+
+impl ChainLevel {
+    /// Triangles of the whole plant.
+    pub fn triangles(&self) -> u64 {
+        self.foliage_triangles + self.wood_triangles
+    }
+}
+
+/// A chain, finest level first.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// The levels.
+    pub levels: Vec<ChainLevel>,
+    /// What was asked for and left out, and the like, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no chain.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChainError {
+    /// The plant can't be simplified.
+    #[error(transparent)]
+    Simplify(#[from] SimplifyError),
+    /// A level can't be written or drawn.
+    #[error(transparent)]
+    Gltf(#[from] secateur_gltf::GltfError),
+    /// A level can't be judged.
+    #[error(transparent)]
+    Measure(#[from] secateur_eval::MeasureError),
+    /// The levels that are asked for are none, too many or in no order.
+    #[error("{0}")]
+    Wanted(String),
+}
+
+/// The most levels of a chain, as engines have it.
+pub const MAX_LEVELS: usize = 8;
+
+impl ChainOptions {
+    /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
+    ///
+    /// # Errors
+    /// [`ChainError::Wanted`] if not.
+    pub fn check(&self) -> Result<(), ChainError> {
+        let refused = |what: &str| Err(ChainError::Wanted(what.to_owned()));
+        let (count, falls) = match &self.wanted {
+            Wanted::Triangles(amounts) => {
+                let of = |amount: &Amount| match amount {
+                    Amount::Count(count) => *count as f64,
+                    Amount::Share(share) => *share,
+                };
+                (
+                    amounts.len(),
+                    amounts.windows(2).all(|w| of(&w[0]) > of(&w[1])),
+                )
+            }
+            Wanted::Heights(heights) => (heights.len(), heights.windows(2).all(|w| w[0] > w[1])),
+        };
+        match (count, falls) {
+            (0, _) => refused("a chain needs at least one level"),
+            (count, _) if count > MAX_LEVELS => Err(ChainError::Wanted(format!(
+                "{count} levels were asked for: a chain has at most {MAX_LEVELS}"
+            ))),
+            (_, false) => {
+                refused("levels go from fine to coarse: each must be less than the one before")
+            }
+            _ if !(self.max_flip > 0.0 && self.max_flip <= 1.0) => {
+                refused("the FLIP that a level may have must be above 0 and at most 1")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Makes a chain of a tree.
+///
+/// # Errors
+/// [`ChainError`] if the levels are none, or the tree can't be simplified.
+pub fn chain(
+    tree: &WholeTree,
+    options: &ChainOptions,
+    engine: &OpenEngine,
+    observer: &mut Observer<'_>,
+) -> Result<Chain, ChainError> {
+    options.check()?;
+    let maker = Maker::new(tree, options, engine)?;
+    let mut notes = Vec::new();
+    let mut made: Vec<(Made, f64, f64)> = Vec::new();
+    match &options.wanted {
+        Wanted::Triangles(amounts) => {
+            for amount in amounts {
+                let level = maker.level(amount.of(maker.all), observer)?;
+                if is_no_less(&level, made.last().map(|(level, ..)| level), maker.all) {
+                    notes.push(format!(
+                        "a level of {} triangles is left out: it would be as large as the one before",
+                        level.triangles()
+                    ));
+                    continue;
+                }
+                let before = made.last().map_or(f64::INFINITY, |(_, height, _)| *height);
+                let (height, flip) = maker.height_for(&level, before)?;
+                made.push((level, height, flip));
+            }
+        }
+        Wanted::Heights(heights) => {
+            let mut known: Vec<Option<Made>> = vec![None; LADDER.len()];
+            let mut first = 0;
+            for &height in heights {
+                let rung = maker.rung_for(height, first, &mut known, observer)?;
+                let level = known[rung]
+                    .clone()
+                    .unwrap_or_else(|| unreachable!("it was judged"));
+                if is_no_less(&level, made.last().map(|(level, ..)| level), maker.all) {
+                    notes.push(format!(
+                        "no level begins at {height} pixels: the one before is the lightest within the difference"
+                    ));
+                    continue;
+                }
+                let flip = maker.flip(&level, height)?;
+                made.push((level, height, flip));
+                first = rung;
+            }
+        }
+    }
+    let ends: Vec<f64> = made.iter().skip(1).map(|(_, height, _)| *height).collect();
+    let levels = made
+        .into_iter()
+        .enumerate()
+        .map(|(index, (level, height, flip))| {
+            let end = ends.get(index).copied().unwrap_or(0.0);
+            maker.finished(level, height, end, flip)
+        });
+    let levels: Vec<ChainLevel> = levels.collect::<Result<_, _>>()?;
+    if levels.is_empty() {
+        return Err(ChainError::Wanted(
+            "no level would have fewer triangles than the tree has".to_owned(),
+        ));
+    }
+    Ok(Chain { levels, notes })
+}
+
+fn is_no_less(level: &Made, before: Option<&Made>, all: usize) -> bool {
+    match before {
+        Some(before) => level.triangles() >= before.triangles(),
+        // The first level may be the tree as it is.
+        None => level.triangles() > all,
+    }
+}
+
+/// A level before its distance is known.
+#[derive(Clone)]
+struct Made {
+    level: WholeLevel,
+    lod: Lod,
+    surfaces: Vec<Surface>,
+    foliage_triangles: usize,
+}
+
+impl Made {
+    fn triangles(&self) -> usize {
+        self.foliage_triangles + self.level.wood_triangles
+    }
+}
+
+/// What all levels are made of and judged by.
+struct Maker<'a> {
+    tree: &'a WholeTree,
+    plant: WholePlant<'a>,
+    options: &'a ChainOptions,
+    engine: &'a OpenEngine,
+    /// Triangles of the whole plant.
+    all: usize,
+    original: Vec<Surface>,
+    judging: Judging,
+    views: ViewSet,
+    /// The plant's height, and how much of a picture's height it takes, as shares of the side.
+    height: f64,
+    picture_share: f64,
+}
+
+impl<'a> Maker<'a> {
+    fn new(
+        tree: &'a WholeTree,
+        options: &'a ChainOptions,
+        engine: &'a OpenEngine,
+    ) -> Result<Self, ChainError> {
+        let plant = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), engine)?;
+        let items = tree.items().foliage();
+        let judging = Judging::held_out(items)?;
+        let views = judging.views.views().iter().step_by(VIEW_STEP).copied();
+        let corners = items.triangles().iter().flat_map(|t| t.corners);
+        let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
+            (low.min(c.y), high.max(c.y))
+        });
+        let radius = items.bounding_sphere().map_or(0.0, |sphere| sphere.radius);
+        // The views stand at 3 radii and see 60 degrees: 2 x 3 r tan 30 from edge to edge.
+        let seen = 6.0 * radius / 3.0f64.sqrt();
+        Ok(Self {
+            all: plant.triangle_count(),
+            original: surfaces(tree.items().document())?,
+            views: ViewSet::new(views.collect()),
+            height: high - low,
+            picture_share: (high - low) / seen,
+            tree,
+            plant,
+            options,
+            engine,
+            judging,
+        })
+    }
+
+    fn level(&self, triangles: usize, observer: &mut Observer<'_>) -> Result<Made, ChainError> {
+        let level = self
+            .plant
+            .level(triangles, &self.options.leaves, self.engine, observer)?;
+        let lod = self.tree.joined(&level.leaves.lod, &level.wood);
+        let bytes = self.tree.items().lod_to_bytes(&lod)?;
+        let original = self.tree.items().document();
+        let document = Document::from_bytes(original.name(), bytes, original.folder())?;
+        let left = level.leaves.lod.foliage(self.tree.leaves());
+        Ok(Made {
+            foliage_triangles: left.triangles().len(),
+            surfaces: surfaces(&document)?,
+            level,
+            lod,
+        })
+    }
+
+    /// Mean FLIP of a level when the screen shows the plant so many pixels high.
+    fn flip(&self, level: &Made, pixels_high: f64) -> Result<f64, ChainError> {
+        let side = (pixels_high / self.picture_share).clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX);
+        let side = side.round() as u32;
+        let original = Pictures::of_size(&self.original, &self.views, side);
+        let found = original.measure(&Pictures::of_size(&level.surfaces, &self.views, side));
+        Ok(found.overall.get("flip_mean").unwrap_or(f64::NAN))
+    }
+
+    /// The largest of the usual heights below that of the level before at which a level is within
+    /// the difference, and its FLIP there; the least if none is.
+    fn height_for(&self, level: &Made, below: f64) -> Result<(f64, f64), ChainError> {
+        let mut height = f64::from(1 << 11).min(below / 2.0).min(HEIGHTS_PX[0]);
+        loop {
+            let flip = self.flip(level, height)?;
+            if flip <= self.options.max_flip || height <= 32.0 {
+                return Ok((height, flip));
+            }
+            height /= 2.0;
+        }
+    }
+
+    /// The rung of the ladder with the fewest triangles within the difference at a height: by
+    /// halving, since what has fewer triangles differs more.
+    fn rung_for(
+        &self,
+        height: f64,
+        first: usize,
+        known: &mut [Option<Made>],
+        observer: &mut Observer<'_>,
+    ) -> Result<usize, ChainError> {
+        let (mut good, mut bad) = (None, LADDER.len());
+        let mut low = first;
+        while low < bad {
+            let middle = low + (bad - low) / 2;
+            if known[middle].is_none() {
+                let triangles = (LADDER[middle] * self.all as f64).round() as usize;
+                known[middle] = Some(self.level(triangles, observer)?);
+            }
+            let is_within = match &known[middle] {
+                Some(level) => self.flip(level, height)? <= self.options.max_flip,
+                None => false,
+            };
+            match is_within {
+                true => {
+                    good = Some(middle);
+                    low = middle + 1;
+                }
+                false => bad = middle,
+            }
+        }
+        match good {
+            Some(rung) => Ok(rung),
+            None => {
+                // Not even the finest rung: it is the best there is.
+                if known[first].is_none() {
+                    let triangles = (LADDER[first] * self.all as f64).round() as usize;
+                    known[first] = Some(self.level(triangles, observer)?);
+                }
+                Ok(first)
+            }
+        }
+    }
+
+    fn finished(
+        &self,
+        made: Made,
+        height: f64,
+        end: f64,
+        flip_mean: f64,
+    ) -> Result<ChainLevel, ChainError> {
+        let leaves = self.tree.leaves();
+        let left = made.level.leaves.lod.foliage(leaves);
+        let seen = secateur_eval::measure(leaves, &left, &self.judging)?;
+        let screen = self.options.screen;
+        Ok(ChainLevel {
+            leaves: left.leaves().len() as u64,
+            foliage_triangles: made.foliage_triangles as u64,
+            wood_triangles: made.level.wood_triangles as u64,
+            distance: screen.distance(self.height, height),
+            pixels_high: height,
+            screen_coverage: end / screen.height_px,
+            flip_mean,
+            silhouette_iou: seen.silhouette_iou(),
+            vmi_error_percent: seen.vmi_error_percent(),
+            order_sha256: made.level.leaves.passes.in_one_order().sha256(),
+            lod: made.lod,
+        })
+    }
+}
+
+/// All that is drawn of a file.
+fn surfaces(document: &Document) -> Result<Vec<Surface>, ChainError> {
+    let surfaces = document.surfaces(&[])?;
+    Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
+}
