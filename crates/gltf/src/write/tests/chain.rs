@@ -501,23 +501,26 @@ fn what_looks_alike_is_one_primitive() {
 
 #[test]
 fn levels_share_what_they_have_in_common() {
-    let fixture = encodings::textured();
-    let chain = chain(&fixture.tree(), Layout::Siblings);
-    let root = document(&chain, 0).root;
-    let bark = |level: usize| {
-        let node = node_named(&root, &format!("oak_LOD{level}"));
+    let bark = |root: &Value, level: usize| {
+        let node = node_named(root, &format!("oak_LOD{level}"));
         let mesh = root["nodes"][node]["mesh"].as_u64().unwrap() as usize;
         let primitives = root["meshes"][mesh]["primitives"].as_array().unwrap();
-        primitives
-            .iter()
-            .find(|p| p["material"] == 0)
-            .unwrap()
-            .clone()
+        let bark = primitives.iter().find(|p| p["material"] == 0);
+        bark.unwrap().clone()
     };
-    assert_eq!(bark(0), bark(1));
-    assert_eq!(bark(0), bark(2));
-    assert_eq!(bark(0), fixture.root["meshes"][0]["primitives"][0]);
+    let fixture = encodings::textured();
+    let root = document(&chain(&fixture.tree(), Layout::Siblings), 0).root;
+    assert_eq!(bark(&root, 0), fixture.root["meshes"][0]["primitives"][0]);
     assert_eq!(root["images"].as_array().unwrap().len(), 1);
+
+    // Bark whose vertices are moved, and parted from those of the leaves.
+    let mut moved = encodings::shared_accessor();
+    moved.root["nodes"][0]["scale"] = json!([2, 2, 2]);
+    let moved = document(&chain(&moved.tree(), Layout::Siblings), 0).root;
+    for root in [root, moved] {
+        assert_eq!(bark(&root, 0), bark(&root, 1));
+        assert_eq!(bark(&root, 0), bark(&root, 2));
+    }
 }
 
 #[test]
