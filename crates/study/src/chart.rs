@@ -1,4 +1,4 @@
-//! Time against error, as SVG.
+//! The chart of time against one metric, as SVG.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ const RIGHT: f64 = 200.0;
 const TOP: f64 = 44.0;
 const BOTTOM: f64 = 56.0;
 const LEGEND_LINE: f64 = 16.0;
-/// What fits beside the frame.
+/// The longest line of the legend, in characters: what fits to the right of the frame.
 const LEGEND_CHARACTERS: usize = 27;
 
 /// Okabe and Ito's colours, which colour-blind readers can tell apart; marks
@@ -22,7 +22,7 @@ const COLORS: [&str; 7] = [
 ];
 
 /// A chart of one metric at one level: time across (logarithmic), the metric
-/// upwards, a mark for each point, the points that none beats joined by a line.
+/// upwards, a mark for each point, the Pareto frontier joined by a line.
 /// A metric that is best near 1 is drawn as its distance from 1. Points that
 /// are not finite are left out.
 pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
@@ -152,7 +152,7 @@ fn mark(number: usize, x: f64, y: f64) -> String {
     }
 }
 
-/// Upwards, from 0 or a little below the least value.
+/// The vertical axis. It begins at 0, or a little below the least value where 0 is far.
 struct Axis {
     low: f64,
     high: f64,
@@ -200,7 +200,7 @@ impl Axis {
     }
 }
 
-/// Across, whole powers of ten.
+/// The horizontal axis, between two powers of ten.
 struct LogAxis {
     low: i32,
     high: i32,
@@ -244,7 +244,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     if low <= high { (low, high) } else { (0.0, 1.0) }
 }
 
-/// 1, 2 or 5 times a power of ten, not below this.
+/// The least step not below `least` that is 1, 2 or 5 times a power of ten.
 fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|s| s * power);
@@ -254,7 +254,7 @@ fn round_step(least: f64) -> f64 {
         .unwrap_or(steps[3])
 }
 
-/// Text within XML.
+/// A text with the characters escaped that XML gives a meaning.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,4 +1,4 @@
-//! What a row says about quality, in the order of tables.
+//! The metrics of a row, in the order in which tables show them.
 
 use std::sync::LazyLock;
 
@@ -8,9 +8,9 @@ use secateur_eval::pictures::PICTURE_METRICS;
 /// A metric as tables and charts need it.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// Its key in rows.
+    /// The key of its values in rows.
     pub key: &'static str,
-    /// Its name for readers.
+    /// Its name in tables and charts.
     pub title: &'static str,
     /// The unit of its values; empty for a ratio.
     pub unit: &'static str,
@@ -36,7 +36,7 @@ pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(|| {
 });
 
 impl Column {
-    /// Which way is good, in words.
+    /// Which values are good, in words: "lower is better".
     pub fn better(&self) -> &'static str {
         match self.direction {
             Direction::Lower => "lower is better",

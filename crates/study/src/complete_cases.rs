@@ -20,7 +20,7 @@ pub(crate) fn take_out_partial(rows: &mut Vec<Row>) -> BTreeSet<String> {
     trees_of.into_keys().map(|(label, _)| label).collect()
 }
 
-/// What to say of methods that were taken out, if there are any.
+/// A sentence that names the methods that were taken out; none if there are none.
 pub(crate) fn note_of(partial: &BTreeSet<String>) -> Option<String> {
     let labels: Vec<&str> = partial.iter().map(String::as_str).collect();
     (!labels.is_empty()).then(|| {

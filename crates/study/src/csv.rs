@@ -1,4 +1,4 @@
-//! Rows for spreadsheets.
+//! Rows as CSV, for spreadsheets.
 
 use crate::{COLUMNS, Column, Row};
 
@@ -47,12 +47,12 @@ pub fn to_csv(rows: &[Row]) -> String {
     text
 }
 
-/// Text that may have commas in it.
+/// A cell of text in quotes.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", defused(text).replace('"', "\"\""))
 }
 
-/// Text that has none, if a study wrote it.
+/// A cell of text without quotes where it needs none: names that a study writes have no commas.
 fn bare(text: &str) -> String {
     match text.contains([',', '"', '\n', '\r']) {
         true => quoted(text),
@@ -60,7 +60,8 @@ fn bare(text: &str) -> String {
     }
 }
 
-/// Names come from files: a spreadsheet would compute what begins like a formula.
+/// The text with an apostrophe before it if a spreadsheet would take it for a formula: names come
+/// from files, and nobody vouches for them.
 fn defused(text: &str) -> String {
     match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
         true => format!("'{text}"),

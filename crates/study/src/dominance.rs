@@ -5,11 +5,11 @@ use super::{COLUMNS, Row};
 use crate::format::percent;
 use crate::table::Table;
 
-/// What the cells of [`dominance`] count.
+/// What reports say the cells of [`dominance`] count.
 pub(crate) const WHAT_IS_COUNTED: &str = "On how many of the trees some other method is better in both VMI error and silhouette IoU / in at least one of them. VMI error alone can be had at the price of the outline, and the outline at the price of VMI error.";
 
-/// A line for each method and setting, in the order of first rows, of trees as they
-/// are; nothing of a single method.
+/// A line for each method and setting, in the order of their first rows, counted over unchanged
+/// trees; nothing if there is only one method.
 pub(crate) fn dominance(rows: &[Row]) -> Option<Table> {
     let rows: Vec<&Row> = rows.iter().filter(|r| r.change.is_empty()).collect();
     let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();

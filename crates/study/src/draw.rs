@@ -1,4 +1,4 @@
-//! Everything that is drawn from the rows alone.
+//! Writes everything that is drawn from rows alone: charts, report, README and CSV.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,16 +8,16 @@ use crate::{
     to_csv,
 };
 
-/// What was drawn.
+/// The files that were drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Drawn {
-    /// How many rows it is of.
+    /// The number of rows that they show.
     pub rows: usize,
     /// The report, one HTML file.
     pub report: PathBuf,
-    /// The rows as a table.
+    /// The rows as CSV.
     pub csv: PathBuf,
-    /// Time against each metric, at each level.
+    /// A chart for each level and metric.
     pub charts: Vec<PathBuf>,
 }
 
@@ -92,7 +92,7 @@ pub(crate) fn is_picture(path: &str) -> bool {
     name.is_some_and(|name| !name.contains(['/', '\\']) && name.ends_with(".jpg"))
 }
 
-/// Pictures that are gone are left out.
+/// The pictures that rows name, as far as they are there.
 fn pictures(folder: &Path, rows: &[Row]) -> Vec<Picture> {
     let originals = rows.iter().map(|r| r.identity().original_picture());
     let own = rows.iter().flat_map(|r| [&r.picture, &r.difference]);

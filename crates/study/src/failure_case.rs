@@ -1,26 +1,26 @@
-//! Scenes made for one failure each, and what the rows say about it.
+//! Scenes that are made for one failure each, and the verdict of the rows on each.
 
 use super::{COLUMNS, Row};
 use crate::format::{number_of, percent};
 use crate::table::Table;
 
-/// A scene made for a failure. The name is a tree's of the rows.
+/// A scene that is made for one failure; rows know it as a tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FailureCase {
     /// The scene's name, as in [`Row::tree`].
     pub tree: String,
-    /// For readers: "Leaves below a pixel".
+    /// The heading in reports: "Leaves below a pixel".
     pub title: String,
     /// What it is made of, and what should go wrong, in a sentence or two.
     pub about: String,
-    /// Label of the rows that should fail, as [`Row::label`].
+    /// The case that should fail, as [`Row::label`].
     pub suspect: String,
 }
 
 const CLEARLY_LESS_ERROR: f64 = 0.1;
 const CLEARLY_MORE_IOU: f64 = 0.01;
 
-/// What verdicts mean by better.
+/// What reports say that verdicts mean by better: see [`Found::beats`].
 pub(crate) const WHAT_IS_BETTER: &str = "Small scenes, each made for one failure. Better is what has a tenth less VMI error or a hundredth more silhouette IoU, and is not as much worse in the other of the two.";
 
 /// VMI error and silhouette IoU decide: neither says enough alone.
@@ -71,7 +71,7 @@ impl FailureCase {
         rows.iter().filter(|row| row.tree == self.tree).collect()
     }
 
-    /// Nothing where the suspect did not run.
+    /// The verdict at the coarsest level; nothing if the suspect did not run there.
     pub(crate) fn verdict<'r>(&self, rows: &'r [Row]) -> Option<Verdict<'r>> {
         let rows = self.rows(rows);
         let level = rows.iter().map(|row| row.level).min_by(f64::total_cmp)?;
@@ -123,7 +123,7 @@ impl FailureCase {
         })
     }
 
-    /// Every row of the scene.
+    /// All rows of the scene as a table.
     pub(crate) fn table(&self, rows: &[Row]) -> Table {
         let mut head = vec!["method", "leaves"];
         head.extend(COLUMNS.iter().map(|c| c.title));

@@ -2,7 +2,7 @@
 
 use super::{Column, Row};
 
-/// "10 %".
+/// A share in per cent: "10 %".
 pub(crate) fn percent(level: f64) -> String {
     format!("{} %", (1e4 * level).round() / 100.0)
 }
@@ -16,7 +16,7 @@ pub(crate) fn number(value: f64, column: &Column) -> String {
     }
 }
 
-/// "2.50 ms", "12.00 s".
+/// A time in ms below 0.1 s, else in s: "2.50 ms", "12.00 s".
 pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 0.1 => format!("{:.2} ms", 1e3 * s),
@@ -24,7 +24,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     }
 }
 
-/// Whole MiB.
+/// Bytes in whole MiB, or that they are unknown.
 pub(crate) fn memory(bytes: Option<u64>) -> String {
     bytes.map_or("unknown".to_owned(), |b| format!("{} MiB", b >> 20))
 }
@@ -34,7 +34,7 @@ pub(crate) fn overlap_of(overlap: Option<f64>) -> String {
     overlap.map_or(String::new(), |share| format!("{share:.3}"))
 }
 
-/// "1 tree", "2 trees".
+/// A number of trees: "1 tree", "2 trees".
 pub(crate) fn trees(count: usize) -> String {
     match count {
         1 => "1 tree".to_owned(),
@@ -42,7 +42,7 @@ pub(crate) fn trees(count: usize) -> String {
     }
 }
 
-/// A row's value of a metric.
+/// A row's value of a metric, as [`number`] writes it.
 pub(crate) fn number_of(row: &Row, column: &Column) -> String {
     let value = row.values.get(column.key).copied().flatten();
     number(value.unwrap_or(f64::INFINITY), column)

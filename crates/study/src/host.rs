@@ -2,21 +2,21 @@
 
 use std::path::Path;
 
-/// The program around a study.
+/// The program that runs a study.
 pub trait Host {
     /// Whether the user has asked for a stop. Finished rows are kept.
     fn is_stop_asked(&self) -> bool;
 
-    /// That many rows are about to be made.
+    /// Called once before the first row, with the number of rows to come.
     fn begin(&self, rows: usize);
 
-    /// What is being worked on, in a few words.
+    /// Called before each run, with its tree, method and setting.
     fn working_on(&self, what: &str);
 
-    /// That one more row is there.
+    /// Called after each row.
     fn row_is_done(&self);
 
-    /// That no more rows will come.
+    /// Called after the last row; not if the study fails.
     fn end(&self);
 
     /// Writes a file whole or not at all.

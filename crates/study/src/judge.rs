@@ -1,4 +1,4 @@
-//! A level, judged: its row and its picture.
+//! Judges a level of a tree against the original: makes its row and its pictures.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -23,10 +23,10 @@ use crate::{Error, Host, Identity, Row, Values};
 const PICTURE_WIDTH: u32 = 280;
 const PICTURE_HEIGHT: u32 = 320;
 const JPEG_QUALITY: u8 = 85;
-/// Differences are smooth.
+/// Lower than that of pictures: differences are smooth.
 const DIFFERENCE_QUALITY: u8 = 70;
 
-/// What results of one tree are held against.
+/// The original of a tree, drawn once, that all its levels are compared with.
 pub(crate) struct Judge<'a> {
     identity: &'a Identity,
     path: &'a Path,
@@ -78,7 +78,7 @@ impl<'a> Judge<'a> {
         Ok(judge)
     }
 
-    /// The row of a level, its pictures written.
+    /// Measures a level, writes its pictures and returns its row.
     pub(crate) fn row(&self, run: Run<'_>, ran: &Ran) -> Result<Row, Error> {
         let Run { case, seed, .. } = run;
         let foliage = self.tree.foliage();
@@ -143,16 +143,16 @@ impl<'a> Judge<'a> {
         Ok(row)
     }
 
-    /// A command as it is given in the study's folder, where trees are that it made:
-    /// no other machine has that folder at its place.
+    /// A command with paths as they are seen from the study's folder, which lies elsewhere on
+    /// other machines.
     fn in_folder(&self, command: &str) -> String {
         let folder = format!("{}/", self.folder.display());
         let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
         command.split(' ').map(within).collect::<Vec<_>>().join(" ")
     }
 
-    /// How many leaves a level shares with the reference, and its label. The
-    /// reference's own are written for those to come.
+    /// The overlap of a level's survivors with those of the reference run, and the label of that
+    /// run. The survivors of the reference run itself are written to a file, for later runs.
     fn overlap(&self, run: Run<'_>, ran: &Ran) -> Result<(Option<f64>, String), Error> {
         let label = run.reference.label();
         let name = file_name(&self.identity.file_stem(), &label, 0, ran.level);

@@ -1,10 +1,10 @@
 //! Studies: methods, settings and levels on many trees, each run judged alike and kept as a row;
 //! charts and reports are drawn from the rows alone.
 //!
-//! - [`run`] runs what a study's folder does not have yet, and draws; [`redraw`] only draws.
+//! - [`run()`] runs what a study's folder does not have yet, and draws; [`redraw`] only draws.
 //! - A [`Case`] is a method with its options, typed; a [`Plan`] is a list of cases. The setting
 //!   that a row names and the command that gives it again are spelled by the case.
-//! - [`Row`] is one judged run at one level, as a line of JSON. [`readme`], [`report()`],
+//! - [`Row`] is one judged run at one level, as a line of JSON. [`readme()`], [`report()`],
 //!   [`to_csv`] and [`chart()`] are made of rows, without the trees.
 //! - [`FailureCase`] is a scene made for one failure, [`Paper`] what a paper printed.
 //!

@@ -1,4 +1,4 @@
-//! Rows that were written before some columns were.
+//! Rows of older versions, which lack some columns.
 
 use serde_json::{Value, json};
 

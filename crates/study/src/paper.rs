@@ -8,21 +8,21 @@ use crate::{Case, Paper, Published};
 
 /// One of the paper's models, and what is grown to stand for it.
 pub(crate) struct Model {
-    /// The paper's name.
+    /// What the paper calls it.
     name: &'static str,
     species: Species,
     pub(crate) leaves: u32,
     printed_in: &'static str,
-    /// Shares of the leaves.
+    /// The shares of leaves that the paper prints figures for.
     levels: [f64; 3],
-    /// Method; VMI error in per cent and seconds for each level.
+    /// For each method its label, and for each level the VMI error in per cent and the seconds.
     figures: &'static [(&'static str, [f64; 3], [f64; 3])],
 }
 
 /// The label of VDS as it is run here.
 const VDS: &str = "vds preset information";
 
-/// Which of the siblings is grown.
+/// The seed that all plants are grown with.
 pub(crate) const SEED: u64 = 3;
 
 const TABLE_1: [f64; 3] = [0.5, 0.25, 0.1];
@@ -101,7 +101,7 @@ pub(crate) fn cases() -> [Case; 3] {
     [information(), fsa(), stochastic()]
 }
 
-/// Fig. 5, on the model of its test and on every tree.
+/// The cases of Fig. 5: run on the model that it is of, and on every tree of the user's.
 pub(crate) fn fewer_views() -> [Case; 2] {
     [Views::Icosahedron, Views::Variable].map(|views| information().views(views))
 }
@@ -116,7 +116,7 @@ impl Model {
         self.species
     }
 
-    /// Whether Fig. 5 is of it.
+    /// Whether the paper's Fig. 5 shows this model.
     pub(crate) fn is_of_fig_5(&self) -> bool {
         self.leaves == 20_376
     }
@@ -139,7 +139,7 @@ impl Model {
     }
 }
 
-/// The paper, for reports.
+/// All printed figures, and what reports say about comparing them.
 pub(crate) fn paper() -> Paper {
     let labels = |cases: &[Case]| cases.iter().map(Case::label).collect();
     let by_views = [&[information()][..], &fewer_views()].concat();

@@ -12,7 +12,7 @@ use secateur_simplify::{Options, Views};
 
 use crate::random::{in_cube, signed, stream};
 
-/// A change of a tree, or of where it is looked at from.
+/// A small change of a tree or of the driving views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Perturbation {
     /// The tree and the views as they are.
@@ -28,7 +28,7 @@ pub enum Perturbation {
 }
 
 impl Perturbation {
-    /// One of each kind, and none.
+    /// No change, and some of each kind.
     pub const ALL: [Self; 8] = [
         Self::None,
         Self::Rotated(1),
@@ -40,7 +40,7 @@ impl Perturbation {
         Self::Shuffled(2),
     ];
 
-    /// In words; empty for none.
+    /// What rows call it; empty for no change.
     pub fn name(self) -> String {
         match self {
             Self::None => String::new(),
@@ -50,7 +50,7 @@ impl Perturbation {
         }
     }
 
-    /// The foliage and the options that a method gets.
+    /// Makes the foliage and the options that a method gets in place of the tree's.
     pub(crate) fn apply(self, foliage: &Foliage, options: &Options) -> Changed {
         let mut options = options.clone();
         let mut names: Vec<LeafId> = (0..foliage.leaves().len())
@@ -96,16 +96,16 @@ impl Perturbation {
     }
 }
 
-/// What a method gets instead of the tree.
+/// A changed tree.
 pub(crate) struct Changed {
     pub(crate) foliage: Foliage,
     pub(crate) options: Options,
-    /// For each leaf that the method sees, its name in the tree.
+    /// For each leaf of the changed foliage, that leaf of the tree.
     names: Vec<LeafId>,
 }
 
 impl Changed {
-    /// The order that was found, as one of the tree's own leaves.
+    /// An order of the changed foliage as one of the tree.
     pub(crate) fn order_of_tree(&self, order: &RemovalOrder) -> RemovalOrder {
         let name = |leaf: LeafId| self.names.get(leaf.index()).copied().unwrap_or(leaf);
         let mut own = RemovalOrder::new(order.leaf_count());
@@ -151,13 +151,13 @@ fn with_leaves_in(skeleton: &PlantSkeleton, names: &[LeafId]) -> PlantSkeleton {
     own
 }
 
-/// About any axis, by any angle.
+/// A rotation about a random axis by a random angle.
 fn any_turn(random: &mut Random) -> DQuat {
     let axis = in_cube(random).normalize_or(DVec3::Y);
     DQuat::from_axis_angle(axis, std::f64::consts::PI * signed(random))
 }
 
-/// Corners at one place stay at one place.
+/// The triangles with corners moved at random; corners that were at one place stay together.
 fn jittered(triangles: &[LeafTriangle], reach: f64, random: &mut Random) -> Vec<LeafTriangle> {
     let mut moved = triangles.to_vec();
     if reach > 0.0 {

@@ -1,4 +1,4 @@
-//! What a study runs on trees of the user's: lists of cases for one question each.
+//! Plans: lists of cases that answer one question each.
 
 use secateur_plant::ClusterSize;
 use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
@@ -10,7 +10,7 @@ use secateur_simplify::{Method, Preset, Views};
 
 use crate::{Case, Perturbation, paper};
 
-/// A list of cases, or of trees that are made for their own cases.
+/// What to study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plan {
     /// Every method, one setting each, and variants that explain them.
@@ -25,7 +25,7 @@ pub enum Plan {
     Paper,
 }
 
-/// What a user gets unasked.
+/// The default of the program: a result that looks like the original.
 pub(crate) fn look() -> Case {
     Case::vds(Preset::Look)
 }
@@ -113,7 +113,7 @@ fn methods() -> Vec<Case> {
     ]
 }
 
-/// How time buys accuracy.
+/// Cases that trade time for accuracy.
 fn speed() -> Vec<Case> {
     let mut cases = vec![look(), look().unfitted(), information()];
     let fewer = [
@@ -135,7 +135,7 @@ fn speed() -> Vec<Case> {
     cases
 }
 
-/// Every method under every perturbation, then settings whose spread is looked at beside them.
+/// Methods under every perturbation, then settings that should matter little.
 fn stability(by_branches: &[Case]) -> Vec<Case> {
     let methods = [
         look(),

@@ -1,19 +1,19 @@
-//! Figures of a paper beside those of rows.
+//! Tables that compare a paper's printed figures with those of rows.
 
 use super::Row;
 use crate::format::{duration, percent};
 use crate::table::Table;
 
-/// A printed figure: of a model, a method and a level.
+/// A printed figure of a model, a method and a level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
     /// Where it is printed: "Table 1".
     pub source: String,
     /// The paper's model: "English oak, 20,376 leaves".
     pub model: String,
-    /// What stands for it here, as [`Row::tree`].
+    /// The tree that stands for the model here, as [`Row::tree`].
     pub tree: String,
-    /// What was run, as [`Row::label`].
+    /// The case that compares with it, as [`Row::label`].
     pub label: String,
     /// The share of leaves left.
     pub level: f64,
@@ -23,19 +23,19 @@ pub struct Published {
     pub seconds: f64,
 }
 
-/// A paper that a study is held against.
+/// A paper that a study is compared with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paper {
     /// What can be compared and what cannot, in a few sentences.
     pub about: String,
-    /// Its figures.
+    /// The figures that it prints.
     pub figures: Vec<Published>,
     /// Title, and labels of which the first is the one that others are given
     /// as multiples of.
     pub comparisons: Vec<(String, Vec<String>)>,
 }
 
-/// Error and time of a run.
+/// VMI error and time of a run.
 struct Pair {
     error_percent: f64,
     seconds: f64,

@@ -1,4 +1,4 @@
-//! Chance, the same on every machine.
+//! Random numbers and places, the same on every machine.
 
 use glam::DVec3;
 use secateur_plant::Random;
@@ -11,17 +11,17 @@ pub(crate) fn stream(seed: u64) -> Random {
     random
 }
 
-/// -1 to 1.
+/// A number from -1 to 1.
 pub(crate) fn signed(random: &mut Random) -> f64 {
     random.between(-1.0, 1.0)
 }
 
-/// Each coordinate -1 to 1.
+/// A point whose coordinates are from -1 to 1.
 pub(crate) fn in_cube(random: &mut Random) -> DVec3 {
     DVec3::new(signed(random), signed(random), signed(random))
 }
 
-/// Within the unit ball, evenly, and not at its very centre.
+/// A point of the unit ball, evenly spread, but not its very centre.
 pub(crate) fn in_ball(random: &mut Random) -> DVec3 {
     loop {
         let at = in_cube(random);
@@ -31,7 +31,7 @@ pub(crate) fn in_ball(random: &mut Random) -> DVec3 {
     }
 }
 
-/// On the unit sphere, evenly.
+/// A point of the unit sphere, evenly spread.
 pub(crate) fn direction(random: &mut Random) -> DVec3 {
     in_ball(random).normalize()
 }

@@ -4,16 +4,16 @@ use super::{COLUMNS, Column, Point, Row, pareto, summarise};
 use crate::format::{number, percent};
 use crate::table::Table;
 
-/// What the lines of [`recommend`] say.
+/// What reports say that the lines of [`recommend`] list.
 pub(crate) const WHAT_IS_LISTED: &str = "What has the least VMI error and the best outline of all that takes no longer, in the mean; a time is left out where more of it buys nothing. Times are of this machine and these trees; where not to trust a method, the plans failures and stability tell.";
 
-/// Powers of ten of seconds.
+/// The shortest and the longest time that is listed, as powers of ten of a second.
 const LEAST_TIME: i32 = -3;
 const MOST_TIME: i32 = 5;
 
-/// For each level the times in which something better than in less is to be had, of
-/// trees as they are; nothing of a single method. What the judging views drove is left
-/// out.
+/// For each level and time limit the best method within it, over unchanged trees, where it is
+/// better than within shorter limits; nothing if there is only one method. Methods that the
+/// judging views drove are left out: they would be flattered.
 pub(crate) fn recommend(rows: &[Row]) -> Option<Table> {
     let is_fair = |row: &&Row| row.change.is_empty() && !row.is_driven_by_judging_views;
     let rows: Vec<&Row> = rows.iter().filter(is_fair).collect();

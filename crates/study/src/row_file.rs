@@ -26,15 +26,16 @@ pub(crate) fn read(folder: &Path) -> Result<Vec<Row>, Error> {
     })
 }
 
-/// The file, open at its end.
+/// The file of rows, open for appending.
 pub(crate) struct RowFile {
     path: PathBuf,
     file: File,
 }
 
 impl RowFile {
-    /// Goes on behind the rows that were read; half a last line is dropped. Rows of the trees
-    /// that are studied now come last: of each name those that come last are drawn.
+    /// Opens the file behind the rows that were read from it; a line that was cut off is dropped.
+    /// Rows of `studied` are moved to the end, because the last row of a name decides which tree
+    /// is drawn: see [`current_rows`](crate::current_rows).
     pub(crate) fn after(
         rows: &[Row],
         studied: &BTreeSet<Identity>,

@@ -10,7 +10,7 @@ use crate::{LevelOf, Provenance};
 /// Values by the keys of [`COLUMNS`](crate::COLUMNS); nothing where one is infinite.
 pub type Values = BTreeMap<String, Option<f64>>;
 
-/// One run at one level.
+/// One run of a method on a tree, judged at one level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The tree's name: its file name without ending.
@@ -27,9 +27,9 @@ pub struct Row {
     pub change: String,
     /// The seed of methods that draw lots.
     pub seed: u64,
-    /// The share that was asked for.
+    /// The share that was asked for, 0 to 1.
     pub level: f64,
-    /// What it is a share of.
+    /// What the level is a share of.
     pub level_of: LevelOf,
     /// Whether the views that drove the method are those that judge it.
     pub is_driven_by_judging_views: bool,
@@ -57,23 +57,23 @@ pub struct Row {
     /// The largest area of a leaf as a multiple of its original one.
     #[serde(default)]
     pub max_area_scale: Option<f64>,
-    /// Over all views.
+    /// The metrics over all judging views.
     pub values: Values,
-    /// Of the worst view for each metric.
+    /// Each metric in its worst view.
     pub worst: Values,
-    /// Of each view.
+    /// The metrics in each view.
     pub per_view: Vec<Values>,
-    /// Where leaves were rasterised.
+    /// What rasterised leaves: `cpu` or `gpu`.
     pub engine: String,
-    /// The GPU and its driver.
+    /// The GPU and its driver, if there was one.
     pub adapter: Option<String>,
     /// Version of the program.
     pub version: String,
     /// The commit that it was built from, or `unknown`.
     pub commit: String,
-    /// Processor and threads.
+    /// Processor, threads and system.
     pub machine: String,
-    /// How to get this level again.
+    /// The command that makes this level again, given in the study's folder.
     pub command: String,
     /// The picture of it, a path from the study's folder.
     pub picture: String,
@@ -94,7 +94,7 @@ pub struct Identity {
     pub version: String,
 }
 
-/// What tells rows apart.
+/// The key of a row: rows of one key are the same run.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RowKey {
     /// The tree and the program.
@@ -112,7 +112,7 @@ pub struct RowKey {
 }
 
 impl Identity {
-    /// Of a tree that is there.
+    /// The identity of a tree whose files are at hand.
     pub(crate) fn new(tree: &str, tree_sha256: &str, provenance: &Provenance) -> Self {
         Self {
             tree: tree.to_owned(),
@@ -139,13 +139,13 @@ impl Identity {
     }
 }
 
-/// A level as keys have it.
+/// A level in millionths, which can be compared exactly.
 pub(crate) fn millionths(level: f64) -> u64 {
     (1e6 * level).round() as u64
 }
 
 impl Row {
-    /// The tree and the program.
+    /// Which tree the row is of, and which program made it.
     pub fn identity(&self) -> Identity {
         Identity {
             tree: self.tree.clone(),
@@ -154,7 +154,7 @@ impl Row {
         }
     }
 
-    /// Rows of one key are the same run.
+    /// Its key.
     pub fn key(&self) -> RowKey {
         RowKey {
             identity: self.identity(),
@@ -166,14 +166,14 @@ impl Row {
         }
     }
 
-    /// Setting and change, for readers.
+    /// Setting and change as reports show them.
     pub fn variant(&self) -> String {
         let parts = [self.setting.as_str(), self.change.as_str()];
         let parts = parts.into_iter().filter(|part| !part.is_empty());
         parts.collect::<Vec<_>>().join(", ")
     }
 
-    /// Method, setting and change, for readers.
+    /// Method, setting and change as reports show them.
     pub fn label(&self) -> String {
         match self.variant().as_str() {
             "" => self.method.clone(),
@@ -216,8 +216,8 @@ pub fn read_rows(text: &str) -> Result<Vec<Row>, (usize, String)> {
     Ok(rows)
 }
 
-/// Of each tree's name the rows of one tree and one program: those of the last row. Others of the
-/// name stay in the file, and are not drawn.
+/// The rows that are drawn: of each name those of the same tree and program as its last row.
+/// Others stay in the file.
 pub fn current_rows(rows: Vec<Row>) -> Vec<Row> {
     let last: BTreeMap<String, Identity> = (rows.iter())
         .map(|row| (row.tree.clone(), row.identity()))

@@ -21,23 +21,23 @@ use crate::{Case, FailureCase};
 
 /// A scene: what is in it, what should go wrong, and what is tried.
 pub(crate) struct Scene {
-    /// Its name among trees.
+    /// What rows call it, as a tree.
     pub(crate) name: &'static str,
     title: &'static str,
     about: &'static str,
-    /// What should fail, one of the cases.
+    /// The case that should fail; one of [`Self::cases`].
     suspect: fn() -> Case,
-    /// What is tried on it, the file of near cameras being here.
+    /// What is run on it. The path is that of a file of near cameras.
     pub(crate) cases: fn(&Path) -> Vec<Case>,
-    /// From how many radii it is judged.
+    /// The distance of the judging views from the centre, in radii of the crown.
     pub(crate) judged_from_radii: f64,
     build: fn(&mut Crown),
 }
 
-/// From how many radii near cameras look.
+/// The distance of near cameras from the centre, in radii of the crown.
 const NEAR_RADII: f64 = 0.6;
 
-/// What spends the share on coarser leaves first.
+/// The default, where a level is a share of triangles: leaves become coarser before any goes.
 fn by_triangles() -> Case {
     look().of_triangles()
 }
@@ -54,7 +54,7 @@ fn at_256() -> Case {
     information().pixels(256)
 }
 
-/// What is tried on leaves about as small as a pixel.
+/// What is run on scenes of leaves about as small as a pixel.
 fn small_leaves() -> Vec<Case> {
     vec![
         at_256(),
@@ -260,7 +260,7 @@ pub(crate) const SCENES: [Scene; 8] = [
     },
 ];
 
-/// What reports say of all scenes.
+/// All scenes as reports describe them.
 pub(crate) fn failure_cases() -> Vec<FailureCase> {
     let of_scene = |scene: &Scene| FailureCase {
         tree: scene.name.to_owned(),
@@ -290,7 +290,7 @@ impl Scene {
     }
 }
 
-/// The cameras of a set about a sphere, moved to another distance.
+/// The cameras of a set about a sphere, moved to a distance of `radii` radii.
 pub(crate) fn views_from(views: &ViewSet, sphere: BoundingSphere, radii: f64) -> ViewSet {
     let moved = |view: &View| {
         let eye = sphere.centre - radii * sphere.radius * view.forward();
@@ -322,7 +322,7 @@ pub(crate) fn near_cameras(sphere: BoundingSphere) -> String {
     serde_json::json!({ "cameras": cameras }).to_string()
 }
 
-/// A scene in the making.
+/// A scene while its leaves are added.
 struct Crown {
     random: Random,
     leaves: Surface,

@@ -1,10 +1,9 @@
-//! Whose levels are shares of the triangles.
+//! Which methods have levels that are shares of the triangles.
 
 use super::{LevelOf, Row};
 
-/// A sentence that names the methods whose rows say so, and those that left more
-/// leaves than the share of a level, as only those can that count triangles; none if
-/// there are none.
+/// A sentence that names the methods whose levels are shares of triangles, and those that left
+/// more leaves than the level's share, as mesh simplifiers do; none if there are none.
 pub(crate) fn note_of(rows: &[Row]) -> Option<String> {
     let mut labels: Vec<String> = Vec::new();
     for row in rows.iter().filter(|row| is_of_triangles(row)) {

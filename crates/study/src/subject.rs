@@ -12,17 +12,16 @@ use crate::scenes::{SCENES, Scene, near_cameras};
 use crate::{Case, Error, Host, Plan, StudyOptions, plan};
 
 const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.01];
-/// A hundredth of so few leaves is none.
+/// Scenes have too few leaves for a hundredth of them.
 const SCENE_LEVELS: [f64; 2] = [0.5, 0.1];
 
-/// A tree and what is run on it.
+/// A tree and the cases that are run on it.
 pub(crate) struct Subject {
-    /// Tells trees apart in rows and files.
+    /// What rows and files call it; no two trees of a study have one name.
     pub(crate) name: String,
     pub(crate) path: PathBuf,
     pub(crate) cases: Vec<Case>,
-    /// From how many radii it is judged; nothing for the held-out views as they
-    /// are.
+    /// The distance of the judging views in radii, if it is not the usual one.
     pub(crate) judged_from_radii: Option<f64>,
     made: Made,
 }
@@ -34,7 +33,7 @@ enum Made {
     Grown(&'static Model),
 }
 
-/// Everything that is asked for; names differ.
+/// The trees that a study is asked for.
 ///
 /// # Errors
 /// [`Error`] if there is nothing to study, or two trees have one name.
@@ -135,7 +134,7 @@ fn check_names(subjects: &[Subject]) -> Result<(), Error> {
 }
 
 impl Subject {
-    /// Shares of the leaves, if none are asked for.
+    /// The levels that are run if the user names none.
     pub(crate) fn levels(&self) -> &'static [f64] {
         match self.made {
             Made::Scene(_) => &SCENE_LEVELS,
@@ -143,7 +142,8 @@ impl Subject {
         }
     }
 
-    /// How its foliage is found: what the user says is of the user's trees.
+    /// The selectors of its foliage: the user's for the user's trees, none for trees that the
+    /// study makes.
     pub(crate) fn selectors<'s>(&self, of_user: &'s [Selector]) -> &'s [Selector] {
         match self.made {
             Made::ByOthers => of_user,
@@ -151,7 +151,8 @@ impl Subject {
         }
     }
 
-    /// Says now, not when its turn comes, that a tree of the user's cannot be read.
+    /// Fails if a tree of the user's can't be read, so that a study does not find out in the
+    /// middle.
     pub(crate) fn check(&self, of_user: &[Selector]) -> Result<(), Error> {
         if matches!(self.made, Made::ByOthers) {
             Tree::open(&self.path, of_user)?;
@@ -177,7 +178,7 @@ impl Subject {
     }
 }
 
-/// Where the near cameras of a scene are.
+/// The file of near cameras beside a scene's tree.
 fn cameras_beside(tree: &Path) -> PathBuf {
     let name = tree.file_stem().unwrap_or_default().to_string_lossy();
     tree.with_file_name(format!("{name}-cameras.json"))
@@ -191,7 +192,8 @@ fn grown(model: &Model) -> Result<Plant, Error> {
     grow(model.species(), &options).map_err(|e| Error::Refused(format!("{}: {e}", model.tree())))
 }
 
-/// Near enough for cameras: about the middle of the leaves' box.
+/// A sphere about the leaves, with its centre in the middle of their box; not the least one, but
+/// near enough to place cameras.
 fn sphere_of_leaves(plant: &Plant) -> BoundingSphere {
     let places = &plant.leaves.positions;
     let first = places.first().copied().unwrap_or_default();

@@ -1,11 +1,11 @@
-//! Means over trees and seeds, and which of them no other beats.
+//! Means over trees and seeds, their Pareto frontier, and spreads over perturbations.
 
 use std::collections::BTreeMap;
 
 use super::{Column, Row};
 use crate::rows::millionths;
 
-/// A method and setting at a level.
+/// A method with a setting at a level, over trees and seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// The method's name.
@@ -18,7 +18,7 @@ pub struct Point {
     pub mean: f64,
     /// The worst value of any view of any tree and seed.
     pub worst: f64,
-    /// How many rows it stands for.
+    /// The number of rows.
     pub rows: usize,
     /// The most memory of any tree and seed, where a system told.
     pub peak_rss_bytes: Option<u64>,
@@ -26,7 +26,7 @@ pub struct Point {
     pub kept_overlap: Option<f64>,
 }
 
-/// A point for each method and setting at a level, in the order of first rows.
+/// A point for each method and setting of rows of one level, in the order of their first rows.
 pub fn summarise(rows: &[&Row], column: &Column) -> Vec<Point> {
     let mut labels: Vec<String> = Vec::new();
     let mut of_label: BTreeMap<String, Vec<&Row>> = BTreeMap::new();
@@ -91,7 +91,7 @@ pub fn pareto<'p>(points: &'p [Point], column: &Column) -> Vec<&'p Point> {
 /// matter, and on seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
-    /// How many rows it is of, at least 2.
+    /// The number of rows, at least 2.
     pub rows: usize,
     /// Arithmetic mean of the metric.
     pub mean: f64,

@@ -38,13 +38,13 @@ impl SurvivorBits {
         host.write_file(path, &self.0).map_err(Error::Refused)
     }
 
-    /// Nothing where there is no such file.
+    /// What [`Self::write`] wrote; nothing if there is no such file.
     pub(crate) fn read(path: &Path) -> Option<Self> {
         fs::read(path).ok().map(Self)
     }
 }
 
-/// Whether a leaf has taken the place of no other than its donor.
+/// Whether all corners of a new leaf are its donor's own, so that it stands for that leaf alone.
 fn is_of_one(leaf: &NewLeaf) -> bool {
     let corners = leaf.triangles.iter().flatten();
     let mut own = corners.map(|corner| match corner.place {

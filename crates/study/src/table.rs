@@ -1,10 +1,10 @@
-//! Tables, for HTML and for Markdown.
+//! Tables of text, written as HTML or as Markdown.
 
 use std::fmt::Write as _;
 
 use crate::chart::escaped;
 
-/// Cells of plain text under a line of names.
+/// A head of names, and lines of plain text below it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Table {
     pub(crate) head: Vec<String>,

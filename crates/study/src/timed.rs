@@ -1,4 +1,4 @@
-//! Runs of a method, and what each level of one took.
+//! Runs a case, and measures the time and memory to each level.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -11,15 +11,15 @@ use secateur_simplify::{Progress, Resolution, Stage, simplify_with};
 use crate::job::Job;
 use crate::{Error, Host};
 
-/// A level that a method reached.
+/// A level that a run reached.
 pub(crate) struct Ran {
     pub(crate) level: f64,
     pub(crate) lod: Lod,
-    /// Of the method alone.
+    /// Wall time of the method alone, without observing and judging.
     pub(crate) seconds: f64,
-    /// Of the process while the method ran.
+    /// The largest resident set of the process while the method ran.
     pub(crate) peak_rss_bytes: Option<u64>,
-    /// 0 for methods that see no pixels.
+    /// Width and height of the driving images in pixels; 0 for methods that see none.
     pub(crate) resolution: u32,
     pub(crate) engine: String,
     pub(crate) adapter: Option<String>,
@@ -124,7 +124,7 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
     Ok(levels.map(ran).collect())
 }
 
-/// What it took to get to a level.
+/// Time and memory up to a moment of a run.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     seconds: f64,

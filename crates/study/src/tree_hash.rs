@@ -1,4 +1,4 @@
-//! What tells a tree from another of the same name.
+//! The hash by which rows know a tree.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Where methods fail.
+//! The section "Where methods fail".
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use crate::chart::escaped;
 use crate::failure_case::{WHAT_IS_BETTER, overview};
 
 impl Page<'_> {
-    /// What to do about each, then each scene with its pictures and figures.
+    /// An overview of all scenes, then each with its verdict, pictures and rows.
     pub(crate) fn failures(&self, html: &mut String) {
         let rows = self.study.rows;
         let Some(table) = overview(self.study.failure_cases, rows) else {

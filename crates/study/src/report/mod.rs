@@ -1,4 +1,4 @@
-//! One self-contained HTML page from rows and pictures.
+//! The report of a study: one HTML page that needs no other file.
 
 mod failures;
 mod paper;
@@ -20,10 +20,10 @@ use crate::format::{duration, memory, number, overlap_of, percent, trees};
 use crate::recommend::{WHAT_IS_LISTED, recommend};
 use secateur_eval::measure::Direction;
 
-/// A picture that rows name: its path, and its bytes as JPEG.
+/// A picture that rows name: its path from the study's folder, and its bytes as JPEG.
 pub type Picture = (String, Vec<u8>);
 
-/// All that a study's pages are made of.
+/// What the report and the README of a study are made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
     /// The rows, in the order of running.
@@ -41,7 +41,7 @@ impl Study<'_> {
         self.given_and_partial().0
     }
 
-    /// And methods and settings that were left out of them.
+    /// The same, and the labels of the cases that were left out because they are incomplete.
     pub(crate) fn given_and_partial(&self) -> (Vec<Row>, BTreeSet<String>) {
         let figures = self.paper.map_or(&[][..], |paper| &paper.figures);
         let mut rows = self.plain_rows();
@@ -99,7 +99,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     html
 }
 
-/// Levels, most leaves first.
+/// The levels of rows, most leaves first.
 fn levels(rows: &[Row]) -> Vec<f64> {
     let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();
     levels.sort_by(|a, b| b.total_cmp(a));
@@ -107,7 +107,7 @@ fn levels(rows: &[Row]) -> Vec<f64> {
     levels
 }
 
-/// Names in the order of running.
+/// The trees of rows in the order of running.
 fn trees_of(rows: &[Row]) -> Vec<&str> {
     let mut trees: Vec<&str> = Vec::new();
     for row in rows {
@@ -119,12 +119,12 @@ fn trees_of(rows: &[Row]) -> Vec<&str> {
 }
 
 struct Page<'a> {
-    /// Of trees that are no scenes made for failures.
+    /// Rows of trees that are no scenes made for failures.
     rows: &'a [Row],
-    /// Of trees that all methods ran on: for means.
+    /// Rows whose means can be compared: see [`Study::given_rows`].
     given: &'a [Row],
     study: &'a Study<'a>,
-    /// Base64 by path.
+    /// Pictures in Base64, by path.
     images: BTreeMap<&'a str, String>,
     levels: Vec<f64>,
 }
@@ -138,7 +138,7 @@ impl Page<'_> {
         trees_of(self.rows)
     }
 
-    /// Of trees as they are.
+    /// The labels of rows of unchanged trees.
     fn labels(&self) -> Vec<String> {
         let mut labels = Vec::new();
         let plain = self.rows.iter().filter(|row| row.change.is_empty());

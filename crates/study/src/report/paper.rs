@@ -1,4 +1,4 @@
-//! A paper's figures beside these.
+//! The section that compares a paper's figures with the rows.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! Contact sheets, and one picture at a time beside its original.
+//! The section of pictures: one at a time beside its original, and contact sheets.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -83,7 +83,7 @@ impl Page<'_> {
     }
 }
 
-/// A row in a few words.
+/// The caption of a row's picture.
 pub(crate) fn caption(row: &Row) -> String {
     let value = |key: &str| {
         row.values

@@ -1,4 +1,4 @@
-//! How much results depend on what should not matter.
+//! The section on stability: how far results spread over seeds and perturbations.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use super::pictures::caption;
 use crate::chart::escaped;
 use crate::format::{number, percent};
 
-/// Decides which run was the worst.
+/// The metric that decides which run was the worst.
 const MEASURE: &str = "vmi_error_percent";
 
 impl Page<'_> {
