@@ -1,6 +1,7 @@
 //! One study at a time in a folder.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
@@ -35,6 +36,11 @@ impl Lock {
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(Error::Locked(folder.to_owned())),
+                Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {
+                    // Some network file systems have no locks; studies worked there before.
+                    let folder = folder.display();
+                    tracing::warn!("{folder}: cannot be locked: run one study at a time in it");
+                }
                 Err(TryLockError::Error(e)) => {
                     return Err(Error::of_file(&path, "cannot be locked", e));
                 }
