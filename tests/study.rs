@@ -4,9 +4,11 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
+use secateur::plant_to_glb;
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
-use crate::program::{Bench, Ran};
+use crate::program::{Bench, Ran, oak};
 
 const CASES: [&str; 4] = [
     "--case",
@@ -132,6 +134,170 @@ fn lots_are_drawn_for_every_seed() {
     let found: Vec<Value> = rows(&bench);
     assert_eq!(found.iter().map(seed).collect::<Vec<_>>(), [0, 1]);
     assert_ne!(found[0]["values"], found[1]["values"]);
+}
+
+/// An oak of the same name and other leaves.
+fn other_oak() -> Vec<u8> {
+    let options = GrowOptions {
+        leaves: 160,
+        seed: 9,
+    };
+    plant_to_glb(&grow(Species::Oak, &options).unwrap())
+}
+
+const FSA: [&str; 2] = ["--case", "fsa --resolution 64"];
+
+fn readme(bench: &Bench) -> String {
+    String::from_utf8(bench.read("s/README.md")).unwrap()
+}
+
+/// Rows know the tree by its bytes: another one of the same name is run anew, and what is drawn
+/// is of one tree only, the one that was studied last.
+#[test]
+fn another_tree_of_the_same_name_is_not_taken_for_the_first() {
+    let bench = Bench::new();
+    study(&bench, &FSA).succeeded();
+    bench.put("oak.glb", &other_oak());
+    study(&bench, &FSA).succeeded();
+    let found = rows(&bench);
+    let leaves = |row: &Value| row["leaves_original"].as_u64();
+    assert_eq!(
+        found.iter().map(leaves).collect::<Vec<_>>(),
+        [Some(240), Some(160)],
+        "no row is lost"
+    );
+    assert_ne!(found[0]["tree_sha256"], found[1]["tree_sha256"]);
+    assert!(readme(&bench).contains("- 1 rows of 1 tree: oak (160 leaves)"));
+
+    // The first tree is back: its row is still there, and is what is drawn.
+    bench.put("oak.glb", oak());
+    study(&bench, &FSA).succeeded();
+    let again = rows(&bench);
+    assert_eq!(again.len(), 2);
+    assert!(again.contains(&found[0]));
+    assert!(readme(&bench).contains("- 1 rows of 1 tree: oak (240 leaves)"));
+}
+
+/// A .gltf is another tree if its buffer is.
+#[test]
+fn a_tree_is_all_of_its_files() {
+    let bench = Bench::new();
+    let share = ["simplify", "oak.glb", "--ratio", "1", "-o", "split.gltf"];
+    bench.run(&share).succeeded();
+    let run = ["study", "split.gltf", "-o", "s", "--levels", "0.25"];
+    bench.run(&[&run[..], &FSA].concat()).succeeded();
+    let mut buffer = bench.read("split.bin");
+    // Even a byte that nothing reads.
+    buffer.push(0);
+    bench.put("split.bin", &buffer);
+    bench.run(&[&run[..], &FSA].concat()).succeeded();
+    let hash = |row: &Value| row["tree_sha256"].as_str().map(str::to_owned);
+    let hashes: Vec<Option<String>> = rows(&bench).iter().map(hash).collect();
+    assert_eq!(hashes.len(), 2);
+    assert!(hashes[0].is_some() && hashes[0] != hashes[1]);
+}
+
+/// Rows of before have no hash: they are drawn, but nobody knows what tree they are of.
+#[test]
+fn a_row_without_a_hash_is_drawn_and_run_anew() {
+    let bench = Bench::new();
+    study(&bench, &FSA).succeeded();
+    let mut row = rows(&bench).remove(0);
+    row.as_object_mut().unwrap().remove("tree_sha256").unwrap();
+    let line = format!("{row}\n");
+    bench.put("s/rows.jsonl", line.as_bytes());
+    bench.run(&["study", "--redraw", "-o", "s"]).succeeded();
+    assert!(readme(&bench).contains("- 1 rows of 1 tree: oak (240 leaves)"));
+    study(&bench, &FSA).succeeded();
+    assert_eq!(rows(&bench).len(), 2);
+    assert!(readme(&bench).contains("- 1 rows of 1 tree: oak (240 leaves)"));
+}
+
+/// Two studies would write over each other's rows. A lock of a process that is gone is none.
+#[test]
+fn a_folder_has_one_study_at_a_time() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("s")).unwrap();
+    let lock = std::fs::File::create(bench.path("s/.secateur-study.lock")).unwrap();
+    lock.lock().unwrap();
+    study(&bench, &FSA).failed_saying(&["s: another study"]);
+    bench
+        .run(&["study", "--redraw", "-o", "s"])
+        .failed_saying(&["s: another study"]);
+    assert!(!bench.path("s/rows.jsonl").exists());
+    drop(lock);
+    assert!(bench.path("s/.secateur-study.lock").exists());
+    study(&bench, &FSA).succeeded();
+    assert_eq!(rows(&bench).len(), 1);
+    assert!(!bench.path("s/.secateur-study.lock").exists());
+}
+
+/// A finished row stays as it is, its time too.
+#[test]
+fn pictures_that_are_missing_are_made_again() {
+    let bench = Bench::new();
+    study(&bench, &CASES).succeeded();
+    let before = bench.read("s/rows.jsonl");
+    let row = &rows(&bench)[1];
+    let of_row = ["picture", "difference"].map(|key| row[key].as_str().unwrap().to_owned());
+    let names = std::fs::read_dir(bench.path("s/pictures")).unwrap();
+    let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let original = { names }
+        .find(|name| name.ends_with("-original.jpg"))
+        .unwrap();
+    let pictures = [&of_row[..], &[format!("pictures/{original}")]].concat();
+    for missing in [&pictures[..], &pictures[2..]] {
+        let paths: Vec<String> = missing.iter().map(|name| format!("s/{name}")).collect();
+        let read = || {
+            paths
+                .iter()
+                .map(|path| bench.read(path))
+                .collect::<Vec<_>>()
+        };
+        let drawn = read();
+        for path in &paths {
+            std::fs::remove_file(bench.path(path)).unwrap();
+        }
+        study(&bench, &CASES).succeeded();
+        assert_eq!(read(), drawn);
+        assert_eq!(bench.read("s/rows.jsonl"), before);
+    }
+}
+
+/// What a tree is called is up to whoever made it.
+#[test]
+fn a_spreadsheet_computes_nothing_of_a_study() {
+    let bench = Bench::new();
+    bench.put("=1+1.glb", oak());
+    let run = ["study", "=1+1.glb", "-o", "s", "--levels", "0.25"];
+    bench.run(&[&run[..], &FSA].concat()).succeeded();
+    let csv = String::from_utf8(bench.read("s/rows.csv")).unwrap();
+    let line = csv.lines().nth(1).unwrap();
+    assert!(line.starts_with("\"'=1+1\",fsa,"), "{line}");
+}
+
+/// A case is what it asks for, however it is written.
+#[test]
+fn cases_that_ask_for_the_same_are_run_once() {
+    let bench = Bench::new();
+    let cases = [
+        "--case",
+        "vds --resolution 64 --views 6 --fit=none",
+        "--case",
+        "vds --fit=none --views octahedron --ties order --resolution 64",
+    ];
+    study(&bench, &cases).succeeded();
+    let found = rows(&bench);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0]["setting"], "views 6 resolution 64 fit=none");
+    for (case, says) in [
+        ("vds --report x.json", "--report"),
+        ("vds --ratio 0.5", "--ratio"),
+        ("vds --views no.json", "no.json"),
+        ("", "no method"),
+    ] {
+        study(&bench, &["--case", case]).failed_saying(&[says]);
+    }
 }
 
 /// Views change nothing for a method that has none, so all leaves are shared;

@@ -6,7 +6,6 @@
 //! - [`pictures`]: the same for what the trees look like, a value for each of
 //!   [`PICTURE_METRICS`](pictures::PICTURE_METRICS).
 //! - [`render`]: textured triangles to a picture, on the CPU.
-//! - [`study`]: rows of many judged runs, and charts and a report of them.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
 //! - [`contact_sheet`]: pictures side by side, with captions.
@@ -23,7 +22,6 @@ pub mod pictures;
 mod render;
 mod screen_triangle;
 mod shading;
-pub mod study;
 mod texel;
 mod visibility;
 

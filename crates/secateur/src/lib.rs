@@ -80,13 +80,14 @@
 //! | trees without files | `plant` |
 //!
 //! Each stage by itself is a crate of its own: `secateur-model`, `secateur-gltf`,
-//! `secateur-raster`, `secateur-simplify`, `secateur-eval`, `secateur-plant`.
+//! `secateur-raster`, `secateur-simplify`, `secateur-eval`, `secateur-plant`; `secateur-study`
+//! compares methods.
 //!
 //! # Features
 //! `gpu` (default): rasterising on a GPU through wgpu. `plant` (default): growing plants, and
-//! methods that follow their branches. `eval` (default): judging. `cli` (default): the
-//! program `secateur`, which needs the other three but for the GPU; turn it off where only the
-//! library is wanted.
+//! methods that follow their branches. `eval` (default): judging. `study`: what the command
+//! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
+//! the GPU; turn it off where only the library is wanted.
 
 mod error;
 #[cfg(feature = "eval")]

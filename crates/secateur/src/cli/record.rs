@@ -110,6 +110,7 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
         "fit": options.objective().map(fitted_to),
         "alpha": options.alpha,
         "engine": options.engine,
+        "seed": args.seed,
         "foliage": selectors.collect::<Vec<_>>(),
     });
     let method = json!(options.method);

@@ -1,0 +1,120 @@
+//! Rows as CSV, for spreadsheets.
+
+use crate::{COLUMNS, Column, Row};
+
+/// Rows as CSV: a line of names, a line each; no per-view values. Text that a spreadsheet would
+/// take for a formula has an apostrophe before it.
+pub fn to_csv(rows: &[Row]) -> String {
+    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with,max_area_scale".to_owned();
+    for prefix in ["", "worst_"] {
+        for column in COLUMNS.iter() {
+            text += &format!(",{prefix}{}", column.key);
+        }
+    }
+    text += ",engine,adapter,version,commit,machine,command\n";
+    for row in rows {
+        let mut cells = vec![
+            quoted(&row.tree),
+            bare(&row.method),
+            quoted(&row.setting),
+            quoted(&row.change),
+            row.seed.to_string(),
+            row.level.to_string(),
+            row.leaves_original.to_string(),
+            row.leaves_final.to_string(),
+            row.triangles_final.to_string(),
+            row.seconds.to_string(),
+            row.peak_rss_bytes.map_or(String::new(), |b| b.to_string()),
+            row.resolution.to_string(),
+            row.kept_overlap.map_or(String::new(), |o| o.to_string()),
+            quoted(&row.overlap_with),
+            row.max_area_scale.map_or(String::new(), |s| s.to_string()),
+        ];
+        for values in [&row.values, &row.worst] {
+            let cell = |c: &Column| values.get(c.key).copied().flatten();
+            let cells_of = COLUMNS
+                .iter()
+                .map(|c| cell(c).map_or(String::new(), |v| v.to_string()));
+            cells.extend(cells_of);
+        }
+        cells.push(bare(&row.engine));
+        cells.push(quoted(row.adapter.as_deref().unwrap_or("")));
+        cells.extend([bare(&row.version), bare(&row.commit)]);
+        cells.extend([quoted(&row.machine), quoted(&row.command)]);
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// A cell of text in quotes.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", defused(text).replace('"', "\"\""))
+}
+
+/// A cell of text without quotes where it needs none: names that a study writes have no commas.
+fn bare(text: &str) -> String {
+    match text.contains([',', '"', '\n', '\r']) {
+        true => quoted(text),
+        false => defused(text),
+    }
+}
+
+/// The text with an apostrophe before it if a spreadsheet would take it for a formula: names come
+/// from files, and nobody vouches for them.
+fn defused(text: &str) -> String {
+    match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::tests::row;
+
+    #[test]
+    fn infinite_values_are_empty_cells() {
+        let mut row = row("a", 0.5, 1.0, 2.0);
+        row.values.insert("vmi_error_percent".into(), None);
+        let csv = to_csv(&[row]);
+        let lines: Vec<&str> = csv.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[1].contains(",256,,\"\",,,0.5,"), "{}", lines[1]);
+        assert!(lines[1].contains("\"a \"\"machine\"\"\""));
+    }
+
+    /// Rows can come from elsewhere: every column of text is defused, and none adds cells.
+    #[test]
+    fn a_spreadsheet_computes_nothing() {
+        let formula = "=HYPERLINK(\"x\",1)";
+        let mut row = row("a", 0.5, 1.0, 2.0);
+        let columns = to_csv(std::slice::from_ref(&row));
+        let commas = |csv: &str| csv.lines().nth(1).unwrap().matches(',').count();
+        let plain = commas(&columns);
+        for text in [
+            &mut row.tree,
+            &mut row.method,
+            &mut row.setting,
+            &mut row.change,
+            &mut row.overlap_with,
+            &mut row.engine,
+            &mut row.version,
+            &mut row.commit,
+            &mut row.machine,
+            &mut row.command,
+        ] {
+            *text = formula.into();
+        }
+        row.adapter = Some(formula.into());
+        let csv = to_csv(&[row]);
+        assert_eq!(csv.matches("\"'=HYPERLINK(\"\"x\"\",1)\"").count(), 11);
+        assert_eq!(csv.matches("=HYPERLINK").count(), 11);
+        assert_eq!(commas(&csv), plain + 11, "one within each quoted cell");
+        for formula in ["+cmd", "-x", "@sum", "\t=1"] {
+            assert_eq!(quoted(formula), format!("\"'{formula}\""));
+        }
+        assert_eq!(bare("vds"), "vds");
+    }
+}

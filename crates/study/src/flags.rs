@@ -1,0 +1,139 @@
+//! How options are written on the command line of `simplify`: what differs from the defaults, in
+//! one order. Rows name their settings by these words, and commands are made of them.
+
+use secateur_plant::ClusterSize;
+use secateur_raster::Engine;
+use secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT;
+use secateur_simplify::fsa::FsaOptions;
+use secateur_simplify::meshopt::{MeshoptOptions, Mode};
+use secateur_simplify::stochastic::StochasticOptions;
+use secateur_simplify::vds::{Ties, VdsOptions};
+use secateur_simplify::{
+    Alpha, Fitting, LeafTriangles, Method, Options, Preset, Resolution, Views,
+};
+use serde::Serialize;
+
+use crate::LevelOf;
+
+/// The options that differ from those of their method and preset, without dashes: `views 6`,
+/// `fit=none`. `cameras` stands for cameras from a file.
+pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>) -> Vec<String> {
+    let mut flags = Flags(Vec::new());
+    if level_of == LevelOf::Triangles {
+        flags.push(TRIANGLES.to_owned());
+    }
+    flags.differing("preset", options.preset, Preset::default());
+    match &options.method {
+        Method::Vds(own) | Method::VdsReference(own) => flags.of_vds(own, options.preset.vds()),
+        Method::Fsa(own) => {
+            let usual = FsaOptions::default();
+            flags.number(
+                "distance-weight",
+                own.distance_weight,
+                usual.distance_weight,
+            );
+            flags.number(
+                "planarity-weight",
+                own.planarity_weight,
+                usual.planarity_weight,
+            );
+        }
+        Method::Stochastic(own) => {
+            let usual = StochasticOptions::default();
+            if own.seed != usual.seed {
+                flags.push(format!("seed {}", own.seed));
+            }
+            flags.number("area-weight", own.area_weight, usual.area_weight);
+        }
+        Method::Meshopt(MeshoptOptions {
+            mode,
+            preserve_area,
+        }) => {
+            flags.differing("meshopt-mode", *mode, Mode::default());
+            if *preserve_area {
+                flags.push("preserve-area".to_owned());
+            }
+        }
+        Method::Merge(own) if own.cluster_size == ClusterSize::Area => {
+            flags.push("cluster-size area".to_owned());
+        }
+        _ => {}
+    }
+    if options.leaf_triangles != LeafTriangles::default() {
+        flags.push(format!("leaf-triangles {}", options.leaf_triangles));
+    }
+    match cameras {
+        Some(name) => flags.push(format!("views {name}")),
+        None if options.views != Views::default() => {
+            flags.push(format!("views {}", name_of(&options.views)));
+        }
+        None => {}
+    }
+    if options.resolution != Resolution::default() {
+        flags.push(format!("resolution {}", options.resolution));
+    }
+    if let Some(own) = options.method.vds() {
+        flags.differing("ties", own.ties, Ties::default());
+    }
+    flags.differing("alpha", options.alpha, Alpha::default());
+    flags.differing("engine", options.engine, Engine::default());
+    match options.fit {
+        Fitting::Auto => {}
+        Fitting::Weight(DEFAULT_OUTLINE_WEIGHT) => flags.push("fit".to_owned()),
+        fit => flags.push(format!("fit={fit}")),
+    }
+    if options.audit {
+        flags.push("audit".to_owned());
+    }
+    flags.0
+}
+
+/// Says that levels are shares of triangles; on the command line a number follows.
+pub(crate) const TRIANGLES: &str = "triangles";
+
+/// The words gathered so far.
+struct Flags(Vec<String>);
+
+impl Flags {
+    fn push(&mut self, flag: String) {
+        self.0.push(flag);
+    }
+
+    /// A value of a list of names.
+    fn differing<T: PartialEq + Serialize>(&mut self, flag: &str, value: T, usual: T) {
+        if value != usual {
+            let name = serde_json::to_value(value).ok();
+            let name = name.as_ref().and_then(|name| name.as_str());
+            let name = name.expect("names are spelled as text");
+            self.push(format!("{flag} {name}"));
+        }
+    }
+
+    fn number(&mut self, flag: &str, value: f64, usual: f64) {
+        if value != usual {
+            self.push(format!("{flag} {value}"));
+        }
+    }
+
+    /// How leaves are chosen and grow; of equal costs see `ties` behind the views.
+    fn of_vds(&mut self, own: &VdsOptions, usual: VdsOptions) {
+        self.differing("reference", own.reference, usual.reference);
+        self.differing("resize", own.resize, usual.resize);
+        if own.neighbours != usual.neighbours {
+            self.push(format!("neighbours {}", own.neighbours));
+        }
+        match own.max_coverage {
+            same if same == usual.max_coverage => {}
+            Some(limit) => self.push(format!("max-coverage {limit}")),
+            None => self.push("max-coverage none".to_owned()),
+        }
+    }
+}
+
+/// Sets of views go by how many views they have, but for the variable number.
+fn name_of(views: &Views) -> &'static str {
+    match views {
+        Views::Icosahedron => "12",
+        other => other.name(),
+    }
+}

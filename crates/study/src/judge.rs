@@ -1,0 +1,221 @@
+//! Judges a level of a tree against the original: makes its row and its pictures.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::codecs::jpeg::JpegEncoder;
+use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
+use secateur_eval::measure::Scores;
+use secateur_eval::pictures::{PictureScores, Pictures, difference};
+use secateur_eval::{Camera, Judging, Original, RenderOptions, framing, render};
+use secateur_gltf::{Document, Tree};
+use secateur_model::{Lod, Surface};
+use secateur_simplify::sphere_of;
+
+use crate::draw::make_folder;
+use crate::job::Run;
+use crate::scenes::views_from;
+use crate::subject::Subject;
+use crate::survivor_bits::SurvivorBits;
+use crate::timed::Ran;
+use crate::{Error, Host, Identity, Row, Values};
+
+const PICTURE_WIDTH: u32 = 280;
+const PICTURE_HEIGHT: u32 = 320;
+const JPEG_QUALITY: u8 = 85;
+/// Lower than that of pictures: differences are smooth.
+const DIFFERENCE_QUALITY: u8 = 70;
+
+/// The original of a tree, drawn once, that all its levels are compared with.
+pub(crate) struct Judge<'a> {
+    identity: &'a Identity,
+    path: &'a Path,
+    tree: &'a Tree,
+    folder: &'a Path,
+    host: &'a dyn Host,
+    original: Original<'a>,
+    pictures: Pictures,
+    camera: Camera,
+    portrait: RgbaImage,
+}
+
+impl<'a> Judge<'a> {
+    /// Draws the original, and writes its picture.
+    pub(crate) fn new(
+        subject: &'a Subject,
+        tree: &'a Tree,
+        identity: &'a Identity,
+        folder: &'a Path,
+        host: &'a dyn Host,
+    ) -> Result<Self, Error> {
+        let path = subject.path.as_path();
+        let sphere = sphere_of(tree.foliage())?;
+        let mut judging = Judging::held_out(tree.foliage())?;
+        if let Some(radii) = subject.judged_from_radii {
+            judging.views = views_from(&judging.views, sphere, radii);
+        }
+        let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
+        let camera = framing(
+            &surfaces,
+            f64::from(PICTURE_WIDTH) / f64::from(PICTURE_HEIGHT),
+        );
+        let judge = Self {
+            identity,
+            path,
+            tree,
+            folder,
+            host,
+            pictures: Pictures::of(&surfaces, &judging.views),
+            portrait: portrait(&surfaces, &camera),
+            camera,
+            original: Original::new(tree.foliage(), judging)?,
+        };
+        for subfolder in ["pictures", "kept"] {
+            make_folder(&folder.join(subfolder))?;
+        }
+        let path = identity.original_picture();
+        judge.write_picture(opaque(&judge.portrait), JPEG_QUALITY, &path)?;
+        Ok(judge)
+    }
+
+    /// Measures a level, writes its pictures and returns its row.
+    pub(crate) fn row(&self, run: Run<'_>, ran: &Ran) -> Result<Row, Error> {
+        let Run { case, seed, .. } = run;
+        let foliage = self.tree.foliage();
+        let measured = self.original.measure_lod(&ran.lod);
+        let surfaces = self.surfaces(&ran.lod)?;
+        let views = &self.original.judging().views;
+        let pictured = self.pictures.measure(&Pictures::of(&surfaces, views));
+        let (kept_overlap, overlap_with) = self.overlap(run, ran)?;
+        let joined = |counted: &Scores, pictured: &PictureScores| {
+            let finite = |value: f64| value.is_finite().then_some(value);
+            let counted = counted.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
+            let pictured = pictured.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
+            counted.chain(pictured).collect::<Values>()
+        };
+        let left = ran.lod.foliage(foliage);
+        let provenance = self.host.provenance();
+        let mut row = Row {
+            tree: self.identity.tree.clone(),
+            tree_sha256: self.identity.tree_sha256.clone(),
+            method: case.method().to_owned(),
+            setting: case.setting(),
+            change: case.perturbation().name(),
+            seed: seed.unwrap_or(0),
+            level: ran.level,
+            level_of: case.level_of(),
+            is_driven_by_judging_views: case.is_driven_by_judging_views(),
+            leaves_original: foliage.leaves().len() as u64,
+            leaves_final: left.leaves().len() as u64,
+            triangles_final: left.triangles().len() as u64,
+            seconds: ran.seconds,
+            peak_rss_bytes: ran.peak_rss_bytes,
+            resolution: ran.resolution,
+            kept_overlap,
+            overlap_with,
+            max_area_scale: Some(ran.lod.max_area_scale()),
+            values: joined(&measured.overall, &pictured.overall),
+            worst: joined(&measured.worst, &pictured.worst),
+            per_view: (measured.per_view.iter().zip(&pictured.per_view))
+                .map(|(counted, pictured)| joined(counted, pictured))
+                .collect(),
+            engine: ran.engine.clone(),
+            adapter: ran.adapter.clone(),
+            version: self.identity.version.clone(),
+            commit: provenance.commit,
+            machine: provenance.machine,
+            command: self.in_folder(&case.command(self.path, ran.level, seed)),
+            picture: String::new(),
+            difference: String::new(),
+        };
+        let name = file_name(
+            &self.identity.file_stem(),
+            &row.label(),
+            row.seed,
+            row.level,
+        );
+        row.picture = format!("pictures/{name}.jpg");
+        row.difference = format!("pictures/{name}-difference.jpg");
+        let picture = portrait(&surfaces, &self.camera);
+        let difference = difference(&self.portrait, &picture);
+        self.write_picture(opaque(&picture), JPEG_QUALITY, &row.picture)?;
+        self.write_picture(difference, DIFFERENCE_QUALITY, &row.difference)?;
+        Ok(row)
+    }
+
+    /// A command with paths as they are seen from the study's folder, which lies elsewhere on
+    /// other machines.
+    fn in_folder(&self, command: &str) -> String {
+        let folder = format!("{}/", self.folder.display());
+        let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
+        command.split(' ').map(within).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The overlap of a level's survivors with those of the reference run, and the label of that
+    /// run. The survivors of the reference run itself are written to a file, for later runs.
+    fn overlap(&self, run: Run<'_>, ran: &Ran) -> Result<(Option<f64>, String), Error> {
+        let label = run.reference.label();
+        let name = file_name(&self.identity.file_stem(), &label, 0, ran.level);
+        let path = self.folder.join(format!("kept/{name}.bits"));
+        let own = SurvivorBits::of(&ran.lod);
+        if run.is_reference() {
+            own.write(self.host, &path)?;
+            return Ok((None, String::new()));
+        }
+        let overlap = SurvivorBits::read(&path).and_then(|other| own.overlap(&other));
+        let label = overlap.map_or(String::new(), |_| label);
+        Ok((overlap, label))
+    }
+
+    fn surfaces(&self, lod: &Lod) -> Result<Vec<Surface>, Error> {
+        let bytes = self.tree.lod_to_bytes(lod)?;
+        // As `Document::open` does: where the file itself is, not a link to it.
+        let path = self.path.canonicalize();
+        let path = path.as_deref().unwrap_or(self.path);
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new("."));
+        let name = self.path.display().to_string();
+        let document = Document::from_bytes(&name, bytes, Some(folder))?;
+        // No leaf may be left to select.
+        let surfaces = document.surfaces(&[])?;
+        Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
+    }
+
+    fn write_picture(&self, picture: RgbImage, quality: u8, path: &str) -> Result<(), Error> {
+        let mut bytes = Cursor::new(Vec::new());
+        JpegEncoder::new_with_quality(&mut bytes, quality)
+            .write_image(
+                picture.as_raw(),
+                picture.width(),
+                picture.height(),
+                image::ExtendedColorType::Rgb8,
+            )
+            .map_err(|e| Error::Refused(format!("the picture cannot be encoded: {e}")))?;
+        let path: PathBuf = self.folder.join(path);
+        let bytes = bytes.into_inner();
+        self.host.write_file(&path, &bytes).map_err(Error::Refused)
+    }
+}
+
+fn portrait(surfaces: &[Surface], camera: &Camera) -> RgbaImage {
+    // Shadows would cost more than all of the judging.
+    let options = RenderOptions {
+        shadows: false,
+        ..RenderOptions::panel(PICTURE_WIDTH, PICTURE_HEIGHT)
+    };
+    render(surfaces, camera, &options)
+}
+
+fn opaque(picture: &RgbaImage) -> RgbImage {
+    DynamicImage::from(picture.clone()).to_rgb8()
+}
+
+/// A file name of all that tells a row apart; `stem` stands for the tree and the program.
+fn file_name(stem: &str, label: &str, seed: u64, level: f64) -> String {
+    let plain = |c: char| match c.is_ascii_alphanumeric() || c == '.' {
+        true => c,
+        false => '-',
+    };
+    let label: String = label.chars().map(plain).collect();
+    format!("{stem}-{label}-{seed}-{level}")
+}

@@ -1,0 +1,332 @@
+//! Plans: lists of cases that answer one question each.
+
+use secateur_plant::ClusterSize;
+use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
+use secateur_simplify::fsa::FsaOptions;
+use secateur_simplify::meshopt::MeshoptOptions;
+use secateur_simplify::stochastic::StochasticOptions;
+use secateur_simplify::vds::{Reference, Resize, Ties};
+use secateur_simplify::{Method, Preset, Views};
+
+use crate::{Case, Perturbation, paper};
+
+/// What to study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plan {
+    /// Every method, one setting each, and variants that explain them.
+    Methods,
+    /// VDS from fewer views and at other resolutions, beside the other methods.
+    Speed,
+    /// Methods under turned views, jittered corners, shuffled leaves and other settings.
+    Stability,
+    /// Small scenes made for one failure each: their own trees and cases.
+    Failures,
+    /// The paper's studies: plants with as many leaves as its models, and its cases.
+    Paper,
+}
+
+/// The default of the program: a result that looks like the original.
+pub(crate) fn look() -> Case {
+    Case::vds(Preset::Look)
+}
+
+/// The least VMI error: growth in proportion to cost.
+pub(crate) fn information() -> Case {
+    Case::vds(Preset::Information)
+}
+
+pub(crate) fn fsa() -> Case {
+    Case::of(Method::Fsa(FsaOptions::default()))
+}
+
+pub(crate) fn stochastic() -> Case {
+    Case::of(Method::Stochastic(StochasticOptions::default()))
+}
+
+pub(crate) fn stochastic_of_half_area() -> Case {
+    Case::of(Method::Stochastic(StochasticOptions {
+        area_weight: 0.5,
+        ..StochasticOptions::default()
+    }))
+}
+
+fn stochastic_of_seed(seed: u64) -> Case {
+    Case::of(Method::Stochastic(StochasticOptions {
+        seed,
+        ..StochasticOptions::default()
+    }))
+}
+
+pub(crate) fn meshopt(preserve_area: bool) -> Case {
+    Case::of(Method::Meshopt(MeshoptOptions {
+        preserve_area,
+        ..MeshoptOptions::default()
+    }))
+}
+
+/// [`information`] where what a leaf has lost goes to 4 neighbours, measured against the step
+/// before.
+pub(crate) fn shared_deficit() -> Case {
+    information().with_vds(|vds| {
+        vds.reference = Reference::Previous;
+        vds.resize = Resize::Deficit;
+        vds.neighbours = 4;
+    })
+}
+
+/// The same, kept from making crowns denser than they were.
+pub(crate) fn coverage_kept() -> Case {
+    shared_deficit().with_vds(|vds| vds.max_coverage = Some(1.0))
+}
+
+pub(crate) fn resized(resize: Resize) -> Case {
+    information().with_vds(|vds| vds.resize = resize)
+}
+
+/// What trees that know their branches get beside the rest, in every plan that compares methods.
+fn by_branches() -> [Case; 3] {
+    let merge = |cluster_size| Case::of(Method::Merge(MergeOptions { cluster_size }));
+    [
+        Case::of(Method::Chain(ChainOptions::default())),
+        merge(ClusterSize::Paper),
+        merge(ClusterSize::Area),
+    ]
+}
+
+fn methods() -> Vec<Case> {
+    vec![
+        look(),
+        look().unfitted(),
+        information(),
+        resized(Resize::None),
+        shared_deficit(),
+        coverage_kept(),
+        look().of_triangles(),
+        look().of_triangles().unfitted(),
+        information().of_triangles(),
+        information().of_triangles().unfitted(),
+        fsa(),
+        stochastic(),
+        stochastic_of_half_area(),
+        meshopt(false),
+        meshopt(true),
+    ]
+}
+
+/// Cases that trade time for accuracy.
+fn speed() -> Vec<Case> {
+    let mut cases = vec![look(), look().unfitted(), information()];
+    let fewer = [
+        Views::Octahedron,
+        Views::Cube,
+        Views::Icosahedron,
+        Views::Variable,
+    ];
+    cases.extend(fewer.map(|views| information().views(views)));
+    cases.extend([64, 128, 256, 512, 1024].map(|pixels| information().pixels(pixels)));
+    cases.extend([
+        look().of_triangles(),
+        information().of_triangles(),
+        information().of_triangles().unfitted(),
+        fsa(),
+        stochastic(),
+        meshopt(true),
+    ]);
+    cases
+}
+
+/// Methods under every perturbation, then settings that should matter little.
+fn stability(by_branches: &[Case]) -> Vec<Case> {
+    let methods = [
+        look(),
+        information(),
+        look().of_triangles(),
+        information().of_triangles(),
+        fsa(),
+        stochastic(),
+        meshopt(true),
+    ];
+    let perturbed = |case: &Case| Perturbation::ALL.map(|change| case.clone().perturbed(change));
+    let mut cases: Vec<Case> = (methods.iter().chain(by_branches))
+        .flat_map(perturbed)
+        .collect();
+    cases.extend([64, 256, 1024].map(|pixels| information().pixels(pixels)));
+    let views = [Views::Octahedron, Views::Icosahedron, Views::Geodesic];
+    cases.extend(views.map(|views| information().views(views)));
+    cases.extend([
+        information().with_vds(|vds| vds.ties = Ties::Spread),
+        information().solid_leaves(),
+        stochastic_of_seed(1),
+        stochastic_of_seed(2),
+    ]);
+    cases
+}
+
+/// The cases of plans on trees of the user's, each once. `knows_branches`: whether the tree has a
+/// skeleton, so that methods that need one can be run on it.
+pub(crate) fn cases(plans: &[Plan], knows_branches: bool) -> Vec<Case> {
+    let by_branches = match knows_branches {
+        true => by_branches().to_vec(),
+        false => Vec::new(),
+    };
+    let planned = plans.iter().flat_map(|plan| match plan {
+        Plan::Methods => [methods(), by_branches.clone()].concat(),
+        Plan::Speed => [speed(), by_branches.clone()].concat(),
+        Plan::Stability => stability(&by_branches),
+        Plan::Failures => Vec::new(),
+        Plan::Paper => [paper::cases().to_vec(), paper::fewer_views().to_vec()].concat(),
+    });
+    each_once(planned)
+}
+
+/// Cases that ask for the same have the same label.
+pub(crate) fn each_once(cases: impl IntoIterator<Item = Case>) -> Vec<Case> {
+    let mut different: Vec<Case> = Vec::new();
+    for case in cases {
+        if !different.iter().any(|known| known.label() == case.label()) {
+            different.push(case);
+        }
+    }
+    different
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur_simplify::{Fitting, LeafTriangles, Options, Target};
+    use std::path::Path;
+
+    use crate::LevelOf;
+
+    const ALL: [Plan; 4] = [Plan::Methods, Plan::Speed, Plan::Stability, Plan::Paper];
+
+    /// Rows of studies that were made before are found by these words.
+    #[test]
+    fn settings_are_spelled_as_in_committed_rows() {
+        let labels: Vec<String> = methods().iter().map(Case::label).collect();
+        let expected = [
+            "vds",
+            "vds fit=none",
+            "vds preset information",
+            "vds preset information resize none",
+            "vds preset information reference previous resize deficit neighbours 4",
+            "vds preset information reference previous resize deficit neighbours 4 max-coverage 1",
+            "vds triangles",
+            "vds triangles fit=none",
+            "vds triangles preset information",
+            "vds triangles preset information fit=none",
+            "fsa",
+            "stochastic",
+            "stochastic area-weight 0.5",
+            "meshopt",
+            "meshopt preserve-area",
+        ];
+        assert_eq!(labels, expected);
+        let labels: Vec<String> = speed()[3..12].iter().map(Case::setting).collect();
+        let expected = [
+            "views 6",
+            "views 8",
+            "views 12",
+            "views vnc",
+            "resolution 64",
+            "resolution 128",
+            "resolution 256",
+            "resolution 512",
+            "resolution 1024",
+        ];
+        assert_eq!(labels, expected.map(|s| format!("preset information {s}")));
+        let settings: Vec<String> = stability(&[]).iter().map(Case::label).collect();
+        let expected = [
+            "vds preset information views 92",
+            "vds preset information ties spread",
+            "vds preset information alpha ignore",
+            "stochastic seed 1",
+            "stochastic seed 2",
+        ];
+        assert_eq!(settings[settings.len() - 5..], expected);
+        assert_eq!(settings[1], "vds views turned 1");
+        assert_eq!(settings[9], "vds preset information, views turned 1");
+        let labels = by_branches().map(|case| case.label());
+        assert_eq!(labels, ["chain", "merge", "merge cluster-size area"]);
+    }
+
+    #[test]
+    fn cases_of_every_plan_can_be_told_apart() {
+        for plan in ALL {
+            let [without, with] = [false, true].map(|b| cases(&[plan], b));
+            assert_eq!(each_once(with.clone()), with, "{plan:?}");
+            assert!(without.len() <= with.len());
+        }
+        // What two plans have in common is run once.
+        assert!(cases(&ALL, true).len() < ALL.iter().map(|p| cases(&[*p], true).len()).sum());
+    }
+
+    #[test]
+    fn methods_by_branches_are_for_trees_that_know_them() {
+        let count = |plan, knows_branches| {
+            let cases = cases(&[plan], knows_branches);
+            cases.iter().filter(|case| case.needs_skeleton()).count()
+        };
+        let methods = by_branches().len();
+        for (plan, expected) in [
+            (Plan::Methods, methods),
+            (Plan::Speed, methods),
+            (Plan::Stability, methods * Perturbation::ALL.len()),
+        ] {
+            assert_eq!(count(plan, false), 0, "{plan:?}");
+            assert_eq!(count(plan, true), expected, "{plan:?}");
+        }
+    }
+
+    /// What the study takes for one run to the coarsest level is cut where each run of its own
+    /// ends.
+    #[test]
+    fn only_orders_that_levels_share_are_cut() {
+        for case in by_branches() {
+            assert!(case.has_prefixes() && !case.takes_seeds());
+        }
+        let with = |change: fn(&mut Options)| {
+            let mut options = look().options(1.0, None).unwrap();
+            change(&mut options);
+            Case::new(options, LevelOf::Leaves)
+        };
+        for case in [
+            meshopt(false),
+            look().of_triangles(),
+            look(),
+            with(|options| options.leaf_triangles = LeafTriangles::AtMost(2)),
+            with(|options| options.fit = Fitting::Weight(3.0)),
+        ] {
+            assert!(!case.has_prefixes(), "{}", case.label());
+        }
+        for case in [look().unfitted(), information(), fsa()] {
+            assert!(case.has_prefixes(), "{}", case.label());
+        }
+        assert!(stochastic().takes_seeds() && !stochastic_of_seed(1).takes_seeds());
+    }
+
+    #[test]
+    fn levels_of_a_case_of_triangles_are_shares_of_them() {
+        let case = look().with_vds(|vds| vds.neighbours = 4).of_triangles();
+        assert_eq!(case.setting(), "triangles neighbours 4");
+        for share in [0.25, 1.0] {
+            let options = case.options(share, None).unwrap();
+            assert_eq!(options.target, Target::triangle_share(share));
+        }
+        let command = case.command(Path::new("a.glb"), 1.0, None);
+        assert!(command.contains("--triangles 1.0 --no-audit --method vds --neighbours 4"));
+    }
+
+    #[test]
+    fn a_command_gives_a_level_again() {
+        let case = resized(Resize::None);
+        let command = case.command(Path::new("a.glb"), 0.25, Some(3));
+        let expected = "secateur simplify a.glb -o out.glb --ratio 0.25 --no-audit --method vds \
+             --preset information --resize none --seed 3";
+        assert_eq!(command, expected);
+        let near = information().seen_from("near", Path::new("trees/a-cameras.json"));
+        assert_eq!(near.setting(), "preset information views near");
+        let command = near.command(Path::new("a.glb"), 0.5, None);
+        assert!(command.ends_with("--preset information --views trees/a-cameras.json"));
+    }
+}

@@ -1,0 +1,189 @@
+//! What a study found, as Markdown: nothing in it but what rows say.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::{COLUMNS, Row, Study, groups, held_out, overlap, shares, spread, summarise};
+use crate::complete_cases::note_of;
+use crate::dominance::{WHAT_IS_COUNTED, dominance};
+use crate::failure_case::{WHAT_IS_BETTER, overview};
+use crate::format::{duration, memory, number, percent, trees};
+use crate::published::beside;
+use crate::recommend::{WHAT_IS_LISTED, recommend};
+use crate::table::Table;
+
+/// The same study as [`report`](super::report()) without pictures: what ran on
+/// what, means of every method and level, what fails where, the paper's figures.
+/// The same rows give the same text.
+pub fn readme(study: &Study<'_>) -> String {
+    let mut text = "# A study of foliage simplification\n\nWritten by `secateur study --redraw` from `rows.jsonl`; do not edit.\n\n".to_owned();
+    let each = |what: fn(&Row) -> String| {
+        let all: BTreeSet<String> = study.rows.iter().map(what).collect();
+        all.into_iter().collect::<Vec<_>>().join("; ")
+    };
+    let names: BTreeSet<&String> = study.rows.iter().map(|r| &r.tree).collect();
+    let _ = write!(
+        text,
+        "- {} rows of {}: {}\n- machine: {}\n- secateur {}, commit {}\n- leaves drawn by: {}\n- every row has the command that gives it again; this text and the charts need the rows alone\n\n",
+        study.rows.len(),
+        trees(names.len()),
+        each(|r| format!("{} ({} leaves)", r.tree, r.leaves_original)),
+        each(|r| r.machine.clone()),
+        each(|r| r.version.clone()),
+        each(|r| r.commit.clone()),
+        each(|r| r.adapter.clone().unwrap_or_else(|| r.engine.clone())),
+    );
+    let plain = study.plain_rows();
+    let (given, partial) = study.given_and_partial();
+    if let Some(table) = recommend(&given) {
+        let table = table.markdown();
+        let _ = writeln!(text, "## Which to take\n\n{WHAT_IS_LISTED}\n\n{table}");
+    }
+    means(&mut text, &given);
+    if let Some(note) = note_of(&partial) {
+        let _ = writeln!(text, "{note}\n");
+    }
+    for note in [shares::note_of(study.rows), held_out::note_of(study.rows)]
+        .iter()
+        .flatten()
+    {
+        let _ = writeln!(text, "{note}\n");
+    }
+    who_is_beaten(&mut text, &given);
+    stability(&mut text, &plain);
+    if let Some(table) = overview(study.failure_cases, study.rows) {
+        let _ = write!(
+            text,
+            "## Where methods fail\n\n{WHAT_IS_BETTER}\n\n{}\n",
+            table.markdown()
+        );
+    }
+    if let Some(paper) = study.paper {
+        let tables = beside(paper, &plain);
+        if !tables.is_empty() {
+            let _ = writeln!(text, "## Beside the paper's figures\n\n{}\n", paper.about);
+        }
+        for (title, table) in tables {
+            let _ = writeln!(text, "### {title}\n\n{}", table.markdown());
+        }
+    }
+    text
+}
+
+fn means(text: &mut String, plain: &[Row]) {
+    let unchanged: Vec<&Row> = plain.iter().filter(|r| r.change.is_empty()).collect();
+    let mut levels: Vec<f64> = unchanged.iter().map(|row| row.level).collect();
+    levels.sort_by(|a, b| b.total_cmp(a));
+    levels.dedup();
+    for level in levels {
+        let rows: Vec<&Row> = (unchanged.iter().copied())
+            .filter(|row| row.level == level)
+            .collect();
+        let mut head = vec!["method", "trees and seeds", "time", "memory"];
+        head.extend(COLUMNS.iter().map(|c| c.title));
+        let mut table = Table::new(&head);
+        let columns: Vec<_> = COLUMNS.iter().map(|c| (c, summarise(&rows, c))).collect();
+        let Some((_, points)) = columns.first() else {
+            continue;
+        };
+        for (k, point) in points.iter().enumerate() {
+            let mut cells = vec![
+                point.label.clone(),
+                point.rows.to_string(),
+                duration(point.seconds),
+                memory(point.peak_rss_bytes),
+            ];
+            cells.extend(columns.iter().map(|(c, points)| number(points[k].mean, c)));
+            table.push(cells);
+        }
+        let _ = writeln!(
+            text,
+            "## {} of the leaves: means, of times geometric ones\n\n{}",
+            percent(level),
+            table.markdown()
+        );
+    }
+}
+
+fn who_is_beaten(text: &mut String, given: &[Row]) {
+    if let Some(table) = dominance(given) {
+        let table = table.markdown();
+        let _ = writeln!(text, "## Who is beaten\n\n{WHAT_IS_COUNTED}\n\n{table}");
+    }
+}
+
+fn stability(text: &mut String, plain: &[Row]) {
+    let groups = groups(plain);
+    if groups.is_empty() {
+        return;
+    }
+    let shown: Vec<_> = COLUMNS.iter().take(2).collect();
+    let mut head = vec!["tree", "method", "leaves", "runs", "shared leaves (least)"];
+    head.extend(shown.iter().map(|c| c.title));
+    let mut table = Table::new(&head);
+    for ((tree, method, setting, level), rows) in &groups {
+        let shared = overlap(rows).map_or(String::new(), |(mean, least)| {
+            format!("{mean:.3} ({least:.3})")
+        });
+        let mut cells = vec![
+            (*tree).to_owned(),
+            format!("{method} {setting}").trim_end().to_owned(),
+            percent(*level as f64 / 1e6),
+            rows.len().to_string(),
+            shared,
+        ];
+        cells.extend(shown.iter().map(|column| {
+            let found = spread(rows, column);
+            let [mean, deviation, worst] =
+                [found.mean, found.deviation, found.worst].map(|v| number(v, column));
+            format!("{mean} ± {deviation} ({worst})")
+        }));
+        table.push(cells);
+    }
+    let _ = writeln!(
+        text,
+        "## Stability: mean ± deviation (worst)\n\n{}",
+        table.markdown()
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::tests::row;
+
+    #[test]
+    fn a_readme_says_what_rows_say_and_nothing_of_absent_parts() {
+        let mut rows = vec![row("vds", 0.5, 2.0, 1.25), row("fsa", 0.5, 1.0, 9.0)];
+        let study = |rows: &[Row]| {
+            readme(&Study {
+                rows,
+                failure_cases: &[],
+                paper: None,
+            })
+        };
+        let text = study(&rows);
+        assert!(
+            text.contains("- 2 rows of 1 tree: oak (100 leaves)"),
+            "{text}"
+        );
+        assert!(
+            text.contains("| vds | 1 | 2.00 s | 50 MiB | 1.25 |"),
+            "{text}"
+        );
+        for absent in ["Stability", "methods fail", "paper"] {
+            assert!(!text.contains(absent), "{absent}");
+        }
+        rows.push(Row {
+            change: "jitter".into(),
+            ..row("vds", 0.5, 2.0, 3.25)
+        });
+        let text = study(&rows);
+        // 1.25 and 3.25: the mean is 2.25, the deviation sqrt(2).
+        assert!(text.contains("2.25 ± 1.41 (3.25)"), "{text}");
+        assert!(
+            text.contains("| vds | 1 | 2.00 s"),
+            "changed trees are no means"
+        );
+    }
+}

@@ -1,0 +1,466 @@
+//! The report of a study: one HTML page that needs no other file.
+
+mod failures;
+mod paper;
+mod pictures;
+mod stability;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::{COLUMNS, Column, FailureCase, Paper, Point, Row, summarise};
+use super::{held_out, shares};
+use crate::chart::{chart, escaped};
+use crate::complete_cases::{note_of, take_out_partial};
+use crate::dominance::{WHAT_IS_COUNTED, dominance};
+use crate::format::{duration, memory, number, overlap_of, percent, trees};
+use crate::recommend::{WHAT_IS_LISTED, recommend};
+use secateur_eval::measure::Direction;
+
+/// A picture that rows name: its path from the study's folder, and its bytes as JPEG.
+pub type Picture = (String, Vec<u8>);
+
+/// What the report and the README of a study are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// The rows, in the order of running.
+    pub rows: &'a [Row],
+    /// Scenes made for failures; those that did not run are left out.
+    pub failure_cases: &'a [FailureCase],
+    /// The paper to stand beside the rows; figures without rows are left out.
+    pub paper: Option<&'a Paper>,
+}
+
+impl Study<'_> {
+    /// Rows of trees that are neither scenes made for failures nor stand for a
+    /// paper's models, of what ran on all of these: their means can be compared.
+    pub fn given_rows(&self) -> Vec<Row> {
+        self.given_and_partial().0
+    }
+
+    /// The same, and the labels of the cases that were left out because they are incomplete.
+    pub(crate) fn given_and_partial(&self) -> (Vec<Row>, BTreeSet<String>) {
+        let figures = self.paper.map_or(&[][..], |paper| &paper.figures);
+        let mut rows = self.plain_rows();
+        rows.retain(|row| !figures.iter().any(|figure| figure.tree == row.tree));
+        let partial = take_out_partial(&mut rows);
+        (rows, partial)
+    }
+
+    /// Rows of trees that are no scenes made for failures.
+    pub(crate) fn plain_rows(&self) -> Vec<Row> {
+        let is_plain = |row: &&Row| !self.failure_cases.iter().any(|t| t.tree == row.tree);
+        self.rows.iter().filter(is_plain).cloned().collect()
+    }
+}
+
+/// The report of a study: a summary, charts, pictures, tables and how to get
+/// every figure again. Needs nothing from a network. Pictures that are missing are
+/// left out.
+pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
+    let images: BTreeMap<&str, String> = pictures
+        .iter()
+        .map(|(path, bytes)| (path.as_str(), STANDARD.encode(bytes)))
+        .collect();
+    let (plain, (given, partial)) = (study.plain_rows(), study.given_and_partial());
+    let page = Page {
+        rows: &plain,
+        given: &given,
+        study,
+        images,
+        levels: levels(&plain),
+    };
+    let mut html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Foliage simplification study</title>\n<style>\n{}</style>\n</head>\n<body>\n<h1>Foliage simplification study</h1>\n",
+        include_str!("page.css")
+    );
+    if !given.is_empty() {
+        page.summary(&mut html);
+        page.who_is_beaten(&mut html);
+        page.charts(&mut html);
+    }
+    if let Some(note) = note_of(&partial) {
+        let _ = writeln!(html, "<p>{}</p>", escaped(&note));
+    }
+    page.stability(&mut html);
+    page.failures(&mut html);
+    page.paper(&mut html);
+    page.trees(&mut html);
+    page.per_view(&mut html);
+    page.provenance(&mut html);
+    let _ = write!(
+        html,
+        "<script>\n{}</script>\n</body>\n</html>\n",
+        include_str!("page.js")
+    );
+    html
+}
+
+/// The levels of rows, most leaves first.
+fn levels(rows: &[Row]) -> Vec<f64> {
+    let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();
+    levels.sort_by(|a, b| b.total_cmp(a));
+    levels.dedup();
+    levels
+}
+
+/// The trees of rows in the order of running.
+fn trees_of(rows: &[Row]) -> Vec<&str> {
+    let mut trees: Vec<&str> = Vec::new();
+    for row in rows {
+        if !trees.contains(&row.tree.as_str()) {
+            trees.push(&row.tree);
+        }
+    }
+    trees
+}
+
+struct Page<'a> {
+    /// Rows of trees that are no scenes made for failures.
+    rows: &'a [Row],
+    /// Rows whose means can be compared: see [`Study::given_rows`].
+    given: &'a [Row],
+    study: &'a Study<'a>,
+    /// Pictures in Base64, by path.
+    images: BTreeMap<&'a str, String>,
+    levels: Vec<f64>,
+}
+
+impl Page<'_> {
+    fn at(&self, level: f64) -> Vec<&Row> {
+        self.given.iter().filter(|r| r.level == level).collect()
+    }
+
+    fn trees_of(&self) -> Vec<&str> {
+        trees_of(self.rows)
+    }
+
+    /// The labels of rows of unchanged trees.
+    fn labels(&self) -> Vec<String> {
+        let mut labels = Vec::new();
+        let plain = self.rows.iter().filter(|row| row.change.is_empty());
+        for label in plain.map(Row::label) {
+            if !labels.contains(&label) {
+                labels.push(label);
+            }
+        }
+        labels
+    }
+
+    fn summary(&self, html: &mut String) {
+        let _ = write!(
+            html,
+            "<h2>Summary</h2>\n<p>Means over {} ({}) from the 12 judging views; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
+            trees(trees_of(self.given).len()),
+            escaped(&trees_of(self.given).join(", "))
+        );
+        if let Some(table) = recommend(self.given) {
+            let _ = write!(
+                html,
+                "<h3>Which to take</h3>\n<p>{WHAT_IS_LISTED}</p>\n{}",
+                table.html()
+            );
+        }
+        let rows = self.study.rows;
+        for note in [shares::note_of(rows), held_out::note_of(rows)]
+            .iter()
+            .flatten()
+        {
+            let _ = writeln!(html, "<p>{}</p>", escaped(note));
+        }
+        for level in levels(self.given) {
+            let rows = self.at(level);
+            let by_column: Vec<Vec<Point>> = COLUMNS
+                .iter()
+                .map(|column| summarise(&rows, column))
+                .collect();
+            let Some(first) = by_column.first() else {
+                continue;
+            };
+            let _ = write!(
+                html,
+                "<h3>{} of the leaves</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>time</th><th>memory</th><th title=\"of the leaves left, with the method's first setting\">shared leaves</th>",
+                percent(level)
+            );
+            for column in COLUMNS.iter() {
+                let unit = if column.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" in {}", column.unit)
+                };
+                let _ = write!(
+                    html,
+                    "<th title=\"{}\">{}{unit}</th>",
+                    column.better(),
+                    column.title
+                );
+            }
+            *html += "</tr></thead><tbody>\n";
+            for (k, point) in first.iter().enumerate() {
+                let _ = write!(
+                    html,
+                    "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
+                    escaped(&point.label),
+                    duration(point.seconds),
+                    memory(point.peak_rss_bytes),
+                    overlap_of(point.kept_overlap)
+                );
+                for (column, points) in COLUMNS.iter().zip(&by_column) {
+                    let class = if is_best(points, k, column) {
+                        " class=\"best\""
+                    } else {
+                        ""
+                    };
+                    let worst = number(points[k].worst, column);
+                    let _ = write!(
+                        html,
+                        "<td{class} title=\"worst view {worst}\">{}</td>",
+                        number(points[k].mean, column)
+                    );
+                }
+                *html += "</tr>\n";
+            }
+            *html += "</tbody></table></div>\n";
+        }
+    }
+
+    fn who_is_beaten(&self, html: &mut String) {
+        if let Some(table) = dominance(self.given) {
+            let table = table.html();
+            let _ = write!(
+                html,
+                "<h2>Who is beaten</h2>\n<p>{WHAT_IS_COUNTED}</p>\n{table}"
+            );
+        }
+    }
+
+    fn charts(&self, html: &mut String) {
+        *html += "<h2>Time against error</h2>\n<p>A mark is a method with a setting, its time and its error means over the trees. What nothing beats in both is joined by the dashed line.</p>\n";
+        for level in levels(self.given) {
+            let rows = self.at(level);
+            let _ = write!(
+                html,
+                "<h3>{} of the leaves</h3>\n<div class=\"charts\">\n",
+                percent(level)
+            );
+            for column in COLUMNS.iter() {
+                let title = format!("{} at {} of the leaves", column.title, percent(level));
+                *html += &chart(&summarise(&rows, column), column, &title);
+            }
+            *html += "</div>\n";
+        }
+    }
+
+    fn per_view(&self, html: &mut String) {
+        *html += "<h2>Each view</h2>\n";
+        for tree in self.trees_of() {
+            let _ = write!(
+                html,
+                "<details><summary>{}</summary>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>leaves</th><th>view</th>",
+                escaped(tree)
+            );
+            for column in COLUMNS.iter() {
+                let _ = write!(html, "<th>{}</th>", column.title);
+            }
+            *html += "</tr></thead><tbody>\n";
+            for row in self
+                .rows
+                .iter()
+                .filter(|row| row.tree == tree && row.change.is_empty())
+            {
+                for (values, view) in row.per_view.iter().zip(1..) {
+                    let _ = write!(
+                        html,
+                        "<tr><td>{}</td><td>{}</td><td>{view}</td>",
+                        escaped(&row.label()),
+                        percent(row.level)
+                    );
+                    for column in COLUMNS.iter() {
+                        let value = values.get(column.key).copied().flatten();
+                        let _ = write!(
+                            html,
+                            "<td>{}</td>",
+                            number(value.unwrap_or(f64::INFINITY), column)
+                        );
+                    }
+                    *html += "</tr>\n";
+                }
+            }
+            *html += "</tbody></table></div></details>\n";
+        }
+    }
+
+    fn provenance(&self, html: &mut String) {
+        *html += "<h2>How to get it again</h2>\n";
+        let of = |what: fn(&Row) -> String| {
+            let all: BTreeSet<String> = self.study.rows.iter().map(what).collect();
+            escaped(&all.into_iter().collect::<Vec<_>>().join("; "))
+        };
+        let _ = write!(
+            html,
+            "<p>secateur {}, commit {}, on {}; leaves drawn by: {}.</p>\n<p>Views that judge: the 12 vertices of an icosahedron about the original, 512 x 512 for counts, 256 x 256 of four samples a pixel for shaded pictures.</p>\n<details><summary>Commands</summary><pre>",
+            of(|row| row.version.clone()),
+            of(|row| row.commit.clone()),
+            of(|row| row.machine.clone()),
+            of(|row| row.adapter.clone().unwrap_or_else(|| row.engine.clone()))
+        );
+        for row in self.study.rows {
+            *html += &escaped(&row.command);
+            html.push('\n');
+        }
+        *html += "</pre></details>\n";
+    }
+}
+
+fn is_best(points: &[Point], index: usize, column: &Column) -> bool {
+    let badness = |p: &Point| match column.direction {
+        Direction::NearerToOne => (p.mean - 1.0).abs(),
+        direction => direction.badness(p.mean),
+    };
+    let own = badness(&points[index]);
+    own.is_finite() && points.iter().all(|p| badness(p) >= own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::tests::row;
+
+    fn of(rows: &[Row]) -> Study<'_> {
+        Study {
+            rows,
+            failure_cases: &[],
+            paper: None,
+        }
+    }
+
+    #[test]
+    fn a_report_has_every_level_and_method_and_asks_no_network() {
+        let mut rows = vec![
+            row("vds", 0.5, 2.0, 1.0),
+            row("fsa", 0.5, 1.0, 9.0),
+            row("vds", 0.01, 3.0, 2.0),
+        ];
+        rows[0].picture = "pictures/a.jpg".into();
+        rows.iter_mut().for_each(|row| row.tree = "<oak>".into());
+        let pictures = [("pictures/a.jpg".to_owned(), vec![1, 2, 3])];
+        let html = report(&of(&rows), &pictures);
+        for part in [
+            "50 % of the leaves",
+            "1 % of the leaves",
+            "AQID",
+            "&lt;oak&gt;",
+            "class=\"best\"",
+        ] {
+            assert!(html.contains(part), "{part}");
+        }
+        assert_eq!(html.matches("<svg").count(), 2 * COLUMNS.len());
+        // The name of SVG's own namespace is all that looks like an address.
+        let addresses = html.matches("http").count();
+        assert_eq!(
+            addresses,
+            html.matches("http://www.w3.org/2000/svg").count()
+        );
+        assert!(!html.contains("<oak>"));
+    }
+
+    #[test]
+    fn means_are_of_what_ran_on_every_tree() {
+        let mut rows = ["vds", "fsa", "vds"].map(|method| row(method, 0.5, 1.0, 1.0));
+        rows[2].tree = "pine".into();
+        let html = report(&of(&rows), &[]);
+        let note = "because not run on every tree: fsa.";
+        assert!(html.contains(note));
+        assert!(html.contains("Means over 2 trees (oak, pine)"));
+        assert!(super::super::readme(&of(&rows)).contains(note));
+        assert!(!report(&of(&rows[..2]), &[]).contains("because not run"));
+    }
+
+    /// Three jittered runs of 4 %, 9 % and 6 % beside one of 3 %: the second is
+    /// shown, and none of them is among the methods' own pictures.
+    #[test]
+    fn the_worst_change_is_shown_beside_the_first_run() {
+        let mut rows = [3.0, 4.0, 9.0, 6.0].map(|error| row("vds", 0.5, 1.0, error));
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.picture = format!("pictures/{k}.jpg");
+            if k > 0 {
+                row.change = format!("jitter {k}");
+                row.kept_overlap = Some(0.5 + 0.1 * k as f64);
+            }
+        }
+        let pictures = [0, 1, 2, 3].map(|k| (format!("pictures/{k}.jpg"), vec![0, 0, k]));
+        let html = report(&of(&rows), &pictures);
+        let shown = |base64: &str| html.matches(&format!("base64,{base64}")).count();
+        // In the sheet and as the first run; as the worst.
+        assert_eq!(["AAAA", "AAAB", "AAAC", "AAAD"].map(shown), [2, 0, 1, 0]);
+        assert!(html.contains("0.700 (0.600)"), "overlaps of 0.6, 0.7, 0.8");
+    }
+
+    /// A scene has its verdict and pictures, and is no part of the means.
+    #[test]
+    fn scenes_made_for_failures_stand_apart() {
+        let mut rows = [20.0, 8.0, 4.0].map(|error| row("vds", 0.5, 1.0, error));
+        rows[0].tree = "scene".into();
+        rows[0].setting = "resolution 64".into();
+        rows[1].tree = "scene".into();
+        rows[0].picture = "pictures/0.jpg".into();
+        let failure_cases = [FailureCase {
+            tree: "scene".into(),
+            title: "Small <leaves>".into(),
+            about: "Too small.".into(),
+            suspect: "vds resolution 64".into(),
+        }];
+        let study = Study {
+            failure_cases: &failure_cases,
+            ..of(&rows)
+        };
+        let html = report(&study, &[("pictures/0.jpg".into(), vec![1, 2, 3])]);
+        for part in [
+            "Small &lt;leaves&gt;",
+            "vds (VMI error 8.0 %, IoU 0.500) is better",
+            "AQID",
+        ] {
+            assert!(html.contains(part), "{part}");
+        }
+        assert!(html.contains("Means over 1 tree (oak)"));
+        assert_eq!(html.matches("class=\"tree\"").count(), 1);
+    }
+
+    /// Fewer methods run on a paper's models: their rows would bend means.
+    #[test]
+    fn trees_that_stand_for_a_papers_models_are_no_part_of_means() {
+        let mut rows = [2.0, 40.0].map(|error| row("vds", 0.5, 1.0, error));
+        rows[1].tree = "grown".into();
+        let figure = crate::Published {
+            source: "Table 1".into(),
+            model: "Oak".into(),
+            tree: "grown".into(),
+            label: "vds".into(),
+            level: 0.5,
+            error_percent: 3.0,
+            seconds: 9.0,
+        };
+        let paper = Paper {
+            about: "What compares.".into(),
+            figures: vec![figure],
+            comparisons: vec![("m".into(), vec!["vds".into()])],
+        };
+        let study = Study {
+            paper: Some(&paper),
+            ..of(&rows)
+        };
+        assert_eq!(study.given_rows().len(), 1);
+        let html = report(&study, &[]);
+        assert!(html.contains("Means over 1 tree (oak)"));
+        assert!(html.contains("<td>3.00 %</td><td>40.00 %</td>"));
+        assert!(html.contains("What compares."));
+    }
+
+    #[test]
+    fn nothing_is_a_report_too() {
+        assert!(report(&of(&[]), &[]).ends_with("</html>\n"));
+    }
+}

@@ -1,0 +1,155 @@
+//! A study from its options to its report.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use secateur_gltf::{Selector, Tree};
+
+use crate::draw::{Drawn, draw, make_folder};
+use crate::job::{Finished, Job, jobs, lacks_original_picture};
+use crate::judge::Judge;
+use crate::lock::Lock;
+use crate::row_file::{self, RowFile};
+use crate::subject::{Subject, subjects};
+use crate::timed::runs;
+use crate::tree_hash::tree_sha256;
+use crate::{Case, Error, Host, Identity, Plan, Row, current_rows};
+
+/// What a study is asked to do.
+#[derive(Clone, Debug)]
+pub struct StudyOptions {
+    /// Trees of the user's, .glb or .gltf.
+    pub trees: Vec<PathBuf>,
+    /// Where rows, charts and report are; rows that are there are not run again.
+    pub folder: PathBuf,
+    /// What is foliage in the user's trees.
+    pub selectors: Vec<Selector>,
+    /// What is run.
+    pub plans: Vec<Plan>,
+    /// What is run instead of plans, if there is any.
+    pub cases: Vec<Case>,
+    /// Shares from 0 to 1; none for those that suit each tree.
+    pub levels: Vec<f64>,
+    /// The names of the trees that are studied, of all those; none for all.
+    pub only: Vec<String>,
+    /// How many seeds of cases that draw lots.
+    pub seeds: u32,
+}
+
+/// Runs what is missing, then draws everything from the rows.
+///
+/// # Errors
+/// [`Error`]; rows that are finished by then are kept.
+pub fn run(options: &StudyOptions, host: &dyn Host) -> Result<Drawn, Error> {
+    let subjects = subjects(options)?;
+    if !options.folder.exists() {
+        // Not even a folder is left behind by a study that can't begin.
+        subjects
+            .iter()
+            .try_for_each(|s| s.check(&options.selectors))?;
+    }
+    make_folder(&options.folder)?;
+    let _lock = Lock::take(&options.folder)?;
+    run_all(options, &subjects, host).map_err(|error| match host.is_stop_asked() {
+        false => error,
+        true => Error::Stopped(options.folder.clone()),
+    })?;
+    draw_rows(&options.folder, host)
+}
+
+/// Draws charts and report from the rows of a folder again.
+///
+/// # Errors
+/// [`Error`] if there are no rows, or a file can't be read or written.
+pub fn redraw(folder: &Path, host: &dyn Host) -> Result<Drawn, Error> {
+    let _lock = match folder.exists() {
+        true => Some(Lock::take(folder)?),
+        false => None,
+    };
+    draw_rows(folder, host)
+}
+
+fn draw_rows(folder: &Path, host: &dyn Host) -> Result<Drawn, Error> {
+    draw(folder, &current_rows(row_file::read(folder)?), host)
+}
+
+/// What is to be done about a tree.
+struct Todo<'a> {
+    subject: &'a Subject,
+    identity: Identity,
+    jobs: Vec<Job<'a>>,
+    lacks_original_picture: bool,
+}
+
+impl Todo<'_> {
+    fn is_nothing(&self) -> bool {
+        self.jobs.is_empty() && !self.lacks_original_picture
+    }
+}
+
+fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Result<(), Error> {
+    let provenance = host.provenance();
+    let rows = row_file::read(&options.folder)?;
+    let finished: Finished = rows.iter().map(|row| (row.key(), row)).collect();
+    let mut todo = Vec::new();
+    for subject in subjects {
+        if host.is_stop_asked() {
+            return Err(Error::Stopped(options.folder.clone()));
+        }
+        subject.prepare(host)?;
+        let sha256 = tree_sha256(&subject.path)?;
+        let identity = Identity::new(&subject.name, &sha256, &provenance);
+        todo.push(Todo {
+            jobs: jobs(options, subject, &identity, &finished),
+            lacks_original_picture: lacks_original_picture(&identity, &finished, &options.folder),
+            subject,
+            identity,
+        });
+    }
+    for of_tree in todo.iter().filter(|of_tree| !of_tree.is_nothing()) {
+        of_tree.subject.check(&options.selectors)?;
+    }
+    let studied: BTreeSet<Identity> = todo.iter().map(|t| t.identity.clone()).collect();
+    let mut file = RowFile::after(&rows, &studied, &options.folder, host)?;
+    let jobs = todo.iter().flat_map(|of_tree| &of_tree.jobs);
+    host.begin(jobs.map(|job| job.levels.len()).sum());
+    for of_tree in todo.iter().filter(|of_tree| !of_tree.is_nothing()) {
+        let path = &of_tree.subject.path;
+        run_tree(options, of_tree, &finished, &mut file, host).map_err(|e| e.about(path))?;
+    }
+    host.end();
+    Ok(())
+}
+
+fn run_tree(
+    options: &StudyOptions,
+    todo: &Todo<'_>,
+    finished: &Finished<'_>,
+    file: &mut RowFile,
+    host: &dyn Host,
+) -> Result<(), Error> {
+    let selectors = todo.subject.selectors(&options.selectors);
+    let tree = Tree::open(&todo.subject.path, selectors)?;
+    let judge = Judge::new(todo.subject, &tree, &todo.identity, &options.folder, host)?;
+    for job in &todo.jobs {
+        let case = job.run.case;
+        host.working_on(&format!(
+            "{}: {} {}",
+            todo.subject.name,
+            case.method(),
+            case.setting()
+        ));
+        for ran in runs(&tree, job, host)? {
+            if host.is_stop_asked() {
+                return Err(Error::Stopped(options.folder.clone()));
+            }
+            let row: Row = judge.row(job.run, &ran)?;
+            // Where only its pictures were gone the row stays as it was, with its time.
+            if !finished.contains_key(&row.key()) {
+                file.append(&row)?;
+            }
+            host.row_is_done();
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,265 @@
+//! A tree of a study: the user's, or one that a plan makes itself.
+
+use std::path::{Path, PathBuf};
+
+use secateur_gltf::{Document, Selector, Tree, plant_to_glb};
+use secateur_model::{BoundingSphere, Plant};
+use secateur_plant::{GrowOptions, grow};
+
+use crate::draw::make_folder;
+use crate::paper::{self, Model};
+use crate::scenes::{SCENES, Scene, near_cameras};
+use crate::{Case, Error, Host, Plan, StudyOptions, plan};
+
+const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.01];
+/// Scenes have too few leaves for a hundredth of them.
+const SCENE_LEVELS: [f64; 2] = [0.5, 0.1];
+
+/// A tree and the cases that are run on it.
+pub(crate) struct Subject {
+    /// What rows and files call it; no two trees of a study have one name.
+    pub(crate) name: String,
+    pub(crate) path: PathBuf,
+    pub(crate) cases: Vec<Case>,
+    /// The distance of the judging views in radii, if it is not the usual one.
+    pub(crate) judged_from_radii: Option<f64>,
+    made: Made,
+}
+
+/// Where a tree comes from.
+enum Made {
+    ByOthers,
+    Scene(&'static Scene),
+    Grown(&'static Model),
+}
+
+/// The trees that a study is asked for.
+///
+/// # Errors
+/// [`Error`] if there is nothing to study, or two trees have one name.
+pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
+    let mut subjects = Vec::new();
+    let has = |plan: Plan| options.cases.is_empty() && options.plans.contains(&plan);
+    let cases_of = |knows_branches| match options.cases.is_empty() {
+        true => plan::cases(&options.plans, knows_branches),
+        false => plan::each_once(options.cases.iter().cloned()),
+    };
+    let (cases, with_branches) = (cases_of(false), cases_of(true));
+    if cases.is_empty() && !options.trees.is_empty() {
+        return Err(Error::Refused(
+            "no plan for trees of one's own was asked for: add methods, speed, stability or paper to --plan".to_owned(),
+        ));
+    }
+    for path in &options.trees {
+        let name = path.file_stem().unwrap_or(path.as_os_str());
+        subjects.push(Subject {
+            name: name.to_string_lossy().into_owned(),
+            path: path.clone(),
+            cases: match knows_branches(path, &options.selectors) {
+                true => with_branches.clone(),
+                false => cases.clone(),
+            },
+            judged_from_radii: None,
+            made: Made::ByOthers,
+        });
+    }
+    let folder = options.folder.join("trees");
+    if has(Plan::Failures) {
+        for scene in &SCENES {
+            let path = folder.join(format!("{}.glb", scene.name));
+            subjects.push(Subject {
+                name: scene.name.to_owned(),
+                cases: (scene.cases)(&cameras_beside(&path)),
+                path,
+                judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
+                made: Made::Scene(scene),
+            });
+        }
+    }
+    if has(Plan::Paper) {
+        for model in &paper::MODELS {
+            let mut cases = paper::cases().to_vec();
+            if model.is_of_fig_5() {
+                cases.extend(paper::fewer_views());
+            }
+            subjects.push(Subject {
+                path: folder.join(format!("{}.glb", model.tree())),
+                name: model.tree(),
+                cases,
+                judged_from_radii: None,
+                made: Made::Grown(model),
+            });
+        }
+    }
+    if subjects.is_empty() {
+        return Err(Error::Refused(
+            "no tree was given: name one, or ask for --plan failures or paper, which make their own".to_owned(),
+        ));
+    }
+    check_names(&subjects)?;
+    let is_there = |name: &&String| subjects.iter().any(|s| s.name == **name);
+    if let Some(unknown) = options.only.iter().find(|name| !is_there(name)) {
+        return Err(Error::Refused(format!(
+            "no tree of this study is called {unknown}"
+        )));
+    }
+    subjects.retain(|s| options.only.is_empty() || options.only.contains(&s.name));
+    Ok(subjects)
+}
+
+/// Whether a tree has a sound skeleton. What else may be wrong with it is said by
+/// [`Subject::check`].
+fn knows_branches(path: &Path, selectors: &[Selector]) -> bool {
+    let Some(document) = Document::open(path).ok().filter(Document::has_skeleton) else {
+        return false;
+    };
+    let skeleton = document.into_tree(selectors).and_then(|t| t.skeleton());
+    if let Err(error) = &skeleton {
+        tracing::warn!("{error}: methods that need a skeleton are left out");
+    }
+    skeleton.is_ok_and(|skeleton| skeleton.is_some())
+}
+
+fn check_names(subjects: &[Subject]) -> Result<(), Error> {
+    for (k, subject) in subjects.iter().enumerate() {
+        let same = |other: &&Subject| other.name == subject.name;
+        if let Some(other) = subjects[..k].iter().find(same) {
+            let (a, b, name) = (other.path.display(), subject.path.display(), &subject.name);
+            return Err(Error::Refused(format!(
+                "{a} and {b} would both be called {name}: rename one"
+            )));
+        }
+    }
+    Ok(())
+}
+
+impl Subject {
+    /// The levels that are run if the user names none.
+    pub(crate) fn levels(&self) -> &'static [f64] {
+        match self.made {
+            Made::Scene(_) => &SCENE_LEVELS,
+            _ => &LEVELS,
+        }
+    }
+
+    /// The selectors of its foliage: the user's for the user's trees, none for trees that the
+    /// study makes.
+    pub(crate) fn selectors<'s>(&self, of_user: &'s [Selector]) -> &'s [Selector] {
+        match self.made {
+            Made::ByOthers => of_user,
+            _ => &[],
+        }
+    }
+
+    /// Fails if a tree of the user's can't be read, so that a study does not find out in the
+    /// middle.
+    pub(crate) fn check(&self, of_user: &[Selector]) -> Result<(), Error> {
+        if matches!(self.made, Made::ByOthers) {
+            Tree::open(&self.path, of_user)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the tree, if the study makes it, and cameras that go with it.
+    pub(crate) fn prepare(&self, host: &dyn Host) -> Result<(), Error> {
+        let plant = match self.made {
+            Made::ByOthers => return Ok(()),
+            Made::Scene(scene) => scene.plant(),
+            Made::Grown(model) => grown(model)?,
+        };
+        let write = |path: &Path, bytes: &[u8]| host.write_file(path, bytes);
+        make_folder(self.path.parent().unwrap_or(Path::new(".")))?;
+        write(&self.path, &plant_to_glb(&plant)).map_err(Error::Refused)?;
+        if self.cases.iter().any(Case::has_cameras) {
+            let text = near_cameras(sphere_of_leaves(&plant));
+            write(&cameras_beside(&self.path), text.as_bytes()).map_err(Error::Refused)?;
+        }
+        Ok(())
+    }
+}
+
+/// The file of near cameras beside a scene's tree.
+fn cameras_beside(tree: &Path) -> PathBuf {
+    let name = tree.file_stem().unwrap_or_default().to_string_lossy();
+    tree.with_file_name(format!("{name}-cameras.json"))
+}
+
+fn grown(model: &Model) -> Result<Plant, Error> {
+    let options = GrowOptions {
+        leaves: model.leaves,
+        seed: paper::SEED,
+    };
+    grow(model.species(), &options).map_err(|e| Error::Refused(format!("{}: {e}", model.tree())))
+}
+
+/// A sphere about the leaves, with its centre in the middle of their box; not the least one, but
+/// near enough to place cameras.
+fn sphere_of_leaves(plant: &Plant) -> BoundingSphere {
+    let places = &plant.leaves.positions;
+    let first = places.first().copied().unwrap_or_default();
+    let (low, high) = places
+        .iter()
+        .fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
+    let centre = 0.5 * (low + high);
+    let reach = |p: &glam::DVec3| p.distance(centre);
+    BoundingSphere {
+        centre,
+        radius: places.iter().map(reach).fold(0.0, f64::max),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur_plant::Species;
+
+    /// A tree that has lost its skeleton does without rule-based levels, in the same
+    /// study as one that has them beside the other methods.
+    #[test]
+    fn a_plan_has_methods_by_branches_where_there_are_branches() {
+        let options = GrowOptions {
+            leaves: 12,
+            seed: 1,
+        };
+        let whole = grow(Species::Oak, &options).unwrap();
+        let bare = Plant {
+            skeleton: None,
+            ..whole.clone()
+        };
+        let glb = plant_to_glb(&whole);
+        let mut damaged = glb.clone();
+        let name = b"segment_sides";
+        let at = glb.windows(name.len()).position(|w| w == name).unwrap();
+        damaged[at] = b'S';
+        let folder = tempfile::tempdir().unwrap();
+        let bare = plant_to_glb(&bare);
+        let files = [("whole", glb), ("bare", bare), ("damaged", damaged)];
+        let paths = files.map(|(name, bytes)| {
+            let path = folder.path().join(format!("{name}.glb"));
+            std::fs::write(&path, bytes).unwrap();
+            path
+        });
+        let options = StudyOptions {
+            trees: paths.to_vec(),
+            folder: folder.path().join("s"),
+            selectors: Vec::new(),
+            plans: vec![Plan::Methods],
+            cases: Vec::new(),
+            levels: Vec::new(),
+            only: Vec::new(),
+            seeds: 1,
+        };
+        let subjects = subjects(&options).unwrap();
+        let by_branches = subjects.iter().map(|subject| {
+            let methods = subject.cases.iter().map(Case::method);
+            let found: Vec<&str> = methods.filter(|m| ["chain", "merge"].contains(m)).collect();
+            (subject.name.as_str(), found)
+        });
+        let expected = [
+            ("whole", vec!["chain", "merge", "merge"]),
+            ("bare", vec![]),
+            ("damaged", vec![]),
+        ];
+        assert_eq!(by_branches.collect::<Vec<_>>(), expected);
+    }
+}

@@ -1,0 +1,67 @@
+//! Tables of text, written as HTML or as Markdown.
+
+use std::fmt::Write as _;
+
+use crate::chart::escaped;
+
+/// A head of names, and lines of plain text below it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Table {
+    pub(crate) head: Vec<String>,
+    /// As many cells a line as there are names.
+    pub(crate) body: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(crate) fn new(head: &[&str]) -> Self {
+        Self {
+            head: head.iter().map(|&name| name.to_owned()).collect(),
+            body: Vec::new(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, cells: Vec<String>) {
+        assert_eq!(cells.len(), self.head.len(), "a cell under every name");
+        self.body.push(cells);
+    }
+
+    pub(crate) fn html(&self) -> String {
+        let line = |cells: &[String], tag: &str| {
+            let cells = cells
+                .iter()
+                .map(|c| format!("<{tag}>{}</{tag}>", escaped(c)));
+            format!("<tr>{}</tr>\n", cells.collect::<String>())
+        };
+        let body: String = self.body.iter().map(|cells| line(cells, "td")).collect();
+        format!(
+            "<div class=\"wide\"><table><thead>{}</thead><tbody>\n{body}</tbody></table></div>\n",
+            line(&self.head, "th")
+        )
+    }
+
+    pub(crate) fn markdown(&self) -> String {
+        let mut text = String::new();
+        let line = |cells: &[String]| {
+            let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        text += &line(&self.head);
+        let _ = writeln!(text, "|{}", "---|".repeat(self.head.len()));
+        self.body.iter().for_each(|cells| text += &line(cells));
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_escaped_for_either_page() {
+        let mut table = Table::new(&["a", "b"]);
+        table.push(vec!["<1>".into(), "x|y".into()]);
+        assert!(table.html().contains("<td>&lt;1&gt;</td><td>x|y</td>"));
+        let lines = ["| a | b |", "|---|---|", "| <1> | x\\|y |"];
+        assert_eq!(table.markdown().lines().collect::<Vec<_>>(), lines);
+    }
+}

@@ -1,0 +1,141 @@
+//! Runs a case, and measures the time and memory to each level.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+
+use secateur_gltf::Tree;
+use secateur_model::Lod;
+use secateur_simplify::{Progress, Resolution, Stage, simplify_with};
+
+use crate::job::Job;
+use crate::{Error, Host};
+
+/// A level that a run reached.
+pub(crate) struct Ran {
+    pub(crate) level: f64,
+    pub(crate) lod: Lod,
+    /// Wall time of the method alone, without observing and judging.
+    pub(crate) seconds: f64,
+    /// The largest resident set of the process while the method ran.
+    pub(crate) peak_rss_bytes: Option<u64>,
+    /// Width and height of the driving images in pixels; 0 for methods that see none.
+    pub(crate) resolution: u32,
+    pub(crate) engine: String,
+    pub(crate) adapter: Option<String>,
+}
+
+/// One run at a time, so that times are of nothing else: one for all levels where every prefix of
+/// an order is a level, else one for each.
+pub(crate) fn runs(tree: &Tree, job: &Job<'_>, host: &dyn Host) -> Result<Vec<Ran>, Error> {
+    if !job.run.case.has_prefixes() {
+        let alone = job
+            .levels
+            .iter()
+            .map(|level| timed(tree, job, &[*level], host));
+        let ran: Result<Vec<Vec<Ran>>, Error> = alone.collect();
+        return Ok(ran?.into_iter().flatten().collect());
+    }
+    timed(tree, job, &job.levels, host)
+}
+
+fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<Vec<Ran>, Error> {
+    let case = job.run.case;
+    let coarsest = levels.iter().copied().fold(1.0, f64::min);
+    let mut options = case.options(coarsest, job.run.seed)?;
+    let sees_pixels = options.method.vds().is_some() || options.objective().is_some();
+    if !sees_pixels {
+        // A method that sees no pixels does not have to choose how many.
+        options.resolution = Resolution::Pixels(1);
+    }
+    if options.method.needs_skeleton() {
+        options.skeleton = tree.skeleton()?.map(Arc::new);
+    }
+    let changed = case.perturbation().apply(tree.foliage(), &options);
+    let count = tree.foliage().leaves().len();
+    let has_prefixes = case.has_prefixes();
+    let steps: Vec<usize> = levels
+        .iter()
+        .map(|level| match has_prefixes {
+            true => count - (level * count as f64).round() as usize,
+            false => usize::MAX,
+        })
+        .collect();
+    let mut reached: Vec<Option<Reached>> = vec![None; levels.len()];
+    let mut end = None;
+    let mut fitting: Option<(Instant, Instant)> = None;
+    let mut begun = Instant::now();
+    host.forget_peak_rss();
+    let result = simplify_with(&changed.foliage, &changed.options, &mut |progress| {
+        match progress {
+            Progress::Stage(Stage::Select) => begun = Instant::now(),
+            // All that comes after is no part of the method.
+            Progress::Stage(Stage::Observe) => end = Some(Reached::now(begun, host)),
+            Progress::Stage(Stage::Fit) => {
+                end.get_or_insert_with(|| Reached::now(begun, host));
+                fitting = Some((Instant::now(), Instant::now()));
+            }
+            Progress::Step { .. } if fitting.is_some() => {
+                fitting = fitting.map(|(from, _)| (from, Instant::now()));
+            }
+            Progress::Step { done, .. } => {
+                for (at, steps) in reached.iter_mut().zip(&steps) {
+                    if done == *steps {
+                        *at = Some(Reached::now(begun, host));
+                    }
+                }
+            }
+            _ => {}
+        }
+        match host.is_stop_asked() {
+            false => ControlFlow::Continue(()),
+            true => ControlFlow::Break(()),
+        }
+    })?;
+    let order = changed.order_of_tree(&result.passes.in_one_order());
+    let of_stage = |name: Stage| {
+        let stage = result.seconds.iter().find(|(stage, _)| *stage == name);
+        stage.map_or(0.0, |(_, seconds)| *seconds)
+    };
+    let choosing = if sees_pixels {
+        of_stage(Stage::Resolution)
+    } else {
+        0.0
+    };
+    let fitted = fitting.map_or(0.0, |(from, to)| (to - from).as_secs_f64());
+    let whole = Reached {
+        seconds: of_stage(Stage::Select),
+        peak_rss_bytes: host.peak_rss_bytes(),
+    };
+    let fitting_peak = fitting.and(whole.peak_rss_bytes);
+    let ran = |(level, (steps, reached)): (&f64, (&usize, Option<Reached>))| {
+        let reached = reached.or(end).unwrap_or(whole);
+        Ran {
+            level: *level,
+            lod: Lod::after(&order, (*steps).min(order.len())),
+            seconds: choosing + reached.seconds + fitted,
+            peak_rss_bytes: reached.peak_rss_bytes.max(fitting_peak),
+            resolution: if sees_pixels { result.resolution } else { 0 },
+            engine: result.engine.to_owned(),
+            adapter: result.adapter.clone(),
+        }
+    };
+    let levels = levels.iter().zip(steps.iter().zip(reached));
+    Ok(levels.map(ran).collect())
+}
+
+/// Time and memory up to a moment of a run.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    seconds: f64,
+    peak_rss_bytes: Option<u64>,
+}
+
+impl Reached {
+    fn now(begun: Instant, host: &dyn Host) -> Self {
+        Self {
+            seconds: begun.elapsed().as_secs_f64(),
+            peak_rss_bytes: host.peak_rss_bytes(),
+        }
+    }
+}
