@@ -25,6 +25,8 @@ fn a_demo_leaves_trees_a_report_and_a_picture() {
     let report = bench.json("new/folder/report.json");
     assert_eq!(report["levels"].as_array().unwrap().len(), 4);
     assert!(report["levels"][3]["vmi_error_percent"].is_f64());
+    let page = String::from_utf8(bench.read("new/folder/preview.html")).unwrap();
+    assert!(page.contains("<canvas") && page.contains("10 %"));
     let picture = bench.read("new/folder/contact-sheet.png");
     assert!(picture.starts_with(b"\x89PNG"));
 }

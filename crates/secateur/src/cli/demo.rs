@@ -6,7 +6,10 @@ use std::time::Instant;
 use secateur::{
     Document, Measurement, Method, Options, Preset, Simplified, Target, Tree, Written, plant_to_glb,
 };
+use secateur_gltf::Detail;
 use secateur_plant::{GrowOptions, Species, grow};
+use secateur_scene::Screen;
+use secateur_scene::preview::{Facts, Level as Shown, Preview, page};
 use serde_json::{Value, json};
 
 use super::args::{self, Common};
@@ -68,6 +71,10 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         let exhibits = exhibits(&tree, &levels)?;
         output::write_file(&sheet, &picture::sheet(&exhibits)?)
     })?;
+    let page_file = args.output.join("preview.html");
+    timed(&mut stages, "preview", || {
+        output::write_file(&page_file, preview(&tree, &levels)?.as_bytes())
+    })?;
     let total = start.elapsed().as_secs_f64();
     let rows = rows(&tree, &levels, glb.len() as u64);
     let result = &results[results.len() - 1];
@@ -75,6 +82,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         "species": Species::Oak.name(),
         "levels": rows,
         "picture": sheet.display().to_string(),
+        "preview": page_file.display().to_string(),
         "method": Method::Vds(Preset::default().vds()).name(),
         "preset": Preset::default().name(),
         "engine": result.engine,
@@ -143,6 +151,54 @@ fn write_levels(
     }
     stages.extend([("write", seconds[0]), ("measure", seconds[1])]);
     Ok(levels)
+}
+
+/// A page to look at the levels. From how far off each is seen was not judged: each is taken to be
+/// for half the height on the screen of the one before.
+fn preview(tree: &Tree, levels: &[Level]) -> Result<String, Failure> {
+    let screen = Screen::default();
+    let corners = tree.foliage().triangles().iter().flat_map(|t| t.corners);
+    let top = corners.map(|corner| corner.y).fold(0.0, f64::max);
+    let mut surfaces = vec![tree.document().surfaces_with(Detail::NormalMaps, &[])?];
+    let wood = tree.wood_triangle_count();
+    let mut facts = vec![Facts {
+        name: "original".to_owned(),
+        leaves: Some(tree.foliage().leaves().len() as u64),
+        triangles: tree.triangle_count(),
+        foliage_triangles: tree.leaf_triangle_count(),
+        wood_triangles: wood,
+        distance: 0.0,
+        pixels_high: None,
+        flip_mean: None,
+        silhouette_iou: None,
+    }];
+    let mut pixels_high = screen.height_px;
+    for level in levels {
+        let document = Document::open(&level.written.files[0])?;
+        surfaces.push(document.surfaces_with(Detail::NormalMaps, &[])?);
+        facts.push(Facts {
+            name: format!("{} %", level.percent),
+            leaves: Some(level.leaves as u64),
+            triangles: level.written.triangles,
+            foliage_triangles: level.written.triangles.saturating_sub(wood),
+            wood_triangles: wood,
+            distance: screen.distance(top, pixels_high),
+            pixels_high: Some(pixels_high),
+            flip_mean: None,
+            silhouette_iou: Some(level.measured.silhouette_iou()),
+        });
+        pixels_high /= 2.0;
+    }
+    let levels = surfaces.iter().zip(facts);
+    let levels: Vec<Shown<'_>> = levels
+        .map(|(surfaces, facts)| Shown { surfaces, facts })
+        .collect();
+    let preview = Preview {
+        title: "oak",
+        screen,
+        levels: &levels,
+    };
+    page(&preview).map_err(|error| Failure(error.to_string()))
 }
 
 fn exhibits(tree: &Tree, levels: &[Level]) -> Result<Vec<Exhibit>, Failure> {
@@ -230,7 +286,7 @@ fn pretty(
     format!(
         "An oak, grown and simplified in {seconds:.1} s, judged from views it was not simplified by:\n\n\
          {}\n\
-         See {}; the trees and report.json are beside it.\n",
+         See {}, and open preview.html beside it in a browser; the trees and report.json are there too.\n",
         columns(&rows),
         sheet.display(),
     )
