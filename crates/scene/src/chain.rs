@@ -1,9 +1,12 @@
 //! Chains of levels of detail of whole plants: which levels, and for which distances.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
 use secateur_eval::{Judging, Pictures};
 use secateur_gltf::{Document, WholeTree};
 use secateur_model::{Lod, Surface};
-use secateur_raster::{OpenEngine, ViewSet};
+use secateur_raster::{OpenEngine, View, ViewSet};
 use secateur_simplify::whole::{WholeLevel, WholePlant};
 use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options};
 
@@ -15,6 +18,9 @@ const MOST_PICTURE_PX: f64 = 512.0;
 
 /// And at least so many: in fewer, FLIP has no room for its filters.
 const LEAST_PICTURE_PX: f64 = 48.0;
+
+/// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
+const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 
 /// Every how many of the held-out views a picture is taken from.
 const VIEW_STEP: usize = 2;
@@ -253,6 +259,8 @@ struct Maker<'a> {
     /// Triangles of the whole plant.
     all: usize,
     original: Vec<Surface>,
+    /// Pictures of that by their side in pixels: most heights need the same.
+    originals: RefCell<BTreeMap<u32, Pictures>>,
     judging: Judging,
     views: ViewSet,
     /// The plant's height, and how much of a picture's height it takes, as shares of the side.
@@ -269,18 +277,20 @@ impl<'a> Maker<'a> {
         let plant = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), engine)?;
         let items = tree.items().foliage();
         let judging = Judging::held_out(items)?;
-        let views = judging.views.views().iter().step_by(VIEW_STEP).copied();
+        let views = judging.views.views().iter().step_by(VIEW_STEP);
+        let views: Vec<View> = views.map(tight).collect();
         let corners = items.triangles().iter().flat_map(|t| t.corners);
         let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
             (low.min(c.y), high.max(c.y))
         });
         let radius = items.bounding_sphere().map_or(0.0, |sphere| sphere.radius);
-        // The views stand at 3 radii and see 60 degrees: 2 x 3 r tan 30 from edge to edge.
-        let seen = 6.0 * radius / 3.0f64.sqrt();
+        // The views stand at 3 radii.
+        let seen = 6.0 * radius * TIGHT_TANGENT;
         Ok(Self {
             all: plant.triangle_count(),
             original: surfaces(tree.items().document())?,
-            views: ViewSet::new(views.collect()),
+            originals: RefCell::default(),
+            views: ViewSet::new(views),
             height: high - low,
             picture_share: (high - low) / seen,
             tree,
@@ -312,7 +322,10 @@ impl<'a> Maker<'a> {
     fn flip(&self, level: &Made, pixels_high: f64) -> Result<f64, ChainError> {
         let side = (pixels_high / self.picture_share).clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX);
         let side = side.round() as u32;
-        let original = Pictures::of_size(&self.original, &self.views, side);
+        let mut originals = self.originals.borrow_mut();
+        let original = originals
+            .entry(side)
+            .or_insert_with(|| Pictures::of_size(&self.original, &self.views, side));
         let found = original.measure(&Pictures::of_size(&level.surfaces, &self.views, side));
         Ok(found.overall.get("flip_mean").unwrap_or(f64::NAN))
     }
@@ -397,6 +410,14 @@ impl<'a> Maker<'a> {
             lod: made.lod,
         })
     }
+}
+
+/// The same view with a field of view that just holds the plant: what is far from it on the screen
+/// is no part of how it looks.
+fn tight(view: &View) -> View {
+    let ahead = view.eye() + view.forward() * (view.near() * 1e3);
+    let tight = View::look_at(view.eye(), ahead, view.up(), TIGHT_TANGENT, view.near());
+    tight.unwrap_or(*view)
 }
 
 /// All that is drawn of a file.
