@@ -367,8 +367,8 @@ fn spinning_shows_frames_per_second_and_everything_has_a_name() {
     check_manners(&mut tab);
 }
 
-/// Pictures of the page's first level by its own renderer and by three.js, under
-/// the same light and camera, and how they differ.
+/// How pictures of the page's first level by its own renderer and by three.js
+/// differ under the same light and cameras, given by yaw and pitch.
 fn flip_against_three(glb: &[u8], views: &[[f64; 2]]) -> Option<Vec<f64>> {
     let modules =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/browser/node_modules/three");
@@ -394,9 +394,6 @@ fn flip_against_three(glb: &[u8], views: &[[f64; 2]]) -> Option<Vec<f64>> {
     );
     std::fs::write(path("three.html"), harness).unwrap();
 
-    if let Ok(folder) = std::env::var("SECATEUR_PICTURES") {
-        std::fs::write(format!("{folder}/{}.glb", glb.len()), glb).unwrap();
-    }
     tab.visit(&path("preview.html"));
     let light = tab.ask("preview.light");
     let mut ours = Vec::new();
@@ -415,11 +412,6 @@ fn flip_against_three(glb: &[u8], views: &[[f64; 2]]) -> Option<Vec<f64>> {
         let theirs = decoded(url.as_str().unwrap());
         let share = drawn(&theirs);
         assert!((0.04..0.9).contains(&share), "three.js drew {share}");
-        if let Ok(folder) = std::env::var("SECATEUR_PICTURES") {
-            let name = |who: &str| format!("{folder}/{share:.5}-{who}.png");
-            ours.save(name("ours")).unwrap();
-            theirs.save(name("three")).unwrap();
-        }
         (FLIP_MEAN.of)(&theirs, &ours)
     };
     Some(ours.into_iter().map(compare).collect())

@@ -14,7 +14,7 @@ class Chain {
     const distances = this.facts.map((f) => f.distance).filter((d) => d > 0);
     const full = this.distance(screenHeight);
     this.nearest = Math.max(Math.min(full, ...distances) / 1.8, 1.05 * this.reach);
-    this.farthest = Math.max(4 * this.nearest, 2.5 * Math.max(full, ...distances));
+    this.farthest = Math.max(2 * this.nearest, 6 * full, 2.5 * Math.max(0, ...distances));
   }
 
   pixelsHigh(distance) {

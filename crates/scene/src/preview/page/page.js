@@ -79,10 +79,7 @@ const draw = () => {
     const half = k === 0 ? "original" : "level";
     lay($(`half-${half}`), large);
     lay($(`inset-${half}`), small ?? large);
-    const box = small ?? large;
-    const isPart = high > box.height || (2 * chain.reach * high) / chain.size[1] > box.width;
-    const caption = $(`inset-${half}`).firstElementChild;
-    caption.textContent = `True size · ${Math.round(high)} px${isPart ? " · part" : ""}`;
+    $(`inset-${half}`).firstElementChild.textContent = `True size · ${Math.round(high)} px`;
   });
 };
 
@@ -93,16 +90,18 @@ const lay = (element, box) => {
 };
 
 // Frames per second over the last half second of steady drawing.
-const pace = { since: 0, frames: 0, last: 0 };
+const pace = { since: 0, frames: 0, last: 0, isSteady: false };
 const frame = (now) => {
   isAsked = false;
-  // A pause is none, while the page itself asks for every frame.
-  if (now - pace.last > (state.isSpinning ? 2000 : 250)) Object.assign(pace, { since: now, frames: 0 });
+  // However slow frames are, those that the page itself asks for follow each other.
+  if (!pace.isSteady && now - pace.last > 250) Object.assign(pace, { since: now, frames: 0 });
   else pace.frames += 1;
   if (now - pace.since > 500) {
-    $("fps").textContent = `${Math.round((1000 * pace.frames) / (now - pace.since))} fps`;
+    const rate = (1000 * pace.frames) / (now - pace.since);
+    $("fps").textContent = `${rate < 10 ? rate.toFixed(1) : Math.round(rate)} fps`;
     Object.assign(pace, { since: now, frames: 0 });
   }
+  pace.isSteady = state.isSpinning;
   const step = Math.min(now - pace.last, 100);
   pace.last = now;
   if (state.isSpinning) orbit.turn(0.0006 * step, 0);
@@ -113,8 +112,10 @@ const frame = (now) => {
 const say = () => {
   const original = chain.facts[0];
   const facts = chain.facts[state.level];
-  const parts = (f) => `leaves ${count(f.foliage_triangles)} · wood ${count(f.wood_triangles)}`;
-  const leaves = (f) => f.leaves === null ? "" : ` · ${count(f.leaves)} leaves`;
+  const parts = (f) => {
+    const leaves = f.leaves === null ? "leaves" : `${count(f.leaves)} leaves`;
+    return `${count(f.foliage_triangles)} in ${leaves} · ${count(f.wood_triangles)} in wood`;
+  };
   const name = (id, title, f, of) => {
     const head = document.createElement("strong");
     head.textContent = title;
@@ -124,7 +125,6 @@ const say = () => {
       return line;
     });
     $(id).replaceChildren(head, ...lines);
-    $(id).title = `${count(f.triangles)} triangles${leaves(f)}`;
   };
   name("name-original", "Original", original, "");
   name("name-level", facts.name, facts, state.level > 0 ? ` · ${share(facts.triangles, original.triangles)}` : "");
