@@ -5,8 +5,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use secateur::glam::DVec3;
-use secateur_raster::{Scene, cpu};
 use secateur::{Foliage, LeafTriangle, Lod, cameras_from_json};
+use secateur_raster::{Scene, cpu};
 
 /// Files of more cameras are read but not looked through: a run stays short.
 const MOST_CAMERAS: usize = 64;

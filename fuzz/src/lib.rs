@@ -5,8 +5,8 @@ mod container;
 mod extremes;
 mod json;
 
-use secateur_plant::Random;
 use secateur::{Document, Tree};
+use secateur_plant::Random;
 
 pub use container::{Container, glb};
 

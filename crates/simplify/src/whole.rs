@@ -95,7 +95,7 @@ impl<'a> WholePlant<'a> {
     }
 
     /// How many triangles of a budget are wood's: those that save as many pixels each as a
-    /// triangle of leaves does, at most [`MOST_WOOD`] of the budget.
+    /// triangle of leaves does, at most half of the budget.
     pub fn wood_budget(&self, triangles: usize) -> usize {
         let px_a_leaf_triangle = self.leaves_px / triangles.max(1) as f64;
         let most = (MOST_WOOD * triangles as f64) as usize;
