@@ -490,7 +490,11 @@ fn flip(text: &str) -> Result<f64, String> {
 }
 
 fn field_of_view(text: &str) -> Result<f64, String> {
-    number(text, |n| (1.0..179.0).contains(&n), "of degrees from 1 to 179")
+    number(
+        text,
+        |n| (1.0..179.0).contains(&n),
+        "of degrees from 1 to 179",
+    )
 }
 
 fn leaves(text: &str) -> Result<u64, String> {
