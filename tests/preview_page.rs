@@ -112,9 +112,22 @@ const PARTS: [&str; 4] = [
     "#inset-level",
 ];
 
+/// The four pictures of the tree, once they no longer change: a busy machine draws them frames
+/// after what was asked for.
 fn parts(tab: &mut Tab) -> [RgbaImage; 4] {
+    const MOST_PICTURES: usize = 12;
     tab.ask("scrollTo(0, 0)");
-    let picture = tab.picture();
+    let mut picture = tab.picture();
+    for _ in 0..MOST_PICTURES {
+        let again = tab.picture();
+        let is_settled = PARTS
+            .iter()
+            .all(|part| tab.part(&again, part) == tab.part(&picture, part));
+        picture = again;
+        if is_settled {
+            break;
+        }
+    }
     PARTS.map(|selector| tab.part(&picture, selector))
 }
 
