@@ -12,9 +12,9 @@ use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options};
 
 use crate::Screen;
 
-/// Pictures that levels are judged by have at most this many pixels a side: from there on time
-/// grows and FLIP hardly changes.
-const MOST_PICTURE_PX: f64 = 512.0;
+/// Pictures that levels are judged by have at most this many pixels a side, those of `measure`: to
+/// draw larger ones would take longer than to make the level.
+const MOST_PICTURE_PX: f64 = 256.0;
 
 /// And at least so many: in fewer, FLIP has no room for its filters.
 const LEAST_PICTURE_PX: f64 = 48.0;
