@@ -26,7 +26,7 @@ const MAX_VERTICES: u64 = 3 * MAX_TRIANGLES;
 pub enum Detail {
     /// Colours, as the renders that judge need them.
     Color,
-    /// Normal maps too.
+    /// Colours and normal maps, as a renderer with lights needs them.
     NormalMaps,
 }
 

@@ -44,7 +44,7 @@ pub struct CommitError {
 }
 
 impl StagedFiles {
-    /// No file yet.
+    /// A set without files; [`Self::add`] puts some in.
     pub fn new() -> Self {
         Self::default()
     }

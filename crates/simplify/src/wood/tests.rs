@@ -98,6 +98,29 @@ fn a_budget_is_kept_and_nothing_hangs_in_the_air() {
     );
 }
 
+/// A twig that shows the most, on a bough and a trunk that hardly show.
+#[test]
+fn what_shows_most_waits_for_what_it_grows_on() {
+    let foliage = wood();
+    let wood = Wood::new(&foliage, &[1000.0, 5.0, 20.0]);
+    for budget in 0..=foliage.triangles().len() {
+        let (lod, _) = wood.within(budget);
+        let is_left = |piece: usize| {
+            let name = LeafId::from_index(piece);
+            lod.leaves().any(|(leaf, _)| leaf == name)
+                || lod.made().any(|(made, _)| made.donor == name)
+        };
+        assert!(
+            !is_left(0) || is_left(2),
+            "a twig without its bough at {budget}"
+        );
+        assert!(
+            !is_left(2) || is_left(1),
+            "a bough without its trunk at {budget}"
+        );
+    }
+}
+
 #[test]
 fn what_stays_is_made_of_corners_that_were_there() {
     let foliage = wood();

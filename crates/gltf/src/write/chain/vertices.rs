@@ -15,7 +15,7 @@ use crate::primitive::Topology;
 /// What a transform means for an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Kind {
-    /// Positions move.
+    /// A position: the whole matrix applies to it, its translation too.
     Point,
     /// Displacements of positions turn, and get as long as the space gets.
     Displacement,
