@@ -8,7 +8,7 @@ use secateur_model::Surface;
 /// A pinhole camera in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands.
+    /// Where it stands, in world units.
     pub eye: DVec3,
     /// What is in the middle of the picture.
     pub target: DVec3,

@@ -11,7 +11,7 @@ pub struct Panel {
     pub title: String,
     /// What there is to say about it, a line each: "1,500 leaves".
     pub subtitle: String,
-    /// The picture.
+    /// The picture, drawn above its title and subtitle.
     pub image: RgbaImage,
 }
 

@@ -240,7 +240,7 @@ pub enum Problem {
         "sparse index {index} does not come after the one before it, or is outside the accessor's {count} elements"
     )]
     BadSparseIndex {
-        /// The sparse index.
+        /// The index of the sparse accessor that is out of range.
         index: u64,
         /// Elements of the accessor.
         count: usize,

@@ -80,7 +80,7 @@ pub enum FoliageError {
     /// A leaf names a cut-out that does not exist.
     #[error("{leaf} uses cut-out {cutout}, of {count}")]
     NoSuchCutout {
-        /// The leaf.
+        /// The leaf that names it.
         leaf: LeafId,
         /// The cut-out it names.
         cutout: u32,
@@ -90,7 +90,7 @@ pub enum FoliageError {
     /// More leaves or triangles than 32-bit numbers can name.
     #[error("the foliage has more than {max} triangles")]
     TooLarge {
-        /// The limit.
+        /// The largest number of triangles.
         max: u32,
     },
 }

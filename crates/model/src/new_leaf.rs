@@ -47,7 +47,7 @@ pub enum Place {
 /// A corner of a [`NewLeaf`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewCorner {
-    /// Where it is.
+    /// How its position follows from original corners.
     pub place: Place,
     /// The corner of the donor, numbered as in [`CornerRef`], whose texture
     /// coordinates and other attributes it has, but for those of [`Place::InPlaneOf`].

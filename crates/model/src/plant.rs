@@ -7,7 +7,7 @@ use crate::{PlantSkeleton, Surface};
 pub struct Plant {
     /// Its name, such as the species.
     pub name: String,
-    /// Trunk and branches.
+    /// Trunk and branches, in one mesh.
     pub wood: Surface,
     /// All leaves. No two leaves share a vertex.
     pub leaves: Surface,

@@ -80,7 +80,7 @@ impl RemovalOrder {
         });
     }
 
-    /// Appends a step.
+    /// Appends a step of any kind: several leaves may go, grow or be made.
     pub fn push_step(&mut self, step: Step<'_>) {
         let named = self.leaf_count as usize + self.made.len();
         debug_assert!(step.removed.iter().all(|leaf| leaf.index() < named));

@@ -89,7 +89,7 @@ pub enum SkeletonError {
     LeafCount {
         /// Leaves of the skeleton.
         known: usize,
-        /// Leaves there are.
+        /// Leaves of the foliage.
         leaves: usize,
     },
 }

@@ -33,7 +33,7 @@ impl Default for Filters {
 pub enum Mips {
     /// Only the image itself.
     None,
-    /// The nearest one.
+    /// The one level whose texels are nearest to a pixel in size.
     Nearest,
     /// The two nearest, blended.
     Blended,
@@ -106,7 +106,7 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// The base colour texture.
     pub texture: Option<Arc<Texture>>,
-    /// What alpha means.
+    /// Whether alpha is ignored, cuts out or blends.
     pub alpha_mode: AlphaMode,
     /// Whether back faces are drawn.
     pub double_sided: bool,
@@ -129,6 +129,6 @@ pub struct Surface {
     pub colors: Vec<Vec4>,
     /// Corners of each triangle, as indices into the above.
     pub triangles: Vec<[u32; 3]>,
-    /// How it looks.
+    /// Colour, texture, alpha and finish of all its triangles.
     pub material: Arc<Material>,
 }

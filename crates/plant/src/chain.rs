@@ -58,7 +58,8 @@ pub enum ChainError {
     },
 }
 
-/// A multiresolution chain.
+/// A plant as a row of branches, longest first, of which every prefix is a plant (Lluch et al.
+/// 2010).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     records: Vec<Record>,

@@ -31,9 +31,9 @@ pub enum StreamError {
     /// A record of no known kind.
     #[error("byte {offset} of the chain starts a record of the unknown kind {kind}")]
     UnknownKind {
-        /// Where, from 0.
+        /// Where the record starts, in bytes from 0.
         offset: u64,
-        /// The kind.
+        /// The first byte, which names the kind.
         kind: u8,
     },
     /// A leaf of no known kind.
@@ -41,7 +41,7 @@ pub enum StreamError {
     UnknownLeaf {
         /// Where its record starts, from 0.
         offset: u64,
-        /// The kind.
+        /// The first byte, which names the kind.
         kind: u8,
     },
     /// The stream ends inside a record.

@@ -22,7 +22,7 @@ const MOST_LEAF_SCALE: f64 = 3.0;
 /// Tries to find the detail that bears enough leaves.
 const TRIES: u32 = 12;
 
-/// What to grow.
+/// How many leaves a plant gets, and which sibling it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrowOptions {
     /// How many leaves the plant has, exactly: 1 to [`MAX_LEAVES`].
@@ -46,7 +46,7 @@ pub enum GrowError {
     /// A number of leaves outside 1 to the limit.
     #[error("cannot grow {name} with {leaves} leaves: ask for 1 to {MAX_LEAVES}")]
     LeafCount {
-        /// The plant.
+        /// Name of the species or rule file.
         name: String,
         /// How many were asked for.
         leaves: u32,
@@ -57,7 +57,7 @@ pub enum GrowError {
          asked for"
     )]
     TooFewLeaves {
-        /// The plant.
+        /// Name of the species or rule file.
         name: String,
         /// How many were asked for.
         leaves: u32,
@@ -69,13 +69,13 @@ pub enum GrowError {
         "{name} has more than {MAX_VERTICES} vertices: ask for fewer leaves, segments or sides"
     )]
     TooLarge {
-        /// The plant.
+        /// Name of the species or rule file.
         name: String,
     },
     /// The rules cannot be derived or drawn.
     #[error("{name}: {source}")]
     Rules {
-        /// The plant.
+        /// Name of the species or rule file.
         name: String,
         /// What went wrong, and where.
         source: RulesError,

@@ -14,7 +14,7 @@ pub enum LeafKind {
     Crossed,
     /// A bent and folded strip of this many triangles, 2 to 18, an even number.
     Blade {
-        /// How many triangles.
+        /// Number of its triangles.
         triangles: u8,
     },
     /// Two long triangles that share their ridge.

@@ -33,7 +33,7 @@ impl AreaTable {
         self.leaf_count
     }
 
-    /// Views.
+    /// Number of views, one row of areas each.
     pub fn view_count(&self) -> usize {
         self.area_px.len() / (self.leaf_count + 1)
     }

@@ -23,7 +23,7 @@ pub enum Engine {
     Auto,
     /// A GPU, or an error; software drivers are allowed.
     Gpu,
-    /// The CPU.
+    /// The CPU, on all its cores.
     Cpu,
 }
 
@@ -41,7 +41,7 @@ pub struct OpenEngine {
 }
 
 impl OpenEngine {
-    /// The CPU.
+    /// An engine that draws on the CPU and opens no GPU.
     pub fn cpu() -> Self {
         Self::default()
     }
@@ -141,7 +141,7 @@ impl OpenEngine {
         self.failure.get().cloned()
     }
 
-    /// What rasterises now.
+    /// The device if one is open, else the CPU's twin.
     fn rasteriser(&self) -> &dyn Rasteriser {
         #[cfg(feature = "gpu")]
         if let Some(device) = self.device.as_ref().filter(|_| self.is_gpu()) {

@@ -68,7 +68,7 @@ pub struct Scene<'a> {
     /// Which of them are there, and how large. One with new leaves is drawn by
     /// [`Lod::foliage`](secateur_model::Lod::foliage).
     pub lod: &'a secateur_model::Lod,
-    /// The cameras.
+    /// The cameras from which it is drawn.
     pub views: &'a ViewSet,
     /// Image width and height in pixels, 1 to [`MAX_RESOLUTION`].
     pub resolution: u32,

@@ -57,7 +57,7 @@ pub struct SnappedTriangle {
     pub size: u32,
     /// Edge functions, all `>= 0` at the pixel centres inside.
     pub edges: [[i32; 3]; 3],
-    /// Depth.
+    /// Depth as a plane over the box, larger for what is further away.
     pub depth: [i32; 3],
     /// Column in the cut-out, in 1/65536 texel.
     pub u: [i32; 3],

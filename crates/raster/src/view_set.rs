@@ -15,12 +15,12 @@ pub struct ViewSet {
 const GOLDEN: f64 = 1.618_033_988_749_895;
 
 impl ViewSet {
-    /// One's own cameras.
+    /// A set of cameras that the caller has placed.
     pub fn new(views: Vec<View>) -> Self {
         Self { views }
     }
 
-    /// Each [`View::with_exact_textures`].
+    /// The same cameras, each reading textures as [`View::with_exact_textures`] says.
     #[must_use]
     pub fn with_exact_textures(self) -> Self {
         Self::new(

@@ -29,7 +29,7 @@ fn any_foliage() -> impl Strategy<Value = Foliage> {
 enum Edit {
     Remove,
     Resize(f64),
-    /// Is taken back.
+    /// Changes some leaves, and takes the changes back.
     Try(Vec<(prop::sample::Index, f64)>),
 }
 

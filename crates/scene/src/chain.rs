@@ -49,9 +49,9 @@ pub enum Wanted {
 /// How a chain is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChainOptions {
-    /// Which levels.
+    /// Which levels are made: shares, numbers of triangles, or heights.
     pub wanted: Wanted,
-    /// What shows them.
+    /// The screen and camera that distances are for.
     pub screen: Screen,
     /// The FLIP that a level may have at the height from which it is seen, 0 to 1.
     pub max_flip: f64,
@@ -62,13 +62,13 @@ pub struct ChainOptions {
 /// A level of a chain, and from where it is to be seen.
 #[derive(Clone, Debug)]
 pub struct ChainLevel {
-    /// Of [`WholeTree::items`].
+    /// What is left of [`WholeTree::items`], leaves and wood together.
     pub lod: Lod,
     /// Leaves that are left.
     pub leaves: u64,
-    /// Triangles of leaves.
+    /// Triangles that leaves have in this level.
     pub foliage_triangles: u64,
-    /// Triangles of wood.
+    /// Triangles that wood has in this level.
     pub wood_triangles: u64,
     /// From how far off it is used, in units of the file (metres).
     pub distance: f64,
@@ -97,7 +97,7 @@ impl ChainLevel {
 /// A chain, finest level first.
 #[derive(Clone, Debug)]
 pub struct Chain {
-    /// The levels.
+    /// The levels, finest first; at most 8.
     pub levels: Vec<ChainLevel>,
     /// What was asked for and left out, and the like, a sentence each.
     pub notes: Vec<String>,

@@ -138,7 +138,7 @@ pub mod gpu {
     pub use secateur_raster::gpu::{Device, GpuError, Preference, wgpu};
 }
 
-/// Growing plants.
+/// Plants grown from L-systems: species, and crowns for tests.
 #[cfg(feature = "plant")]
 pub mod plant {
     pub use secateur_plant::{

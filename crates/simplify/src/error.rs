@@ -28,7 +28,7 @@ pub enum Error {
     /// A method that follows branches, and a plant whose branches are not known.
     #[error("the method {method} needs a tree with a skeleton, which this one has not")]
     NoSkeleton {
-        /// The method's name.
+        /// The method as `--method` spells it.
         method: &'static str,
     },
     /// The skeleton is none, or one of another foliage.

@@ -44,7 +44,7 @@ pub fn observe(
 /// What views show of a LOD, and of the foliage that it is of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// The views.
+    /// The views from which both were looked at.
     pub views: ViewSet,
     /// Areas of the LOD's leaves in those views, in pixels: see [`observe`].
     pub areas: AreaTable,

@@ -32,7 +32,7 @@ pub enum LeafTriangles {
     /// cut-out. For other targets, all.
     #[default]
     Auto,
-    /// All.
+    /// Every leaf keeps all of its triangles.
     Keep,
     /// This many, at least 1.
     AtMost(u32),
@@ -56,7 +56,7 @@ pub enum Fitting {
     /// information.
     #[default]
     Auto,
-    /// None.
+    /// Sizes stay as the method left them.
     None,
     /// To the coverage of small blocks of 12 views from which no leaf was chosen, or, with
     /// [`Views::Cameras`], of these.
@@ -188,7 +188,7 @@ spelled!(Resolution, LeafTriangles, Fitting);
 pub struct Options {
     /// What the options began with; it says what [`Fitting::Auto`] is.
     pub preset: Preset,
-    /// When to stop.
+    /// How much is to be left, or how much may be lost.
     pub target: Target,
     /// How leaves are chosen, with the options of the method.
     pub method: Method,
@@ -196,7 +196,7 @@ pub struct Options {
     pub engine: Engine,
     /// From where VDS looks.
     pub views: Views,
-    /// How finely.
+    /// Width and height in pixels of the images in which VDS measures areas.
     pub resolution: Resolution,
     /// Whether holes of leaf textures count.
     pub alpha: Alpha,

@@ -66,7 +66,7 @@ pub struct Simplified {
     pub resolution: u32,
     /// Why that resolution, in words.
     pub resolution_reason: String,
-    /// `gpu` or `cpu`.
+    /// Where the images were drawn: `gpu` or `cpu`.
     pub engine: &'static str,
     /// The GPU and its driver.
     pub adapter: Option<String>,

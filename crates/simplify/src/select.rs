@@ -15,7 +15,7 @@ pub type Steps<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
 
 /// What a method is asked to do.
 pub struct Task<'a> {
-    /// The leaves.
+    /// The original foliage, all leaves of it.
     pub foliage: &'a Foliage,
     /// How far it should go. A method that knows only leaves goes on to the last one for another
     /// target; what is too much is cut off afterwards.
@@ -26,7 +26,7 @@ pub struct Task<'a> {
     pub views: &'a ViewPlan,
     /// Width and height of its images in pixels.
     pub resolution: u32,
-    /// What draws them.
+    /// The twin that draws those images: the GPU's or the CPU's.
     pub rasteriser: &'a dyn Rasteriser,
 }
 

@@ -45,12 +45,12 @@ impl fmt::Display for Stage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Progress {
-    /// A stage begins.
+    /// This stage begins; the one before it has ended.
     Stage(Stage),
     /// A step was made: one leaf less; or, in [`Stage::Fit`], some were tried in other
     /// sizes, which may end early.
     Step {
-        /// Steps done.
+        /// Steps made in this stage so far.
         done: usize,
         /// Steps to do at most.
         at_most: usize,

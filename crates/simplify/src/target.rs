@@ -9,7 +9,7 @@ use crate::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Amount {
-    /// This many.
+    /// An absolute number; more than there are means all.
     Count(u64),
     /// This share, 0 to 1, rounded to the nearest number.
     Share(f64),
@@ -25,7 +25,7 @@ impl Amount {
     }
 }
 
-/// When to stop.
+/// How far a run goes: what is left at its end, or what it may lose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {

@@ -27,14 +27,14 @@ pub enum Views {
     /// The paper's variable number: 20 views up to 10 % simplification, 12 to
     /// 30 %, 8 to 50 %, then 6.
     Variable,
-    /// One's own cameras.
+    /// Cameras that the caller has placed.
     Cameras(ViewSet),
     /// Others, turned as one about the foliage's centre, and with them those in which sizes
     /// are fitted; of the variable number the first set.
     Turned {
         /// The views before they are turned.
         views: Box<Self>,
-        /// The rotation.
+        /// The rotation, about the centre of the foliage's bounding sphere.
         turn: DQuat,
     },
 }

@@ -42,7 +42,7 @@ pub struct WholeLevel {
     pub leaves: Simplified,
     /// What is left of the wood.
     pub wood: Lod,
-    /// Triangles of that.
+    /// Number of triangles that `wood` has.
     pub wood_triangles: usize,
 }
 

@@ -74,7 +74,7 @@ impl Case {
         self
     }
 
-    /// The method's name.
+    /// The method as `--method` spells it.
     pub fn method(&self) -> &'static str {
         self.options.method.name()
     }

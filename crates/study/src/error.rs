@@ -17,7 +17,7 @@ pub enum Error {
     /// A file can't be read or written; the program says why.
     #[error("{}: {what}: {error}", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// What can't be done.
         what: &'static str,
@@ -27,7 +27,7 @@ pub enum Error {
     /// A tree, and what is wrong with it.
     #[error("{}: {reason}", path.display())]
     Tree {
-        /// The tree's file.
+        /// Path of the tree's file.
         path: PathBuf,
         /// Why it can't be studied.
         reason: String,

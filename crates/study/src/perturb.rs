@@ -96,7 +96,7 @@ impl Perturbation {
     }
 }
 
-/// A changed tree.
+/// A tree that was perturbed, with the options to run it with.
 pub(crate) struct Changed {
     pub(crate) foliage: Foliage,
     pub(crate) options: Options,

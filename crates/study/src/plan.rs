@@ -10,7 +10,7 @@ use secateur_simplify::{Method, Preset, Views};
 
 use crate::{Case, Perturbation, paper};
 
-/// What to study.
+/// A set of cases that answers one question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plan {
     /// Every method, one setting each, and variants that explain them.

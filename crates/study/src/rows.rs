@@ -18,7 +18,7 @@ pub struct Row {
     /// SHA-256 of the tree's files in hexadecimal; unknown of rows that are older.
     #[serde(default)]
     pub tree_sha256: Option<String>,
-    /// The method's name.
+    /// The method as `--method` spells it.
     pub method: String,
     /// What is not the method's default, in words; empty for the default.
     pub setting: String,
@@ -86,7 +86,7 @@ pub struct Row {
 /// stand beside each other.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Identity {
-    /// The tree's name.
+    /// Name of the tree: its file's without the ending.
     pub tree: String,
     /// SHA-256 of the tree's files, where the row has it.
     pub tree_sha256: Option<String>,
@@ -99,7 +99,7 @@ pub struct Identity {
 pub struct RowKey {
     /// The tree and the program.
     pub identity: Identity,
-    /// The method's name.
+    /// The method as `--method` spells it.
     pub method: String,
     /// What is not the method's default.
     pub setting: String,
@@ -154,7 +154,7 @@ impl Row {
         }
     }
 
-    /// Its key.
+    /// What tells this row's run from all others.
     pub fn key(&self) -> RowKey {
         RowKey {
             identity: self.identity(),

@@ -24,7 +24,7 @@ pub struct StudyOptions {
     pub folder: PathBuf,
     /// What is foliage in the user's trees.
     pub selectors: Vec<Selector>,
-    /// What is run.
+    /// The plans whose cases are run, each case once.
     pub plans: Vec<Plan>,
     /// What is run instead of plans, if there is any.
     pub cases: Vec<Case>,

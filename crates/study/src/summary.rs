@@ -8,9 +8,9 @@ use crate::rows::millionths;
 /// A method with a setting at a level, over trees and seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// The method's name.
+    /// The method as `--method` spells it.
     pub method: String,
-    /// Method and setting.
+    /// Method and setting in words, as charts name the line.
     pub label: String,
     /// Geometric mean of the times.
     pub seconds: f64,

@@ -53,7 +53,7 @@ impl Serialize for Scores {
 /// overall scores at the top level.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Measurement {
-    /// Over all views.
+    /// The metrics over all views together.
     #[serde(flatten)]
     pub overall: Scores,
     /// The worst view's value of each metric (not always the same view's).

@@ -50,9 +50,9 @@ impl Outline {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Bark {
-    /// Nothing: one colour.
+    /// One colour, without a pattern.
     Plain,
-    /// Long ridges.
+    /// Long ridges along the stem: oak.
     Ridged,
     /// Dark dashes across, on a pale ground: birch.
     Banded,
@@ -90,7 +90,7 @@ pub struct Settings {
     /// `leaves`: the number of leaves that the lengths in the rules are meant
     /// for, and that a plant has unless others are asked for.
     pub leaves: Option<u32>,
-    /// `leaf_outline`.
+    /// `leaf_outline`: the shape that the leaf's texture is cut to.
     pub leaf_outline: Outline,
     /// `leaf_width`: the width of a leaf as a share of its length, 0.001 to 10.
     pub leaf_width: f64,
@@ -112,7 +112,7 @@ pub struct Settings {
     pub leaf_outward: f64,
     /// `bark_colour`: sRGB, each 0 to 1.
     pub bark_colour: [f64; 3],
-    /// `bark_pattern`.
+    /// `bark_pattern`: what the texture of wood shows.
     pub bark_pattern: Bark,
 }
 

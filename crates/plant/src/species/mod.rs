@@ -85,7 +85,7 @@ impl Species {
         ENTRIES[self.index()].text
     }
 
-    /// Its rules.
+    /// The L-system of the species, read once.
     pub fn rules(self) -> &'static Rules {
         RULES[self.index()].get_or_init(|| {
             Rules::parse(self.text()).unwrap_or_else(|e| panic!("the rules of {self}: {e}"))

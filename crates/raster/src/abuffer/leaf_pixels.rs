@@ -14,7 +14,7 @@ pub(super) struct LeafPixels {
     /// Start and length, by leaf number.
     ranges: Vec<(u32, u32)>,
     pixels: Vec<u32>,
-    /// Pixels that count.
+    /// How many entries of `pixels` some range still covers.
     live: usize,
 }
 

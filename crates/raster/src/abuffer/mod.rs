@@ -62,7 +62,7 @@ pub struct ABuffer {
 pub struct Undo {
     /// Leaves, and where their fragments end.
     leaves: Vec<(u32, usize)>,
-    /// Pixels and depths.
+    /// Pixel and depth of each of those fragments, leaf after leaf.
     fragments: Vec<(u32, u32)>,
 }
 

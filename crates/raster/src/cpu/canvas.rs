@@ -7,7 +7,7 @@ use secateur_model::Cutout;
 use super::runs::runs;
 use crate::SnappedTriangle;
 
-/// Behind any depth.
+/// The depth of a pixel where nothing is drawn: larger than any depth.
 const NOTHING: u32 = u32::MAX;
 
 /// The nearest depths in a box of pixels. Between two leaves it is empty.

@@ -45,9 +45,9 @@ fn narrow_runs(triangle: &SnappedTriangle, mut emit: impl FnMut(u32, u32, u32)) 
 
 /// An edge function along a row, and where it changes sign there.
 struct Edge {
-    /// Step to the right.
+    /// What the value gains from one pixel to the next in a row.
     step: i32,
-    /// Step down.
+    /// What the value gains from one row to the next.
     down: i32,
     /// Where pixels begin to be inside, or stop to be; from 0 to the box's width.
     limit: u32,

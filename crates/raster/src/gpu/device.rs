@@ -139,7 +139,7 @@ impl Device {
         self
     }
 
-    /// The adapter's name.
+    /// Name of the adapter as its driver gives it.
     pub fn adapter(&self) -> &str {
         &self.info.name
     }

@@ -18,7 +18,7 @@ pub enum GpuError {
          install Mesa 23 or newer, or run on the CPU"
     )]
     Unsound {
-        /// The adapter's name.
+        /// Name of the adapter as its driver gives it.
         adapter: String,
         /// Its driver and version.
         driver: String,
@@ -26,7 +26,7 @@ pub enum GpuError {
     /// The adapter would not give a device.
     #[error("{adapter} could not be opened: {reason}; update its driver, or run on the CPU")]
     NotOpened {
-        /// The adapter's name.
+        /// Name of the adapter as its driver gives it.
         adapter: String,
         /// What the driver said.
         reason: String,

@@ -74,7 +74,7 @@ struct Lists {
     /// Lists of the view after those.
     starts: Vec<u32>,
     fragments: Vec<Fragment>,
-    /// Over all views.
+    /// Number of fragments over all views.
     len: u64,
     area_px: Vec<u32>,
 }

@@ -42,7 +42,7 @@ impl Piece {
         self.triangle_count
     }
 
-    /// What shaders bind.
+    /// The buffer that shaders bind.
     pub(super) fn buffer(&self) -> &wgpu::Buffer {
         self.device.as_ref().unwrap_or(&self.host)
     }

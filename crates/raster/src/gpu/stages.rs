@@ -36,7 +36,7 @@ pub(super) struct Stage {
 /// A stage at work on some buffers.
 #[derive(Clone, Copy)]
 pub(super) struct Dispatch<'a> {
-    /// What is run.
+    /// The compute pipeline to run.
     pub(super) stage: &'a Stage,
     /// Buffers by their number in group 0: exactly those the entry point uses.
     pub(super) bindings: &'a [(u32, &'a wgpu::Buffer)],
@@ -45,7 +45,7 @@ pub(super) struct Dispatch<'a> {
     pub(super) workgroups: [u32; 3],
 }
 
-/// All of them.
+/// Every compute pipeline of the rasteriser.
 #[derive(Debug)]
 pub(super) struct Stages {
     pub(super) probe: Stage,

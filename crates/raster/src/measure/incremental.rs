@@ -18,9 +18,9 @@ const UNTOUCHED: u32 = u32::MAX;
 pub struct LeafAreas<'a> {
     /// a, by view in pixels.
     pub areas: &'a [u32],
-    /// S, their sum.
+    /// S, the sum of `areas`, in pixels.
     pub total: u32,
-    /// lg S, scaled.
+    /// lg S, in units of 2^-27 bits.
     pub lg_total: i64,
 }
 
@@ -38,9 +38,9 @@ impl LeafAreas<'_> {
 pub struct ChangedArea<'a> {
     /// Its number, 0 for the background.
     pub leaf: u32,
-    /// As it was.
+    /// Its areas before the step.
     pub before: LeafAreas<'a>,
-    /// As it is.
+    /// Its areas after the step.
     pub after: LeafAreas<'a>,
     /// By how much its term changed, by view.
     pub own_term: &'a [i64],
@@ -116,7 +116,7 @@ impl<'t> IncrementalVmi<'t> {
         self.table
     }
 
-    /// Views.
+    /// Number of views.
     #[inline]
     pub fn view_count(&self) -> usize {
         self.view_count

@@ -46,9 +46,9 @@ pub struct Facts {
     pub leaves: Option<u64>,
     /// Triangles of the whole plant.
     pub triangles: u64,
-    /// Those of leaves.
+    /// Triangles that leaves have.
     pub foliage_triangles: u64,
-    /// Those of wood.
+    /// Triangles that wood has.
     pub wood_triangles: u64,
     /// From how far off it is used, in the file's unit (metres), up to the next
     /// level's distance. The original's is 0.
@@ -71,9 +71,9 @@ pub enum PreviewError {
     /// An image could not be packed.
     #[error("a texture of {width} x {height} texels cannot be packed into the page ({reason})")]
     Texture {
-        /// In texels.
+        /// Its width in texels.
         width: u32,
-        /// In texels.
+        /// Its height in texels.
         height: u32,
         /// What the encoder said.
         reason: String,

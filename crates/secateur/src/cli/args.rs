@@ -71,7 +71,7 @@ pub(crate) struct Common {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// For reading.
+    /// Lines for a reader.
     Pretty,
     /// The same record as in reports.
     Json,
@@ -92,7 +92,7 @@ pub(crate) struct Demo {
     /// Which of the trees to grow.
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
-    /// Where to rasterise.
+    /// Where images are drawn; the result is the same, bit for bit.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
 }
@@ -111,10 +111,10 @@ pub(crate) struct Inspect {
 
 #[derive(Args, Debug)]
 pub(crate) struct Measure {
-    /// The original tree.
+    /// The original tree, .glb or .gltf.
     #[arg(value_name = "ORIGINAL.glb")]
     pub(crate) original: PathBuf,
-    /// The simplified tree.
+    /// The simplified tree, .glb or .gltf.
     #[arg(value_name = "SIMPLIFIED.glb")]
     pub(crate) simplified: PathBuf,
     #[command(flatten)]

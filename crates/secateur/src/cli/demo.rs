@@ -16,9 +16,9 @@ use super::args::{self, Common};
 use super::failure::Failure;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
+use super::progress_bar::RunProgress;
 use super::simplify::{sentences, timed, warn_all};
 use super::summary::{columns, grouped, percent, size};
-use super::watch::Watch;
 use super::{interrupt, machine, output, record};
 
 /// The LODs, finest first, in per cent of the leaves.
@@ -55,8 +55,9 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     for percent in LEVELS_PERCENT {
         let mut options = Options::to(Target::leaves(leaves_at(&tree, percent) as u64));
         options.engine = args.engine.into();
-        let watch = Watch::new(common);
-        let result = secateur::simplify_with(tree.foliage(), &options, &mut |p| watch.see(p))?;
+        let progress_bar = RunProgress::new(common);
+        let result =
+            secateur::simplify_with(tree.foliage(), &options, &mut |p| progress_bar.show(p))?;
         warn_all(&sentences(&result));
         results.push(result);
     }

@@ -17,8 +17,8 @@ use serde_json::{Map, Value, json};
 use super::args::{self, Common, LayoutName};
 use super::failure::Failure;
 use super::print::Printed;
+use super::progress_bar::RunProgress;
 use super::summary::{columns, grouped, size};
-use super::watch::Watch;
 use super::{interrupt, machine, output, record};
 
 /// A tree to be done, and where its levels go.
@@ -196,12 +196,12 @@ fn make(args: &args::Lods, common: &Common, job: &Job<'_>) -> Result<Done, Failu
     let triangle_views = tree.items().foliage().triangles().len() as u64 * 20;
     let engine = OpenEngine::open(options.leaves.engine, triangle_views)
         .map_err(|reason| Failure(reason.to_string()))?;
-    let watch = Watch::new(common);
+    let progress_bar = RunProgress::new(common);
     let made = chain(&tree, &options, &engine, &mut |progress| {
-        watch.see(progress)
+        progress_bar.show(progress)
     })
     .map_err(|error| Failure(about(job.tree, &error.to_string())))?;
-    drop(watch);
+    drop(progress_bar);
 
     interrupt::writing()?;
     if job.layout == Layout::Files || job.place != args.output {

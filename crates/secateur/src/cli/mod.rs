@@ -16,11 +16,11 @@ mod names;
 mod output;
 mod picture;
 mod print;
+mod progress_bar;
 mod record;
 mod simplify;
 mod study;
 mod summary;
-mod watch;
 
 use std::process::ExitCode;
 

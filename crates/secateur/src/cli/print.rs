@@ -11,9 +11,9 @@ use super::failure::Failure;
 
 /// What a command prints.
 pub(crate) struct Printed {
-    /// For reading.
+    /// Lines for a reader (`--format pretty`).
     pub(crate) pretty: String,
-    /// For programs.
+    /// The record as `--format json` prints it.
     pub(crate) record: Value,
     /// The records that make the rows of tables.
     pub(crate) rows: Vec<Value>,

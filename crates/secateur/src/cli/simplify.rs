@@ -16,9 +16,9 @@ use super::failure::Failure;
 use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
+use super::progress_bar::RunProgress;
 use super::record::{self, Run};
 use super::summary::{columns, grouped, percent, size};
-use super::watch::Watch;
 use super::{interrupt, machine, output};
 
 /// Reads, simplifies, writes, reports.
@@ -197,9 +197,11 @@ fn simplified(
     args: &args::Simplify,
     common: &Common,
 ) -> Result<Simplified, Failure> {
-    let watch = Watch::new(common);
-    secateur::simplify_with(tree.foliage(), options, &mut |progress| watch.see(progress))
-        .map_err(Failure::about(&args.tree))
+    let progress_bar = RunProgress::new(common);
+    secateur::simplify_with(tree.foliage(), options, &mut |progress| {
+        progress_bar.show(progress)
+    })
+    .map_err(Failure::about(&args.tree))
 }
 
 /// Does something and notes how long it took.
@@ -264,7 +266,7 @@ fn picture_of(
     picture::sheet(&exhibits)
 }
 
-/// Leaves and triangles.
+/// Number of leaves, number of their triangles.
 fn counts(foliage: &Foliage) -> [usize; 2] {
     [foliage.leaves().len(), foliage.triangles().len()]
 }

@@ -9,26 +9,26 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use secateur_model::{CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, Place};
 
-use super::around::{Picture, Weights, around};
+use super::enclosing_triangle::{CardTexture, Weights, enclosing_triangle};
 
-/// Leaves of more triangles are no cards.
-const MOST_TRIANGLES: usize = 64;
+/// Largest number of triangles of a leaf that is looked at for cards.
+const MAX_TRIANGLES: usize = 64;
 
-/// Corners of a card are off its plane, or its texture off their places, by at most this
-/// part of its longest edge.
-const FLAT: f64 = 0.02;
+/// Corners may be off a card's plane, or off the place that the texture gives them, by at most
+/// this part of its longest edge.
+const FLATNESS: f64 = 0.02;
 
-/// Textures are looked at in so many places, for all different cards together.
-const PLACES: usize = 1 << 20;
+/// Cells into which all different cards together are divided, at most.
+const MAX_CELLS: usize = 1 << 20;
 
-/// And a side of one in as many as these.
-const PLACES_A_SIDE: [usize; 2] = [32, 256];
+/// Least and largest number of cells along a card's side.
+const CELLS_PER_SIDE: [usize; 2] = [32, 256];
 
-/// Of so many different cards triangles are looked for; others stay as they are. Most trees
-/// have a few, in all leaves alike.
-const MOST_PICTURES: usize = 1024;
+/// Number of different cards for which a triangle is sought; further ones stay as they are. Most
+/// trees have a few, which all leaves share.
+const MAX_CARD_TEXTURES: usize = 1024;
 
-/// By leaf the triangles that show the same as all of it, where they are fewer.
+/// For each leaf the triangles that show the same as all of it, where they are fewer.
 pub(super) struct Cards(Vec<Option<Vec<[NewCorner; 3]>>>);
 
 /// Triangles of a leaf in one plane, over which the texture lies without a fold; the first
@@ -39,13 +39,13 @@ type Card = Vec<usize>;
 type Key = (u32, Vec<[u64; 6]>);
 
 impl Cards {
-    /// Of the leaves of a foliage, on the threads of the current rayon pool.
+    /// Finds the cards of all leaves, on the threads of the current rayon pool.
     pub(super) fn of(foliage: &Foliage) -> Self {
         let leaves = (0..foliage.leaves().len()).into_par_iter();
         let cards: Vec<Vec<Card>> = leaves
             .map(|index| cards_of(foliage, LeafId::from_index(index)))
             .collect();
-        let mut pictures: Vec<Picture<'_>> = Vec::new();
+        let mut textures: Vec<CardTexture<'_>> = Vec::new();
         let mut known: FxHashMap<Key, usize> = FxHashMap::default();
         let mut number = |leaf: LeafId, card: &Card| {
             if card.len() == 1 {
@@ -59,15 +59,15 @@ impl Cards {
                 [a.x, a.y, b.x, b.y, c.x, c.y].map(f64::to_bits)
             };
             let key = (cutout, triangles.iter().map(bits).collect());
-            if pictures.len() == MOST_PICTURES {
+            if textures.len() == MAX_CARD_TEXTURES {
                 return known.get(&key).copied();
             }
             Some(*known.entry(key).or_insert_with(|| {
-                pictures.push(Picture {
+                textures.push(CardTexture {
                     triangles: triangles.iter().map(|t| t.uvs).collect(),
                     mask: &foliage.cutouts()[cutout as usize],
                 });
-                pictures.len() - 1
+                textures.len() - 1
             }))
         };
         let numbers: Vec<Vec<Option<usize>>> = cards
@@ -78,9 +78,13 @@ impl Cards {
                 cards.iter().map(of).collect()
             })
             .collect();
-        let [least, most] = PLACES_A_SIDE;
-        let side = (PLACES / pictures.len().max(1)).isqrt().clamp(least, most);
-        let found = pictures.par_iter().map(|picture| around(picture, side));
+        let [least, most] = CELLS_PER_SIDE;
+        let side = (MAX_CELLS / textures.len().max(1))
+            .isqrt()
+            .clamp(least, most);
+        let found = textures
+            .par_iter()
+            .map(|texture| enclosing_triangle(texture, side));
         let found: Vec<Option<[Weights; 3]>> = found.collect();
         let of_leaf = |(index, cards): (usize, &Vec<Card>)| {
             let leaf = LeafId::from_index(index);
@@ -109,7 +113,7 @@ impl Cards {
 /// The cards that a leaf consists of; none where they are no fewer than its triangles.
 fn cards_of(foliage: &Foliage, leaf: LeafId) -> Vec<Card> {
     let triangles = foliage.triangles_of(leaf);
-    if foliage.leaf(leaf).cutout().is_none() || !(2..=MOST_TRIANGLES).contains(&triangles.len()) {
+    if foliage.leaf(leaf).cutout().is_none() || !(2..=MAX_TRIANGLES).contains(&triangles.len()) {
         return Vec::new();
     }
     let mut cards: Vec<Card> = Vec::new();
@@ -134,7 +138,7 @@ fn continues(first: &LeafTriangle, second: &LeafTriangle) -> bool {
     let is_at_place = |k: usize| {
         let [x, y, z] = Weights::of(&first.uvs, second.uvs[k]).0;
         let there = x * a + y * b + z * c;
-        there.distance(second.corners[k]) <= FLAT * longest
+        there.distance(second.corners[k]) <= FLATNESS * longest
     };
     let turn = |uvs: [glam::DVec2; 3]| (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]);
     turn(first.uvs) * turn(second.uvs) > 0.0 && (0..3).all(is_at_place)
@@ -178,7 +182,7 @@ mod tests {
     use secateur_model::{Cutout, NewLeaf, Wrap};
 
     use super::*;
-    use crate::coarsen::{Shapes, coarsen};
+    use crate::coarsen::{LossCurves, coarsen};
 
     /// A disc in the middle of an otherwise empty texture.
     fn disc() -> Arc<Cutout> {
@@ -321,7 +325,7 @@ mod tests {
             .iter_mut()
             .for_each(|t| t.uvs = [DVec2::splat(0.5); 3]);
         assert_eq!(count(pointed), None, "one texel");
-        let many = flat.repeat(MOST_TRIANGLES / 2 + 1);
+        let many = flat.repeat(MAX_TRIANGLES / 2 + 1);
         assert_eq!(count(many), None, "too many");
         let foliage = of(&[flat], None);
         assert!(
@@ -335,17 +339,17 @@ mod tests {
     fn of_very_many_different_cards_the_first_are_looked_at() {
         let leaf = |k: usize| {
             let mut leaf = card(DVec3::X * k as f64, 0.0);
-            let moved = 1e-6 * (k % (MOST_PICTURES + 1)) as f64;
+            let moved = 1e-6 * (k % (MAX_CARD_TEXTURES + 1)) as f64;
             let uvs = leaf.iter_mut().flat_map(|t| &mut t.uvs);
             uvs.for_each(|uv| *uv += moved);
             leaf
         };
-        let leaves: Vec<_> = (0..MOST_PICTURES + 2).map(leaf).collect();
+        let leaves: Vec<_> = (0..MAX_CARD_TEXTURES + 2).map(leaf).collect();
         let cards = Cards::of(&of(&leaves, Some(0)));
         let is_found = |k: usize| cards.triangles_of(LeafId::from_index(k)).is_some();
-        assert!((0..MOST_PICTURES).all(is_found));
-        assert!(!is_found(MOST_PICTURES));
-        assert!(is_found(MOST_PICTURES + 1), "as the first");
+        assert!((0..MAX_CARD_TEXTURES).all(is_found));
+        assert!(!is_found(MAX_CARD_TEXTURES));
+        assert!(is_found(MAX_CARD_TEXTURES + 1), "as the first");
     }
 
     /// A leaf that may keep fewer triangles than it has cards becomes coarser as others do.
@@ -353,7 +357,7 @@ mod tests {
     fn cards_become_triangles_where_they_may_keep_no_more() {
         let cross = [card(DVec3::ZERO, 0.0), card(DVec3::splat(0.1), 0.0)].concat();
         let foliage = of(&[card(DVec3::X, 0.0), cross], Some(0));
-        let shapes = Shapes::of(&foliage);
+        let shapes = LossCurves::of(&foliage);
         let after = |most: [usize; 2]| {
             let coarse = coarsen(&foliage, &shapes, &most);
             let coarse = coarse.as_ref().map_or(&foliage, |coarse| coarse.foliage());

@@ -10,7 +10,7 @@ const TRIES: usize = 4;
 
 /// Of corners that meet at a vertex so many at most are looked at: in a fan of a million
 /// triangles all meet at one, for each triangle that is left.
-const MOST_CORNERS: usize = 256;
+const MAX_CORNERS: usize = 256;
 
 /// The corners, numbered as in [`secateur_model::CornerRef`], of the triangles that
 /// collapses leave; nothing if they leave none, or all.
@@ -70,7 +70,7 @@ struct Mesh {
     uvs: Vec<[f32; 2]>,
     /// Distance of the furthest corner from the first, in world units.
     size: f64,
-    /// Vertices by corner.
+    /// For each corner of each triangle, the number of its vertex.
     indices: Vec<u32>,
 }
 
@@ -155,7 +155,7 @@ impl Mesh {
             let facing = normal(t.map(|vertex| position(corners_at[vertex as usize][0])));
             t.map(|vertex| {
                 let mut best = (f64::NEG_INFINITY, 0);
-                for &corner in corners_at[vertex as usize].iter().take(MOST_CORNERS) {
+                for &corner in corners_at[vertex as usize].iter().take(MAX_CORNERS) {
                     let likeness = facing.dot(normals[corner as usize / 3]);
                     if likeness > best.0 {
                         best = (likeness, corner);

@@ -1,28 +1,29 @@
 //! Leaves of fewer triangles, so that a budget of triangles shows more leaves.
 //!
-//! Half of the leaves in all their detail leave more holes in a crown than all of
-//! them with half of their triangles. So triangles are shared out before leaves
-//! go: to those that show the most by them. What leaves lose by fewer is looked at in
-//! views of the crown, since some numbers suit a leaf and others don't: an arch of three
-//! strips is lopsided with three triangles, and better off with two.
+//! Half of the leaves in full detail leave more holes in a crown than all leaves with half of
+//! their triangles. So before any leaf goes, the budget is shared over the leaves that show the
+//! most by it (`budget`). What a leaf loses with fewer triangles is measured in views of the
+//! crown (`loss_curve`): an arch of three strips is lopsided with three triangles, and better
+//! off with two.
 //!
-//! A leaf becomes coarser by collapses of its edges (meshoptimizer, by quadric error, in
-//! f32: the same triangles on every processor if its C++ is compiled with
-//! `-ffp-contract=off`, as this workspace does), by a triangle around what its texture
-//! shows, or by one of some of its corners in its mean plane; but for what is on a card it
-//! is then grown and moved so that its area and its centre stay.
+//! A leaf becomes coarser in one of three ways: by edge collapses (`leaf_mesh`: meshoptimizer, by
+//! quadric error, in f32; the same triangles on every processor if its C++ is compiled with
+//! `-ffp-contract=off`, as this workspace does), by a triangle around what its texture shows
+//! (`enclosing_triangle`), or by a triangle of three of its corners in its mean plane
+//! (`triangle`). In the first and last way it is then scaled and moved, so that its area and its
+//! centre stay.
 
-mod around;
+mod budget;
 mod cards;
+mod enclosing_triangle;
+mod k_dop;
 pub(crate) mod leaf_mesh;
+mod loss_curve;
 mod pass;
-mod shapes;
-mod shares;
-mod sides;
 mod triangle;
 
-pub use shapes::{Kept, Shapes};
-pub use shares::shared_out;
+pub use budget::share_triangles;
+pub use loss_curve::{LossCurves, LossPoint};
 
 use cards::Cards;
 use glam::DVec3;
@@ -31,35 +32,38 @@ use secateur_model::{
     Foliage, Growth, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, RemovalOrder, Step,
 };
 
-/// What is left of a leaf grows at most by this to give back its area: a sliver
+/// Largest factor by which a coarser leaf is scaled to give back its area; with more, a sliver
 /// would become a spike.
-const MOST_LINEAR_SCALE: f64 = 3.0;
+const MAX_LINEAR_SCALE: f64 = 3.0;
 
 /// A foliage with coarser leaves.
 #[derive(Clone, Debug)]
 pub struct Coarse {
     foliage: Foliage,
-    /// For each leaf what takes its place; nothing where it stays as it is.
+    /// For each leaf the one that replaces it; none if it stays as it is.
     made: Vec<Option<NewLeaf>>,
     shows_the_same: bool,
 }
 
-/// Makes the leaves coarser that have more triangles than they may keep, on the
-/// threads of the current rayon pool; nothing if none becomes coarser.
+/// Makes those leaves coarser that have more triangles than they may keep, on the threads of the
+/// current rayon pool. Returns none if no leaf becomes coarser.
 ///
-/// A leaf keeps more than it may where collapses of edges do not get that far: of a
-/// leaf of front and back faces a triangle of each is left. It stays as it is where
-/// no edge can collapse, or what would be left has no area.
+/// A leaf keeps more than it may where edge collapses do not get that far: a leaf with front and
+/// back faces keeps a triangle of each. It stays as it is where no edge can collapse, or what
+/// would be left has no area.
 ///
 /// # Panics
-/// If `triangles_at_most` is not of one number for each leaf, or the shapes are of other
-/// leaves.
-pub fn coarsen(foliage: &Foliage, shapes: &Shapes, triangles_at_most: &[usize]) -> Option<Coarse> {
+/// If `triangles_at_most` has not one number for each leaf, or the curves are of other leaves.
+pub fn coarsen(
+    foliage: &Foliage,
+    curves: &LossCurves,
+    triangles_at_most: &[usize],
+) -> Option<Coarse> {
     assert_eq!(triangles_at_most.len(), foliage.leaves().len());
     let made: Vec<Option<NewLeaf>> = triangles_at_most
         .par_iter()
         .enumerate()
-        .map(|(index, at_most)| shapes.coarser(foliage, LeafId::from_index(index), *at_most))
+        .map(|(index, at_most)| curves.coarser(foliage, LeafId::from_index(index), *at_most))
         .collect();
     if made.iter().all(Option::is_none) {
         return None;
@@ -77,7 +81,7 @@ pub fn coarsen(foliage: &Foliage, shapes: &Shapes, triangles_at_most: &[usize]) 
     let shows_all = |(index, made): (usize, &Option<NewLeaf>)| {
         let leaf = LeafId::from_index(index);
         made.as_ref()
-            .is_none_or(|made| shapes.shows_all(leaf, made))
+            .is_none_or(|made| curves.shows_all(leaf, made))
     };
     Some(Coarse {
         foliage: coarse,
@@ -92,7 +96,7 @@ impl Coarse {
         &self.foliage
     }
 
-    /// Whether all that became coarser are cards, of which one triangle shows all.
+    /// Whether every leaf that became coarser is a card that one triangle shows in full.
     pub fn shows_the_same(&self) -> bool {
         self.shows_the_same
     }
@@ -138,7 +142,7 @@ impl Coarse {
     }
 }
 
-/// What collapses of its edges leave of a leaf.
+/// A leaf after edge collapses down to `at_most` triangles.
 fn collapsed(foliage: &Foliage, leaf: LeafId, at_most: usize) -> Option<NewLeaf> {
     let triangles = foliage.triangles_of(leaf);
     let kept = leaf_mesh::collapsed(triangles, at_most)?;
@@ -146,8 +150,8 @@ fn collapsed(foliage: &Foliage, leaf: LeafId, at_most: usize) -> Option<NewLeaf>
     in_place_of(foliage, leaf, &kept, position)
 }
 
-/// Triangles by corners of a leaf, with its area about its centre; nothing if they have
-/// no area.
+/// A leaf of triangles between corners of an original leaf, with that leaf's area and centre;
+/// none if they have no area.
 fn in_place_of(
     foliage: &Foliage,
     leaf: LeafId,
@@ -166,7 +170,7 @@ fn in_place_of(
     if !(linear_scale.is_finite() && linear_scale > 0.0) {
         return None;
     }
-    let linear_scale = linear_scale.min(MOST_LINEAR_SCALE);
+    let linear_scale = linear_scale.min(MAX_LINEAR_SCALE);
     let placed = |corner: u32| NewCorner {
         place: Place::At(before.centre() + linear_scale * (position(corner) - after.centre())),
         like: corner,

@@ -2,7 +2,7 @@
 
 use secateur_model::Foliage;
 
-use super::{Coarse, Shapes, coarsen, shared_out};
+use super::{Coarse, LossCurves, coarsen, share_triangles};
 use crate::{LeafTriangles, Target};
 
 impl LeafTriangles {
@@ -11,12 +11,12 @@ impl LeafTriangles {
         let most = match (self, target.triangle_count(foliage)) {
             (Self::AtMost(most), _) => {
                 let most = vec![most as usize; foliage.leaves().len()];
-                return coarsen(foliage, &Shapes::of(foliage), &most);
+                return coarsen(foliage, &LossCurves::of(foliage), &most);
             }
             (Self::Auto, Some(at_most)) if at_most < foliage.triangles().len() => at_most,
             (Self::Auto | Self::Keep, _) => return None,
         };
-        let shapes = Shapes::of(foliage);
-        coarsen(foliage, &shapes, &shared_out(foliage, most, &shapes))
+        let curves = LossCurves::of(foliage);
+        coarsen(foliage, &curves, &share_triangles(foliage, most, &curves))
     }
 }

@@ -45,20 +45,22 @@ fn large(triangles: &[usize]) -> Foliage {
 fn triangles_go_where_they_show_the_most() {
     // One more of n takes away 1/n - 1/(n + 1) of a leaf, and these are of one size.
     let foliage = large(&[200, 200, 300]);
-    let shapes = Shapes::of(&foliage);
-    let shares = |at_most| shared_out(&foliage, at_most, &shapes);
+    let curves = LossCurves::of(&foliage);
+    let shares = |at_most| share_triangles(&foliage, at_most, &curves);
     assert_eq!(shares(700), [200, 200, 300]);
     assert_eq!(shares(1000), [200, 200, 300]);
     let [a, b, c] = shares(100)[..] else { panic!() };
     assert_eq!((a + b + c, a, b), (100, 33, 33));
     assert_eq!(shares(0), [1, 1, 1]);
-    assert!(shared_out(&Foliage::default(), 5, &Shapes::of(&Foliage::default())).is_empty());
+    assert!(
+        share_triangles(&Foliage::default(), 5, &LossCurves::of(&Foliage::default())).is_empty()
+    );
 
     // Of leaves alike the largest are the first.
     let sizes = [1.0, 3.0, 2.0, 4.0];
     let leaf = |(x, size): (usize, &f64)| polygon(10, *size, DVec3::X * 20.0 * x as f64);
     let foliage = of(&sizes.iter().enumerate().map(leaf).collect::<Vec<_>>());
-    let shares = shared_out(&foliage, 16, &Shapes::of(&foliage));
+    let shares = share_triangles(&foliage, 16, &LossCurves::of(&foliage));
     assert!(shares[0] <= shares[2] && shares[2] <= shares[1] && shares[1] <= shares[3]);
     assert!(shares[0] < shares[3], "{shares:?}");
 }
@@ -89,13 +91,13 @@ fn no_leaf_keeps_a_number_that_shows_less_than_a_smaller_one() {
         .map(|k| arch(DVec3::new(k as f64, 7.0 * (k % 5) as f64, 3.0)))
         .collect();
     let foliage = of(&leaves);
-    let shapes = Shapes::of(&foliage);
-    let kept = shapes.kept(LeafId::from_index(0)).iter();
+    let curves = LossCurves::of(&foliage);
+    let kept = curves.hull(LeafId::from_index(0)).iter();
     let kept: Vec<usize> = kept.map(|k| k.triangles).collect();
     assert_eq!([kept[0], kept[kept.len() - 1]], [1, 6]);
     assert!(!kept.contains(&3) && !kept.contains(&5), "{kept:?}");
     // Half of the triangles, but no leaf has half of its own.
-    let shares = shared_out(&foliage, 90, &shapes);
+    let shares = share_triangles(&foliage, 90, &curves);
     let sum: usize = shares.iter().sum();
     assert!((86..=90).contains(&sum), "{shares:?}");
     assert!(!shares.contains(&3), "{shares:?}");
@@ -113,7 +115,7 @@ fn a_folded_leaf_becomes_a_triangle_in_its_mean_plane() {
             .to_vec()
     };
     let foliage = of(&[0.0, 2.0, 4.0].map(leaf));
-    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1, 1, 2]).unwrap();
+    let coarse = coarsen(&foliage, &LossCurves::of(&foliage), &[1, 1, 2]).unwrap();
     for (before, after) in foliage
         .leaves()
         .iter()
@@ -141,8 +143,8 @@ fn what_is_worth_more_the_later_it_comes_is_left_out() {
         let all = losses
             .iter()
             .zip(1..)
-            .map(|(&loss, triangles)| Kept { triangles, loss });
-        let kept = shapes::convex(&all.collect::<Vec<_>>());
+            .map(|(&loss, triangles)| LossPoint { triangles, loss });
+        let kept = loss_curve::lower_hull(&all.collect::<Vec<_>>());
         kept.iter().map(|k| k.triangles).collect::<Vec<_>>()
     };
     assert_eq!(kept(&[0.9, 0.4, 0.2, 0.0]), [1, 2, 4]);
@@ -156,7 +158,7 @@ fn what_is_worth_more_the_later_it_comes_is_left_out() {
 #[test]
 fn a_hexagon_becomes_a_triangle_of_its_area_at_its_place() {
     let foliage = of(&[polygon(6, 1.0, DVec3::new(1.0, 2.0, 3.0))]);
-    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1]).unwrap();
+    let coarse = coarsen(&foliage, &LossCurves::of(&foliage), &[1]).unwrap();
     let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
     assert_eq!(coarse.foliage().triangles().len(), 1);
     assert!((before.area() - after.area()).abs() < 1e-12 * before.area());
@@ -177,10 +179,10 @@ fn what_cannot_be_coarser_stays() {
     let line = vec![LeafTriangle::plain([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]); 3];
     let triangle = polygon(3, 1.0, DVec3::ZERO);
     let foliage = of(&[point.clone(), line.clone(), triangle.clone()]);
-    assert!(coarsen(&foliage, &Shapes::of(&foliage), &[1, 1, 1]).is_none());
+    assert!(coarsen(&foliage, &LossCurves::of(&foliage), &[1, 1, 1]).is_none());
     let hexagon = polygon(6, 1.0, DVec3::ZERO);
     let foliage = of(&[point, line, triangle, hexagon]);
-    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1; 4]).unwrap();
+    let coarse = coarsen(&foliage, &LossCurves::of(&foliage), &[1; 4]).unwrap();
     assert_eq!(counts(coarse.foliage()), [4, 3, 1, 1]);
     assert_eq!(coarse.foliage().triangles()[..8], foliage.triangles()[..8]);
 }
@@ -195,7 +197,7 @@ fn leaves_of_two_sides_keep_a_triangle_of_each() {
         uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
     });
     let foliage = of(&[front.iter().copied().chain(back).collect()]);
-    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1]).unwrap();
+    let coarse = coarsen(&foliage, &LossCurves::of(&foliage), &[1]).unwrap();
     let made = coarse.made[0].as_ref().unwrap();
     assert_eq!(made.triangles.len(), 2);
     let sides = made.triangles.iter().map(|t| {
@@ -224,12 +226,12 @@ fn a_leaf_of_two_sides_takes_no_fewer_than_two() {
     };
     let leaves: Vec<_> = (0..9).map(|k| leaf(DVec3::X * 3.0 * k as f64)).collect();
     let foliage = of(&leaves);
-    let shapes = Shapes::of(&foliage);
-    let kept = shapes.kept(LeafId::from_index(0));
+    let curves = LossCurves::of(&foliage);
+    let kept = curves.hull(LeafId::from_index(0));
     assert_eq!(kept.first().map(|k| k.triangles), Some(2));
-    let shares = shared_out(&foliage, 18, &shapes);
+    let shares = share_triangles(&foliage, 18, &curves);
     assert_eq!(shares, [2; 9]);
-    let coarse = coarsen(&foliage, &shapes, &shares).unwrap();
+    let coarse = coarsen(&foliage, &curves, &shares).unwrap();
     assert_eq!(coarse.foliage().triangles().len(), 18);
 }
 
@@ -237,14 +239,14 @@ fn a_leaf_of_two_sides_takes_no_fewer_than_two() {
 fn nothing_that_is_of_use_is_left_over() {
     // One jump of 4 does not fit, one of 2 does.
     let foliage = of(&[arch(DVec3::ZERO)]);
-    let shapes = Shapes::of(&foliage);
-    let losses: Vec<f64> = shapes
-        .all(LeafId::from_index(0))
+    let curves = LossCurves::of(&foliage);
+    let losses: Vec<f64> = curves
+        .points(LeafId::from_index(0))
         .iter()
         .map(|k| k.loss)
         .collect();
     for at_most in 1..=6 {
-        let share = shared_out(&foliage, at_most, &shapes)[0];
+        let share = share_triangles(&foliage, at_most, &curves)[0];
         assert!(share <= at_most);
         let least = losses[..at_most]
             .iter()
@@ -270,7 +272,7 @@ fn every_leaf_keeps_the_way_round_that_it_is() {
     };
     for order in [[-1.0, 0.7], [0.7, -1.0]] {
         let foliage = of(&[leaf(0.0, order[0]), leaf(5.0, order[1])]);
-        let shapes = Shapes::of(&foliage);
+        let curves = LossCurves::of(&foliage);
         let triangles = [[0_u32, 1, 5], [0, 1, 2], [1, 2, 5], [0, 2, 5]];
         for (leaf, three) in (0..2).flat_map(|leaf| triangles.map(|three| (leaf, three))) {
             let leaf = LeafId::from_index(leaf);
@@ -288,8 +290,8 @@ fn every_leaf_keeps_the_way_round_that_it_is() {
             );
         }
         assert_eq!(
-            shapes.kept(LeafId::from_index(0)),
-            shapes.kept(LeafId::from_index(1))
+            curves.hull(LeafId::from_index(0)),
+            curves.hull(LeafId::from_index(1))
         );
     }
 }
@@ -309,7 +311,7 @@ fn a_leaf_with_a_smaller_back_is_no_flat_triangle() {
     let leaf = LeafId::from_index(0);
     let is_one = |foliage: &Foliage| {
         let candidates = triangle::candidates(foliage, leaf);
-        let flat = |three: &triangle::Three| triangle::flat(foliage, leaf, *three).is_some();
+        let flat = |three: &triangle::CornerTriple| triangle::flat(foliage, leaf, *three).is_some();
         candidates.iter().any(flat)
     };
     assert!(is_one(&one_sided));
@@ -322,7 +324,7 @@ fn a_closed_leaf_stays_or_keeps_its_sides() {
     let tetrahedron = [[a, c, b], [a, b, d], [a, d, c], [b, c, d]].map(LeafTriangle::plain);
     let foliage = of(&[tetrahedron.to_vec()]);
     for at_most in 1..=4 {
-        let left = coarsen(&foliage, &Shapes::of(&foliage), &[at_most]);
+        let left = coarsen(&foliage, &LossCurves::of(&foliage), &[at_most]);
         let area = |foliage: &Foliage| foliage.leaves()[0].area();
         if let Some(left) = left {
             assert!((area(left.foliage()) - area(&foliage)).abs() < 1e-9);
@@ -337,7 +339,7 @@ fn a_closed_leaf_stays_or_keeps_its_sides() {
 fn an_order_over_coarser_leaves_is_one_over_the_original_ones() {
     let at = |x: f64, corners| polygon(corners, 1.0, DVec3::X * x);
     let foliage = of(&[at(0.0, 3), at(5.0, 6), at(9.0, 6)]);
-    let coarse = coarsen(&foliage, &Shapes::of(&foliage), &[1, 2, 2]).unwrap();
+    let coarse = coarsen(&foliage, &LossCurves::of(&foliage), &[1, 2, 2]).unwrap();
     let leaf = LeafId::from_index;
     let mut order = RemovalOrder::new(3);
     let grown = Growth {
@@ -407,7 +409,7 @@ fn a_leaf_too_small_to_be_looked_at_is_no_sliver() {
     ];
     for foliage in scenes {
         let all_one = vec![1; foliage.leaves().len()];
-        let coarse = coarsen(&foliage, &Shapes::of(&foliage), &all_one).unwrap();
+        let coarse = coarsen(&foliage, &LossCurves::of(&foliage), &all_one).unwrap();
         assert_eq!(counts(coarse.foliage()), all_one);
         let (before, after) = (&foliage.leaves()[0], &coarse.foliage().leaves()[0]);
         assert!((before.area() - after.area()).abs() <= 1e-9 * before.area());
@@ -428,20 +430,20 @@ proptest! {
             .collect();
         let foliage = of(&leaves);
         let at_most = (share * foliage.triangles().len() as f64) as usize;
-        let shapes = Shapes::of(&foliage);
-        let shares = shared_out(&foliage, at_most, &shapes);
-        let coarse = coarsen(&foliage, &shapes, &shares);
+        let curves = LossCurves::of(&foliage);
+        let shares = share_triangles(&foliage, at_most, &curves);
+        let coarse = coarsen(&foliage, &curves, &shares);
         let after = coarse.as_ref().map_or(&foliage, Coarse::foliage);
         let (coarse, after) = (after, counts(after));
         prop_assert!(after.iter().zip(&shares).all(|(count, share)| count <= share));
         let sum: usize = shares.iter().sum();
         prop_assert!(sum <= at_most.max(leaves.len()));
         for (index, &share) in shares.iter().enumerate() {
-            let all = shapes.all(LeafId::from_index(index));
+            let all = curves.points(LeafId::from_index(index));
             let now = all.iter().find(|kept| kept.triangles == share);
             prop_assert!(now.is_some(), "{} is none of {:?}", share, all);
             // With what is left over no leaf would lose less.
-            let is_better = |kept: &&Kept| {
+            let is_better = |kept: &&LossPoint| {
                 let more = kept.triangles.saturating_sub(share);
                 more > 0 && more <= at_most.saturating_sub(sum) && kept.loss < now.unwrap().loss
             };

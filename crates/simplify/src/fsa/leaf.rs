@@ -22,7 +22,7 @@ struct Outline {
 /// A leaf that is still there.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveLeaf {
-    /// At different places.
+    /// Its corners, each place once.
     pub(super) vertices: SmallVec<[Vertex; 4]>,
     /// Of length 1, or 0 where the leaf has no area. Either side.
     pub(super) normal: DVec3,

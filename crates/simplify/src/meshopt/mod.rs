@@ -39,7 +39,7 @@ pub enum Mode {
 /// What can be chosen about the mesh simplifier.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeshoptOptions {
-    /// Which simplifier.
+    /// Which of meshoptimizer's simplifiers is used.
     pub mode: Mode,
     /// Whether the border grows by the area that was lost.
     pub preserve_area: bool,

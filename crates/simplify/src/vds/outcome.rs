@@ -8,7 +8,7 @@ use crate::vmi::Vmi;
 /// Where a run stands; passed to the caller after every step.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Steps done.
+    /// Leaves removed so far.
     pub steps: usize,
     /// Steps to do at most.
     pub steps_at_most: usize,
@@ -30,15 +30,15 @@ pub enum VdsError {
     Resolution {
         /// Views of the set.
         views: usize,
-        /// Asked image side.
+        /// Width and height in pixels that were asked for.
         resolution: u32,
-        /// Largest image side.
+        /// The largest width and height in pixels that can be had.
         max: u32,
     },
     /// The A-buffer could not be made.
     #[error("{0}")]
     Raster(String),
-    /// `neighbours` is 0.
+    /// [`VdsOptions::neighbours`](super::VdsOptions::neighbours) is 0.
     #[error("growth must be shared by at least one neighbour")]
     NoNeighbours,
     /// `max_coverage` is negative or not a number.
@@ -55,7 +55,7 @@ impl VdsError {
 /// A removal order, and what the views show at its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VdsOutcome {
-    /// The steps.
+    /// Which leaf each step removed, and which grew for it.
     pub order: RemovalOrder,
     /// The cost of each step: the sum over the views of `P * |change of VMI|`,
     /// in units of 2^-27 bits (see [`vmi`](crate::vmi)).

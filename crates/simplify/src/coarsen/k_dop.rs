@@ -1,27 +1,28 @@
-//! Triangles in places of a grid whose sides face given directions, in whole numbers.
+//! Triangles whose sides are sides of a k-DOP: each faces one of 64 directions, in whole
+//! numbers of a grid's cells.
 
 use std::ops::Range;
 
 use glam::DVec2;
 
-/// Sides of triangles face the points with whole coordinates on the border of a square
-/// of twice this side: in whole numbers everything is the same on every machine.
-const STEPS: i64 = 8;
+/// Half the side of a square: sides face the points with whole coordinates on its border. In
+/// whole numbers every machine finds the same triangles.
+const HALF_SQUARE: i64 = 8;
 
-const DIRECTIONS: usize = 8 * STEPS as usize;
+const DIRECTIONS: usize = 8 * HALF_SQUARE as usize;
 
-/// A direction and its number.
+/// A direction, and its number among [`directions`].
 pub(super) type Side = (usize, (i64, i64));
 
-/// Counterclockwise.
+/// All directions that a side can face, counterclockwise.
 pub(super) fn directions() -> impl Iterator<Item = (i64, i64)> {
     (0..DIRECTIONS as i64).map(|k| {
-        let (side, along) = (k / (2 * STEPS), k % (2 * STEPS) - STEPS);
+        let (side, along) = (k / (2 * HALF_SQUARE), k % (2 * HALF_SQUARE) - HALF_SQUARE);
         match side {
-            0 => (STEPS, along),
-            1 => (-along, STEPS),
-            2 => (-STEPS, -along),
-            _ => (along, -STEPS),
+            0 => (HALF_SQUARE, along),
+            1 => (-along, HALF_SQUARE),
+            2 => (-HALF_SQUARE, -along),
+            _ => (along, -HALF_SQUARE),
         }
     })
 }
@@ -30,8 +31,8 @@ fn cross(a: (i64, i64), b: (i64, i64)) -> i64 {
     a.0 * b.1 - a.1 * b.0
 }
 
-/// Directions, by number, that the sides of a triangle can face.
-pub(super) fn triples() -> impl Iterator<Item = [Side; 3]> {
+/// All triples of directions that the sides of a triangle can face, counterclockwise.
+pub(super) fn side_triples() -> impl Iterator<Item = [Side; 3]> {
     let all: Vec<Side> = directions().enumerate().collect();
     let is_left = |a: Side, b: Side| cross(a.1, b.1) > 0;
     let count = all.len();
@@ -47,17 +48,17 @@ pub(super) fn triples() -> impl Iterator<Item = [Side; 3]> {
     })
 }
 
-/// A triangle in places of a grid: what lies behind three lines.
-pub(super) struct Around {
-    /// Where each line faces, and how far from the origin it is, in lengths of that.
+/// A triangle on a grid: all that lies behind three lines.
+pub(super) struct GridTriangle {
+    /// For each line its direction, and its distance from the origin in lengths of that.
     sides: [((i64, i64), i64); 3],
     pub(super) corners: [DVec2; 3],
     pub(super) twice_area: f64,
 }
 
-impl Around {
-    /// With sides that face these directions, as far away as they must be; nothing if that
-    /// has no area.
+impl GridTriangle {
+    /// The triangle of three sides, `reach[n]` from the origin for direction n in lengths of that
+    /// direction; none if it has no area.
     pub(super) fn new(sides: [Side; 3], reach: &[i64]) -> Option<Self> {
         let sides = sides.map(|(number, direction)| (direction, reach[number]));
         let corner = |k: usize| {
@@ -77,7 +78,7 @@ impl Around {
         })
     }
 
-    /// Of these columns those whose place in a row has its middle in it.
+    /// Of these columns, those whose cell in row `y` has its centre in the triangle.
     pub(super) fn columns(&self, y: i64, all: Range<i64>) -> Range<i64> {
         let mut columns = all.clone();
         for ((dx, dy), reach) in self.sides {
@@ -108,7 +109,7 @@ mod tests {
     #[test]
     fn columns_of_a_row_are_those_whose_middles_lie_behind_all_sides() {
         let reach: Vec<i64> = directions().map(|(dx, dy)| 40 + 3 * dx - 5 * dy).collect();
-        let triangles = triples().filter_map(|sides| Around::new(sides, &reach));
+        let triangles = side_triples().filter_map(|sides| GridTriangle::new(sides, &reach));
         let mut held = 0;
         for triangle in triangles.step_by(37) {
             for y in -20..20 {

@@ -1,16 +1,16 @@
-//! A budget of triangles, shared out over the leaves.
+//! A budget of triangles, shared over the leaves.
 
 use secateur_model::{Foliage, LeafId};
 
-use super::Shapes;
+use super::LossCurves;
 
-/// How many triangles each leaf may keep so that all together have `at_most`, or a few
-/// less that are of no use: those that show the most each, by what leaves lose without them
-/// and how large they are. More than `at_most` only if all have the least.
-pub fn shared_out(foliage: &Foliage, at_most: usize, shapes: &Shapes) -> Vec<usize> {
+/// For each leaf the number of triangles it may keep, at most `at_most` in all unless every
+/// leaf is at its least. Triangles go one by one where they save the most area: what the leaf
+/// loses without them, times its area. A few may stay over that no leaf can use.
+pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -> Vec<usize> {
     let leaves = || (0..foliage.leaves().len()).map(LeafId::from_index);
     let mut shares: Vec<usize> = leaves()
-        .map(|leaf| shapes.kept(leaf)[0].triangles)
+        .map(|leaf| curves.hull(leaf)[0].triangles)
         .collect();
     struct More {
         leaf: LeafId,
@@ -20,7 +20,7 @@ pub fn shared_out(foliage: &Foliage, at_most: usize, shapes: &Shapes) -> Vec<usi
     }
     let mut more: Vec<More> = Vec::new();
     for leaf in leaves() {
-        for pair in shapes.kept(leaf).windows(2) {
+        for pair in curves.hull(leaf).windows(2) {
             let (from, to) = (pair[0].triangles, pair[1].triangles);
             let lost = pair[0].loss - pair[1].loss;
             let worth = foliage.leaf(leaf).area() * lost / (to - from) as f64;
@@ -40,7 +40,7 @@ pub fn shared_out(foliage: &Foliage, at_most: usize, shapes: &Shapes) -> Vec<usi
             over -= to - from;
         }
     }
-    // A number that a leaf takes less well, where none that it takes well is near enough.
+    // The rest goes to points off the hull, largest leaves first.
     let mut by_area: Vec<LeafId> = leaves().collect();
     by_area.sort_by(|a, b| {
         let area = |leaf: &LeafId| foliage.leaf(*leaf).area();
@@ -51,10 +51,10 @@ pub fn shared_out(foliage: &Foliage, at_most: usize, shapes: &Shapes) -> Vec<usi
             break;
         }
         let share = &mut shares[leaf.index()];
-        let all = shapes.all(leaf);
-        let now = all.partition_point(|kept| kept.triangles < *share);
+        let all = curves.points(leaf);
+        let now = all.partition_point(|point| point.triangles < *share);
         let near = all[now..].iter();
-        let near = near.take_while(|kept| kept.triangles - *share <= over);
+        let near = near.take_while(|point| point.triangles - *share <= over);
         let best = near.min_by(|a, b| a.loss.total_cmp(&b.loss));
         if let Some(best) = best {
             over -= best.triangles - *share;

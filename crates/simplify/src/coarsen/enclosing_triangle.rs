@@ -1,45 +1,45 @@
-//! The triangle around what a texture shows of a card.
+//! The smallest triangle around what a texture shows on a card.
 
 use glam::DVec2;
 use secateur_model::{Cutout, Wrap};
 
-use super::sides::{Around, directions, triples};
+use super::k_dop::{GridTriangle, directions, side_triples};
 
-/// Cards that take up more of a texture's repetitions along a side are not looked at.
-const MOST_REPETITIONS: f64 = 4.0;
+/// Largest number of a texture's repetitions along a card's side; cards with more stay as they are.
+const MAX_REPEATS: f64 = 4.0;
 
-/// Texture coordinates further from 0 are not drawn exactly.
-const FURTHEST: f64 = 6.0;
+/// Largest texture coordinate of a triangle: beyond it the raster is not exact.
+const MAX_UV: f64 = 6.0;
 
-/// One part in so many of what a triangle shows may be what the card does not, if that is
-/// the border of a texture that does not repeat: a stem gets longer. Of one that repeats it
-/// would be specks in the air.
-const WRONG: usize = 100;
+/// One part in 100 of the cells that the triangle shows may be none of the card's, if the texture
+/// does not repeat: there its border goes on, and a stem gets a little longer. In a texture that
+/// repeats they would be specks in the air.
+const WRONG_PART: usize = 100;
 
-/// One part in so many of what a card shows may lie beyond a side of its triangle, if no
-/// triangle holds more of it: tips are cut, rather than others shown. Less before more.
-const BEYOND: [usize; 6] = [usize::MAX, 800, 400, 200, 100, 64];
+/// Part of the card's cells, one in this many, that each side of the triangle may cut off. Tried
+/// in this order, so that tips are cut only where no triangle holds them without showing
+/// something else.
+const CUT_PARTS: [usize; 6] = [usize::MAX, 800, 400, 200, 100, 64];
 
-/// Of the triangles that hold enough, so many of the smallest are looked at.
-const SMALLEST: usize = 4096;
+/// Number of the smallest triangles for which it is counted what they show wrong.
+const MAX_CANDIDATES: usize = 4096;
 
-/// A triangle so many times as large as another is taken for what it shows less that is
-/// wrong.
-const LARGER: f64 = 1.25;
+/// A triangle that shows less wrong may have this many times the area of another.
+const MAX_AREA_RATIO: f64 = 1.25;
 
-/// A place is looked at in so many spots along each side: in all texels of a texture of four
-/// times as many, and where places and texels lie askew.
-const SPOTS: i64 = 4;
+/// Samples along each side of a cell. With four, no texel is missed if a cell is at most four
+/// texels wide, nor where cells and texels lie askew.
+const SAMPLES_PER_CELL_SIDE: i64 = 4;
 
-/// How far beyond a card on every side a triangle may reach, in cards.
-const REACH: i64 = 2;
+/// How far a triangle may reach beyond the card on each side, in widths of the card.
+const MAX_REACH_CARDS: i64 = 2;
 
-/// How much a point of a plane has of each corner of a triangle; together 1.
+/// Barycentric coordinates of a point in the plane of a triangle; they sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Weights(pub(super) [f64; 3]);
 
 impl Weights {
-    /// Not finite where the triangle has no area.
+    /// The coordinates of a point; not finite if the triangle has no area.
     pub(super) fn of(triangle: &[DVec2; 3], point: DVec2) -> Self {
         let [a, b, c] = *triangle;
         let area = (b - a).perp_dot(c - a);
@@ -58,30 +58,36 @@ impl Weights {
     }
 }
 
-/// What is to be seen of a card.
-pub(super) struct Picture<'a> {
-    /// Texture coordinates of its triangles, at least one.
+/// A card's triangles in texture space, and the mask that says what they show.
+pub(super) struct CardTexture<'a> {
+    /// Texture coordinates of the card's triangles, at least one.
     pub(super) triangles: Vec<[DVec2; 3]>,
     pub(super) mask: &'a Cutout,
 }
 
-/// The corners of a triangle that shows what the card does, and hardly more, as weights
-/// of those of its first triangle, which it faces alike: nothing if there is none. The
-/// texture is looked at in at most this many places along each side of the card.
-pub(super) fn around(picture: &Picture<'_>, places_a_side: usize) -> Option<[Weights; 3]> {
-    let grid = Grid::of(picture, places_a_side)?;
-    let seen = grid.seen(picture);
+/// A triangle that shows what the card shows and hardly more; none if there is no such triangle.
+/// Its corners are weights of the corners of the card's first triangle, and it faces the same
+/// side. The card is divided into at most `cells_per_side` cells along each side.
+pub(super) fn enclosing_triangle(
+    texture: &CardTexture<'_>,
+    cells_per_side: usize,
+) -> Option<[Weights; 3]> {
+    let grid = CellGrid::of(texture, cells_per_side)?;
+    let seen = grid.seen(texture);
     let right = seen.iter().filter(|is_seen| **is_seen).count();
-    let repeats = picture.mask.wrap() != [Wrap::ClampToEdge; 2];
-    let most_wrong = if repeats { 0 } else { right / WRONG };
-    let elsewhere = grid.elsewhere(picture, &seen, repeats);
-    let depths = grid.depths(&seen);
-    let best = BEYOND.iter().find_map(|part| {
+    let repeats = texture.mask.wrap() != [Wrap::ClampToEdge; 2];
+    let most_wrong = if repeats { 0 } else { right / WRONG_PART };
+    let foreign = grid.foreign(texture, &seen, repeats);
+    let reach_counts = grid.reach_counts(&seen);
+    let best = CUT_PARTS.iter().find_map(|part| {
         let beyond = (right / part) as u32;
-        let reach: Option<Vec<i64>> = depths.iter().map(|depth| depth.reach(beyond)).collect();
-        grid.best(&reach?, &elsewhere, most_wrong)
+        let reach: Option<Vec<i64>> = reach_counts
+            .iter()
+            .map(|depth| depth.reach(beyond))
+            .collect();
+        grid.best(&reach?, &foreign, most_wrong)
     })?;
-    let first = &picture.triangles[0];
+    let first = &texture.triangles[0];
     let mut corners = best.corners.map(|corner| grid.uv(corner));
     if (first[1] - first[0]).perp_dot(first[2] - first[0]) < 0.0 {
         corners.reverse();
@@ -89,25 +95,25 @@ pub(super) fn around(picture: &Picture<'_>, places_a_side: usize) -> Option<[Wei
     Some(corners.map(|uv| Weights::of(first, uv)))
 }
 
-/// Places in a texture, evenly over a card and beyond it.
-struct Grid {
+/// A grid of equal cells over a card's part of the texture, which goes on beyond the card.
+struct CellGrid {
     origin: DVec2,
     step: DVec2,
-    /// How many are over the card.
+    /// Number of columns and rows over the card.
     size: [i64; 2],
 }
 
-impl Grid {
-    fn of(picture: &Picture<'_>, places_a_side: usize) -> Option<Self> {
-        let corners = || picture.triangles.iter().flatten();
+impl CellGrid {
+    fn of(texture: &CardTexture<'_>, cells_per_side: usize) -> Option<Self> {
+        let corners = || texture.triangles.iter().flatten();
         let low = corners().copied().reduce(DVec2::min)?;
         let high = corners().copied().reduce(DVec2::max)?;
         let span = high - low;
-        if !(span.min_element() > 0.0 && span.max_element() <= MOST_REPETITIONS) {
+        if !(span.min_element() > 0.0 && span.max_element() <= MAX_REPEATS) {
             return None;
         }
-        let texels = span * DVec2::new(picture.mask.width().into(), picture.mask.height().into());
-        let size = texels.ceil().min(DVec2::splat(places_a_side as f64));
+        let texels = span * DVec2::new(texture.mask.width().into(), texture.mask.height().into());
+        let size = texels.ceil().min(DVec2::splat(cells_per_side as f64));
         Some(Self {
             origin: low,
             step: span / size,
@@ -119,7 +125,7 @@ impl Grid {
         self.origin + at * self.step
     }
 
-    /// Whether the mask is opaque in the middle of a place.
+    /// Whether the mask is opaque at a cell's centre.
     fn is_opaque(&self, mask: &Cutout, x: i64, y: i64) -> bool {
         self.is_opaque_at(mask, DVec2::new(x as f64, y as f64) + 0.5)
     }
@@ -129,35 +135,37 @@ impl Grid {
         mask.is_opaque(texel.x.floor() as i32, texel.y.floor() as i32)
     }
 
-    /// Whether it is in any spot of a place.
+    /// Whether the mask is opaque at any sample of a cell.
     fn is_opaque_anywhere(&self, mask: &Cutout, x: i64, y: i64) -> bool {
-        let mut spots = (0..SPOTS * SPOTS).map(|k| (k % SPOTS, k / SPOTS));
+        let mut spots = (0..SAMPLES_PER_CELL_SIDE * SAMPLES_PER_CELL_SIDE)
+            .map(|k| (k % SAMPLES_PER_CELL_SIDE, k / SAMPLES_PER_CELL_SIDE));
         spots.any(|(u, v)| {
-            let spot = DVec2::new(u as f64 + 0.5, v as f64 + 0.5) / SPOTS as f64;
+            let spot = DVec2::new(u as f64 + 0.5, v as f64 + 0.5) / SAMPLES_PER_CELL_SIDE as f64;
             self.is_opaque_at(mask, DVec2::new(x as f64, y as f64) + spot)
         })
     }
 
-    /// For each place over the card, row by row, whether it shows something.
-    fn seen(&self, picture: &Picture<'_>) -> Vec<bool> {
+    /// For each cell over the card, row by row, whether it shows something.
+    fn seen(&self, texture: &CardTexture<'_>) -> Vec<bool> {
         let [width, height] = self.size;
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let is_seen = |(x, y): (i64, i64)| {
-            self.is_over(picture, x, y) && self.is_opaque_anywhere(picture.mask, x, y)
+            self.is_over(texture, x, y) && self.is_opaque_anywhere(texture.mask, x, y)
         };
-        places.map(is_seen).collect()
+        cells.map(is_seen).collect()
     }
 
-    /// Whether the middle of a place is over the card.
-    fn is_over(&self, picture: &Picture<'_>, x: i64, y: i64) -> bool {
+    /// Whether a cell's centre is over the card.
+    fn is_over(&self, texture: &CardTexture<'_>, x: i64, y: i64) -> bool {
         let uv = self.uv(DVec2::new(x as f64, y as f64) + 0.5);
         let is_within = |t: &[DVec2; 3]| Weights::of(t, uv).is_within();
-        picture.triangles.iter().any(is_within)
+        texture.triangles.iter().any(is_within)
     }
 
-    /// In each direction, how much of what is seen lies how far, and a place more around it.
-    fn depths(&self, seen: &[bool]) -> Vec<Depth> {
-        let places = || {
+    /// For each direction, how many of the seen cells reach how far; each counts with a margin of
+    /// one cell.
+    fn reach_counts(&self, seen: &[bool]) -> Vec<ReachCounts> {
+        let cells = || {
             let rows = seen.chunks_exact(self.size[0] as usize).zip(0..);
             rows.flat_map(|(row, y)| {
                 let columns = row.iter().zip(0..);
@@ -172,63 +180,69 @@ impl Grid {
                 [ends(dx, self.size[0]), ends(dy, self.size[1])];
             let most = reach(far_x, far_y);
             let mut counts = vec![0; (most - reach(near_x, near_y) + 1) as usize];
-            for (x, y) in places() {
+            for (x, y) in cells() {
                 counts[(most - reach(x, y)) as usize] += 1;
             }
-            Depth { most, counts }
+            ReachCounts { most, counts }
         };
         directions().map(depth).collect()
     }
 
-    /// The triangle with sides that reach so far in each direction that shows the least that
-    /// is wrong; of those that show nothing wrong, the smallest.
-    fn best(&self, reach: &[i64], elsewhere: &Elsewhere, most_wrong: usize) -> Option<Around> {
-        let sides = triples().filter_map(|sides| Around::new(sides, reach));
-        let mut triangles: Vec<Around> = sides.filter(|t| self.is_in_reach(t)).collect();
+    /// Of the triangles whose sides lie at `reach`, the one that shows the fewest foreign cells,
+    /// at most `most_wrong`; of those that show none, the smallest.
+    fn best(
+        &self,
+        reach: &[i64],
+        foreign: &ForeignCells,
+        most_wrong: usize,
+    ) -> Option<GridTriangle> {
+        let sides = side_triples().filter_map(|sides| GridTriangle::new(sides, reach));
+        let mut triangles: Vec<GridTriangle> = sides.filter(|t| self.is_in_reach(t)).collect();
         triangles.sort_by(|a, b| a.twice_area.total_cmp(&b.twice_area));
-        triangles.truncate(SMALLEST);
-        let mut best: Option<(usize, Around)> = None;
+        triangles.truncate(MAX_CANDIDATES);
+        let mut best: Option<(usize, GridTriangle)> = None;
         let mut most_area = f64::INFINITY;
         for triangle in triangles {
             let least = best.as_ref().map(|(wrong, _)| *wrong);
             if triangle.twice_area > most_area || least == Some(0) {
                 break;
             }
-            let wrong = elsewhere.within(&triangle);
+            let wrong = foreign.count_within(&triangle);
             if wrong > most_wrong || least.is_some_and(|least| least <= wrong) {
                 continue;
             }
-            most_area = most_area.min(LARGER * triangle.twice_area);
+            most_area = most_area.min(MAX_AREA_RATIO * triangle.twice_area);
             best = Some((wrong, triangle));
         }
         best.map(|(_, triangle)| triangle)
     }
 
-    fn is_in_reach(&self, triangle: &Around) -> bool {
+    fn is_in_reach(&self, triangle: &GridTriangle) -> bool {
         triangle.corners.iter().all(|corner| {
             let within = |at: f64, size: i64| {
-                (-REACH * size) as f64 <= at && at <= ((1 + REACH) * size) as f64
+                (-MAX_REACH_CARDS * size) as f64 <= at
+                    && at <= ((1 + MAX_REACH_CARDS) * size) as f64
             };
             within(corner.x, self.size[0])
                 && within(corner.y, self.size[1])
-                && self.uv(*corner).abs().max_element() <= FURTHEST
+                && self.uv(*corner).abs().max_element() <= MAX_UV
         })
     }
 
-    /// The places where the texture shows something that the card does not; if even specks
-    /// count, in any spot of a place that is not next to what the card shows.
-    fn elsewhere(&self, picture: &Picture<'_>, seen: &[bool], even_specks: bool) -> Elsewhere {
-        let mask = picture.mask;
+    /// The cells in which the texture shows something that the card does not. With `even_specks`
+    /// all samples of a cell count, except beside what the card shows; else only its centre.
+    fn foreign(&self, texture: &CardTexture<'_>, seen: &[bool], even_specks: bool) -> ForeignCells {
+        let mask = texture.mask;
         let [width, height] = self.size;
-        let columns = -REACH * width..(1 + REACH) * width;
+        let columns = -MAX_REACH_CARDS * width..(1 + MAX_REACH_CARDS) * width;
         let is_card = |x: i64, y: i64| {
             (0..width).contains(&x) && (0..height).contains(&y) && seen[(y * width + x) as usize]
         };
-        let rows = (-REACH * height..(1 + REACH) * height).map(|y| {
+        let rows = (-MAX_REACH_CARDS * height..(1 + MAX_REACH_CARDS) * height).map(|y| {
             let mut sum = 0;
             let sums = columns.clone().map(|x| {
                 let is_elsewhere = if even_specks {
-                    !self.is_over(picture, x, y)
+                    !self.is_over(texture, x, y)
                         && !neighbours(x, y).any(|(x, y)| is_card(x, y))
                         && self.is_opaque_anywhere(mask, x, y)
                 } else {
@@ -239,28 +253,28 @@ impl Grid {
             });
             std::iter::once(0).chain(sums).collect()
         });
-        Elsewhere {
-            first: [-REACH * width, -REACH * height],
+        ForeignCells {
+            first: [-MAX_REACH_CARDS * width, -MAX_REACH_CARDS * height],
             sums: rows.collect(),
         }
     }
 }
 
-/// A place and those next to it.
+/// A cell and the eight around it.
 fn neighbours(x: i64, y: i64) -> impl Iterator<Item = (i64, i64)> {
     (-1..=1).flat_map(move |v| (-1..=1).map(move |u| (x + u, y + v)))
 }
 
-/// Places where something is that should not be.
-struct Elsewhere {
-    /// The lowest column and row.
+/// Cells in which the texture shows what is none of the card's.
+struct ForeignCells {
+    /// Lowest column and row, in cells.
     first: [i64; 2],
-    /// By row how many there are before each column, and in all.
+    /// For each row, running sums: the number of such cells before each column, and in all.
     sums: Vec<Vec<u32>>,
 }
 
-impl Elsewhere {
-    fn within(&self, triangle: &Around) -> usize {
+impl ForeignCells {
+    fn count_within(&self, triangle: &GridTriangle) -> usize {
         let rows = self.sums.iter().zip(self.first[1]..);
         let in_row = |(sums, y): (&Vec<u32>, i64)| {
             let columns = self.first[0]..self.first[0] + sums.len() as i64 - 1;
@@ -272,16 +286,16 @@ impl Elsewhere {
     }
 }
 
-/// How much of what is seen lies how far in a direction.
-struct Depth {
-    /// Nothing is further away, in lengths of the direction.
+/// Numbers of seen cells by how far they reach in a direction.
+struct ReachCounts {
+    /// The furthest reach, in lengths of the direction.
     most: i64,
-    /// Of places, by how much less than that.
+    /// Number of cells that reach `most - k`, by k.
     counts: Vec<u32>,
 }
 
-impl Depth {
-    /// How far all but so many places reach; nothing if there are no more.
+impl ReachCounts {
+    /// The reach that at most `beyond` cells exceed; none if there are no more than that.
     fn reach(&self, beyond: u32) -> Option<i64> {
         let held = self.counts.iter().scan(0, |sum, count| {
             *sum += count;
@@ -307,9 +321,9 @@ mod tests {
     }
 
     fn found(mask: &Cutout, triangles: Vec<[DVec2; 3]>) -> Option<[DVec2; 3]> {
-        let picture = Picture { triangles, mask };
-        let corners = around(&picture, 256)?;
-        Some(corners.map(|weights| weights.at(&picture.triangles[0])))
+        let texture = CardTexture { triangles, mask };
+        let corners = enclosing_triangle(&texture, 256)?;
+        Some(corners.map(|weights| weights.at(&texture.triangles[0])))
     }
 
     fn twice_area([a, b, c]: [DVec2; 3]) -> f64 {
@@ -331,10 +345,10 @@ mod tests {
     /// The smallest triangle around a disc of radius r has an area of 3 sqrt(3) r^2.
     #[test]
     fn a_disc_is_held_by_a_triangle_of_hardly_more_than_the_least_area() {
-        let around = found(&disc(Wrap::ClampToEdge, 0.3), card()).unwrap();
+        let triangle = found(&disc(Wrap::ClampToEdge, 0.3), card()).unwrap();
         let least = 27_f64.sqrt() * 0.3 * 0.3;
-        let area = 0.5 * twice_area(around);
-        // A place more on every side, and sides that face one of 64 directions.
+        let area = 0.5 * twice_area(triangle);
+        // A cell more on every side, and sides that face one of 64 directions.
         assert!((least..1.15 * least).contains(&area), "{area} of {least}");
     }
 
@@ -365,10 +379,10 @@ mod tests {
                 let is_tip = at.abs().min_element() < 1.0 && at.abs().max_element() < 60.0;
                 at.length() < 48.0 || is_tip
             });
-            let around = found(&mask, card()).unwrap();
+            let triangle = found(&mask, card()).unwrap();
             let is_shown = |x: i32, y: i32| {
                 let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 128.0;
-                mask.is_opaque(x, y) && Weights::of(&around, uv).is_within()
+                mask.is_opaque(x, y) && Weights::of(&triangle, uv).is_within()
             };
             let count = |x: std::ops::Range<i32>, y: std::ops::Range<i32>| {
                 let all = y.flat_map(|y| x.clone().map(move |x| (x, y)));
@@ -388,33 +402,36 @@ mod tests {
         );
     }
 
-    /// Every second texel of a line is between the middles of places of two by two.
+    /// Every second texel of a line is between the centres of cells of two by two texels.
     #[test]
-    fn what_is_smaller_than_a_place_is_held() {
+    fn what_is_smaller_than_a_cell_is_held() {
         let mask = Cutout::from_fn([512, 512], [Wrap::ClampToEdge; 2], |x, y| {
             x == 254 && (40..400).contains(&y)
         });
-        let around = found(&mask, card()).unwrap();
+        let triangle = found(&mask, card()).unwrap();
         let ends = [40.0, 400.0].map(|y| DVec2::new(254.5, y) / 512.0);
-        assert!(ends.iter().all(|uv| Weights::of(&around, *uv).is_within()));
+        assert!(
+            ends.iter()
+                .all(|uv| Weights::of(&triangle, *uv).is_within())
+        );
     }
 
-    /// A texel, between those in the middles of places of two by two, shows again beside the
+    /// A texel, between those in the centres of cells of two by two texels, shows again beside the
     /// card, on which it is no speck.
     #[test]
     fn of_a_texture_that_repeats_even_specks_count() {
         let mask = Cutout::from_fn([512, 512], [Wrap::Repeat; 2], |x, y| {
             (200..300).contains(&x) && (200..300).contains(&y) || (x, y) == (10, 20)
         });
-        let picture = Picture {
+        let texture = CardTexture {
             triangles: card(),
             mask: &mask,
         };
-        let grid = Grid::of(&picture, 256).unwrap();
-        let seen = grid.seen(&picture);
+        let grid = CellGrid::of(&texture, 256).unwrap();
+        let seen = grid.seen(&texture);
         let count = |even_specks: bool| {
-            let elsewhere = grid.elsewhere(&picture, &seen, even_specks);
-            let rows = elsewhere.sums.iter();
+            let foreign = grid.foreign(&texture, &seen, even_specks);
+            let rows = foreign.sums.iter();
             rows.map(|sums| *sums.last().unwrap()).sum::<u32>()
         };
         // Five by five textures; the middle one is the card.
@@ -483,7 +500,7 @@ mod tests {
                     mask.is_opaque(x + u, y + v) && is_on_card(uv_of(x + u, y + v))
                 }))
             };
-            if let Some(around) = found(&mask, triangles.clone()) {
+            if let Some(triangle) = found(&mask, triangles.clone()) {
                 let (mut right, mut missing, mut wrong) = (0, 0, 0);
                 for y in -128..192 {
                     for x in -128..192 {
@@ -491,7 +508,7 @@ mod tests {
                         if !mask.is_opaque(x, y) {
                             continue;
                         }
-                        let is_held = Weights::of(&around, uv).is_within();
+                        let is_held = Weights::of(&triangle, uv).is_within();
                         match is_on_card(uv) {
                             true => {
                                 right += 1;
@@ -501,7 +518,7 @@ mod tests {
                         }
                     }
                 }
-                // The program looks in other places than the middles of texels.
+                // The program looks at other points than the centres of texels.
                 prop_assert!(missing <= right / 20 + 1, "{missing} of {right} are missing");
                 // The border of a texture that does not repeat, a hundredth of it, goes on.
                 let allowed = right / 20 + 8;

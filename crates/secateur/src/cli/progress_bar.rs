@@ -1,4 +1,4 @@
-//! A progress bar on a terminal, and the ear for Ctrl-C.
+//! A progress bar on a terminal; each update also asks whether Ctrl-C was pressed.
 
 use std::io::{IsTerminal, stderr};
 use std::ops::ControlFlow;
@@ -9,12 +9,12 @@ use secateur::Progress;
 use super::args::Common;
 use super::interrupt;
 
-/// A progress bar; without one in a pipe or where quiet is asked for.
-pub(crate) struct Watch {
+/// Shows the progress of a run; hidden in a pipe and with `--quiet`.
+pub(crate) struct RunProgress {
     bar: ProgressBar,
 }
 
-impl Watch {
+impl RunProgress {
     pub(crate) fn new(common: &Common) -> Self {
         let is_shown = !common.quiet && stderr().is_terminal();
         let target = match is_shown {
@@ -30,8 +30,8 @@ impl Watch {
         Self { bar }
     }
 
-    /// To be called with all progress.
-    pub(crate) fn see(&self, progress: Progress) -> ControlFlow<()> {
+    /// Shows a step of progress; breaks the run off after Ctrl-C.
+    pub(crate) fn show(&self, progress: Progress) -> ControlFlow<()> {
         match progress {
             Progress::Stage(stage) => self.bar.set_message(stage.name()),
             Progress::Step { done, at_most } => {
@@ -44,7 +44,7 @@ impl Watch {
     }
 }
 
-impl Drop for Watch {
+impl Drop for RunProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

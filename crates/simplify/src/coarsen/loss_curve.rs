@@ -1,4 +1,4 @@
-//! Which shapes leaves take with fewer triangles, and what they lose by it.
+//! Loss curves: what a leaf of each kind loses with fewer triangles.
 
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -6,74 +6,73 @@ use secateur_model::{Foliage, LeafId, LeafTriangle, NewLeaf};
 use secateur_raster::ViewSet;
 use secateur_raster::cpu::LeafFragments;
 
-use super::triangle::{self, Three};
+use super::triangle::{self, CornerTriple};
 use super::{Cards, collapsed, leaf_mesh};
 
-/// Leaves are looked at in images of the crown of at most so many pixels a side, those
-/// of the judge.
-const MOST_RESOLUTION: f64 = 512.0;
+/// Width and height in pixels of the largest images in which leaves are drawn: the judge's.
+const MAX_RESOLUTION_PX: f64 = 512.0;
 
-/// But of no more than shows the root of a leaf's area as so many pixels.
-const MOST_PIXELS_A_LEAF: f64 = 16.0;
+/// Images are no larger than it takes to show the root of a leaf's area as this many pixels.
+const MAX_LEAF_PX: f64 = 16.0;
 
-/// So many leaves of a kind are looked at, of more triangles fewer.
-const LEAVES_A_KIND: usize = 64;
+/// Number of leaves of a kind that are drawn, if they have 8 triangles; fewer if they have more.
+const SAMPLES_PER_KIND: usize = 64;
 
-/// But so many at least, which is also how many try all triangles.
-const LEAVES_AT_LEAST: usize = 8;
+/// Least number of leaves of a kind that are drawn. This many try every triple of corners.
+const MIN_SAMPLES: usize = 8;
 
-/// The share of an image's width that a crown takes.
+/// Share of an image's width that the crown takes, 0 to 1.
 const CROWN_SHARE: f64 = 0.57;
 
-/// So many triangles are tried by all that are looked at.
+/// Number of the best triples of corners that all drawn leaves try.
 const FINALISTS: usize = 4;
 
-/// What loses less than this share of what another does is clearly better: losses say what
-/// single leaves lose, not what the crown does.
+/// A triple of corners replaces collapses only if it loses less than this share of what they
+/// lose. Losses are those of single leaves, so a small gain may be none for the crown.
 const CLEARLY_LESS: f64 = 0.9;
 
-/// Of so many kinds; those that have the most triangles in all.
-const MOST_KINDS: usize = 64;
+/// Number of kinds that are drawn: those whose leaves have the most triangles together.
+const MAX_KINDS: usize = 64;
 
-/// Leaves of more triangles are not looked at.
-const MOST_TRIANGLES: usize = 128;
+/// Leaves of more triangles are not drawn; their losses are estimated.
+const MAX_TRIANGLES: usize = 128;
 
-/// A leaf with a cut-out keeps two triangles where fewer show too little of its texture.
-const LEAST_WITH_CUTOUT: usize = 2;
+/// Least number of triangles of a leaf with a cut-out whose texture no single triangle shows.
+const MIN_WITH_CUTOUT: usize = 2;
 
-/// How leaves become coarser, kind by kind: leaves of a kind have as many triangles, meeting
-/// at the same corners, and the same cut-out.
-pub struct Shapes {
+/// What leaves lose with fewer triangles, by kind. Leaves of one kind have the same number of
+/// triangles, which meet at the same corners, and the same cut-out.
+pub struct LossCurves {
     cards: Cards,
     kind_of: Vec<u32>,
-    kinds: Vec<OfKind>,
+    kinds: Vec<KindCurve>,
 }
 
 #[derive(Clone, Debug)]
-struct OfKind {
-    /// Numbers of triangles that it can keep, the fewest first.
-    all: Vec<Kept>,
-    /// Those of which each triangle more is worth less than the one before.
-    kept: Vec<Kept>,
-    /// Which corners one triangle has, where that is better than what collapses leave.
-    three: Option<Three>,
+struct KindCurve {
+    /// All numbers of triangles that the leaf can have, the fewest first.
+    points: Vec<LossPoint>,
+    /// The lower convex hull of `points`: each further triangle is worth less than the last.
+    hull: Vec<LossPoint>,
+    /// The corners of the one triangle that is better than what collapses leave, if any is.
+    three: Option<CornerTriple>,
 }
 
-/// A number of triangles that a leaf takes well.
+/// A number of triangles, and what a leaf loses if it has no more.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kept {
-    /// How many it keeps.
+pub struct LossPoint {
+    /// Number of triangles that the leaf keeps.
     pub triangles: usize,
-    /// Of the pixels that show the leaf before or after, the share that show only one of
-    /// them, over views from all around the crown.
+    /// Of the pixels that show the leaf before or after, the share that show only one of the two,
+    /// 0 to 1, over 20 views from all around the crown.
     pub loss: f64,
 }
 
-/// What leaves of a kind have in common: triangles, cut-out, and which corners meet.
+/// What leaves of one kind share: number of triangles, cut-out, and which corners meet.
 type Kind = (usize, Option<u32>, Vec<u32>);
 
-impl Shapes {
-    /// Of the leaves of a foliage, on the threads of the current rayon pool.
+impl LossCurves {
+    /// Draws samples of each kind of leaf, on the threads of the current rayon pool.
     pub fn of(foliage: &Foliage) -> Self {
         let cards = Cards::of(foliage);
         let leaves: Vec<LeafId> = (0..foliage.leaves().len())
@@ -102,22 +101,24 @@ impl Shapes {
         let triangles = |leaves: &[LeafId]| foliage.triangles_of(leaves[0]).len();
         let mut by_size: Vec<usize> = (0..members.len()).collect();
         by_size.sort_by_key(|&k| std::cmp::Reverse(triangles(&members[k]) * members[k].len()));
-        by_size.retain(|&k| (2..=MOST_TRIANGLES).contains(&triangles(&members[k])));
-        by_size.truncate(MOST_KINDS);
-        let stage = foliage.bounding_sphere().map(|sphere| Stage {
+        by_size.retain(|&k| (2..=MAX_TRIANGLES).contains(&triangles(&members[k])));
+        by_size.truncate(MAX_KINDS);
+        let stage = foliage.bounding_sphere().map(|sphere| CrownViews {
             foliage,
             cards: &cards,
             views: ViewSet::dodecahedron(sphere),
             radius: sphere.radius,
         });
-        let mut kinds: Vec<OfKind> = members
+        let mut kinds: Vec<KindCurve> = members
             .iter()
-            .map(|leaves| not_looked_at(least(foliage, &cards, leaves[0]), triangles(leaves)))
+            .map(|leaves| estimated_curve(least(foliage, &cards, leaves[0]), triangles(leaves)))
             .collect();
         if let Some(stage) = &stage {
-            let looked_at = by_size.par_iter().map(|&k| (k, stage.of_kind(&members[k])));
-            for (k, of_kind) in looked_at.collect::<Vec<_>>() {
-                kinds[k] = of_kind;
+            let looked_at = by_size
+                .par_iter()
+                .map(|&k| (k, stage.kind_curve(&members[k])));
+            for (k, kind_curve) in looked_at.collect::<Vec<_>>() {
+                kinds[k] = kind_curve;
             }
         }
         Self {
@@ -127,37 +128,37 @@ impl Shapes {
         }
     }
 
-    /// Numbers of triangles that a leaf takes well, the fewest first, all of its own the
-    /// last: each triangle more is worth less than the one before.
+    /// The lower convex hull of a leaf's losses, the fewest triangles first and all of its own
+    /// last: each further triangle is worth less than the last.
     ///
     /// # Panics
     /// If there is no such leaf.
-    pub fn kept(&self, leaf: LeafId) -> &[Kept] {
-        &self.of_leaf(leaf).kept
+    pub fn hull(&self, leaf: LeafId) -> &[LossPoint] {
+        &self.curve_of(leaf).hull
     }
 
-    /// All numbers of triangles that a leaf can keep, the fewest first.
-    pub(super) fn all(&self, leaf: LeafId) -> &[Kept] {
-        &self.of_leaf(leaf).all
+    /// A leaf's losses for all numbers of triangles, the fewest first.
+    pub(super) fn points(&self, leaf: LeafId) -> &[LossPoint] {
+        &self.curve_of(leaf).points
     }
 
-    fn of_leaf(&self, leaf: LeafId) -> &OfKind {
+    fn curve_of(&self, leaf: LeafId) -> &KindCurve {
         &self.kinds[self.kind_of[leaf.index()] as usize]
     }
 
-    /// Whether these are the triangles that show all of a leaf.
+    /// Whether a new leaf shows all that the original leaf's texture shows.
     pub(super) fn shows_all(&self, leaf: LeafId, made: &NewLeaf) -> bool {
         self.cards.triangles_of(leaf) == Some(&made.triangles)
     }
 
-    /// What takes the place of a leaf that may keep so many triangles, if anything does.
+    /// The leaf that replaces one which may keep `at_most` triangles; none if it stays as it is.
     pub(super) fn coarser(
         &self,
         foliage: &Foliage,
         leaf: LeafId,
         at_most: usize,
     ) -> Option<NewLeaf> {
-        let three = self.of_leaf(leaf).three;
+        let three = self.curve_of(leaf).three;
         coarser(foliage, &self.cards, leaf, at_most, three)
     }
 }
@@ -167,7 +168,7 @@ fn coarser(
     cards: &Cards,
     leaf: LeafId,
     at_most: usize,
-    three: Option<Three>,
+    three: Option<CornerTriple>,
 ) -> Option<NewLeaf> {
     if foliage.triangles_of(leaf).len() <= at_most {
         return None;
@@ -190,63 +191,63 @@ fn coarser(
 fn least(foliage: &Foliage, cards: &Cards, leaf: LeafId) -> usize {
     let least = match (foliage.leaf(leaf).cutout(), cards.triangles_of(leaf)) {
         (Some(_), Some(triangles)) => triangles.len(),
-        (Some(_), None) => LEAST_WITH_CUTOUT,
+        (Some(_), None) => MIN_WITH_CUTOUT,
         (None, _) => 1,
     };
     least.min(foliage.triangles_of(leaf).len())
 }
 
-/// A surface of n triangles in the place of a smooth one is off by about one part in n.
-fn not_looked_at(least: usize, all: usize) -> OfKind {
-    let kept = (least..=all).map(|triangles| Kept {
+/// For kinds that are not drawn: n triangles in place of a smooth surface are off by about 1/n.
+fn estimated_curve(least: usize, all: usize) -> KindCurve {
+    let points = (least..=all).map(|triangles| LossPoint {
         triangles,
         loss: 1.0 / triangles as f64 - 1.0 / all as f64,
     });
-    let kept: Vec<Kept> = kept.collect();
-    OfKind {
-        all: kept.clone(),
-        kept,
+    let points: Vec<LossPoint> = points.collect();
+    KindCurve {
+        hull: points.clone(),
+        points,
         three: None,
     }
 }
 
-/// Where leaves are looked at.
-struct Stage<'a> {
+/// The views of the crown in which single leaves are drawn.
+struct CrownViews<'a> {
     foliage: &'a Foliage,
     cards: &'a Cards,
     views: ViewSet,
     radius: f64,
 }
 
-/// A leaf, and the pixels that it shows.
-struct Sitter {
+/// A drawn leaf, and the pixels that show it alone, in order.
+struct SampleLeaf {
     leaf: LeafId,
     pixels: Vec<u32>,
 }
 
-impl Stage<'_> {
-    fn of_kind(&self, leaves: &[LeafId]) -> OfKind {
+impl CrownViews<'_> {
+    fn kind_curve(&self, leaves: &[LeafId]) -> KindCurve {
         let foliage = self.foliage;
         let all = foliage.triangles_of(leaves[0]).len();
         let least = least(foliage, self.cards, leaves[0]);
-        let count = (8 * LEAVES_A_KIND / all).clamp(LEAVES_AT_LEAST, LEAVES_A_KIND);
+        let count = (8 * SAMPLES_PER_KIND / all).clamp(MIN_SAMPLES, SAMPLES_PER_KIND);
         let stride = leaves.len().div_ceil(count);
         let sample: Vec<LeafId> = leaves.iter().copied().step_by(stride).collect();
         let area: f64 = sample.iter().map(|l| foliage.leaf(*l).area()).sum();
         let size = (area / sample.len() as f64).sqrt();
-        let fine = MOST_PIXELS_A_LEAF * 2.0 * self.radius / (CROWN_SHARE * size);
-        // Of all leaves at one point there is no such number.
-        let resolution = (fine.clamp(1.0, MOST_RESOLUTION) as u32).max(1);
+        let fine = MAX_LEAF_PX * 2.0 * self.radius / (CROWN_SHARE * size);
+        // A crown that is a single point gives no finite number.
+        let resolution = (fine.clamp(1.0, MAX_RESOLUTION_PX) as u32).max(1);
         let mut fragments = LeafFragments::new(resolution);
-        let sitters = sample.into_iter().map(|leaf| Sitter {
+        let samples = sample.into_iter().map(|leaf| SampleLeaf {
             leaf,
             pixels: self.pixels(&mut fragments, leaf, foliage.triangles_of(leaf)),
         });
-        let sitters: Vec<Sitter> = sitters.collect();
-        // Nothing if one of them keeps more.
-        let mut loss = |triangles: usize, three: Option<Three>, sitters: &[Sitter]| {
+        let samples: Vec<SampleLeaf> = samples.collect();
+        // None if one of the leaves cannot get down to this number of triangles.
+        let mut loss = |triangles: usize, three: Option<CornerTriple>, samples: &[SampleLeaf]| {
             let (mut in_both, mut in_any) = (0, 0);
-            for Sitter { leaf, pixels } in sitters {
+            for SampleLeaf { leaf, pixels } in samples {
                 let made = coarser(foliage, self.cards, *leaf, triangles, three)?;
                 if made.triangles.len() > triangles {
                     return None;
@@ -260,27 +261,27 @@ impl Stage<'_> {
             let shared = in_both as f64 / in_any.max(1) as f64;
             Some(if in_any == 0 { 0.0 } else { 1.0 - shared })
         };
-        let mut kept: Vec<Kept> = (least..all)
+        let mut points: Vec<LossPoint> = (least..all)
             .filter_map(|triangles| {
-                let loss = loss(triangles, None, &sitters)?;
-                Some(Kept { triangles, loss })
+                let loss = loss(triangles, None, &samples)?;
+                Some(LossPoint { triangles, loss })
             })
             .collect();
         let mut three = None;
-        if let Some(one) = kept.first_mut()
+        if let Some(one) = points.first_mut()
             && one.triangles == 1
             && self.cards.triangles_of(leaves[0]).is_none()
         {
-            let some = &sitters[..sitters.len().min(LEAVES_AT_LEAST)];
+            let some = &samples[..samples.len().min(MIN_SAMPLES)];
             let candidates = triangle::candidates(foliage, leaves[0]).into_iter();
-            let mut tried: Vec<(f64, Three)> = candidates
+            let mut tried: Vec<(f64, CornerTriple)> = candidates
                 .filter_map(|three| Some((loss(1, Some(three), some)?, three)))
                 .collect();
             tried.sort_by(|a, b| a.0.total_cmp(&b.0));
             tried.truncate(FINALISTS);
             let finals = tried.iter();
             let finals =
-                finals.filter_map(|(_, three)| Some((loss(1, Some(*three), &sitters)?, *three)));
+                finals.filter_map(|(_, three)| Some((loss(1, Some(*three), &samples)?, *three)));
             if let Some((with, best)) = finals.min_by(|a, b| a.0.total_cmp(&b.0))
                 && with < CLEARLY_LESS * one.loss
             {
@@ -288,18 +289,18 @@ impl Stage<'_> {
                 three = Some(best);
             }
         }
-        kept.push(Kept {
+        points.push(LossPoint {
             triangles: all,
             loss: 0.0,
         });
-        OfKind {
-            kept: convex(&kept),
-            all: kept,
+        KindCurve {
+            hull: lower_hull(&points),
+            points,
             three,
         }
     }
 
-    /// What triangles of a leaf show.
+    /// The pixels that show these triangles of a leaf, in order.
     fn pixels(
         &self,
         fragments: &mut LeafFragments,
@@ -317,24 +318,25 @@ impl Stage<'_> {
     }
 }
 
-/// How many are in both of two ordered lists.
+/// Number of pixels that two ordered lists share.
 fn common(a: &[u32], b: &[u32]) -> usize {
     a.iter()
         .filter(|pixel| b.binary_search(pixel).is_ok())
         .count()
 }
 
-/// Those of which each triangle more is worth less than the one before.
-pub(super) fn convex(all: &[Kept]) -> Vec<Kept> {
-    let slope = |a: &Kept, b: &Kept| (a.loss - b.loss) / (b.triangles - a.triangles) as f64;
-    let mut kept: Vec<Kept> = Vec::new();
+/// The lower convex hull of points in order of their triangles.
+pub(super) fn lower_hull(all: &[LossPoint]) -> Vec<LossPoint> {
+    let slope =
+        |a: &LossPoint, b: &LossPoint| (a.loss - b.loss) / (b.triangles - a.triangles) as f64;
+    let mut hull: Vec<LossPoint> = Vec::new();
     for &next in all {
-        while let [.., before, last] = &kept[..]
+        while let [.., before, last] = &hull[..]
             && slope(before, last) <= slope(last, &next)
         {
-            kept.pop();
+            hull.pop();
         }
-        kept.push(next);
+        hull.push(next);
     }
-    kept
+    hull
 }
