@@ -70,6 +70,7 @@ pub struct BoundingSphere {
 
 /// Why a set of triangles is no foliage.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FoliageError {
     /// A corner or texture coordinate is NaN or infinite.
     #[error("{0} has a corner that is not a finite number")]

@@ -109,7 +109,7 @@ impl RemovalOrder {
         self.made.truncate(end.made as usize);
     }
 
-    /// Where the lists stand after so many steps.
+    /// The lengths of the lists after this number of steps.
     fn end_of(&self, steps: usize) -> StepEnd {
         let none = StepEnd {
             removed: 0,
@@ -149,7 +149,7 @@ impl RemovalOrder {
         (self.leaf_count + end.made - end.removed) as usize
     }
 
-    /// How many steps it takes until this foliage has so many triangles or fewer;
+    /// The number of steps until this foliage has this many triangles or fewer;
     /// all of them if it never has.
     ///
     /// # Panics

@@ -67,6 +67,7 @@ pub struct PlantSkeleton {
 
 /// Why segments and leaves are no skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SkeletonError {
     /// A number that is not finite, a negative radius, sides outside 3 to 64.
     #[error("segment {0} of the skeleton has a number out of range")]
@@ -95,7 +96,7 @@ pub enum SkeletonError {
 }
 
 impl PlantSkeleton {
-    /// Whether it can be walked over, and is one of so many leaves.
+    /// Checks that it can be walked over, and that it is of this number of leaves.
     ///
     /// # Errors
     /// [`SkeletonError`]: the first thing that is wrong.

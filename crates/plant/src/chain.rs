@@ -36,6 +36,7 @@ pub enum Record {
 
 /// Why a chain cannot be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChainError {
     /// SAVE before any segment.
     #[error("record {record} of the chain saves a state before there is one")]

@@ -24,6 +24,7 @@ const MAGIC: &[u8; 16] = b"secateur chain 1";
 
 /// Why a chain cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StreamError {
     /// The first bytes are not a chain's.
     #[error("this is no chain: it does not start with \"secateur chain 1\"")]

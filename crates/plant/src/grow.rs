@@ -42,6 +42,7 @@ impl Default for GrowOptions {
 
 /// Why a plant cannot be grown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GrowError {
     /// A number of leaves outside 1 to the limit.
     #[error("cannot grow {name} with {leaves} leaves: ask for 1 to {MAX_LEAVES}")]
@@ -283,7 +284,7 @@ fn drawn(rules: &Rules, name: &str, word: &Word) -> Result<Skeleton, GrowError> 
     })
 }
 
-/// Keeps so many of the poses, evenly spaced in their order, which runs along the
+/// Keeps this number of the poses, evenly spaced in their order, which runs along the
 /// branches; the seed says where the first is.
 fn keep_evenly(poses: &mut Vec<LeafPose>, kept: u32, seed: u64) {
     let (grown, kept) = (poses.len() as u64, u64::from(kept));

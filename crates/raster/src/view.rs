@@ -6,6 +6,7 @@ use crate::snap::AFFINE_DEPTH_RATIO;
 
 /// Why a camera cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ViewError {
     /// A number is NaN or infinite.
     #[error("a camera has a coordinate that is not a finite number")]

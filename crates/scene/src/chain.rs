@@ -16,7 +16,7 @@ use crate::Screen;
 /// draw larger ones would take longer than to make the level.
 const MOST_PICTURE_PX: f64 = 256.0;
 
-/// And at least so many: in fewer, FLIP has no room for its filters.
+/// Least height of such a picture in pixels: in fewer, FLIP has no room for its filters.
 const LEAST_PICTURE_PX: f64 = 48.0;
 
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
@@ -39,7 +39,7 @@ pub const MAX_FLIP: f64 = 0.05;
 /// Which levels a chain has.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {
-    /// Of so many triangles of the whole plant, finest first.
+    /// Levels of these numbers of triangles of the whole plant, finest first.
     Triangles(Vec<Amount>),
     /// For each of these heights on the screen in pixels, the largest first, the fewest triangles
     /// within the difference.
@@ -318,7 +318,7 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Mean FLIP of a level when the screen shows the plant so many pixels high.
+    /// Mean FLIP of a level where the screen shows the plant at this height in pixels.
     fn flip(&self, level: &Made, pixels_high: f64) -> Result<f64, ChainError> {
         let side = (pixels_high / self.picture_share).clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX);
         let side = side.round() as u32;

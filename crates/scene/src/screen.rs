@@ -26,7 +26,7 @@ impl Screen {
         self.height_px * plant_height / (2.0 * distance * self.half_tangent())
     }
 
-    /// At what distance it shows a plant of this height as so many pixels.
+    /// The distance at which a plant of this height is shown at this height in pixels.
     pub fn distance(&self, plant_height: f64, pixels_high: f64) -> f64 {
         self.height_px * plant_height / (2.0 * pixels_high * self.half_tangent())
     }

@@ -124,7 +124,8 @@ impl Target {
     }
 }
 
-/// How many leaves have no more than so many triangles together, whichever they are.
+/// The largest number of leaves that have no more than this many triangles together, whichever
+/// leaves they are.
 fn leaves_within(foliage: &Foliage, triangles_at_most: usize) -> usize {
     let leaves = (0..foliage.leaves().len()).map(LeafId::from_index);
     let mut counts: Vec<usize> = leaves.map(|l| foliage.triangles_of(l).len()).collect();

@@ -63,6 +63,7 @@ impl Judging {
 
 /// Why nothing can be measured.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeasureError {
     /// The original has no leaf to stand in the middle of the views.
     #[error("the original has no leaves to measure against")]

@@ -14,7 +14,7 @@ const MOST_BLOCK_ELEMENTS: usize = 256;
 enum Channel {
     Bytes,
     Words,
-    /// Exclusive or of 32 bits, turned left by so many.
+    /// Exclusive or of 32 bits, rotated left by this many bits.
     Xor(u32),
 }
 
@@ -151,7 +151,7 @@ fn split(source: &[u8], stride: usize) -> Result<(bool, &[u8], Tail<'_>), Stream
 pub(super) fn decode(source: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, StreamError> {
     let (is_v1, blocks, tail) = split(source, stride)?;
     let block_elements = ((BLOCK_BYTES / stride) & !(GROUP - 1)).min(MOST_BLOCK_ELEMENTS);
-    // Every block has at least so many bytes: the bound of the allocation.
+    // Every block has at least this many bytes, which bounds the allocation.
     let least_block = if is_v1 { stride / 4 } else { stride };
     if blocks.len() / least_block < count.div_ceil(block_elements) {
         return Err(ENDS_EARLY);

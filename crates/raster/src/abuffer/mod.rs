@@ -21,11 +21,11 @@ use crate::{Fragment, ViewFragments};
 const SPANS_AHEAD: usize = 24;
 const LISTS_AHEAD: usize = 8;
 
-/// Up to so many fragments are moved one by one to make room for another.
+/// Largest number of fragments that are moved one by one to make room for another.
 const LONG_LIST: usize = 16;
 
-/// The part of the fragments, one in so many, for which there is room to grow
-/// at first. Where memory is given when it is first written to, it costs nothing.
+/// Room to grow at first: one fragment for every this many. It is reserved but not written, so it
+/// takes no memory until it is used.
 const ROOM_TO_GROW: usize = 2;
 
 /// A pixel's list: `arena[start..start + len]`, nearest first, with room for

@@ -2,6 +2,7 @@
 
 /// Why a stage could not be run on a GPU.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GpuError {
     /// There is no adapter of the kind asked for.
     #[error(

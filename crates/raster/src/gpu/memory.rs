@@ -74,7 +74,7 @@ pub(super) struct Download {
     mapping: Option<Mapping>,
 }
 
-/// What is copied: a buffer, from a byte, so many bytes; all multiples of 4.
+/// What is copied: a buffer, the first byte, the number of bytes; both multiples of 4.
 pub(super) type Part<'a> = (&'a wgpu::Buffer, u64, u64);
 
 impl Download {
@@ -151,7 +151,7 @@ impl Download {
 }
 
 impl Device {
-    /// A storage buffer of at least so many bytes; its contents are zero.
+    /// A storage buffer of at least this many bytes, filled with zeros.
     pub(super) fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
         self.wgpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),

@@ -64,6 +64,7 @@ pub struct Facts {
 
 /// Why there is no page.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PreviewError {
     /// There is nothing to look at.
     #[error("a preview needs a tree with at least one triangle")]

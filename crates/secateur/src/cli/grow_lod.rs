@@ -11,7 +11,7 @@ use super::failure::Failure;
 /// Which level is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Amount {
-    /// So many levels of a chain, or the level of this number; from 1.
+    /// A level of a chain or of a merging, by its number from 1.
     Level(usize),
     /// At most this share of the leaves, above 0 and up to 1.
     Share(f64),
@@ -72,7 +72,7 @@ fn of_chain(name: &str, skeleton: &Skeleton, amount: Amount) -> Result<Level, Fa
     })
 }
 
-/// How many levels bear at most so many leaves, at least one.
+/// The number of levels that bear at most this many leaves, at least 1.
 fn levels_with(chain: &Chain, most: usize) -> usize {
     let (mut levels, mut leaves) = (0, 0);
     for record in chain.records() {

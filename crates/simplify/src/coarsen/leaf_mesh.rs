@@ -8,7 +8,7 @@ use secateur_model::LeafTriangle;
 /// How many more triangles than asked for are tried where collapses leave none.
 const TRIES: usize = 4;
 
-/// Of corners that meet at a vertex so many at most are looked at: in a fan of a million
+/// Largest number of corners at a vertex that are compared: in a fan of a million
 /// triangles all meet at one, for each triangle that is left.
 const MAX_CORNERS: usize = 256;
 

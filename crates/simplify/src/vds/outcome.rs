@@ -16,6 +16,7 @@ pub struct Progress {
 
 /// Why a run could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum VdsError {
     /// The caller asked to stop.
     #[error("stopped before the end")]

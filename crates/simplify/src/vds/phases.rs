@@ -70,7 +70,7 @@ fn phases_down_to(
     Ok(phases)
 }
 
-/// The phase whose views show a run that ended with so many leaves.
+/// The phase in which a run is that ended with this number of leaves.
 pub(crate) fn final_phase(phases: &[Phase], leaves_left: usize) -> &Phase {
     let ended = |phase: &&Phase| phase.leaves_at_end <= leaves_left;
     let found = phases.iter().find(ended);

@@ -6,7 +6,7 @@ use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree, RTreeObject};
 use secateur_model::{Foliage, LeafId};
 
-/// Of the corners of a piece so many at most are held against other pieces.
+/// Largest number of corners of a piece that are compared with other pieces.
 const MOST_CORNERS: usize = 192;
 
 /// For each piece the one that it grows on: of those of more area the one nearest to any of its
