@@ -11,7 +11,7 @@ use crate::Camera;
 use crate::lens::Lens;
 use crate::shading::{Lighting, Spot};
 use crate::texel::srgb_byte;
-use crate::visibility::{NOTHING, Visibility, visibility};
+use crate::visibility::{Culling, NOTHING, Visibility, visibility};
 
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,8 +44,8 @@ impl RenderOptions {
 /// 0.5), vertex colours, a sun over the camera's left shoulder and a sky, before
 /// a light background. Opaque, sRGB.
 ///
-/// Shading normals are used where there are any, but nothing is culled: both
-/// sides of every triangle are drawn. Triangles with positions that are not
+/// Shading normals are used where there are any. Back faces of materials that are not
+/// double-sided are left out, but cast shadows. Triangles with positions that are not
 /// finite are left out. The same input gives the same picture, whatever the
 /// number of threads.
 ///
@@ -67,7 +67,7 @@ pub fn render<S: Borrow<Surface> + Sync>(
     let lens = Lens::perspective(camera, options.width * per_side, options.height * per_side);
     let scene = Scene {
         surfaces,
-        seen: visibility(surfaces, &lens),
+        seen: visibility(surfaces, &lens, Culling::Material),
         lighting: Lighting::new(surfaces, lens.axes, options.shadows),
         lens,
     };
@@ -232,6 +232,17 @@ mod tests {
         for surfaces in [[near.clone(), far.clone()], [far, near]] {
             assert!(picture(&surfaces).pixels().all(is_red));
         }
+    }
+
+    #[test]
+    fn a_back_face_shows_what_is_behind_it_unless_it_is_double_sided() {
+        let mut turned = quad(0.5, RED);
+        turned.triangles = vec![[0, 2, 1], [0, 3, 2]];
+        let behind = quad(0.0, BLUE);
+        let image = picture(&[turned.clone(), behind.clone()]);
+        assert!(image.pixels().all(is_blue));
+        Arc::make_mut(&mut turned.material).double_sided = true;
+        assert!(picture(&[turned, behind]).pixels().all(is_red));
     }
 
     #[test]

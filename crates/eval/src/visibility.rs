@@ -70,10 +70,28 @@ pub(crate) fn face_weights(triangle: &ScreenTriangle, weights: [f32; 3]) -> [f32
     [1.0 - shares.x - shares.y, shares.x, shares.y]
 }
 
-/// Draws surfaces through a lens. Both sides of every face are drawn: the
-/// winding of mirrored nodes cannot be trusted, and closed wood hides its inside.
-pub(crate) fn visibility<S: Borrow<Surface> + Sync>(surfaces: &[S], lens: &Lens) -> Visibility {
-    let triangles = screen_triangles(surfaces, lens);
+/// Whether back faces of materials that are not double-sided are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Culling {
+    /// They are, as clients do.
+    Material,
+    /// All faces are drawn: what is culled still casts a shadow.
+    None,
+}
+
+/// Draws surfaces through a lens. Corners run counterclockwise on a front face.
+pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    lens: &Lens,
+    culling: Culling,
+) -> Visibility {
+    let mut triangles = screen_triangles(surfaces, lens);
+    if culling == Culling::Material {
+        triangles.retain(|triangle| {
+            let surface = surfaces[triangle.face.surface as usize].borrow();
+            surface.material.double_sided || is_front(triangle)
+        });
+    }
     let width = lens.width as usize;
     let samples = width * lens.height as usize;
     let mut frontmost = vec![NOTHING; samples];
@@ -104,6 +122,12 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(surfaces: &[S], lens: &Lens)
         frontmost,
         nearness,
     }
+}
+
+/// Rows count downwards, so a front face runs clockwise on the raster.
+fn is_front(triangle: &ScreenTriangle) -> bool {
+    let [a, b, c] = triangle.corners.map(|corner| corner.at);
+    (b - a).perp_dot(c - a) < 0.0
 }
 
 fn triangles_by_band(triangles: &[ScreenTriangle], height: usize) -> Vec<Vec<u32>> {

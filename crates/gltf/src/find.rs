@@ -17,7 +17,7 @@ use super::survey::{Group, Survey};
 use super::tree::LeafSource;
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
-use secateur_model::{Foliage, LeafId, LeafTriangle};
+use secateur_model::{Facing, Foliage, LeafId, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
@@ -322,7 +322,11 @@ impl Found {
         for found in [self, others] {
             for (index, leaf) in found.foliage.leaves().iter().enumerate() {
                 let triangles = found.foliage.triangles_of(LeafId::from_index(index));
-                foliage.push_leaf(triangles, leaf.cutout().map(|c| cutouts_before + c))?;
+                foliage.push_leaf_facing(
+                    triangles,
+                    leaf.cutout().map(|c| cutouts_before + c),
+                    leaf.facing(),
+                )?;
             }
             cutouts_before += found.foliage.cutouts().len() as u32;
         }
@@ -349,6 +353,12 @@ impl Found {
         // Corner by corner: a primitive may use few vertices of a large buffer.
         let place = |v: u32| part.place_vertex(v as usize, geometry.positions[v as usize]);
         let corner_uv = |v: u32| skin.uvs.get(v as usize).copied().unwrap_or_default();
+        // A mirror turns the triangles around, and clients cull them the other way.
+        let facing = match group.look.double_sided {
+            true => Facing::Both,
+            false if part.world_from_local.determinant() < 0.0 => Facing::Clockwise,
+            false => Facing::Counterclockwise,
+        };
         let mut triangles: Vec<LeafTriangle> = Vec::new();
         let first = self.leaf_triangles.len() as u32;
         for (leaf, range) in geometry.pieces.iter().zip(geometry.pieces.ranges()) {
@@ -360,7 +370,8 @@ impl Found {
                     uvs: [a, b, c].map(corner_uv),
                 });
             }
-            self.foliage.push_leaf(&triangles, skin.cutout)?;
+            self.foliage
+                .push_leaf_facing(&triangles, skin.cutout, facing)?;
             self.leaf_sources.push(LeafSource {
                 part: number,
                 triangles: first + range.start..first + range.end,

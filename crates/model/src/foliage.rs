@@ -37,6 +37,7 @@ impl LeafTriangle {
 pub struct Leaf {
     triangles: Range<u32>,
     cutout: Option<u32>,
+    facing: Facing,
     centre: DVec3,
     area: f64,
 }
@@ -45,6 +46,11 @@ impl Leaf {
     /// The index of its alpha mask in [`Foliage::cutouts`], if it has one.
     pub fn cutout(&self) -> Option<u32> {
         self.cutout
+    }
+
+    /// From which side its triangles are seen.
+    pub fn facing(&self) -> Facing {
+        self.facing
     }
 
     /// Its centre in world space: the centroid of its area, or the mean of its
@@ -57,6 +63,18 @@ impl Leaf {
     pub fn area(&self) -> f64 {
         self.area
     }
+}
+
+/// From which side the triangles of a leaf are seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Facing {
+    /// From both sides, as a glTF material with `doubleSided` has it.
+    #[default]
+    Both,
+    /// From the side on which their corners run counterclockwise.
+    Counterclockwise,
+    /// From the side on which their corners run clockwise: those of a mirrored node.
+    Clockwise,
 }
 
 /// A sphere in world space.
@@ -116,15 +134,41 @@ impl Foliage {
         }
     }
 
+    /// Adds a leaf that is seen from both sides, and returns its name.
+    ///
+    /// # Errors
+    /// As [`Self::push_leaf_facing`].
+    pub fn push_leaf(
+        &mut self,
+        triangles: &[LeafTriangle],
+        cutout: Option<u32>,
+    ) -> Result<LeafId, FoliageError> {
+        self.push_leaf_facing(triangles, cutout, Facing::Both)
+    }
+
+    /// Adds a leaf with the cut-out and facing of another, which may be one of another foliage
+    /// with the same cut-outs, and returns its name.
+    ///
+    /// # Errors
+    /// As [`Self::push_leaf_facing`].
+    pub fn push_leaf_like(
+        &mut self,
+        triangles: &[LeafTriangle],
+        like: &Leaf,
+    ) -> Result<LeafId, FoliageError> {
+        self.push_leaf_facing(triangles, like.cutout, like.facing)
+    }
+
     /// Adds a leaf and returns its name.
     ///
     /// # Errors
     /// [`FoliageError`] if it has no triangle, a number that is not finite, or
     /// an unknown cut-out; the foliage is then unchanged.
-    pub fn push_leaf(
+    pub fn push_leaf_facing(
         &mut self,
         triangles: &[LeafTriangle],
         cutout: Option<u32>,
+        facing: Facing,
     ) -> Result<LeafId, FoliageError> {
         let id = LeafId::from_index(self.leaves.len());
         if triangles.is_empty() {
@@ -154,6 +198,7 @@ impl Foliage {
         self.leaves.push(Leaf {
             triangles: start..self.triangles.len() as u32,
             cutout,
+            facing,
             centre,
             area,
         });
@@ -200,6 +245,15 @@ impl Foliage {
             leaf.cutout = None;
         }
         plain
+    }
+
+    /// The same leaves, all seen from both sides (`--sides both`).
+    pub fn seen_from_both_sides(&self) -> Self {
+        let mut both = self.clone();
+        for leaf in &mut both.leaves {
+            leaf.facing = Facing::Both;
+        }
+        both
     }
 
     /// The sphere about the centre of the foliage's bounding box that holds

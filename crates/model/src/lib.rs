@@ -23,7 +23,7 @@ mod skeleton;
 mod surface;
 
 pub use cutout::{Cutout, Wrap};
-pub use foliage::{BoundingSphere, Foliage, FoliageError, Leaf, LeafTriangle};
+pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle};
 pub use leaf_id::LeafId;
 pub use lod::Lod;
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};

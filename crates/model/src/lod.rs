@@ -150,7 +150,7 @@ impl Lod {
         assert_eq!(self.area_scales.len(), original.leaves().len());
         let mut foliage = Foliage::new(original.cutouts().to_vec());
         let mut push = |triangles: &[crate::LeafTriangle], like: LeafId| {
-            let pushed = foliage.push_leaf(triangles, original.leaf(like).cutout());
+            let pushed = foliage.push_leaf_like(triangles, original.leaf(like));
             pushed.expect("a leaf of finite corners, with a cut-out of the original");
         };
         for (leaf, area_scale) in self.leaves() {

@@ -24,7 +24,7 @@
 //! every platform; nothing else is used.
 
 use glam::{DVec2, DVec3};
-use secateur_model::{Cutout, Leaf, LeafTriangle, Wrap};
+use secateur_model::{Cutout, Facing, Leaf, LeafTriangle, Wrap};
 
 use crate::View;
 
@@ -63,6 +63,16 @@ pub struct SnappedTriangle {
     pub u: [i32; 3],
     /// Row in the cut-out, in 1/65536 texel.
     pub v: [i32; 3],
+}
+
+/// What all triangles of a leaf have in common.
+#[derive(Clone, Copy)]
+struct Name {
+    /// As [`SnappedTriangle::leaf`].
+    leaf: u32,
+    /// As [`SnappedTriangle::cutout`].
+    cutout: u32,
+    facing: Facing,
 }
 
 /// Turns leaves into [`SnappedTriangle`]s for one view.
@@ -118,14 +128,14 @@ impl<'a> Snapper<'a> {
         mut emit: impl FnMut(&SnappedTriangle),
     ) {
         let linear_scale = area_scale.sqrt();
-        let name = (
-            leaf_number,
-            if cutout.is_some() {
-                leaf.cutout().map_or(0, |index| index + 1)
-            } else {
-                0
+        let name = Name {
+            leaf: leaf_number,
+            cutout: match cutout {
+                Some(_) => leaf.cutout().map_or(0, |index| index + 1),
+                None => 0,
             },
-        );
+            facing: leaf.facing(),
+        };
         let cuts = cutout.map_or(0, |_| {
             self.cuts_for_affine(leaf.centre(), linear_scale, triangles)
         });
@@ -175,7 +185,7 @@ impl<'a> Snapper<'a> {
     #[inline]
     fn snap_triangle(
         &self,
-        name: (u32, u32),
+        name: Name,
         corners: [CameraCorner; 3],
         cutout: Option<&Cutout>,
         emit: &mut impl FnMut(&SnappedTriangle),
@@ -201,7 +211,7 @@ impl<'a> Snapper<'a> {
     #[cold]
     fn snap_clipped(
         &self,
-        name: (u32, u32),
+        name: Name,
         corners: [CameraCorner; 3],
         cutout: Option<&Cutout>,
         emit: &mut impl FnMut(&SnappedTriangle),
@@ -316,7 +326,7 @@ fn cut_in_four(corners: [CameraCorner; 3], cuts: u32, snap: &mut impl FnMut([Cam
 /// where it has no area on the grid or its box holds no pixel centre.
 #[inline]
 fn set_up(
-    (leaf, cutout_name): (u32, u32),
+    name: Name,
     corners: [ImageCorner; 3],
     cutout: Option<&Cutout>,
 ) -> Option<SnappedTriangle> {
@@ -332,7 +342,13 @@ fn set_up(
         return None;
     }
     let twice_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-    if twice_area == 0 {
+    // Rows count downwards, so counterclockwise in the world is negative here.
+    let is_seen = match name.facing {
+        Facing::Both => twice_area != 0,
+        Facing::Counterclockwise => twice_area < 0,
+        Facing::Clockwise => twice_area > 0,
+    };
+    if !is_seen {
         return None;
     }
     let (centre_x, centre_y) = (x0 * SUBPIXELS + 128, y0 * SUBPIXELS + 128);
@@ -373,8 +389,8 @@ fn set_up(
         }
     };
     Some(SnappedTriangle {
-        leaf,
-        cutout: cutout_name,
+        leaf: name.leaf,
+        cutout: name.cutout,
         first_pixel: x0 as u32 | (y0 as u32) << 16,
         size: (x1 - x0 + 1) as u32 | ((y1 - y0 + 1) as u32) << 16,
         edges,

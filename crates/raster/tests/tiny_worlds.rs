@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use secateur_model::{Cutout, Foliage, LeafTriangle, Lod, Wrap};
+use secateur_model::{Cutout, Facing, Foliage, LeafTriangle, Lod, Wrap};
 use secateur_raster::abuffer::{ABuffer, Events};
 use secateur_raster::{Fragments, Scene, View, ViewSet, cpu};
 
@@ -73,6 +73,31 @@ fn fragments(foliage: &Foliage, lod: &Lod) -> Fragments {
 
 fn areas_of(leaves: &[&[LeafTriangle]]) -> Vec<u32> {
     areas(&foliage(leaves), &Lod::original(leaves.len()))
+}
+
+/// Two leaves that face the camera, and the same two with their corners the other way round.
+#[test]
+fn a_leaf_is_seen_from_the_sides_it_faces() {
+    let front = quad(-4.0, -2.0, 4.0, 2.0, 8.0);
+    let turned = front.map(|t| LeafTriangle {
+        corners: [t.corners[0], t.corners[2], t.corners[1]],
+        uvs: [t.uvs[0], t.uvs[2], t.uvs[1]],
+    });
+    for (triangles, facing, area_px) in [
+        (front, Facing::Both, 32),
+        (turned, Facing::Both, 32),
+        (front, Facing::Counterclockwise, 32),
+        (turned, Facing::Counterclockwise, 0),
+        (front, Facing::Clockwise, 0),
+        (turned, Facing::Clockwise, 32),
+    ] {
+        let mut alone = Foliage::default();
+        alone.push_leaf_facing(&triangles, None, facing).unwrap();
+        let seen = areas(&alone, &Lod::original(1));
+        assert_eq!(seen[1], area_px, "{facing:?}");
+        let both = alone.seen_from_both_sides();
+        assert_eq!(areas(&both, &Lod::original(1))[1], 32);
+    }
 }
 
 #[test]

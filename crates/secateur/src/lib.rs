@@ -105,10 +105,10 @@ pub use secateur_gltf::{
     WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
-    AlphaMode, BoundingSphere, CornerRef, Cutout, Filters, Finish, Foliage, FoliageError, Growth,
-    Leaf, LeafId, LeafTriangle, Lod, Material, Mips, NewCorner, NewLeaf, NormalMap, Place, Plant,
-    PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface, Texture,
-    Wrap,
+    AlphaMode, BoundingSphere, CornerRef, Cutout, Facing, Filters, Finish, Foliage, FoliageError,
+    Growth, Leaf, LeafId, LeafTriangle, Lod, Material, Mips, NewCorner, NewLeaf, NormalMap, Place,
+    Plant, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface,
+    Texture, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{
@@ -125,8 +125,8 @@ pub use secateur_simplify::stochastic::StochasticOptions;
 pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};
 pub use secateur_simplify::{
     Alpha, Amount, Error as SimplifyError, Fitting, LeafTriangles, Method, Observer, Options,
-    Passes, Preset, Progress, Resolution, Simplified, Stage, Stopped, Target, Views, Warning,
-    observe, simplify, simplify_on, simplify_with, sphere_of,
+    Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped, Target, Views,
+    Warning, as_seen, observe, simplify, simplify_on, simplify_with, sphere_of,
 };
 
 /// The vectors of this interface.

@@ -43,7 +43,7 @@ pub mod wood;
 pub use error::Error;
 pub use method::Method;
 pub use observe::{Shown, observe};
-pub use options::{Alpha, Fitting, LeafTriangles, Options, Resolution};
+pub use options::{Alpha, Fitting, LeafTriangles, Options, Resolution, Sides, as_seen};
 pub use passes::Passes;
 pub use preset::Preset;
 pub use run::{Simplified, Stopped, simplify, simplify_on, simplify_with, sphere_of};

@@ -1,10 +1,11 @@
 //! What can be chosen about a run.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use secateur_model::{Foliage, PlantSkeleton};
+use secateur_model::{Facing, Foliage, Leaf, PlantSkeleton};
 use secateur_raster::{Engine, MAX_RESOLUTION};
 use serde::{Deserialize, Serialize};
 
@@ -78,14 +79,28 @@ pub enum Alpha {
     Ignore,
 }
 
-impl Alpha {
-    /// The foliage as it is to be looked at.
-    pub fn apply(self, foliage: &Foliage) -> std::borrow::Cow<'_, Foliage> {
-        match self {
-            Self::Mask => std::borrow::Cow::Borrowed(foliage),
-            Self::Ignore => std::borrow::Cow::Owned(foliage.without_cutouts()),
-        }
+/// From which sides leaves are seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sides {
+    /// As the material says: clients cull the back faces of one that is not `doubleSided`.
+    #[default]
+    Material,
+    /// From both, as the paper has it.
+    Both,
+}
+
+/// The foliage as it is to be looked at: with or without holes, culled or not.
+pub fn as_seen(foliage: &Foliage, alpha: Alpha, sides: Sides) -> Cow<'_, Foliage> {
+    let is_single_sided = |leaf: &Leaf| leaf.facing() != Facing::Both;
+    let mut seen = Cow::Borrowed(foliage);
+    if alpha == Alpha::Ignore {
+        seen = Cow::Owned(seen.without_cutouts());
     }
+    if sides == Sides::Both && foliage.leaves().iter().any(is_single_sided) {
+        seen = Cow::Owned(seen.seen_from_both_sides());
+    }
+    seen
 }
 
 impl fmt::Display for Resolution {
@@ -200,6 +215,9 @@ pub struct Options {
     pub resolution: Resolution,
     /// Whether holes of leaf textures count.
     pub alpha: Alpha,
+    /// From which sides leaves are seen.
+    #[serde(default)]
+    pub sides: Sides,
     /// For VDS: leaves of fewer triangles, made before any leaf goes. They are
     /// then what costs and coverage are measured against.
     pub leaf_triangles: LeafTriangles,
@@ -230,6 +248,7 @@ impl Options {
             views: Views::default(),
             resolution: Resolution::default(),
             alpha: Alpha::default(),
+            sides: Sides::default(),
             leaf_triangles: LeafTriangles::default(),
             fit: Fitting::default(),
             skeleton: None,

@@ -17,7 +17,7 @@ use crate::sizes::{SizePass, fitting_views, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
 use crate::warning::{Ended, Warning, warnings};
-use crate::{Error, Options, Resolution, Target};
+use crate::{Error, Options, Resolution, Target, as_seen};
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,7 +141,7 @@ pub fn simplify_on(
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Simplified, Error> {
-    let foliage = options.alpha.apply(foliage);
+    let foliage = as_seen(foliage, options.alpha, options.sides);
     let sphere = sphere_of(&foliage)?;
     options.target.check()?;
     options.check(&foliage)?;

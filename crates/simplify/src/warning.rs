@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use secateur_model::{Foliage, Lod};
+use secateur_model::{Facing, Foliage, Leaf, Lod};
 
 use crate::{Fitting, LeafTriangles, Options, Target};
 
@@ -50,6 +50,13 @@ pub enum Warning {
         /// VMI error after it, in per cent.
         after_percent: f64,
     },
+    /// Leaves have materials that clients draw from one side only.
+    SingleSidedLeaves {
+        /// How many leaves.
+        count: usize,
+        /// The number of all leaves.
+        there: usize,
+    },
     /// The GPU failed for this reason, and the CPU took over.
     GpuFailed(String),
 }
@@ -86,6 +93,10 @@ impl fmt::Display for Warning {
                 f,
                 "the fitted sizes have a VMI error of {after_percent:.1} % on the driving views, {before_percent:.1} % before: without a fit more of the information is kept"
             ),
+            Self::SingleSidedLeaves { count, there } => write!(
+                f,
+                "{count} of {there} leaves have a material that is not doubleSided: clients cull their back faces, so about half of them are not drawn, and leaves seen from behind count for nothing; set doubleSided if that is not meant"
+            ),
             Self::GpuFailed(reason) => {
                 write!(f, "the GPU failed and the CPU took over: {reason}")
             }
@@ -111,6 +122,7 @@ pub(crate) fn warnings(ended: &Ended<'_>) -> Vec<Warning> {
         excess(ended.target, ended.foliage),
         shortfall(ended),
         (is_fit_asked && !ended.is_fitted).then_some(Warning::NothingToFit),
+        single_sided(ended.foliage),
         about_fit(ended.error_percent),
     ];
     all.into_iter().flatten().collect()
@@ -152,6 +164,17 @@ fn shortfall(ended: &Ended<'_>) -> Option<Warning> {
         }
         _ => None,
     }
+}
+
+/// That leaves are culled.
+fn single_sided(foliage: &Foliage) -> Option<Warning> {
+    let leaves = foliage.leaves();
+    let is_culled = |leaf: &&Leaf| leaf.facing() != Facing::Both;
+    let count = leaves.iter().filter(is_culled).count();
+    (count > 0).then_some(Warning::SingleSidedLeaves {
+        count,
+        there: leaves.len(),
+    })
 }
 
 /// That a fit cost information of the driving views.

@@ -9,7 +9,7 @@ use secateur_simplify::meshopt::{MeshoptOptions, Mode};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Ties, VdsOptions};
 use secateur_simplify::{
-    Alpha, Fitting, LeafTriangles, Method, Options, Preset, Resolution, Views,
+    Alpha, Fitting, LeafTriangles, Method, Options, Preset, Resolution, Sides, Views,
 };
 use serde::Serialize;
 
@@ -76,6 +76,7 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
         flags.differing("ties", own.ties, Ties::default());
     }
     flags.differing("alpha", options.alpha, Alpha::default());
+    flags.differing("sides", options.sides, Sides::default());
     flags.differing("engine", options.engine, Engine::default());
     match options.fit {
         Fitting::Auto => {}

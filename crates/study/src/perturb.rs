@@ -85,7 +85,7 @@ impl Perturbation {
         let mut changed = Foliage::new(foliage.cutouts().to_vec());
         for &leaf in &names {
             let moved = jittered(foliage.triangles_of(leaf), reach, &mut random);
-            let pushed = changed.push_leaf(&moved, foliage.leaf(leaf).cutout());
+            let pushed = changed.push_leaf_like(&moved, foliage.leaf(leaf));
             pushed.expect("a leaf that was there before");
         }
         Changed {

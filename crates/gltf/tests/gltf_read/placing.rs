@@ -1,6 +1,7 @@
 //! Nodes, instances and scenes: where leaves are in the world.
 
 use glam::DVec3;
+use secateur_model::Facing;
 use serde_json::json;
 
 use crate::small_tree::{SmallTree, assert_two_squares, centres};
@@ -43,6 +44,21 @@ fn nested_and_mirrored_nodes() {
     let surface = &surfaces[0].0;
     let [a, b, c] = surface.triangles[0].map(|v| surface.positions[v as usize]);
     assert!((b - a).cross(c - a).z > 0.0);
+}
+
+#[test]
+fn leaves_face_as_material_and_mirrors_say() {
+    let facings = |tree: &SmallTree| -> Vec<Facing> {
+        let tree = tree.tree();
+        let leaves = tree.foliage().leaves();
+        leaves.iter().map(|leaf| leaf.facing()).collect()
+    };
+    let single = SmallTree::squares().set("/materials/0/doubleSided", json!(false));
+    assert_eq!(facings(&single), [Facing::Counterclockwise; 2]);
+    let mirrored = single.set("/nodes/0/scale", json!([-1, 1, 1]));
+    assert_eq!(facings(&mirrored), [Facing::Clockwise; 2]);
+    let double = mirrored.set("/materials/0/doubleSided", json!(true));
+    assert_eq!(facings(&double), [Facing::Both; 2]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use secateur_plant::Scheme;
 use super::grow_lod::Amount;
 use super::names::{
     AlphaName, ClusterSizeName, EngineName, MeshoptModeName, MethodName, PresetName, ReferenceName,
-    ResizeName, TiesName,
+    ResizeName, SidesName, TiesName,
 };
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
@@ -122,6 +122,9 @@ pub(crate) struct Measure {
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
+    /// From which sides leaves are seen.
+    #[arg(long, value_enum, default_value_t = SidesName::Material)]
+    pub(crate) sides: SidesName,
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
@@ -262,6 +265,9 @@ pub(crate) struct Simplify {
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
+    /// From which sides leaves are seen.
+    #[arg(long, value_enum, default_value_t = SidesName::Material)]
+    pub(crate) sides: SidesName,
     /// How leaves are chosen.
     #[arg(long, value_enum, default_value_t = MethodName::Vds)]
     pub(crate) method: MethodName,
@@ -409,6 +415,9 @@ pub(crate) struct Lods {
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
+    /// From which sides leaves are seen.
+    #[arg(long, value_enum, default_value_t = SidesName::Material)]
+    pub(crate) sides: SidesName,
     /// What the leaves are simplified for.
     #[arg(long, value_enum, default_value_t = PresetName::Look)]
     pub(crate) preset: PresetName,

@@ -172,6 +172,7 @@ fn options(args: &args::Lods) -> ChainOptions {
     };
     let mut leaves = Options::with_preset(args.preset.into(), Target::triangle_share(1.0));
     leaves.alpha = args.alpha.into();
+    leaves.sides = args.sides.into();
     leaves.engine = args.engine.into();
     leaves.audit = false;
     ChainOptions {

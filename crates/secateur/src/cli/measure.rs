@@ -27,8 +27,9 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         output::check_spares(tree.document(), &outputs)?;
     }
     interrupt::check()?;
-    let alpha = secateur::Alpha::from(args.alpha);
-    let foliages = [&original, &simplified].map(|tree| alpha.apply(tree.foliage()));
+    let (alpha, sides) = (args.alpha.into(), secateur::Sides::from(args.sides));
+    let foliages = [&original, &simplified]
+        .map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
     let measured =
         secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
     interrupt::check()?;
@@ -47,6 +48,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             "simplified": simplified.triangle_count(),
         },
         "alpha": text(args.alpha),
+        "sides": text(args.sides),
         "seconds": record::seconds(&[], total),
         "run": record::provenance("measure"),
     });

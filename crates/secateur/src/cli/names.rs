@@ -1,7 +1,7 @@
 //! Names on the command line for values of the library.
 
 use clap::ValueEnum;
-use secateur::{Alpha, Engine, Preset, Reference, Resize, Ties};
+use secateur::{Alpha, Engine, Preset, Reference, Resize, Sides, Ties};
 use secateur_plant::ClusterSize;
 use secateur_simplify::meshopt::Mode;
 
@@ -94,6 +94,12 @@ names!(ClusterSizeName => ClusterSize {
     Area,
 });
 names!(TiesName => Ties { Order, Spread });
+names!(SidesName => Sides {
+    /// As the material says: clients cull back faces where it is not doubleSided
+    Material,
+    /// From both sides
+    Both,
+});
 names!(AlphaName => Alpha {
     /// What an alpha mask cuts out is not there
     Mask,

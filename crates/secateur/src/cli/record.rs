@@ -109,6 +109,7 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
         "leaf_triangles": options.leaf_triangles,
         "fit": options.objective().map(fitted_to),
         "alpha": options.alpha,
+        "sides": options.sides,
         "engine": options.engine,
         "seed": args.seed,
         "foliage": selectors.collect::<Vec<_>>(),

@@ -120,6 +120,7 @@ pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
         views: views(&args.views)?,
         resolution: args.resolution,
         alpha: args.alpha.into(),
+        sides: args.sides.into(),
         leaf_triangles: args.leaf_triangles,
         fit: args.fit,
         audit: args.audit || (options.audit && !args.no_audit),
@@ -287,7 +288,7 @@ fn stage_debug_images(
     tree: &Tree,
     result: &Simplified,
 ) -> Result<(), Failure> {
-    let foliage = options.alpha.apply(tree.foliage());
+    let foliage = secateur::as_seen(tree.foliage(), options.alpha, options.sides);
     let original = Lod::original(foliage.leaves().len());
     let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {

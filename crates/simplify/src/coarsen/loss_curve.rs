@@ -307,10 +307,12 @@ impl CrownViews<'_> {
         of: LeafId,
         triangles: &[LeafTriangle],
     ) -> Vec<u32> {
-        let cutout = self.foliage.leaf(of).cutout();
+        let original = self.foliage.leaf(of);
+        let cutout = original.cutout();
         let mask = cutout.map(|number| self.foliage.cutouts()[number as usize].clone());
         let mut alone = Foliage::new(mask.into_iter().collect());
-        let Ok(leaf) = alone.push_leaf(triangles, cutout.map(|_| 0)) else {
+        let pushed = alone.push_leaf_facing(triangles, cutout.map(|_| 0), original.facing());
+        let Ok(leaf) = pushed else {
             return Vec::new();
         };
         let found = fragments.of(&alone, leaf, 1.0, self.views.views());

@@ -75,7 +75,7 @@ pub fn coarsen(
             Some(made) => made.triangles_in(foliage, 1.0),
             None => foliage.triangles_of(leaf).to_vec(),
         };
-        let pushed = coarse.push_leaf(&triangles, foliage.leaf(leaf).cutout());
+        let pushed = coarse.push_leaf_like(&triangles, foliage.leaf(leaf));
         pushed.expect("a leaf that is coarser than one that was there");
     }
     let shows_all = |(index, made): (usize, &Option<NewLeaf>)| {
