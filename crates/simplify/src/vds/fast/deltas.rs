@@ -10,6 +10,7 @@ use super::counts::{ChangedArea, Counts};
 use super::edges::Edges;
 use super::prefetch::{prefetch, prefetch_range};
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 use super::terms::{add_term, move_term, replace_term};
 
 /// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
@@ -80,6 +81,9 @@ impl Deltas {
 
     #[inline(always)]
     fn prefetch_row(&self, leaf: u32) {
+        if !is_on(Mechanism::PrefetchDeltas) {
+            return;
+        }
         let start = self.split.row(leaf) * self.view_count;
         prefetch_range(&self.rows, start, self.view_count);
     }
@@ -130,18 +134,24 @@ impl Deltas {
         let mut incoming = std::mem::take(&mut self.incoming);
         incoming.clear();
         let leaves = || counts.changed_areas().map(|area| area.leaf);
-        leaves().for_each(|leaf| edges.prefetch_incoming(leaf));
-        leaves().for_each(|leaf| prefetch(edges.incoming(leaf), 0));
+        if is_on(Mechanism::PrefetchDeltas) {
+            leaves().for_each(|leaf| edges.prefetch_incoming(leaf));
+            leaves().for_each(|leaf| prefetch(edges.incoming(leaf), 0));
+        }
         leaves().for_each(|leaf| incoming.extend_from_slice(edges.incoming(leaf)));
         let mut at = 0;
         for area in counts.changed_areas() {
             self.change_own_term(area);
             let end = at + edges.incoming(area.leaf).len();
             while at < end {
-                if let Some(&ahead) = incoming.get(at + EDGES_AHEAD) {
+                if is_on(Mechanism::PrefetchDeltas)
+                    && let Some(&ahead) = incoming.get(at + EDGES_AHEAD)
+                {
                     prefetch(edges.all(), ahead as usize);
                 }
-                if let Some(&ahead) = incoming.get(at + ROWS_AHEAD) {
+                if is_on(Mechanism::PrefetchDeltas)
+                    && let Some(&ahead) = incoming.get(at + ROWS_AHEAD)
+                {
                     let from = edges.get(ahead).from;
                     self.prefetch_row(from);
                     prefetch(&self.change, self.split.row(from));
@@ -255,7 +265,7 @@ impl Sight<'_> {
     #[inline]
     pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
         let total = self.counts.target(leaf).total;
-        if total > SILHOUETTE_MAX {
+        if total > SILHOUETTE_MAX || !is_on(Mechanism::EqualCostGroups) {
             return Silhouette::new();
         }
         let edge = self.edges.to_background(leaf);

@@ -5,6 +5,7 @@ use super::events::Event;
 use super::prefetch::prefetch;
 use super::reveals::Reveals;
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 
 const NO_EDGE: u32 = u32::MAX;
 
@@ -149,7 +150,9 @@ impl Edges {
         let mut changes = std::mem::take(&mut self.changes);
         let mut ahead = events.clone().skip(EVENTS_AHEAD);
         for event in events {
-            if let Some(ahead) = ahead.next() {
+            if is_on(Mechanism::PrefetchEdges)
+                && let Some(ahead) = ahead.next()
+            {
                 for [from, to] in [ahead.before, ahead.after] {
                     self.by_ends.prefetch(from, to);
                 }
@@ -158,7 +161,9 @@ impl Edges {
             for ([from, to], by) in [(event.before, -pixels), (event.after, pixels)] {
                 if self.is_own(from) {
                     let index = self.between(from, to);
-                    prefetch(&self.all, index as usize);
+                    if is_on(Mechanism::PrefetchEdges) {
+                        prefetch(&self.all, index as usize);
+                    }
                     changes.push((index, event.view, by));
                 }
             }

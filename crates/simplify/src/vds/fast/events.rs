@@ -1,5 +1,7 @@
 //! What a step changes at the front of the pixels.
 
+use super::switches::{Mechanism, is_on};
+
 /// The front leaf of a pixel and the one behind it; 0 where there is none.
 pub(super) type Ends = [u32; 2];
 
@@ -59,7 +61,7 @@ impl Events {
         if !is_there(self.last, &self.all) {
             let place = &mut self.recent[place_among_recent(view, before, after)];
             self.last = *place as usize;
-            if !is_there(self.last, &self.all) {
+            if !is_on(Mechanism::RecentEvents) || !is_there(self.last, &self.all) {
                 self.last = self.all.len();
                 *place = self.last as u32;
                 self.all.push(Event {

@@ -31,6 +31,7 @@ mod shard;
 mod shared;
 mod split;
 mod stage;
+mod switches;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -42,6 +43,8 @@ use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
 
 use self::candidates::Found;
 use self::stage::Stage;
+#[cfg(feature = "ablation")]
+pub use self::switches::{Mechanism, switch_off};
 use super::VdsOptions;
 use super::outcome::{Progress, Stopped, VdsError, VdsOutcome};
 use super::phases::{Phase, final_phase, phases};

@@ -11,6 +11,7 @@ use secateur_raster::{Fragment, ViewFragments};
 
 use super::events::{Ends, Events};
 use super::prefetch::prefetch;
+use super::switches::{Mechanism, is_on};
 
 /// How many pixels ahead spans, and lists, are asked for.
 const SPANS_AHEAD: usize = 24;
@@ -141,6 +142,9 @@ impl PixelLists {
     /// needed sooner.
     #[inline(always)]
     fn prefetch_lists(&self, soon: Option<&u32>, sooner: Option<&u32>) {
+        if !is_on(Mechanism::PrefetchPixels) {
+            return;
+        }
         if let Some(pixel) = soon {
             prefetch(&self.spans, *pixel as usize);
         }

@@ -3,12 +3,16 @@
 //! A step visits hundreds of places scattered over tens of megabytes, all known
 //! beforehand; waiting for one after the other is most of what it would do.
 
+use super::switches::{Mechanism, is_on};
+
 /// Asks for the cache line of `slice[index]`; does nothing where there is no
 /// such element or the processor is not known.
 #[inline(always)]
 pub(super) fn prefetch<T>(slice: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(element) = slice.get(index) {
+    if is_on(Mechanism::Prefetch)
+        && let Some(element) = slice.get(index)
+    {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         // SAFETY: a prefetch of a valid reference reads nothing and faults never.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(element).cast()) };

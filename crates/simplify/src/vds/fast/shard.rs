@@ -15,6 +15,7 @@ use super::deltas::{Deltas, Sight};
 use super::edges::Edges;
 use super::pane::Pane;
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 
 /// What a shard finds in a step.
 #[derive(Clone, Copy, Debug)]
@@ -146,7 +147,9 @@ impl<'t> Shard<'t> {
         for pane in panes {
             let events = pane.events();
             for (k, event) in events.iter().enumerate() {
-                if let Some(ahead) = events.get(k + EVENTS_AHEAD) {
+                if is_on(Mechanism::PrefetchAreas)
+                    && let Some(ahead) = events.get(k + EVENTS_AHEAD)
+                {
                     self.counts.prefetch(ahead);
                 }
                 self.counts.record(event);

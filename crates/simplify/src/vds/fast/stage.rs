@@ -11,6 +11,7 @@ use super::pane::Pane;
 use super::shard::{Finds, Shard};
 use super::shared::{Job, Shared};
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 use super::{Run, leaf_id};
 use crate::vds::outcome::{Progress, Stopped, VdsError};
 use crate::vds::resize::{Pruned, covered_px, growths};
@@ -228,6 +229,9 @@ fn leaves_by_place(foliage: &Foliage, lod: &Lod) -> Vec<u32> {
     };
     let cell = |x: f64| ((x / sphere.radius.max(f64::MIN_POSITIVE) + 1.0) * 511.0) as u64;
     let key = |leaf: LeafId| {
+        if !is_on(Mechanism::SpaceFillingCurve) {
+            return 0;
+        }
         let [x, y, z] = (foliage.leaf(leaf).centre() - sphere.centre)
             .to_array()
             .map(cell);

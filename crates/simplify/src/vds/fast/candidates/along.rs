@@ -1,5 +1,6 @@
 //! The background along the signs of deviations, and how far it has moved.
 
+use super::super::switches::{Mechanism, is_on};
 use super::epochs::EPOCHS;
 use crate::lg::LG_FRACTION_BITS;
 
@@ -117,7 +118,7 @@ impl AllMoved {
     /// Compares then and now; what is not below any, and its slope not below 0.
     pub(super) fn compare(&mut self, then: &Alongs, now: &Alongs) -> BackgroundMoved {
         #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
+        if is_on(Mechanism::WideAlong) && std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
             return unsafe { self.compare_by_avx2(then, now) };
         }

@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use super::super::counts::{Counts, GAINS};
+use super::super::switches::{Mechanism, is_on};
 use super::epochs::EPOCHS;
 
 /// Pixels handed to the background for which its rise is known by epoch.
@@ -109,7 +110,7 @@ impl Background {
         if most == 0 || epoch == self.current {
             return 0.0;
         }
-        if most as usize > GAINS {
+        if most as usize > GAINS || !is_on(Mechanism::BackgroundCompared) {
             return f32::INFINITY;
         }
         let most = most as usize;
@@ -125,7 +126,7 @@ impl Background {
     /// For up to `most` pixels; NAN beyond.
     fn compare_gains(&self, epoch: usize, most: usize) -> [f32; GAINS] {
         #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
+        if is_on(Mechanism::WideBackground) && std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
             return unsafe { self.compare_gains_by_avx2(epoch, most) };
         }
@@ -175,7 +176,7 @@ impl Background {
         if largest_px == 0 || epoch == self.current {
             return 0.0;
         }
-        if largest_px as usize >= RISES_KEPT {
+        if largest_px as usize >= RISES_KEPT || !is_on(Mechanism::BackgroundCompared) {
             return f32::INFINITY;
         }
         if self.moved[epoch].areas.is_nan() {
@@ -186,7 +187,7 @@ impl Background {
 
     fn compare_rises(&self, epoch: usize, px: Range<usize>) -> f32 {
         #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
+        if is_on(Mechanism::WideBackground) && std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
             return unsafe { self.compare_rises_by_avx2(epoch, px) };
         }

@@ -1,5 +1,6 @@
 //! What bounds the costs of sixteen leaves at once.
 
+use super::super::switches::{Mechanism, is_on};
 use super::background::Background;
 use super::epochs::Epochs;
 use super::excess::Excesses;
@@ -61,6 +62,13 @@ struct Moved {
 }
 
 impl Moved {
+    fn of_signed_sum(&self) -> f32 {
+        match is_on(Mechanism::BackgroundAlong) {
+            true => self.risen_along + self.revealed,
+            false => self.everywhere,
+        }
+    }
+
     const NOWHERE: Self = Self {
         everywhere: 0.0,
         revealed: 0.0,
@@ -153,15 +161,25 @@ impl Block {
         let px = |px: u32| u16::try_from(px).unwrap_or(u16::MAX);
         let (open, n) = match u16::try_from(self.largest_px) {
             Ok(_) => (
-                self.least_along_open - self.rounding_open - self.slack,
+                self.least_along_open
+                    - match is_on(Mechanism::BackgroundAlong) {
+                        true => self.rounding_open,
+                        false => self.rounding,
+                    }
+                    - self.slack,
                 self.least_n - self.rounding - self.slack,
             ),
             Err(_) => (f32::NEG_INFINITY, f32::NEG_INFINITY),
         };
+        let unless_off = |mechanism, bound: f32| match is_on(mechanism) {
+            true => bound,
+            false => f32::NEG_INFINITY,
+        };
+        let solid = self.least_along_solid - self.rounding_solid - self.slack;
         Gate {
-            solid: self.least_along_solid - self.rounding_solid - self.slack,
-            open,
-            n,
+            solid: unless_off(Mechanism::FilterBySignedSum, solid),
+            open: unless_off(Mechanism::FilterBySignedSum, open),
+            n: unless_off(Mechanism::FilterBySize, n),
             epoch: self.epoch,
             least_px: px(self.least_px),
             largest_px: px(self.largest_px),
@@ -180,7 +198,10 @@ impl Block {
         let moved = figures.moved_by_gains + figures.moved_by_rise;
         let excess = figures.excess - moved;
         if figures.background_px > 0 {
-            let along = figures.along - figures.moved_by_gains;
+            let along = match is_on(Mechanism::BackgroundAlong) {
+                true => figures.along - figures.moved_by_gains,
+                false => figures.along - moved,
+            };
             self.least_along_open = self.least_along_open.min(along);
             self.least_open = self.least_open.min(excess);
             self.most_revealed = self.most_revealed.max(figures.most_revealed);
@@ -298,15 +319,18 @@ impl Block {
         let epoch = usize::from(self.epoch);
         let moved = self.moved(now, background);
         let limit = limit + self.rounding_solid + self.slack;
-        let along_open = self.least_along_open - moved.risen_along - moved.revealed;
+        let along_open = self.least_along_open - moved.of_signed_sum();
         let (along, least) = match only_open {
             true => (along_open, self.least_open),
             false => (self.least_along_solid.min(along_open), self.least),
         };
         let least = least - moved.everywhere;
-        self.least_n - now.twice_deviation_sum - moved.everywhere > limit
-            || now.epochs.flipped(epoch) + along > limit
-            || least > limit && least - now.epochs.lost_within(epoch, widths) > limit
+        is_on(Mechanism::BlockBySize)
+            && self.least_n - now.twice_deviation_sum - moved.everywhere > limit
+            || is_on(Mechanism::BlockBySignedSum) && now.epochs.flipped(epoch) + along > limit
+            || is_on(Mechanism::BlockByLoss)
+                && least > limit
+                && least - now.epochs.lost_within(epoch, widths) > limit
     }
 
     /// Has its bounds stand against the current deviations, with less to spare,
@@ -321,7 +345,7 @@ impl Block {
         let spare = self.magnitude + moved.everywhere + moved.risen_along.abs() + lost + risen;
         let spare = spare * (4.0 * f32::EPSILON);
         self.least_along_solid -= spare;
-        self.least_along_open -= moved.risen_along + moved.revealed + spare;
+        self.least_along_open -= moved.of_signed_sum() + spare;
         self.least -= moved.everywhere + lost + spare;
         self.least_open -= moved.everywhere + lost + spare;
         self.largest += moved.everywhere + risen + spare;

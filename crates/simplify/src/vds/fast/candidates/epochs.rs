@@ -2,6 +2,7 @@
 //! stand against them.
 
 use super::super::changes::BackgroundDrift;
+use super::super::switches::{Mechanism, is_on};
 use super::along::{AllMoved, Along, Alongs, BackgroundMoved};
 use super::drift::Drift;
 use super::widths::Width;
@@ -149,16 +150,20 @@ impl Epochs {
         for epoch in 0..EPOCHS {
             if self.runs[epoch] != self.run {
                 let then = self.deviations(epoch);
-                all_now.set(epoch, &Along::new(along(then, background), now.total));
+                if is_on(Mechanism::BackgroundAlong) {
+                    all_now.set(epoch, &Along::new(along(then, background), now.total));
+                }
                 let flipped =
                     along_signs(deviations, then) - deviations.iter().map(|d| d.abs()).sum::<i64>();
                 self.flipped[epoch] = flipped as f32;
                 self.flipped_most = self.flipped_most.min(flipped as f32);
             }
         }
-        self.moved_most = self
-            .background_moved
-            .compare(&self.background_then, &all_now);
+        if is_on(Mechanism::BackgroundAlong) {
+            self.moved_most = self
+                .background_moved
+                .compare(&self.background_then, &all_now);
+        }
     }
 
     fn keep(&mut self, epoch: usize) {
@@ -200,6 +205,12 @@ impl Epochs {
     /// How far the background has drifted since an epoch.
     #[inline]
     pub(super) fn drifted(&self, epoch: usize) -> Drift {
+        if !is_on(Mechanism::BackgroundDrift) {
+            return Drift {
+                revealed: 1e28,
+                everywhere: 1e28,
+            };
+        }
         let then = self.drifts[epoch];
         Drift {
             revealed: self.drift.revealed - then.revealed,
@@ -236,8 +247,17 @@ impl Epochs {
     /// What an excess may have lost since an epoch, of leaves whose deltas have
     /// these widths, by view.
     pub(super) fn lost_within(&self, epoch: usize, widths: &[Width]) -> f32 {
+        if !is_on(Mechanism::LossByWidth) {
+            // Whatever the deltas.
+            let (now, then) = (self.deviations(self.current), self.deviations(epoch));
+            let views = now.iter().zip(then);
+            return views
+                .map(|(d, e)| (d - e).abs() + d.abs() - e.abs())
+                .sum::<i64>() as f32
+                * (1.0 + 4.0 * f32::EPSILON);
+        }
         #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
+        if is_on(Mechanism::WideLoss) && std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
             return unsafe { self.lost_within_by_avx2(epoch, widths) };
         }
@@ -298,7 +318,7 @@ fn total(areas: &[u32]) -> u32 {
 }
 
 /// Sum of the areas with the signs of the deviations.
-fn along(deviations: &[i64], areas: &[u32]) -> i64 {
+pub(super) fn along(deviations: &[i64], areas: &[u32]) -> i64 {
     let terms = deviations.iter().zip(areas);
     let signed = terms.map(|(d, area)| match *d < 0 {
         true => -i64::from(*area),

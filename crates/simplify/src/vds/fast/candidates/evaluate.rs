@@ -2,6 +2,7 @@
 
 use super::super::deltas::Sight;
 use super::super::prefetch::{prefetch, prefetch_range};
+use super::super::switches::{Mechanism, is_on};
 use super::Candidates;
 use super::blocks::Reveals;
 use super::drift::{drift_now, drift_then};
@@ -11,8 +12,10 @@ use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
 impl Candidates {
     /// Evaluates a block's leaves against the current epoch.
     pub(super) fn evaluate(&mut self, sight: Sight<'_>, index: usize) -> Excesses {
-        prefetch(&self.residents, index);
-        prefetch_range(&self.deltas, index * self.view_count, self.view_count);
+        if is_on(Mechanism::PrefetchBlocks) {
+            prefetch(&self.residents, index);
+            prefetch_range(&self.deltas, index * self.view_count, self.view_count);
+        }
         self.bring_up_to_date(sight, index);
         let (mut rises, mut moved) = (Lanes::ZERO, Lanes::ZERO);
         let (mut open, mut solid) = (Lanes::INFINITE, Lanes::INFINITE);
@@ -26,8 +29,8 @@ impl Candidates {
                 px => {
                     open.0[lane] = 0.0;
                     rises.0[lane] = match self.rises.get(px as usize) {
-                        Some(rise) => *rise as f32,
-                        None => sight.counts.background_rise(px) as f32,
+                        Some(rise) if is_on(Mechanism::RiseTable) => *rise as f32,
+                        _ => sight.counts.background_rise(px) as f32,
                     };
                     moved.0[lane] = self.moved_since_read((index, lane));
                     reveals.include(px, self.residents[index].most_revealed[lane].into());
@@ -59,12 +62,12 @@ impl Candidates {
         let drift = drift_now(self.drift.revealed) - residents.drift.0[lane];
         let at_most = self.rounding.of_revealed(px as f32) + px as f32 * drift;
         match self.epochs.of_step(residents.read_in[lane]) {
-            None => at_most,
-            Some(epoch) => {
+            Some(epoch) if is_on(Mechanism::LaneCompared) => {
                 let most = residents.most_revealed[lane];
                 let exactly = self.background.moved_by_gains(epoch, most.into(), px);
                 exactly.min(at_most)
             }
+            _ => at_most,
         }
     }
 
@@ -79,8 +82,10 @@ impl Candidates {
         let leaves = self.residents[index].leaves.iter().enumerate();
         let leaves = leaves.filter(|(lane, leaf)| outdated >> lane & 1 == 1 && **leaf != 0);
         let leaves = leaves.map(|(_, leaf)| *leaf);
-        leaves.clone().for_each(|leaf| sight.prefetch_place(leaf));
-        leaves.for_each(|leaf| sight.prefetch(leaf));
+        if is_on(Mechanism::PrefetchBlocks) {
+            leaves.clone().for_each(|leaf| sight.prefetch_place(leaf));
+            leaves.for_each(|leaf| sight.prefetch(leaf));
+        }
         while outdated != 0 {
             let lane = outdated.trailing_zeros() as usize;
             outdated &= outdated - 1;
@@ -93,15 +98,20 @@ impl Candidates {
 
     fn read_again(&mut self, sight: Sight<'_>, (index, lane): (usize, usize), leaf: u32) {
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-        if background_px == 0 && self.row.iter().all(|d| *d == 0) {
+        if is_on(Mechanism::ZeroLeavesWait)
+            && background_px == 0
+            && self.row.iter().all(|d| *d == 0)
+        {
             self.leave(leaf);
             self.without_effect
                 .insert((self.rank_of[leaf as usize], leaf));
             return;
         }
         self.write_row((index, lane));
-        let along_now = along_signs(&self.row, &self.deviations);
-        self.stand((index, lane), leaf, along_now);
+        if is_on(Mechanism::ExactFirst) {
+            let along_now = along_signs(&self.row, &self.deviations);
+            self.stand((index, lane), leaf, along_now);
+        }
     }
 
     /// Takes the deltas that were just read as those of a lane.

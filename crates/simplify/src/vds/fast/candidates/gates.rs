@@ -1,5 +1,6 @@
 //! What a step looks at first, of every block.
 
+use super::super::switches::{Mechanism, is_on};
 use super::blocks::Now;
 use super::epochs::Epochs;
 
@@ -54,6 +55,10 @@ impl Gate {
         }
         let epoch = self.epoch.into();
         let (least_px, largest_px) = (f32::from(self.least_px), f32::from(self.largest_px));
+        if !is_on(Mechanism::BackgroundAlong) {
+            return epochs.flipped(epoch) + self.open
+                - largest_px * epochs.drifted(epoch).everywhere;
+        }
         let risen = epochs.background_moved(epoch);
         let risen = risen.at_most(least_px, largest_px);
         let moved = largest_px * epochs.drifted(epoch).revealed;
@@ -126,14 +131,20 @@ impl Gates {
         let drifted = now.epochs.drifted_most();
         let lowered = Lowered {
             flipped: -now.epochs.flipped_most(),
-            per_px: most.slope + drifted.revealed,
+            per_px: match is_on(Mechanism::BackgroundAlong) {
+                true => most.slope + drifted.revealed,
+                false => drifted.everywhere,
+            },
             curvature: most.curvature,
             rounding: most.rounding,
             n: now.twice_deviation_sum,
             n_per_px: drifted.everywhere,
         };
         let first = group * TOGETHER;
-        let bits = self.bits_ajar(first, limit, &lowered);
+        let bits = match is_on(Mechanism::FilterGroups) {
+            true => self.bits_ajar(first, limit, &lowered),
+            false => u16::MAX,
+        };
         let is_there = ((1u32 << (self.count - first).min(TOGETHER)) - 1) as u16;
         Ajar {
             first,
@@ -144,7 +155,7 @@ impl Gates {
     #[inline(always)]
     fn bits_ajar(&self, first: usize, limit: f32, lowered: &Lowered) -> u16 {
         #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
+        if is_on(Mechanism::WideFilter) && std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
             return unsafe { self.bits_ajar_by_avx2(first, limit, lowered) };
         }

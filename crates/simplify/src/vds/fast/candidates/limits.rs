@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicI64, Ordering};
 
+use super::super::switches::{Mechanism, is_on};
+
 /// The least and the largest cost that any shard has found in this step. They
 /// only spare looking: a leaf of just these costs is never ruled out by them, so
 /// what is found does not depend on who finds it first.
@@ -28,6 +30,9 @@ impl Limits {
     /// The least cost found, this one included.
     #[inline]
     pub(super) fn lower_least(&self, cost: i64) -> i64 {
+        if !is_on(Mechanism::SharedLimits) {
+            return cost;
+        }
         let known = self.least.load(Ordering::Relaxed);
         if cost < known {
             self.least.fetch_min(cost, Ordering::Relaxed);
@@ -38,6 +43,9 @@ impl Limits {
     /// The largest cost found, this one included.
     #[inline]
     pub(super) fn raise_largest(&self, cost: i64) -> i64 {
+        if !is_on(Mechanism::SharedLimits) {
+            return cost;
+        }
         let known = self.largest.load(Ordering::Relaxed);
         if cost > known {
             self.largest.fetch_max(cost, Ordering::Relaxed);

@@ -54,6 +54,7 @@ use std::sync::Arc;
 use super::changes::BackgroundDrift;
 use super::counts::Counts;
 use super::deltas::Sight;
+use super::switches::{Mechanism, is_on};
 use background::Background;
 use blocks::{Block, Now, Top};
 use epochs::Epochs;
@@ -239,6 +240,9 @@ impl Candidates {
             .map(|(d, &area)| (d - (u64::from(area) * rise) as i64).unsigned_abs())
             .sum();
         let exponent = n.max(4).ilog2();
+        if !is_on(Mechanism::SortedBlocks) {
+            return (false, 0, 0, 0);
+        }
         let waits = n == 0 || self.twins.is_hidden(self.rank_of[leaf as usize], leaf);
         (waits, exponent, n >> (exponent - 2), background_px.min(16))
     }
@@ -256,7 +260,7 @@ impl Candidates {
     /// one, where no deviation has changed its sign in between.
     fn rebase_oldest(&mut self) {
         let oldest = self.epochs.oldest();
-        if !self.epochs.is_of_this_run(oldest) {
+        if !self.epochs.is_of_this_run(oldest) || !is_on(Mechanism::Rebase) {
             return;
         }
         let now = Now::new(&self.epochs, self.deviation_sum);
@@ -277,7 +281,7 @@ impl Candidates {
         let has_jumped = sight.counts.background_jumps() != self.background_jumps;
         self.background_jumps = sight.counts.background_jumps();
         let gone = self.all_at_rebuild - self.all_left;
-        if has_jumped || gone > self.all_at_rebuild / 8 + 4 * LANES {
+        if has_jumped || gone > self.all_at_rebuild / 8 + 4 * LANES && is_on(Mechanism::Rebuild) {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
             self.build(sight);
         } else {
@@ -310,7 +314,9 @@ impl Candidates {
             sign: if *d < 0 { -1.0 } else { 1.0 },
             background_px: area as f32,
         }));
-        counts.background_rises(&mut self.rises);
+        if is_on(Mechanism::RiseTable) {
+            counts.background_rises(&mut self.rises);
+        }
     }
 }
 
@@ -321,6 +327,9 @@ const PLACES_AHEAD: usize = 8;
 /// Asks for what is known of leaves that follow the first.
 #[inline(always)]
 fn prefetch_ahead(sight: Sight<'_>, leaves: &[u32]) {
+    if !is_on(Mechanism::PrefetchBlocks) {
+        return;
+    }
     if let Some(leaf) = leaves.get(PLACES_AHEAD) {
         sight.prefetch_place(*leaf);
     }

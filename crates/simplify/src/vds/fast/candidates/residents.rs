@@ -3,8 +3,9 @@
 use super::super::changes::Change;
 use super::super::deltas::Sight;
 use super::super::prefetch::prefetch;
+use super::super::switches::{Mechanism, is_on};
 use super::blocks::{Figures, NO_FIRST};
-use super::epochs::along_signs;
+use super::epochs::{along, along_signs};
 use super::excess::{LANES, Lanes};
 use super::{Candidates, NOWHERE};
 
@@ -83,6 +84,9 @@ impl Candidates {
 
     /// Asks for where a leaf has its place.
     pub(in super::super) fn prefetch_place(&self, leaf: Option<u32>) {
+        if !is_on(Mechanism::PrefetchBlocks) {
+            return;
+        }
         if let Some(leaf) = leaf {
             prefetch(&self.place_of, leaf as usize);
         }
@@ -90,6 +94,9 @@ impl Candidates {
 
     /// Asks for the memory that [`note`](Self::note) of a leaf will need.
     pub(in super::super) fn prefetch(&self, leaf: Option<u32>) {
+        if !is_on(Mechanism::PrefetchBlocks) {
+            return;
+        }
         let Some(leaf) = leaf else { return };
         let place = self.place_of[leaf as usize];
         if place != NOWHERE {
@@ -111,7 +118,7 @@ impl Candidates {
         let (index, lane) = (place as usize / LANES, place as usize % LANES);
         let block = &mut self.blocks[index];
         match change.of_others() {
-            Some(change) if block.present >> lane & 1 == 1 => {
+            Some(change) if block.present >> lane & 1 == 1 && is_on(Mechanism::LazyReading) => {
                 block.outdate(lane, change);
                 self.gates.set(index, block.gate());
                 self.tops[index] = block.top();
@@ -165,7 +172,10 @@ impl Candidates {
         }
         let (index, lane) = (place / LANES, place % LANES);
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-        if background_px == 0 && self.row.iter().all(|d| *d == 0) {
+        if is_on(Mechanism::ZeroLeavesWait)
+            && background_px == 0
+            && self.row.iter().all(|d| *d == 0)
+        {
             self.leave(leaf);
             self.without_effect.insert((rank, leaf));
             return;
@@ -191,10 +201,15 @@ impl Candidates {
             widest = widest.max(d.abs());
             *width = width.with(d as f32);
         }
-        let along_then = along_signs(&self.row, then)
-            - self
-                .epochs
-                .risen_along(epoch, background_px, sight.counts.table);
+        let along_then = match is_on(Mechanism::BackgroundAlong) {
+            true => {
+                along_signs(&self.row, then)
+                    - self
+                        .epochs
+                        .risen_along(epoch, background_px, sight.counts.table)
+            }
+            false => along_signs(&self.row, then) - along(then, background) * rise as i64,
+        };
         let now = &mut self.background;
         let by_gains = now.moved_by_gains(epoch, most_revealed, background_px);
         let by_rise = now.moved_by_rise(epoch, background_px, background_px);
@@ -218,8 +233,10 @@ impl Candidates {
         residents.background_px[lane] = background_px;
         residents.most_revealed[lane] = most_revealed.try_into().unwrap_or(u8::MAX);
         self.write_row((index, lane));
-        let along_now = along_signs(&self.row, &self.deviations);
-        self.stand((index, lane), leaf, along_now);
+        if is_on(Mechanism::ExactFirst) {
+            let along_now = along_signs(&self.row, &self.deviations);
+            self.stand((index, lane), leaf, along_now);
+        }
     }
 
     /// The exact sums of a block's deltas with the signs that the deviations

@@ -1,6 +1,7 @@
 //! The search itself: through the gates, then the blocks, then the leaves.
 
 use super::super::deltas::Sight;
+use super::super::switches::{Mechanism, is_on};
 use super::blocks::Now;
 use super::drift::{drift_now, drift_then};
 use super::excess::{Excesses, LANES};
@@ -36,7 +37,7 @@ impl Candidates {
         self.consider_without_effect(&mut best, &mut runner_up);
         // Mostly near the least.
         for leaf in self.seeds {
-            if self.place_of[leaf as usize] != NOWHERE {
+            if is_on(Mechanism::SeedCheapest) && self.place_of[leaf as usize] != NOWHERE {
                 self.consider(sight, leaf, &mut best, &mut runner_up);
             }
         }
@@ -63,7 +64,7 @@ impl Candidates {
     ) -> f32 {
         let gate = self.gates.get(index);
         let now = Now::new(&self.epochs, self.deviation_sum);
-        if gate.is_shut(limit, &now) {
+        if is_on(Mechanism::FilterEach) && gate.is_shut(limit, &now) {
             return limit;
         }
         limit = self.least_excess(*best, limits);
@@ -75,7 +76,9 @@ impl Candidates {
                 rank_in(Found { cost, rank, leaf }, best, runner_up);
             }
             limit = self.least_excess(*best, limits);
-            if leaf == 0 || self.excess(self.deviation_sum + along) > limit {
+            if is_on(Mechanism::ExactFirstAsBound)
+                && (leaf == 0 || self.excess(self.deviation_sum + along) > limit)
+            {
                 self.blocks[index].know_solid(along);
                 self.gates.set(index, self.blocks[index].gate());
             }
@@ -110,7 +113,9 @@ impl Candidates {
     /// outdated ones.
     fn could_know_first(&self, index: usize) -> bool {
         let block = &self.blocks[index];
-        block.signs == self.signs && block.widest * (1.0 + 1e-6) < self.least_deviation
+        is_on(Mechanism::ExactFirst)
+            && block.signs == self.signs
+            && block.widest * (1.0 + 1e-6) < self.least_deviation
     }
 
     fn consider_without_effect(&self, best: &mut Found, runner_up: &mut Found) {
@@ -139,7 +144,10 @@ impl Candidates {
             found = self.evaluate(sight, index);
         }
         self.consider_without_effect(best, runner_up);
-        if self.blocks[index].signs != self.signs && self.signs_age >= STEADY {
+        if is_on(Mechanism::ExactFirst)
+            && self.blocks[index].signs != self.signs
+            && (self.signs_age >= STEADY || !is_on(Mechanism::ExactFirstWhenSteady))
+        {
             self.renew_firsts(sight, index);
         }
         let rounding = self.blocks[index].f32_rounding(self.rounding);
@@ -160,6 +168,9 @@ impl Candidates {
         let rounding = self.blocks[index].f32_rounding(self.rounding);
         let residents = &self.residents[index];
         let block = &mut self.blocks[index];
+        if !is_on(Mechanism::ReadAgain) {
+            return false;
+        }
         for lane in 0..LANES {
             let is_stale = residents.background_px[lane] > 0
                 && self.epochs.of_step(residents.read_in[lane]).is_none();
@@ -194,7 +205,7 @@ impl Candidates {
             best.0 = self.deviation_sum;
         }
         // Mostly the same leaf as in the step before.
-        if self.place_of[self.last_largest as usize] != NOWHERE {
+        if is_on(Mechanism::SeedDearest) && self.place_of[self.last_largest as usize] != NOWHERE {
             let cost = self.cost(sight, self.last_largest);
             best = best.max((cost, self.last_largest));
         }
@@ -205,11 +216,13 @@ impl Candidates {
             let last = (first + TOPS_AT_ONCE).min(self.tops.len());
             let tops = self.tops[first..last].iter();
             // Without a way out in the middle it is vector instructions.
-            if !tops.fold(false, |any, top| any | (top.ceiling(drift) > limit)) {
+            if is_on(Mechanism::Tops)
+                && !tops.fold(false, |any, top| any | (top.ceiling(drift) > limit))
+            {
                 continue;
             }
             for index in first..last {
-                if self.tops[index].ceiling(drift) > limit {
+                if !is_on(Mechanism::Tops) || self.tops[index].ceiling(drift) > limit {
                     let now = Now::new(&self.epochs, self.deviation_sum);
                     if self.blocks[index].ceiling(&now) > limit {
                         self.scan_for_largest(sight, index, &mut best);
