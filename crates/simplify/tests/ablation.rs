@@ -14,9 +14,9 @@ use secateur_simplify::vds::{Progress, Reference, Resize, VdsOptions};
 fn the_result_is_the_same_without_any_short_cut() {
     // Small leaves, of which many cover the same few pixels, so that each short
     // cut is taken.
-    let crown = ellipsoid_crown(1500, 5, &EllipsoidCrown::default()).unwrap();
+    let crown = ellipsoid_crown(700, 5, &EllipsoidCrown::default()).unwrap();
     let views = ViewSet::dodecahedron(crown.bounding_sphere().unwrap());
-    let information = VdsOptions::new(views, 48, 150);
+    let information = VdsOptions::new(views, 40, 70);
     let look = VdsOptions {
         reference: Reference::Previous,
         resize: Resize::Full,

@@ -4,7 +4,6 @@
 //! subtracted as they were and added as they are; integers make that equal to
 //! computing anew.
 
-use super::candidates::Silhouette;
 use super::changes::Change;
 use super::counts::{ChangedArea, Counts};
 use super::edges::Edges;
@@ -12,9 +11,6 @@ use super::prefetch::{prefetch, prefetch_range};
 use super::split::Split;
 use super::switches::{Mechanism, is_on};
 use super::terms::{add_term, move_term, replace_term};
-
-/// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
-const SILHOUETTE_MAX: u32 = 16;
 
 /// How far ahead the edges that lead to a leaf, and the rows of the leaves they
 /// come from, are asked for.
@@ -249,31 +245,5 @@ impl Sight<'_> {
     pub(super) fn prefetch(&self, leaf: u32) {
         self.deltas.prefetch_row(leaf);
         self.edges.prefetch_to_background(leaf);
-    }
-
-    /// The most pixels of a view that a leaf would hand to the background.
-    #[inline]
-    pub(super) fn most_revealed(&self, leaf: u32) -> u32 {
-        let edge = self.edges.to_background(leaf);
-        let reveals = edge.into_iter().flat_map(|edge| edge.reveals.iter());
-        reveals.map(|(_, pixels)| pixels).max().unwrap_or(0)
-    }
-
-    /// Areas by view of a leaf that has nothing but the background behind it
-    /// and covers few pixels; leaves with equal ones have equal deltas. Empty
-    /// for others.
-    #[inline]
-    pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
-        let total = self.counts.target(leaf).total;
-        if total > SILHOUETTE_MAX || !is_on(Mechanism::EqualCostGroups) {
-            return Silhouette::new();
-        }
-        let edge = self.edges.to_background(leaf);
-        if edge.is_none_or(|edge| edge.total != total) {
-            return Silhouette::new();
-        }
-        let by_view = self.counts.areas(leaf).iter().zip(0u32..);
-        let seen = by_view.filter(|(area, _)| **area > 0);
-        seen.map(|(area, view)| view << 8 | area).collect()
     }
 }

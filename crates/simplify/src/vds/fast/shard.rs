@@ -65,8 +65,7 @@ const EVENTS_AHEAD: usize = 6;
 
 impl<'t> Shard<'t> {
     /// The events of `panes` are what leads from nothing but background to what
-    /// is there; `leaves`, neighbours close together, are those of all shards that are
-    /// left; `rank_of` their ranks among equals, by leaf number; `has_deviations`
+    /// is there; `leaves` are those of all shards that are left; `rank_of` their ranks among equals, by leaf number; `has_deviations`
     /// whether costs are measured with those of VMI from that of the original foliage.
     pub(super) fn all(
         counts: &Counts<'t>,
@@ -176,12 +175,7 @@ impl<'t> Shard<'t> {
         edges.follow(panes.iter().flat_map(|pane| pane.events()));
         deltas.follow(counts, edges);
         edges.forget_step();
-        let sight = Sight {
-            counts,
-            edges,
-            deltas,
-        };
-        candidates.remove(sight, pruned);
+        candidates.remove(pruned);
         deltas.for_each_changed(|deltas, leaf, change, [soon, later]| {
             let sight = Sight {
                 counts,
@@ -202,7 +196,7 @@ impl<'t> Shard<'t> {
             edges: &self.edges,
             deltas: &self.deltas,
         };
-        self.candidates.keep_up(sight);
+        self.candidates.rebuild_if_stale(sight);
         self.finds.cheapest = self.candidates.cheapest(sight, limits);
         self.finds.largest = match wants_largest {
             true => self.candidates.largest_cost(sight, limits),

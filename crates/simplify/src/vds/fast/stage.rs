@@ -1,6 +1,6 @@
 //! The loop under one view set.
 
-use secateur_model::{Foliage, Growth, LeafId, Lod};
+use secateur_model::{Growth, LeafId, Lod};
 use secateur_raster::{AreaTable, ViewSet};
 
 use super::candidates::Found;
@@ -11,7 +11,6 @@ use super::pane::Pane;
 use super::shard::{Finds, Shard};
 use super::shared::{Job, Shared};
 use super::split::Split;
-use super::switches::{Mechanism, is_on};
 use super::{Run, leaf_id};
 use crate::vds::outcome::{Progress, Stopped, VdsError};
 use crate::vds::resize::{Pruned, covered_px, growths};
@@ -69,7 +68,7 @@ impl<'a> Stage<'a> {
         let ranks = (0..=leaf_count as u32)
             .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
         let ranks = ranks.collect();
-        let leaves = leaves_by_place(foliage, &run.lod);
+        let leaves: Vec<u32> = run.lod.leaves().map(|(leaf, _)| leaf.get()).collect();
         let split = Split::over(cores);
         let shards = Shard::all(
             &counts,
@@ -219,29 +218,4 @@ fn area_table(counts: &Counts<'_>) -> AreaTable {
     let leaf_count = counts.leaf_count();
     let row = |view: usize| (0..=leaf_count as u32).map(move |leaf| counts.areas(leaf)[view]);
     AreaTable::from_rows(leaf_count, views.flat_map(row).collect())
-}
-
-/// The leaves that are left along a space-filling curve: leaves near each other
-/// are seen from the same views.
-fn leaves_by_place(foliage: &Foliage, lod: &Lod) -> Vec<u32> {
-    let Some(sphere) = foliage.bounding_sphere() else {
-        return Vec::new();
-    };
-    let cell = |x: f64| ((x / sphere.radius.max(f64::MIN_POSITIVE) + 1.0) * 511.0) as u64;
-    let key = |leaf: LeafId| {
-        if !is_on(Mechanism::SpaceFillingCurve) {
-            return 0;
-        }
-        let [x, y, z] = (foliage.leaf(leaf).centre() - sphere.centre)
-            .to_array()
-            .map(cell);
-        (0..10).fold(0u64, |key, bit| {
-            key | (x >> bit & 1) << (3 * bit)
-                | (y >> bit & 1) << (3 * bit + 1)
-                | (z >> bit & 1) << (3 * bit + 2)
-        })
-    };
-    let mut keyed: Vec<(u64, u32)> = lod.leaves().map(|(l, _)| (key(l), l.get())).collect();
-    keyed.sort_unstable();
-    keyed.into_iter().map(|(_, leaf)| leaf).collect()
 }

@@ -32,8 +32,6 @@ macro_rules! mechanisms {
 }
 
 mechanisms! {
-    /// Of leaves with equal silhouettes before the background one stands for all.
-    EqualCostGroups = "equal-cost groups",
     /// Leaves whose deltas are all zero wait outside the blocks.
     ZeroLeavesWait = "leaves without effect wait outside",
     /// The two cheapest leaves of the last step are evaluated first.
@@ -68,14 +66,8 @@ mechanisms! {
     BlockByLoss = "block: by last excess",
     /// What an excess may have lost is bounded view by view.
     LossByWidth = "loss bounded by widths",
-    /// The background's terms of then and now are compared.
-    BackgroundCompared = "background: terms compared",
-    /// The same for each leaf of a block that is evaluated.
-    LaneCompared = "background: terms compared by leaf",
     /// How far the background has drifted is bounded by derivatives.
     BackgroundDrift = "background: drift",
-    /// What the background's total takes away is followed along the signs.
-    BackgroundAlong = "background: along the signs",
     /// Bounds about to be forgotten are carried over to the current epoch.
     Rebase = "bounds carried over",
     /// Shards share the least and largest cost found.
@@ -86,18 +78,10 @@ mechanisms! {
     Rebuild = "blocks built anew",
     /// How the logarithm of the background's total rises is tabulated each step.
     RiseTable = "table of rises",
-    /// Leaves are numbered along a space-filling curve before blocks are made.
-    SpaceFillingCurve = "leaves along a space-filling curve",
-    /// Pixels that change alike are remembered across others.
-    RecentEvents = "events merged by hash",
     /// Wide instructions: excesses of a block.
     WideExcess = "AVX2: excesses",
     /// Wide instructions: the filter.
     WideFilter = "AVX2: filter",
-    /// Wide instructions: gains and rises of the background.
-    WideBackground = "AVX2: background terms",
-    /// Wide instructions: the background along the signs.
-    WideAlong = "AVX2: background along the signs",
     /// Wide instructions: what an excess may have lost.
     WideLoss = "AVX2: loss",
     /// Memory is asked for ahead: everywhere.

@@ -1,4 +1,5 @@
-//! The search itself: through the gates, then the blocks, then the leaves.
+//! The search for the cheapest and the dearest leaf: blocks that the filter lets
+//! through, then what each block knows, then its leaves one by one.
 
 use super::super::deltas::Sight;
 use super::super::switches::{Mechanism, is_on};
@@ -42,10 +43,10 @@ impl Candidates {
             }
         }
         let mut limit = self.least_excess(best, limits);
-        for group in 0..self.gates.groups() {
+        for group in 0..self.filter.groups() {
             let now = Now::new(&self.epochs, self.deviation_sum);
-            for index in self.gates.ajar(group, limit, &now) {
-                limit = self.look_into(sight, index, (limits, limit), &mut best, &mut runner_up);
+            for index in self.filter.may_contain(group, limit, &now) {
+                limit = self.search_block(sight, index, (limits, limit), &mut best, &mut runner_up);
             }
         }
         self.seeds = [best.leaf, runner_up.leaf];
@@ -54,7 +55,7 @@ impl Candidates {
 
     /// Looks for the cheapest leaf in a block, unless that is ruled out; the
     /// excess that no leaf need be looked at above from here on.
-    fn look_into(
+    fn search_block(
         &mut self,
         sight: Sight<'_>,
         index: usize,
@@ -62,9 +63,9 @@ impl Candidates {
         best: &mut Found,
         runner_up: &mut Found,
     ) -> f32 {
-        let gate = self.gates.get(index);
+        let bounds = self.filter.get(index);
         let now = Now::new(&self.epochs, self.deviation_sum);
-        if is_on(Mechanism::FilterEach) && gate.is_shut(limit, &now) {
+        if is_on(Mechanism::FilterEach) && bounds.is_excluded(limit, &now) {
             return limit;
         }
         limit = self.least_excess(*best, limits);
@@ -80,9 +81,9 @@ impl Candidates {
                 && (leaf == 0 || self.excess(self.deviation_sum + along) > limit)
             {
                 self.blocks[index].know_solid(along);
-                self.gates.set(index, self.blocks[index].gate());
+                self.filter.set(index, self.blocks[index].bounds());
             }
-            if gate.floor_of_open(&self.epochs) > limit {
+            if bounds.floor_of_open(&self.epochs) > limit {
                 return limit;
             }
         }
@@ -95,11 +96,10 @@ impl Candidates {
 
     /// Whether the excesses of a block's leaves, or of its open ones, are all
     /// above a limit.
-    fn is_ruled_out(&mut self, index: usize, only_open: bool, limit: f32) -> bool {
+    fn is_ruled_out(&self, index: usize, only_open: bool, limit: f32) -> bool {
         let now = Now::new(&self.epochs, self.deviation_sum);
         let widths = &self.widths[index * self.view_count..][..self.view_count];
-        let background = &mut self.background;
-        self.blocks[index].is_above(limit, &now, background, widths, only_open)
+        self.blocks[index].is_above(limit, &now, widths, only_open)
     }
 
     /// The excess that no leaf need be looked at above.
@@ -153,7 +153,7 @@ impl Candidates {
         let rounding = self.blocks[index].f32_rounding(self.rounding);
         for lane in 0..LANES {
             if found.at_least.0[lane] - rounding <= self.least_excess(*best, limits) {
-                let leaf = self.residents[index].leaves[lane];
+                let leaf = self.lanes[index].leaves[lane];
                 if leaf != 0 {
                     self.consider(sight, leaf, best, runner_up);
                 }
@@ -166,14 +166,14 @@ impl Candidates {
     /// were read; whether there are any.
     fn outdate_stale(&mut self, index: usize, found: &Excesses, limit: f32) -> bool {
         let rounding = self.blocks[index].f32_rounding(self.rounding);
-        let residents = &self.residents[index];
+        let lanes = &self.lanes[index];
         let block = &mut self.blocks[index];
         if !is_on(Mechanism::ReadAgain) {
             return false;
         }
         for lane in 0..LANES {
-            let is_stale = residents.background_px[lane] > 0
-                && self.epochs.of_step(residents.read_in[lane]).is_none();
+            let is_stale =
+                lanes.background_px[lane] > 0 && self.epochs.of_step(lanes.read_in[lane]).is_none();
             if is_stale && found.at_least.0[lane] - rounding <= limit {
                 block.outdate(lane, 0.0);
             }
@@ -245,7 +245,7 @@ impl Candidates {
         let found = self.evaluate(sight, index);
         let rounding = self.blocks[index].f32_rounding(self.rounding);
         for lane in 0..LANES {
-            let leaf = self.residents[index].leaves[lane];
+            let leaf = self.lanes[index].leaves[lane];
             if leaf != 0 && found.at_most.0[lane] + rounding > self.excess(best.0) {
                 *best = (*best).max((self.cost(sight, leaf), leaf));
             }
