@@ -22,7 +22,7 @@ pub enum Resize {
     Normalised,
     /// The cost in bits, at most 1.
     Literal,
-    /// 1.
+    /// All of it: the share is 1.
     Full,
     /// 1 while the sum over the views of VMI, less that of the original
     /// foliage, is negative without the leaf; else 0.
@@ -52,7 +52,7 @@ pub enum ViewPlan {
     Variable(BoundingSphere),
 }
 
-/// When VDS stops.
+/// When a run stops: at a number of leaves, or earlier at an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// At this many leaves.
@@ -80,7 +80,7 @@ pub struct VdsOptions {
     pub max_coverage: Option<f64>,
     /// Which of equals goes.
     pub ties: Ties,
-    /// When to stop.
+    /// The number of leaves or the error at which the run stops.
     pub stop: Stop,
 }
 

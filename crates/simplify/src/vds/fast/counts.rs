@@ -50,7 +50,7 @@ pub(super) struct ChangedArea<'a> {
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
     view_count: usize,
-    /// Over all views.
+    /// Pixels of all views together, background included.
     pixels: u32,
     /// Areas by leaf number, then view.
     areas: Vec<u32>,

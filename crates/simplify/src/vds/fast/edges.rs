@@ -1,4 +1,7 @@
-//! Reveal edges: which leaf hands how many pixels to which.
+//! Reveal edges: which leaf would hand how many pixels to which, view by view.
+//!
+//! A leaf hides few others, so edges are few; each is found by its two leaves and in the
+//! list of those that lead to the same leaf.
 
 use super::edge_map::EdgeMap;
 use super::events::Event;

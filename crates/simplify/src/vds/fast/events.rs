@@ -1,4 +1,5 @@
-//! What a step changes at the front of the pixels.
+//! What a step changes at the front of the pixels: the only thing that areas, edges and
+//! costs need to hear of an edit.
 
 /// The front leaf of a pixel and the one behind it; 0 where there is none.
 pub(super) type Ends = [u32; 2];

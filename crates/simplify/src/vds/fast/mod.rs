@@ -1,18 +1,34 @@
-//! The same greedy choices as Algorithm 1, without drawing.
+//! The exact engine: the choices of Algorithm 1, without drawing the views again.
 //!
-//! Removing a leaf hands each pixel it owns to the leaf behind it, so with an
-//! A-buffer the change of every area is known before it happens. The foliage is
-//! rasterised once; then each step picks the cheapest leaf (`candidates`),
-//! takes it out of the lists behind the pixels (`pixels`), rasterises the
-//! leaves that grow, and brings areas (`counts`), reveal edges (`edges`) and then
-//! costs (`deltas`) up to date with what changed (`events`). All of it is integers, so the result
-//! equals that of [`reference`](super::reference) bit for bit: order, growth and
-//! VMI.
+//! The foliage is rasterised once, into the list of all leaves behind each pixel (an
+//! A-buffer, `pixels`). Without a leaf each pixel that it owns goes to the leaf behind
+//! it, so these lists say beforehand what the views would show. How many pixels a leaf
+//! would hand to which other, by view, is a *reveal edge* (`edges`), and how many each
+//! leaf owns is its area (`counts`). From both follows by how much VMI would change in
+//! each view if a leaf went: the leaf's *deltas* (`deltas`). Its cost is the sum over
+//! the views of `|D + d|`, with D how far VMI is off already and d the leaf's delta.
+//! Each step looks for the leaf of least cost (`candidates`), where bounds on blocks of
+//! sixteen leaves spare the engine to compute nearly all costs. The step then takes that
+//! leaf out of the lists and draws its nearest `neighbours`, which grow, once more; where
+//! the first two leaves of a pixel change it notes an *event* (`events`). Areas, edges and
+//! deltas follow the events, and blocks are told which of their leaves changed. All
+//! of it is integers, logarithms included, so the result equals that of
+//! [`reference`](super::reference) bit for bit: order, growth and VMI.
 //!
-//! Each core keeps the edges and costs of its own leaves, and areas of all
-//! (`shard`), follows the step and looks for its cheapest leaf, and edits the lists
-//! of some views at a time (`pane`). One core leads (`crew`): it finds out which
-//! leaves grow.
+//! ```text
+//!  rasterise once
+//!       |                      what a step changed
+//!       v                 .------------+-----------.
+//!   +--------+  events    v            v           v
+//!   | pixels |-------> counts ----> edges ----> deltas ----> candidates
+//!   +--------+         (areas)    (reveals)   (change of VMI)    |
+//!       ^                                                        | the cheapest leaf
+//!       |  take it out, draw what grows                          v
+//!       '----------------------------------------------- neighbours
+//! ```
+//!
+//! Each core edits the lists of some views (`pane`), and keeps the edges and deltas of
+//! some of the leaves, with areas of all (`shard`); one of them leads (`crew`, `stage`).
 
 mod candidates;
 mod changes;

@@ -1,4 +1,4 @@
-//! The nearest leaves that are left.
+//! The nearest leaves that are left: those that grow into a gap.
 //!
 //! One query a step, on the one core that leads: a k-d tree from which leaves
 //! go is several times faster here than a tree that also takes new ones.

@@ -1,4 +1,4 @@
-//! The loop under one view set.
+//! The loop under one view set: pick, grow, apply, record.
 
 use secateur_model::{Growth, LeafId, Lod};
 use secateur_raster::{AreaTable, ViewSet};

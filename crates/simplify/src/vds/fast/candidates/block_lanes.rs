@@ -1,4 +1,5 @@
-//! Where leaves have their places, and how those are kept up to date.
+//! Which leaf stands in which lane of which block, and how that is kept up to date with
+//! what a step changed.
 
 use super::super::changes::Change;
 use super::super::deltas::Sight;

@@ -1,5 +1,4 @@
-//! The deviations that blocks were evaluated with, and where the current ones
-//! stand against them.
+//! The deviations of the last steps, and how far bounds made with them may be off now.
 
 use super::super::changes::BackgroundDrift;
 use super::super::switches::{Mechanism, is_on};
@@ -27,7 +26,7 @@ pub(super) struct Epochs {
     deviations: Vec<i64>,
     /// Numbers the runs of steps in which no deviation changed its sign.
     run: u32,
-    /// By epoch.
+    /// By epoch, the number of its run.
     runs: [u32; EPOCHS],
     /// Sum of g D - |D| by epoch, g the signs of E: zero while no deviation
     /// changed its sign.
@@ -40,7 +39,7 @@ pub(super) struct Epochs {
     drift: f32,
     /// The least of `flipped`.
     flipped_most: f32,
-    /// |D| by view.
+    /// The deviations now without their signs, |D|, by view.
     sizes: Vec<f32>,
     /// By view, whether D is negative: 1 or 0.
     is_negative: Vec<u32>,

@@ -1,4 +1,5 @@
-//! Evaluating a block: what its leaves' excesses are now.
+//! Evaluating a block: reading what changed of its leaves, then all their excesses at
+//! once, from which its bounds are renewed.
 
 use super::super::deltas::Sight;
 use super::super::prefetch::{prefetch, prefetch_range};

@@ -1,4 +1,4 @@
-//! The excesses of a block's leaves, in f32, as vector instructions.
+//! The excesses of a block's sixteen leaves, in f32, as vector instructions.
 
 use super::super::switches::{Mechanism, is_on};
 use super::widths::Width;

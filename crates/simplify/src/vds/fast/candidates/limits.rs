@@ -1,4 +1,5 @@
-//! What the shards let each other know while they search.
+//! What the shards let each other know while they search: the best costs so far, so that
+//! each can rule out more.
 
 use std::sync::atomic::{AtomicI64, Ordering};
 
@@ -21,7 +22,7 @@ impl Limits {
         }
     }
 
-    /// Begins a step.
+    /// Forgets what was found: a new step begins.
     pub(in super::super) fn reset(&self) {
         self.least.store(i64::MAX, Ordering::Relaxed);
         self.largest.store(i64::MIN, Ordering::Relaxed);
