@@ -27,7 +27,7 @@ pub enum Resize {
     Normalised,
     /// The cost in bits, at most 1.
     Literal,
-    /// 1.
+    /// All of it: the share is 1.
     Full,
     /// 1 while the sum over the views of VMI, less that of the original
     /// foliage, is negative without the leaf; else 0.

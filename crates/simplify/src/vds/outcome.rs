@@ -8,7 +8,7 @@ use crate::vmi::Vmi;
 /// Where a run stands; passed to the caller after every step.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Steps done.
+    /// Steps done so far, each of which pruned one leaf.
     pub steps: usize,
     /// Steps to do at most.
     pub steps_at_most: usize,
@@ -30,15 +30,15 @@ pub enum VdsError {
     Resolution {
         /// Views of the set.
         views: usize,
-        /// Asked image side.
+        /// The image side that was asked for, in pixels.
         resolution: u32,
-        /// Largest image side.
+        /// The largest image side that is allowed, in pixels.
         max: u32,
     },
     /// The A-buffer could not be made.
     #[error("{0}")]
     Raster(String),
-    /// `neighbours` is 0.
+    /// [`neighbours`](super::VdsOptions::neighbours) is 0: nobody would grow.
     #[error("growth must be shared by at least one neighbour")]
     NoNeighbours,
     /// `max_coverage` is negative or not a number.
@@ -55,7 +55,7 @@ impl VdsError {
 /// A removal order, and what the views show at its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VdsOutcome {
-    /// The steps.
+    /// The pruned leaves in turn, and who grew for each.
     pub order: RemovalOrder,
     /// The cost of each step: the sum over the views of `P * |change of VMI|`,
     /// in units of 2^-27 bits (see [`vmi`](crate::vmi)).

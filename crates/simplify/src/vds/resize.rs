@@ -15,7 +15,7 @@ const MAX_AREA_SCALE: f64 = 1e6;
 pub(crate) struct Pruned {
     /// The leaf that goes.
     pub leaf: LeafId,
-    /// Its cost, scaled.
+    /// Its cost, scaled as VMI is: see [`vmi`](crate::vmi).
     pub cost: i64,
     /// Sum over the views of the VMI without it less that of the original
     /// foliage, scaled.
