@@ -128,6 +128,15 @@ impl Wanted {
     pub(crate) fn has(&self, case: &str) -> bool {
         self.0.as_ref().is_none_or(|part| case.contains(part))
     }
+
+    /// Whether a case whose name begins so may be asked for.
+    pub(crate) fn may_have(&self, beginning: &str) -> bool {
+        let may =
+            |part: &String| part.starts_with(beginning) || beginning.starts_with(part.as_str());
+        self.0
+            .as_ref()
+            .is_none_or(|part| may(part) || !part.contains(", "))
+    }
 }
 
 /// Of a power law y = c x^e through points (x, y), by least squares of the

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 pub use self::events::{Event, Events, FrontTwo};
 use self::leaf_pixels::LeafPixels;
-use crate::prefetch::prefetch;
+use crate::prefetch::{is_on_for_lists, prefetch};
 use crate::{Fragment, ViewFragments};
 
 /// How many pixels ahead spans, and lists, are asked for.
@@ -219,6 +219,9 @@ impl ABuffer {
     /// needed sooner.
     #[inline(always)]
     fn prefetch_lists(&self, soon: Option<&u32>, sooner: Option<&u32>) {
+        if !is_on_for_lists() {
+            return;
+        }
         if let Some(pixel) = soon {
             prefetch(&self.spans, *pixel as usize);
         }

@@ -1,4 +1,5 @@
-//! How much a step changed, as bounds need to know it.
+//! How much a step changed, summed up for bounds: they are widened by that instead of
+//! being computed anew.
 
 /// Grows by at least what a step changes at the background's term of a leaf,
 /// summed over the views without signs, for every pixel that the leaf would

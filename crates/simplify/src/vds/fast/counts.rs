@@ -15,7 +15,7 @@
 //!
 //! The background is apart: nearly every step changes its area, and nearly
 //! every leaf at the silhouette has an edge to it. Its term is evaluated fresh, with
-//! [`Counts::background_gains`]; [`Counts::background_drift`] bounds how far it has
+//! [`Counts::background_gain`]; [`Counts::background_drift`] bounds how far it has
 //! moved.
 
 use std::ops::Deref;
@@ -29,7 +29,7 @@ use super::changes::BackgroundDrift;
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 /// Pixels of a view for which what the background gains by them is kept.
-pub(super) const GAINS: usize = 8;
+const GAINS: usize = 8;
 
 /// Areas and VMI, measured from that of the original foliage, with what bounds need to know
 /// of the background.
@@ -37,7 +37,7 @@ pub(super) const GAINS: usize = 8;
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
     vmi: IncrementalVmi<'t>,
-    /// Over all views.
+    /// Pixels of all views together, background included.
     pixels: u32,
     background_drift: BackgroundDrift,
     /// `n lg n` of the background with 1, 2, ... pixels more, less without, by
@@ -170,13 +170,8 @@ impl<'t> Counts<'t> {
         some.iter_mut().for_each(|rise| *rise -= lg_total);
     }
 
-    /// What the term of the background gains by 1, 2, ... pixels more in a view,
-    /// but for its total: `n lg n` with them less without, by view.
-    pub(super) fn background_gains(&self) -> &[[i64; GAINS]] {
-        &self.background_gains
-    }
-
-    /// The same for any number of pixels.
+    /// What the term of the background gains by some pixels more in a view, but for
+    /// its total: `n lg n` with them less without.
     #[inline]
     pub(super) fn background_gain(&self, view: u32, pixels: u32) -> i64 {
         match self.background_gains[view as usize].get(pixels as usize - 1) {

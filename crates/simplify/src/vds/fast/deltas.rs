@@ -7,15 +7,12 @@
 use secateur_raster::measure::incremental::ChangedArea;
 use secateur_raster::prefetch::{prefetch, prefetch_range};
 
-use super::candidates::Silhouette;
 use super::changes::Change;
 use super::counts::Counts;
 use super::edges::Edges;
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 use super::terms::{add_term, move_term, replace_term};
-
-/// Most pixels of a leaf that is worth comparing with others; fits 8 bits.
-const SILHOUETTE_MAX: u32 = 16;
 
 /// How far ahead the edges that lead to a leaf, and the rows of the leaves they
 /// come from, are asked for.
@@ -82,6 +79,9 @@ impl Deltas {
 
     #[inline(always)]
     fn prefetch_row(&self, leaf: u32) {
+        if !is_on(Mechanism::PrefetchDeltas) {
+            return;
+        }
         let start = self.split.row(leaf) * self.view_count;
         prefetch_range(&self.rows, start, self.view_count);
     }
@@ -132,18 +132,24 @@ impl Deltas {
         let mut incoming = std::mem::take(&mut self.incoming);
         incoming.clear();
         let leaves = || counts.changed_areas().map(|area| area.leaf);
-        leaves().for_each(|leaf| edges.prefetch_incoming(leaf));
-        leaves().for_each(|leaf| prefetch(edges.incoming(leaf), 0));
+        if is_on(Mechanism::PrefetchDeltas) {
+            leaves().for_each(|leaf| edges.prefetch_incoming(leaf));
+            leaves().for_each(|leaf| prefetch(edges.incoming(leaf), 0));
+        }
         leaves().for_each(|leaf| incoming.extend_from_slice(edges.incoming(leaf)));
         let mut at = 0;
         for area in counts.changed_areas() {
             self.change_own_term(area);
             let end = at + edges.incoming(area.leaf).len();
             while at < end {
-                if let Some(&ahead) = incoming.get(at + EDGES_AHEAD) {
+                if is_on(Mechanism::PrefetchDeltas)
+                    && let Some(&ahead) = incoming.get(at + EDGES_AHEAD)
+                {
                     prefetch(edges.all(), ahead as usize);
                 }
-                if let Some(&ahead) = incoming.get(at + ROWS_AHEAD) {
+                if is_on(Mechanism::PrefetchDeltas)
+                    && let Some(&ahead) = incoming.get(at + ROWS_AHEAD)
+                {
                     let from = edges.get(ahead).from;
                     self.prefetch_row(from);
                     prefetch(&self.change, self.split.row(from));
@@ -241,31 +247,5 @@ impl Sight<'_> {
     pub(super) fn prefetch(&self, leaf: u32) {
         self.deltas.prefetch_row(leaf);
         self.edges.prefetch_to_background(leaf);
-    }
-
-    /// The most pixels of a view that a leaf would hand to the background.
-    #[inline]
-    pub(super) fn most_revealed(&self, leaf: u32) -> u32 {
-        let edge = self.edges.to_background(leaf);
-        let reveals = edge.into_iter().flat_map(|edge| edge.reveals.iter());
-        reveals.map(|(_, pixels)| pixels).max().unwrap_or(0)
-    }
-
-    /// Areas by view of a leaf that has nothing but the background behind it
-    /// and covers few pixels; leaves with equal ones have equal deltas. Empty
-    /// for others.
-    #[inline]
-    pub(super) fn silhouette(&self, leaf: u32) -> Silhouette {
-        let total = self.counts.target(leaf).total;
-        if total > SILHOUETTE_MAX {
-            return Silhouette::new();
-        }
-        let edge = self.edges.to_background(leaf);
-        if edge.is_none_or(|edge| edge.total != total) {
-            return Silhouette::new();
-        }
-        let by_view = self.counts.areas(leaf).iter().zip(0u32..);
-        let seen = by_view.filter(|(area, _)| **area > 0);
-        seen.map(|(area, view)| view << 8 | area).collect()
     }
 }

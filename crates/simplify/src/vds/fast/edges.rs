@@ -1,10 +1,14 @@
-//! Reveal edges: which leaf hands how many pixels to which.
+//! Reveal edges: which leaf would hand how many pixels to which, view by view.
+//!
+//! A leaf hides few others, so edges are few; each is found by its two leaves and in the
+//! list of those that lead to the same leaf.
 
 use secateur_raster::prefetch::prefetch;
 
 use super::edge_map::EdgeMap;
 use super::reveals::Reveals;
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 use secateur_raster::abuffer::Event;
 
 const NO_EDGE: u32 = u32::MAX;
@@ -150,7 +154,9 @@ impl Edges {
         let mut changes = std::mem::take(&mut self.changes);
         let mut ahead = events.clone().skip(EVENTS_AHEAD);
         for event in events {
-            if let Some(ahead) = ahead.next() {
+            if is_on(Mechanism::PrefetchEdges)
+                && let Some(ahead) = ahead.next()
+            {
                 for [from, to] in [ahead.before, ahead.after] {
                     self.by_ends.prefetch(from, to);
                 }
@@ -159,7 +165,9 @@ impl Edges {
             for ([from, to], by) in [(event.before, -pixels), (event.after, pixels)] {
                 if self.is_own(from) {
                     let index = self.between(from, to);
-                    prefetch(&self.all, index as usize);
+                    if is_on(Mechanism::PrefetchEdges) {
+                        prefetch(&self.all, index as usize);
+                    }
                     changes.push((index, event.view, by));
                 }
             }

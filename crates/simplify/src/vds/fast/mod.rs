@@ -1,18 +1,33 @@
-//! The same greedy choices as Algorithm 1, without drawing.
+//! The exact engine: the choices of Algorithm 1, without drawing the views again.
 //!
-//! Removing a leaf hands each pixel it owns to the leaf behind it, so with an
-//! A-buffer the change of every area is known before it happens. The foliage is
-//! rasterised once; then each step picks the cheapest leaf (`candidates`),
-//! takes it out of the [A-buffer](secateur_raster::abuffer), rasterises the
-//! leaves that grow, and brings areas (`counts`), reveal edges (`edges`) and then
-//! costs (`deltas`) up to date with what changed. All of it is integers, so the result
-//! equals that of [`reference`](super::reference) bit for bit: order, growth and
-//! VMI.
+//! The foliage is rasterised once, into the list of all leaves behind each pixel (an
+//! [A-buffer](secateur_raster::abuffer)). Without a leaf each pixel that it owns goes to the
+//! leaf behind it, so these lists say beforehand what the views would show. How many pixels a
+//! leaf would hand to which other, by view, is a *reveal edge* (`edges`), and how many each
+//! leaf owns is its area (`counts`). From both follows by how much VMI would change in each
+//! view if a leaf went: the leaf's *deltas* (`deltas`). Its cost is the sum over the views of
+//! `|D + d|`, with D how far VMI is off already and d the leaf's delta. Each step looks for
+//! the leaf of least cost (`candidates`), where bounds on blocks of sixteen leaves spare the
+//! engine nearly all costs. The step then takes that leaf out of the lists and draws its
+//! nearest `neighbours`, which grow, once more; where the first two leaves of a pixel change,
+//! the A-buffer notes an *event*. Areas, edges and deltas follow the events, and blocks are
+//! told which of their leaves changed. Each core edits the lists of some views
+//! (`view_slice`), keeps the edges and deltas of some of the leaves, with areas of all
+//! (`shard`), and one of them leads (`spin_pool`, `view_set_loop`). All of it is integers,
+//! logarithms included, so the result equals that of [`reference`](super::reference) bit for
+//! bit: order, growth and VMI.
 //!
-//! Each core keeps the edges and costs of its own leaves, and areas of all
-//! (`shard`), follows the step and looks for its cheapest leaf, and edits the lists
-//! of some views at a time (`view_slice`, `spin_pool`). One core leads: it finds out which
-//! leaves grow.
+//! ```text
+//!   rasterise once
+//!        |                        what a step changed
+//!        v                  .------------+-----------.
+//!   +----------+  events    v            v           v
+//!   | A-buffer |-------> counts ----> edges ----> deltas ----> candidates
+//!   +----------+         (areas)    (reveals)   (change of VMI)    |
+//!        ^                                                         | the cheapest leaf
+//!        |  take it out, draw what grows                           v
+//!        '------------------------------------------------ neighbours
+//! ```
 
 mod candidates;
 mod changes;
@@ -26,6 +41,7 @@ mod shard;
 mod shared;
 mod spin_pool;
 mod split;
+mod switches;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -38,6 +54,8 @@ use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder};
 use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
 
 use self::candidates::Found;
+#[cfg(feature = "ablation")]
+pub use self::switches::{Mechanism, switch_off};
 use self::view_set_loop::ViewSetLoop;
 use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{Phase, final_phase, phases};
@@ -85,13 +103,13 @@ pub fn simplify(
         progress,
     };
     for phase in &phases {
-        let mut stage = ViewSetLoop::new(&run, &phase.views, cores)?;
-        let ended = stage.prune_down_to(&mut run, phase.leaves_at_end)?;
+        let mut view_set_loop = ViewSetLoop::new(&run, &phase.views, cores)?;
+        let ended = view_set_loop.prune_down_to(&mut run, phase.leaves_at_end)?;
         let is_last = phase.leaves_at_end == leaves_at_end;
         match ended {
-            // The stage has gone one step too far.
+            // The loop has gone one step too far.
             Ended::BeyondMaxError => return run.outcome_from_scratch(&phases),
-            Ended::AtLeafCount if is_last => return Ok(run.outcome(stage)),
+            Ended::AtLeafCount if is_last => return Ok(run.outcome(view_set_loop)),
             Ended::AtLeafCount => {}
         }
     }
@@ -146,15 +164,15 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn outcome(self, stage: ViewSetLoop<'_>) -> VdsOutcome {
-        let areas = stage.areas();
+    fn outcome(self, view_set_loop: ViewSetLoop<'_>) -> VdsOutcome {
+        let areas = view_set_loop.areas();
         VdsOutcome {
             order: self.order,
             costs_scaled: self.costs_scaled,
             is_at_max_error: false,
-            views: stage.views.clone(),
+            views: view_set_loop.views.clone(),
             vmi_final: Vmi::of(&areas, self.table),
-            vmi_original: stage.vmi_original,
+            vmi_original: view_set_loop.vmi_original,
             areas,
         }
     }

@@ -1,4 +1,4 @@
-//! The nearest leaves that are left.
+//! The nearest leaves that are left: those that grow into a gap.
 //!
 //! One query a step, on the one core that leads: a k-d tree from which leaves
 //! go is several times faster here than a tree that also takes new ones.
@@ -76,7 +76,7 @@ impl Neighbours {
             found: Vec::with_capacity(count + 1),
         };
         if count > 0 {
-            self.tree.look(1, [0.0; 3], &mut nearest);
+            self.tree.search(1, [0.0; 3], &mut nearest);
         }
         nearest.found.into_iter().map(|(_, leaf)| leaf).collect()
     }
@@ -180,7 +180,7 @@ impl KdTree {
 
     /// Offers what may be near from a node down, whose sites lie at least `away`
     /// from the point along each axis.
-    fn look(&self, node: usize, away: [f64; 3], nearest: &mut Nearest) {
+    fn search(&self, node: usize, away: [f64; 3], nearest: &mut Nearest) {
         if node >= self.buckets.len() {
             let sites = self.in_bucket(node - self.buckets.len());
             sites.iter().for_each(|site| nearest.offer(site));
@@ -189,13 +189,13 @@ impl KdTree {
         let (axis, split) = self.splits[node];
         let beyond = nearest.point[axis] - split;
         let near = 2 * node + usize::from(beyond >= 0.0);
-        self.look(near, away, nearest);
+        self.search(near, away, nearest);
         let mut far = away;
         far[axis] = beyond.abs();
         let [x, y, z] = far;
         // Rounding never turns round which of two distances is less.
         if x * x + y * y + z * z <= nearest.reach() {
-            self.look(near ^ 1, far, nearest);
+            self.search(near ^ 1, far, nearest);
         }
     }
 }

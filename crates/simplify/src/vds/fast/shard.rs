@@ -14,6 +14,7 @@ use super::counts::Counts;
 use super::deltas::{Deltas, Sight};
 use super::edges::Edges;
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 use super::view_slice::ViewSlice;
 
 /// What a shard finds in a step.
@@ -64,8 +65,8 @@ const EVENTS_AHEAD: usize = 6;
 
 impl<'t> Shard<'t> {
     /// The events of `slices` are what leads from nothing but background to what
-    /// is there; `leaves`, neighbours close together, are those of all shards that are
-    /// left; `rank_of` their ranks among equals, by leaf number; `has_deviations`
+    /// is there; `leaves` are those of all shards that are left; `rank_of` their ranks among
+    /// equals, by leaf number; `has_deviations`
     /// whether costs are measured with those of VMI from that of the original foliage.
     pub(super) fn all(
         counts: &Counts<'t>,
@@ -146,7 +147,9 @@ impl<'t> Shard<'t> {
         for slice in slices {
             let events = slice.events();
             for (k, event) in events.iter().enumerate() {
-                if let Some(ahead) = events.get(k + EVENTS_AHEAD) {
+                if is_on(Mechanism::PrefetchAreas)
+                    && let Some(ahead) = events.get(k + EVENTS_AHEAD)
+                {
                     self.counts.prefetch(ahead);
                 }
                 self.counts.record(event);
@@ -173,12 +176,7 @@ impl<'t> Shard<'t> {
         edges.follow(slices.iter().flat_map(|slice| slice.events()));
         deltas.follow(counts, edges);
         edges.forget_step();
-        let sight = Sight {
-            counts,
-            edges,
-            deltas,
-        };
-        candidates.remove(sight, pruned);
+        candidates.remove(pruned);
         deltas.for_each_changed(|deltas, leaf, change, [soon, later]| {
             let sight = Sight {
                 counts,
@@ -199,7 +197,7 @@ impl<'t> Shard<'t> {
             edges: &self.edges,
             deltas: &self.deltas,
         };
-        self.candidates.keep_up(sight);
+        self.candidates.rebuild_if_stale(sight);
         self.finds.cheapest = self.candidates.cheapest(sight, limits);
         self.finds.largest = match wants_largest {
             true => self.candidates.largest_cost(sight, limits),

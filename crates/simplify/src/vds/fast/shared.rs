@@ -1,4 +1,5 @@
-//! What the threads of a step share.
+//! What the threads of a step share, and the two jobs that they do together: editing
+//! pixels, then following the edit and searching.
 
 use std::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard};
 

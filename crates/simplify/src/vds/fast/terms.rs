@@ -1,4 +1,5 @@
-//! The terms of reveal edges: what pixels handed to a leaf do to the measure.
+//! The terms of reveal edges: what pixels handed to a leaf do to P times VMI, view by
+//! view, in integers.
 
 use secateur_raster::measure::incremental::LeafAreas;
 

@@ -34,9 +34,9 @@ fn assert_every_pick_is_the_cheapest(
         steps_at_most: 0,
         progress: &mut |_| ControlFlow::Continue(()),
     };
-    let mut stage = ViewSetLoop::new(&run, &phases[0].views, cores).unwrap();
+    let mut view_set_loop = ViewSetLoop::new(&run, &phases[0].views, cores).unwrap();
     for step in 0..leaf_count as usize - job.target.fewest_leaves(&crown) {
-        let (finds, expected) = stage.step_and_exhaustively(&mut run);
+        let (finds, expected) = view_set_loop.step_and_exhaustively(&mut run);
         assert_eq!(finds.cheapest, expected.cheapest, "step {step}");
         if job.options.resize == Resize::Normalised {
             assert_eq!(finds.largest, expected.largest, "step {step}");

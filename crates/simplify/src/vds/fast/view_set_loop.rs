@@ -1,6 +1,6 @@
-//! The loop under one view set.
+//! The loop under one view set: pick, grow, apply, record.
 
-use secateur_model::{Foliage, Growth, LeafId, Lod};
+use secateur_model::{Growth, LeafId, Lod};
 use secateur_raster::{AreaTable, ViewSet};
 
 use super::candidates::Found;
@@ -66,7 +66,7 @@ impl<'a> ViewSetLoop<'a> {
         let ranks = (0..=leaf_count as u32)
             .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
         let ranks = ranks.collect();
-        let leaves = leaves_by_place(foliage, &run.lod);
+        let leaves: Vec<u32> = run.lod.leaves().map(|(leaf, _)| leaf.get()).collect();
         let split = Split::over(cores);
         let shards = Shard::all(
             &counts,
@@ -219,26 +219,4 @@ impl Lead {
         let deviation = shared.with_counts(self.pruned, deviation);
         error_percent(deviation, vmi_original.scaled().iter().sum()) > max
     }
-}
-
-/// The leaves that are left along a space-filling curve: leaves near each other
-/// are seen from the same views.
-fn leaves_by_place(foliage: &Foliage, lod: &Lod) -> Vec<u32> {
-    let Some(sphere) = foliage.bounding_sphere() else {
-        return Vec::new();
-    };
-    let cell = |x: f64| ((x / sphere.radius.max(f64::MIN_POSITIVE) + 1.0) * 511.0) as u64;
-    let key = |leaf: LeafId| {
-        let [x, y, z] = (foliage.leaf(leaf).centre() - sphere.centre)
-            .to_array()
-            .map(cell);
-        (0..10).fold(0u64, |key, bit| {
-            key | (x >> bit & 1) << (3 * bit)
-                | (y >> bit & 1) << (3 * bit + 1)
-                | (z >> bit & 1) << (3 * bit + 2)
-        })
-    };
-    let mut keyed: Vec<(u64, u32)> = lod.leaves().map(|(l, _)| (key(l), l.get())).collect();
-    keyed.sort_unstable();
-    keyed.into_iter().map(|(_, leaf)| leaf).collect()
 }

@@ -1,4 +1,5 @@
-//! Some of the views, as one core edits them.
+//! Some of the views, as one core edits them: views do not share pixels, so cores need
+//! not wait for each other.
 
 use std::ops::Range;
 

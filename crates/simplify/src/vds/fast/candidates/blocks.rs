@@ -1,22 +1,19 @@
-//! What bounds the costs of sixteen leaves at once.
+//! A block: what bounds the costs of sixteen leaves at once, until it is evaluated
+//! again.
 
-use super::background::Background;
+use super::super::switches::{Mechanism, is_on};
+use super::block_filter::Bounds;
 use super::epochs::Epochs;
 use super::excess::Excesses;
-use super::gates::Gate;
 use super::rounding::Rounding;
 use super::widths::Width;
 
 /// A leaf's figures against the deviations of an epoch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figures {
-    /// `sum g d` with the background's total as it was then.
+    /// `sum g d`.
     pub along: f32,
     pub excess: f32,
-    /// How far the terms of the pixels it would hand to the background have
-    /// moved since the epoch: where they are handed, and in all views.
-    pub moved_by_gains: f32,
-    pub moved_by_rise: f32,
     /// Sum of the deltas without their signs.
     pub n: f32,
     /// What was added up for them: sum of the parts' sizes.
@@ -24,48 +21,6 @@ pub(super) struct Figures {
     /// The largest delta without its sign.
     pub widest: f32,
     pub background_px: u32,
-    /// The most pixels that it would hand to the background in a view.
-    pub most_revealed: u32,
-}
-
-/// What a block's leaves would hand to the background, in pixels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Reveals {
-    pub least_px: u32,
-    pub largest_px: u32,
-    pub most_in_a_view: u32,
-}
-
-impl Reveals {
-    pub(super) const NONE: Self = Self {
-        least_px: u32::MAX,
-        largest_px: 0,
-        most_in_a_view: 0,
-    };
-
-    pub(super) fn include(&mut self, px: u32, most_in_a_view: u32) {
-        self.least_px = self.least_px.min(px);
-        self.largest_px = self.largest_px.max(px);
-        self.most_in_a_view = self.most_in_a_view.max(most_in_a_view);
-    }
-}
-
-/// How far the background's terms have moved.
-struct Moved {
-    /// Summed over all views without signs.
-    everywhere: f32,
-    /// The same where it is revealed.
-    revealed: f32,
-    /// What its total takes away along the signs of the epoch.
-    risen_along: f32,
-}
-
-impl Moved {
-    const NOWHERE: Self = Self {
-        everywhere: 0.0,
-        revealed: 0.0,
-        risen_along: 0.0,
-    };
 }
 
 /// How a step stands, as bounds need to know it.
@@ -102,14 +57,11 @@ pub(super) struct Block {
     largest_n: f32,
     magnitude: f32,
     pub widest: f32,
-    least_px: u32,
+    /// The most pixels that one of them would hand to the background.
     largest_px: u32,
-    /// The most pixels that one of them would hand to the background in a view.
-    most_revealed: u32,
-    /// How far bounds may be off, but for the background's drift: those by
-    /// `along`, and the others.
+    /// How far bounds may be off, but for the background's drift: those of solid
+    /// leaves by `along`, and the others.
     rounding_solid: f32,
-    rounding_open: f32,
     rounding: f32,
     /// By lane: leaves there are, and those whose deltas have changed since they
     /// were looked at, by no more than `slack` each.
@@ -135,11 +87,8 @@ impl Block {
             largest_n: 0.0,
             magnitude: 0.0,
             widest: 0.0,
-            least_px: u32::MAX,
             largest_px: 0,
-            most_revealed: 0,
             rounding_solid: 0.0,
-            rounding_open: 0.0,
             rounding: 0.0,
             present: 0,
             outdated: 0,
@@ -149,49 +98,43 @@ impl Block {
         }
     }
 
-    pub(super) fn gate(&self) -> Gate {
-        let px = |px: u32| u16::try_from(px).unwrap_or(u16::MAX);
-        let (open, n) = match u16::try_from(self.largest_px) {
-            Ok(_) => (
-                self.least_along_open - self.rounding_open - self.slack,
-                self.least_n - self.rounding - self.slack,
-            ),
-            Err(_) => (f32::NEG_INFINITY, f32::NEG_INFINITY),
+    pub(super) fn bounds(&self) -> Bounds {
+        // Beyond 16 bits nothing is known.
+        let px = u16::try_from(self.largest_px);
+        let unless_wide = |bound: f32| match px {
+            Ok(_) => bound - self.rounding - self.slack,
+            Err(_) => f32::NEG_INFINITY,
         };
-        Gate {
-            solid: self.least_along_solid - self.rounding_solid - self.slack,
-            open,
-            n,
+        let unless_off = |mechanism, bound: f32| match is_on(mechanism) {
+            true => bound,
+            false => f32::NEG_INFINITY,
+        };
+        let solid = self.least_along_solid - self.rounding_solid - self.slack;
+        Bounds {
+            solid: unless_off(Mechanism::FilterBySignedSum, solid),
+            open: unless_off(
+                Mechanism::FilterBySignedSum,
+                unless_wide(self.least_along_open),
+            ),
+            n: unless_off(Mechanism::FilterBySize, unless_wide(self.least_n)),
             epoch: self.epoch,
-            least_px: px(self.least_px),
-            largest_px: px(self.largest_px),
+            largest_px: px.unwrap_or(u16::MAX),
         }
-    }
-
-    /// Whether a leaf of it would hand pixels to the background.
-    #[inline]
-    pub(super) fn has_background(&self) -> bool {
-        self.largest_px > 0
     }
 
     /// Takes a leaf's new figures into account.
     #[inline]
     pub(super) fn include(&mut self, figures: &Figures, rounding: Rounding) {
-        let moved = figures.moved_by_gains + figures.moved_by_rise;
-        let excess = figures.excess - moved;
         if figures.background_px > 0 {
-            let along = figures.along - figures.moved_by_gains;
-            self.least_along_open = self.least_along_open.min(along);
-            self.least_open = self.least_open.min(excess);
-            self.most_revealed = self.most_revealed.max(figures.most_revealed);
-            self.least_px = self.least_px.min(figures.background_px);
+            self.least_along_open = self.least_along_open.min(figures.along);
+            self.least_open = self.least_open.min(figures.excess);
             self.largest_px = self.largest_px.max(figures.background_px);
         } else {
             self.least_along_solid = self.least_along_solid.min(figures.along);
         }
-        self.least = self.least.min(excess);
+        self.least = self.least.min(figures.excess);
         self.largest = self.largest.max(figures.excess);
-        self.least_n = self.least_n.min(figures.n - moved);
+        self.least_n = self.least_n.min(figures.n);
         self.largest_n = self.largest_n.max(figures.n);
         self.magnitude = self.magnitude.max(figures.magnitude);
         self.widest = self.widest.max(figures.widest);
@@ -201,7 +144,6 @@ impl Block {
     fn allow_for(&mut self, rounding: Rounding) {
         let px = self.largest_px as f32;
         self.rounding_solid = rounding.of_f32(self.magnitude);
-        self.rounding_open = self.rounding_solid + rounding.of_revealed(px);
         self.rounding = self.rounding_solid + rounding.of_background(px);
     }
 
@@ -225,7 +167,7 @@ impl Block {
         &mut self,
         epoch: usize,
         found: &Excesses,
-        reveals: Reveals,
+        largest_px: u32,
         rounding: Rounding,
     ) {
         (self.least, self.largest) = (found.least, found.largest);
@@ -234,8 +176,7 @@ impl Block {
         self.least_along_open = found.least_along_open;
         (self.least_n, self.largest_n) = (found.least_n, found.largest_n);
         (self.magnitude, self.widest) = (found.magnitude, found.widest);
-        (self.least_px, self.largest_px) = (reveals.least_px, reveals.largest_px);
-        self.most_revealed = reveals.most_in_a_view;
+        self.largest_px = largest_px;
         self.epoch = epoch as u16;
         self.allow_for(rounding);
     }
@@ -258,29 +199,16 @@ impl Block {
 
     #[inline]
     fn margin(&self, now: &Now<'_>) -> f32 {
-        let drifted = now.epochs.drifted(self.epoch.into()).everywhere;
-        self.rounding + self.slack + self.largest_px as f32 * drifted
+        self.rounding + self.slack + self.moved(now)
     }
 
     /// How far the background's terms have moved since it was evaluated, for any
-    /// of its open leaves.
+    /// of its open leaves and but for rounding.
     #[inline]
-    fn moved(&self, now: &Now<'_>, background: &mut Background) -> Moved {
-        if !self.has_background() {
-            return Moved::NOWHERE;
-        }
-        let epoch = usize::from(self.epoch);
-        let (least_px, largest_px) = (self.least_px as f32, self.largest_px as f32);
-        let along = now.epochs.background_moved(epoch);
-        let by_gains = background.moved_by_gains(epoch, self.most_revealed, self.largest_px);
-        let by_rise = background.moved_by_rise(epoch, self.least_px, self.largest_px);
-        let drifted = now.epochs.drifted(epoch);
-        let by_drift = largest_px * drifted.everywhere + self.rounding - self.rounding_solid;
-        let revealed = largest_px * drifted.revealed + self.rounding_open - self.rounding_solid;
-        Moved {
-            everywhere: (by_gains + by_rise).min(by_drift),
-            revealed: by_gains.min(revealed),
-            risen_along: along.at_most(least_px, largest_px),
+    fn moved(&self, now: &Now<'_>) -> f32 {
+        match self.largest_px {
+            0 => 0.0,
+            px => px as f32 * now.epochs.drifted(self.epoch.into()),
         }
     }
 
@@ -291,42 +219,44 @@ impl Block {
         &self,
         limit: f32,
         now: &Now<'_>,
-        background: &mut Background,
         widths: &[Width],
         only_open: bool,
     ) -> bool {
         let epoch = usize::from(self.epoch);
-        let moved = self.moved(now, background);
-        let limit = limit + self.rounding_solid + self.slack;
-        let along_open = self.least_along_open - moved.risen_along - moved.revealed;
+        let margin = self.margin(now);
+        let along_open = self.least_along_open - margin;
+        let along_solid = self.least_along_solid - self.rounding_solid - self.slack;
         let (along, least) = match only_open {
             true => (along_open, self.least_open),
-            false => (self.least_along_solid.min(along_open), self.least),
+            false => (along_solid.min(along_open), self.least),
         };
-        let least = least - moved.everywhere;
-        self.least_n - now.twice_deviation_sum - moved.everywhere > limit
-            || now.epochs.flipped(epoch) + along > limit
-            || least > limit && least - now.epochs.lost_within(epoch, widths) > limit
+        let least = least - margin;
+        is_on(Mechanism::BlockBySize) && self.least_n - now.twice_deviation_sum - margin > limit
+            || is_on(Mechanism::BlockBySignedSum) && now.epochs.flipped(epoch) + along > limit
+            || is_on(Mechanism::BlockByLoss)
+                && least > limit
+                && least - now.epochs.lost_within(epoch, widths) > limit
     }
 
     /// Has its bounds stand against the current deviations, with less to spare,
     /// instead of those of its epoch, which have the same signs.
-    pub(super) fn rebase(&mut self, now: &Now<'_>, background: &mut Background, widths: &[Width]) {
+    pub(super) fn rebase(&mut self, now: &Now<'_>, widths: &[Width]) {
         let epoch = usize::from(self.epoch);
         debug_assert!(now.epochs.is_of_this_run(epoch), "signs are the same");
-        let moved = self.moved(now, background);
-        let lost = now.epochs.lost_within(epoch, widths);
-        let risen = now.epochs.risen(epoch);
+        let moved = self.moved(now);
+        let (lost, risen) = (
+            now.epochs.lost_within(epoch, widths),
+            now.epochs.risen(epoch),
+        );
         // Of the sums below.
-        let spare = self.magnitude + moved.everywhere + moved.risen_along.abs() + lost + risen;
-        let spare = spare * (4.0 * f32::EPSILON);
+        let spare = (self.magnitude + moved + lost + risen) * (4.0 * f32::EPSILON);
         self.least_along_solid -= spare;
-        self.least_along_open -= moved.risen_along + moved.revealed + spare;
-        self.least -= moved.everywhere + lost + spare;
-        self.least_open -= moved.everywhere + lost + spare;
-        self.largest += moved.everywhere + risen + spare;
-        self.least_n -= moved.everywhere + spare;
-        self.largest_n += moved.everywhere + spare;
+        self.least_along_open -= moved + spare;
+        self.least -= moved + lost + spare;
+        self.least_open -= moved + lost + spare;
+        self.largest += moved + risen + spare;
+        self.least_n -= moved + spare;
+        self.largest_n += moved + spare;
         self.epoch = now.epochs.current() as u16;
     }
 
@@ -413,17 +343,13 @@ mod tests {
             let then = epochs.deviations(epochs.current());
             let px = self.background_px();
             let size = |terms: &[i64]| terms.iter().map(|d| d.abs()).sum::<i64>() as f32;
-            let rise = epochs.risen_along(epochs.current(), px, counts.table);
             Figures {
-                along: (along_signs(&gained, then) - rise) as f32,
+                along: along_signs(&deltas, then) as f32,
                 excess: excess(then, &deltas) as f32,
-                moved_by_gains: 0.0,
-                moved_by_rise: 0.0,
                 n: size(&deltas),
                 magnitude: size(&gained) + size(&risen),
                 widest: deltas.iter().map(|d| d.abs()).max().unwrap() as f32,
                 background_px: px,
-                most_revealed: *self.revealed.iter().max().unwrap(),
             }
         }
     }
@@ -457,8 +383,7 @@ mod tests {
             }).collect();
             let mut counts = Counts::new(start.iter(), VIEWS, PIXELS_PER_VIEW, 1, &table);
             let mut deviations = first;
-            let mut epochs = Epochs::new(&deviations, counts.areas(0), counts.background_drift());
-            let mut background = Background::new(&counts);
+            let mut epochs = Epochs::new(&deviations, counts.background_drift());
             let rounding = Rounding::new(VIEWS, PIXELS_PER_VIEW as usize);
             let mut block = Block::empty(epochs.current(), 0);
             block.include(&leaf.figures(&counts, &epochs), rounding);
@@ -469,24 +394,23 @@ mod tests {
                 let total: i64 = deviations.iter().map(|d| d.abs()).sum();
                 let now = Now::new(&epochs, total);
                 if rebases.contains(&step) && epochs.is_of_this_run(block.epoch.into()) {
-                    block.rebase(&now, &mut background, &widths);
+                    block.rebase(&now, &widths);
                 }
                 deviations[view] += by;
                 // Never all of it.
                 if i64::from(counts.areas(0)[view_of_background]) + i64::from(px) > 500 {
                     counts.hand_to_background(view_of_background, px);
                 }
-                epochs.begin(&deviations, counts.areas(0), counts.background_drift());
-                background.begin(epochs.current(), &counts);
+                epochs.begin(&deviations, counts.background_drift());
                 let total: i64 = deviations.iter().map(|d| d.abs()).sum();
                 let now = Now::new(&epochs, total);
                 let excess = excess(&deviations, &leaf.all_deltas(&counts)) as f32;
-                prop_assert!(!block.is_above(excess, &now, &mut background, &widths, false));
+                prop_assert!(!block.is_above(excess, &now, &widths, false));
                 let is_open = leaf.background_px() > 0;
                 prop_assert!(
-                    !is_open || !block.is_above(excess, &now, &mut background, &widths, true)
+                    !is_open || !block.is_above(excess, &now, &widths, true)
                 );
-                prop_assert!(!block.gate().is_shut(excess, &now));
+                prop_assert!(!block.bounds().is_excluded(excess, &now));
                 prop_assert!(block.ceiling(&now) >= excess);
             }
         }

@@ -1,11 +1,9 @@
-//! The deviations that blocks were evaluated with, and where the current ones
-//! stand against them.
+//! The deviations of the last steps, and how far bounds made with them may be off now.
 
 use super::super::changes::BackgroundDrift;
-use super::along::{AllMoved, Along, Alongs, BackgroundMoved};
-use super::drift::Drift;
+use super::super::switches::{Mechanism, is_on};
+use super::drift::{drift_now, drift_then};
 use super::widths::Width;
-use crate::lg::LgTable;
 
 /// Steps whose deviations are remembered; where a block was not evaluated for so
 /// long, its bounds are carried over to a later one, or it is evaluated then.
@@ -28,27 +26,20 @@ pub(super) struct Epochs {
     deviations: Vec<i64>,
     /// Numbers the runs of steps in which no deviation changed its sign.
     run: u32,
-    /// By epoch.
+    /// By epoch, the number of its run.
     runs: [u32; EPOCHS],
     /// Sum of g D - |D| by epoch, g the signs of E: zero while no deviation
     /// changed its sign.
     flipped: [f32; EPOCHS],
     /// |E| by epoch, then view; 0 where D has another sign.
     kept: Vec<f32>,
-    /// The background along g, by epoch: then.
-    background_then: Alongs,
-    /// The same in integers: its areas along g, and its total.
-    background_areas: [(i64, u32); EPOCHS],
-    /// What the background's total takes away along g, now less then.
-    background_moved: AllMoved,
     /// A little less than the background's drift, by epoch, and a little more
     /// than it is now.
-    drifts: [Drift; EPOCHS],
-    drift: Drift,
-    /// The least of `flipped`, and not below any of `background_moved`.
+    drifts: [f32; EPOCHS],
+    drift: f32,
+    /// The least of `flipped`.
     flipped_most: f32,
-    moved_most: BackgroundMoved,
-    /// |D| by view.
+    /// The deviations now without their signs, |D|, by view.
     sizes: Vec<f32>,
     /// By view, whether D is negative: 1 or 0.
     is_negative: Vec<u32>,
@@ -59,9 +50,8 @@ const VIEWS_AT_ONCE: usize = 4;
 
 impl Epochs {
     /// As if deviations and background had always been like that.
-    pub(super) fn new(deviations: &[i64], background: &[u32], drift: BackgroundDrift) -> Self {
+    pub(super) fn new(deviations: &[i64], drift: BackgroundDrift) -> Self {
         let views = deviations.len();
-        let now = Along::new(along(deviations, background), total(background));
         let mut epochs = Self {
             views,
             step: 0,
@@ -70,14 +60,10 @@ impl Epochs {
             run: 0,
             runs: [0; EPOCHS],
             flipped: [0.0; EPOCHS],
-            kept: vec![0.0; EPOCHS * views],
-            background_then: Alongs::all(&now),
-            background_areas: [(now.areas, now.total); EPOCHS],
-            background_moved: AllMoved::NONE,
-            drifts: [Drift::then(drift); EPOCHS],
-            drift: Drift::now(drift),
+            drifts: [drift_then(everywhere(drift)); EPOCHS],
+            drift: drift_now(everywhere(drift)),
             flipped_most: 0.0,
-            moved_most: BackgroundMoved::NONE,
+            kept: vec![0.0; EPOCHS * views],
             sizes: deviations.iter().map(size).collect(),
             is_negative: deviations.iter().map(is_negative).collect(),
         };
@@ -121,7 +107,7 @@ impl Epochs {
     }
 
     /// Begins a new epoch in the place of the oldest.
-    pub(super) fn begin(&mut self, deviations: &[i64], background: &[u32], drift: BackgroundDrift) {
+    pub(super) fn begin(&mut self, deviations: &[i64], drift: BackgroundDrift) {
         self.step += 1;
         self.current = self.step as usize % EPOCHS;
         self.deviations[self.current * self.views..][..self.views].copy_from_slice(deviations);
@@ -138,27 +124,19 @@ impl Epochs {
             true => (0..EPOCHS).for_each(|epoch| self.keep(epoch)),
             false => self.keep(self.current),
         }
-        let now = Along::new(along(deviations, background), total(background));
-        self.background_then.set(self.current, &now);
-        self.background_areas[self.current] = (now.areas, now.total);
-        self.drifts[self.current] = Drift::then(drift);
-        self.drift = Drift::now(drift);
+        self.drifts[self.current] = drift_then(everywhere(drift));
+        self.drift = drift_now(everywhere(drift));
         self.flipped = [0.0; EPOCHS];
         self.flipped_most = 0.0;
-        let mut all_now = Alongs::all(&now);
         for epoch in 0..EPOCHS {
             if self.runs[epoch] != self.run {
                 let then = self.deviations(epoch);
-                all_now.set(epoch, &Along::new(along(then, background), now.total));
                 let flipped =
                     along_signs(deviations, then) - deviations.iter().map(|d| d.abs()).sum::<i64>();
                 self.flipped[epoch] = flipped as f32;
                 self.flipped_most = self.flipped_most.min(flipped as f32);
             }
         }
-        self.moved_most = self
-            .background_moved
-            .compare(&self.background_then, &all_now);
     }
 
     fn keep(&mut self, epoch: usize) {
@@ -186,41 +164,20 @@ impl Epochs {
         self.flipped_most
     }
 
+    /// How far the background has drifted since an epoch, in all views together, for
+    /// each pixel that a leaf would hand to it.
     #[inline]
-    pub(super) fn background_moved(&self, epoch: usize) -> BackgroundMoved {
-        self.background_moved.of(epoch)
-    }
-
-    /// Not below any epoch's, and its slope not below 0.
-    #[inline]
-    pub(super) fn background_moved_most(&self) -> &BackgroundMoved {
-        &self.moved_most
-    }
-
-    /// How far the background has drifted since an epoch.
-    #[inline]
-    pub(super) fn drifted(&self, epoch: usize) -> Drift {
-        let then = self.drifts[epoch];
-        Drift {
-            revealed: self.drift.revealed - then.revealed,
-            everywhere: self.drift.everywhere - then.everywhere,
+    pub(super) fn drifted(&self, epoch: usize) -> f32 {
+        match is_on(Mechanism::BackgroundDrift) {
+            true => self.drift - self.drifts[epoch],
+            false => 1e28,
         }
     }
 
     /// How far since any epoch.
     #[inline]
-    pub(super) fn drifted_most(&self) -> Drift {
+    pub(super) fn drifted_most(&self) -> f32 {
         self.drifted(self.oldest())
-    }
-
-    /// What the background's total took away along the signs of an epoch, then,
-    /// from a leaf that hands it so many pixels.
-    pub(super) fn risen_along(&self, epoch: usize, px: u32, table: &LgTable) -> i64 {
-        let (areas, total) = self.background_areas[epoch];
-        match px {
-            0 => 0,
-            px => areas * (table.lg(total + px) - table.lg(total)),
-        }
     }
 
     /// What an excess may have risen by since an epoch: the sum over the views of
@@ -236,8 +193,15 @@ impl Epochs {
     /// What an excess may have lost since an epoch, of leaves whose deltas have
     /// these widths, by view.
     pub(super) fn lost_within(&self, epoch: usize, widths: &[Width]) -> f32 {
+        if !is_on(Mechanism::LossByWidth) {
+            // Whatever the deltas.
+            let (now, then) = (self.deviations(self.current), self.deviations(epoch));
+            let views = now.iter().zip(then);
+            let lost = views.map(|(d, e)| (d - e).abs() + d.abs() - e.abs());
+            return lost.sum::<i64>() as f32 * (1.0 + 4.0 * f32::EPSILON);
+        }
         #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
+        if is_on(Mechanism::WideLoss) && std::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
             return unsafe { self.lost_within_by_avx2(epoch, widths) };
         }
@@ -285,26 +249,16 @@ impl Epochs {
     }
 }
 
+fn everywhere(drift: BackgroundDrift) -> f64 {
+    drift.rise + drift.revealed
+}
+
 fn is_negative(deviation: &i64) -> u32 {
     u32::from(*deviation < 0)
 }
 
 fn size(deviation: &i64) -> f32 {
     deviation.unsigned_abs() as f32
-}
-
-fn total(areas: &[u32]) -> u32 {
-    areas.iter().sum()
-}
-
-/// Sum of the areas with the signs of the deviations.
-fn along(deviations: &[i64], areas: &[u32]) -> i64 {
-    let terms = deviations.iter().zip(areas);
-    let signed = terms.map(|(d, area)| match *d < 0 {
-        true => -i64::from(*area),
-        false => i64::from(*area),
-    });
-    signed.sum()
 }
 
 /// Sum of the deltas with the signs of the deviations.
@@ -331,28 +285,13 @@ mod tests {
             moves in prop::collection::vec(-2_000_000_000i64..2_000_000_000, 5),
             deltas in prop::collection::vec(-1_500_000_000i64..1_500_000_000, 5),
             shrink in 0u32..12,
-            // Where it is large, it is the rounding of logarithms that counts.
-            background in prop_oneof![
-                prop::collection::vec(1u32..10, 5),
-                prop::collection::vec(1000u32..60_000, 5),
-            ],
-            more in prop::collection::vec(0u32..8, 5),
         ) {
             let deltas: Vec<i64> = deltas.iter().map(|d| d >> shrink).collect();
             let now: Vec<i64> = then.iter().zip(&moves).map(|(e, m)| e + m).collect();
-            let mut epochs = Epochs::new(&then, &background, BackgroundDrift::default());
+            let mut epochs = Epochs::new(&then, BackgroundDrift::default());
             let epoch = epochs.current();
             let widths: Vec<Width> = deltas.iter().map(|d| Width::ZERO.with(*d as f32)).collect();
-            let background: Vec<u32> = background.iter().zip(&more).map(|(b, m)| b + m).collect();
-            epochs.begin(&now, &background, BackgroundDrift::default());
-            let table = LgTable::new();
-            let total = background.iter().sum::<u32>();
-            for px in 1..20 {
-                let rise = table.lg(total + px) - table.lg(total);
-                let moved = along(&then, &background) * rise - epochs.risen_along(epoch, px, &table);
-                let at_most = epochs.background_moved(epoch).at_most(px as f32, px as f32 + 3.0);
-                prop_assert!(f64::from(at_most) >= moved as f64, "{at_most} for {moved}");
-            }
+            epochs.begin(&now, BackgroundDrift::default());
             let (before, after) = (excess(&then, &deltas) as f64, excess(&now, &deltas) as f64);
             let rounding = 1e-5 * 5e9;
             prop_assert!(after >= before - f64::from(epochs.lost_within(epoch, &widths)) - rounding);

@@ -1,10 +1,11 @@
-//! Evaluating a block: what its leaves' excesses are now.
+//! Evaluating a block: reading what changed of its leaves, then all their excesses at
+//! once, from which its bounds are renewed.
 
 use secateur_raster::prefetch::{prefetch, prefetch_range};
 
 use super::super::deltas::Sight;
+use super::super::switches::{Mechanism, is_on};
 use super::Candidates;
-use super::blocks::Reveals;
 use super::drift::{drift_now, drift_then};
 use super::epochs::along_signs;
 use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
@@ -12,26 +13,28 @@ use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
 impl Candidates {
     /// Evaluates a block's leaves against the current epoch.
     pub(super) fn evaluate(&mut self, sight: Sight<'_>, index: usize) -> Excesses {
-        prefetch(&self.residents, index);
-        prefetch_range(&self.deltas, index * self.view_count, self.view_count);
+        if is_on(Mechanism::PrefetchBlocks) {
+            prefetch(&self.lanes, index);
+            prefetch_range(&self.deltas, index * self.view_count, self.view_count);
+        }
         self.bring_up_to_date(sight, index);
         let (mut rises, mut moved) = (Lanes::ZERO, Lanes::ZERO);
         let (mut open, mut solid) = (Lanes::INFINITE, Lanes::INFINITE);
-        let mut reveals = Reveals::NONE;
+        let mut largest_px = 0;
         for lane in 0..LANES {
             if self.blocks[index].present >> lane & 1 == 0 {
                 continue;
             }
-            match self.residents[index].background_px[lane] {
+            match self.lanes[index].background_px[lane] {
                 0 => solid.0[lane] = 0.0,
                 px => {
                     open.0[lane] = 0.0;
                     rises.0[lane] = match self.rises.get(px as usize) {
-                        Some(rise) => *rise as f32,
-                        None => sight.counts.background_rise(px) as f32,
+                        Some(rise) if is_on(Mechanism::RiseTable) => *rise as f32,
+                        _ => sight.counts.background_rise(px) as f32,
                     };
                     moved.0[lane] = self.moved_since_read((index, lane));
-                    reveals.include(px, self.residents[index].most_revealed[lane].into());
+                    largest_px = largest_px.max(px);
                 }
             }
         }
@@ -46,27 +49,19 @@ impl Candidates {
         let found = excesses(rows, beside, &self.views, widths);
         let block = &mut self.blocks[index];
         let epoch = self.epochs.current();
-        block.renew(epoch, &found, reveals, self.rounding);
-        self.gates.set(index, block.gate());
+        block.renew(epoch, &found, largest_px, self.rounding);
+        self.filter.set(index, block.bounds());
         self.tops[index] = block.top();
         found
     }
 
     /// How far the terms of the pixels that a leaf would hand to the background
     /// may have moved, in the views in which it does, since it was read.
-    fn moved_since_read(&mut self, (index, lane): (usize, usize)) -> f32 {
-        let residents = &self.residents[index];
-        let px = residents.background_px[lane];
-        let drift = drift_now(self.drift.revealed) - residents.drift.0[lane];
-        let at_most = self.rounding.of_revealed(px as f32) + px as f32 * drift;
-        match self.epochs.of_step(residents.read_in[lane]) {
-            None => at_most,
-            Some(epoch) => {
-                let most = residents.most_revealed[lane];
-                let exactly = self.background.moved_by_gains(epoch, most.into(), px);
-                exactly.min(at_most)
-            }
-        }
+    fn moved_since_read(&self, (index, lane): (usize, usize)) -> f32 {
+        let lanes = &self.lanes[index];
+        let px = lanes.background_px[lane];
+        let drift = drift_now(self.drift.revealed) - lanes.drift.0[lane];
+        self.rounding.of_revealed(px as f32) + px as f32 * drift
     }
 
     /// Reads the deltas of a block's outdated leaves: only those changed, neither
@@ -77,15 +72,17 @@ impl Candidates {
             return;
         }
         self.blocks[index].is_up_to_date();
-        let leaves = self.residents[index].leaves.iter().enumerate();
+        let leaves = self.lanes[index].leaves.iter().enumerate();
         let leaves = leaves.filter(|(lane, leaf)| outdated >> lane & 1 == 1 && **leaf != 0);
         let leaves = leaves.map(|(_, leaf)| *leaf);
-        leaves.clone().for_each(|leaf| sight.prefetch_place(leaf));
-        leaves.for_each(|leaf| sight.prefetch(leaf));
+        if is_on(Mechanism::PrefetchBlocks) {
+            leaves.clone().for_each(|leaf| sight.prefetch_place(leaf));
+            leaves.for_each(|leaf| sight.prefetch(leaf));
+        }
         while outdated != 0 {
             let lane = outdated.trailing_zeros() as usize;
             outdated &= outdated - 1;
-            let leaf = self.residents[index].leaves[lane];
+            let leaf = self.lanes[index].leaves[lane];
             if leaf != 0 {
                 self.read_again(sight, (index, lane), leaf);
             }
@@ -94,15 +91,20 @@ impl Candidates {
 
     fn read_again(&mut self, sight: Sight<'_>, (index, lane): (usize, usize), leaf: u32) {
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-        if background_px == 0 && self.row.iter().all(|d| *d == 0) {
+        if is_on(Mechanism::ZeroLeavesWait)
+            && background_px == 0
+            && self.row.iter().all(|d| *d == 0)
+        {
             self.leave(leaf);
             self.without_effect
                 .insert((self.rank_of[leaf as usize], leaf));
             return;
         }
         self.write_row((index, lane));
-        let along_now = along_signs(&self.row, &self.deviations);
-        self.stand((index, lane), leaf, along_now);
+        if is_on(Mechanism::ExactFirst) {
+            let along_now = along_signs(&self.row, &self.deviations);
+            self.note_sum((index, lane), leaf, along_now);
+        }
     }
 
     /// Takes the deltas that were just read as those of a lane.
@@ -111,8 +113,8 @@ impl Candidates {
         for (row, d) in rows.iter_mut().zip(&self.row) {
             row.0[lane] = *d as f32;
         }
-        let residents = &mut self.residents[index];
-        residents.read_in[lane] = self.epochs.step();
-        residents.drift.0[lane] = drift_then(self.drift.revealed);
+        let lanes = &mut self.lanes[index];
+        lanes.read_in[lane] = self.epochs.step();
+        lanes.drift.0[lane] = drift_then(self.drift.revealed);
     }
 }

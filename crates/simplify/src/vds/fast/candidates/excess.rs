@@ -1,5 +1,6 @@
-//! The excesses of a block's leaves, in f32, as vector instructions.
+//! The excesses of a block's sixteen leaves, in f32, as vector instructions.
 
+use super::super::switches::{Mechanism, is_on};
 use super::widths::Width;
 
 /// Leaves of a block.
@@ -197,7 +198,7 @@ pub(super) fn excesses(
     widths: &mut [Width],
 ) -> Excesses {
     #[cfg(target_arch = "x86_64")]
-    if std::is_x86_feature_detected!("avx2") {
+    if is_on(Mechanism::WideExcess) && std::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has AVX2.
         return unsafe { by_avx2(rows, beside, views, widths) };
     }

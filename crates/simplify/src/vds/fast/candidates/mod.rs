@@ -16,36 +16,35 @@
 //! - `n`: `excess >= n - 2 sum |D|`, which rules out all but the least visible
 //!   leaves while the deviations are small, and `excess <= n`.
 //!
-//! Most blocks are ruled out by their [gates], many at a time. A block is
-//! evaluated again only where these do not rule it out, and an exact
-//! integer cost is computed only for leaves that their f32 excess does not rule
-//! out. Epochs are forgotten after a while; bounds are carried over to a later
-//! one, with less to spare. Nearly every step changes the background, and with it the deltas of
-//! every leaf at the silhouette, so those are kept without what its total takes
-//! away in all views, which is added as it is now; and all bounds are widened by
-//! how far its terms may have [moved](background). What decides in the end are
-//! exact costs: bounds may be loose but never wrong.
+//! Most blocks are ruled out by a [filter](block_filter) over these bounds, sixteen
+//! blocks at a time. A block is evaluated again only where the filter and then the
+//! block itself do not rule it out, and an exact integer cost is computed only for
+//! leaves that their f32 excess does not rule out. Epochs are forgotten after a while;
+//! bounds are carried over to a later one, with less to spare. Nearly every step changes
+//! the background, and with it the deltas of every leaf at the silhouette, so those are
+//! kept without what its total takes away in all views, which is added as it is now;
+//! and all bounds are widened by how far its terms may have [moved](drift). What decides
+//! in the end are exact costs: bounds may be loose but never wrong.
+//!
+//! What each short cut is worth is measured by `cargo bench --bench ablation` and stands
+//! in `docs/benchmarks.md`; one that wins less than 3 % on every tree goes.
 //!
 //! Each shard has candidates of its own, and lets the others know what it has
 //! found ([`Limits`]).
 //!
 //! A leaf whose deltas are all zero costs `sum |D|`. Those wait, ordered by
-//! rank, outside the blocks: mostly leaves that no view sees. So do leaves for
-//! which a [twin](twins) stands.
+//! rank, outside the blocks: mostly leaves that no view sees.
 
-mod along;
-mod background;
+mod block_filter;
+mod block_lanes;
 mod blocks;
 mod drift;
 mod epochs;
 mod evaluate;
 mod excess;
-mod gates;
 mod limits;
-mod residents;
 mod rounding;
 mod search;
-mod twins;
 mod widths;
 
 use std::collections::BTreeSet;
@@ -54,18 +53,16 @@ use std::sync::Arc;
 use super::changes::BackgroundDrift;
 use super::counts::Counts;
 use super::deltas::Sight;
-use background::Background;
+use super::switches::{Mechanism, is_on};
+use block_filter::BlockFilter;
+use block_lanes::BlockLanes;
 use blocks::{Block, Now, Top};
 use epochs::Epochs;
 use excess::{LANES, Lanes, ViewNow};
-use gates::Gates;
-use residents::Residents;
 use rounding::Rounding;
-use twins::Twins;
 use widths::Width;
 
 pub(super) use limits::Limits;
-pub(super) use twins::Silhouette;
 
 const NOWHERE: u32 = u32::MAX;
 /// Steps without a change of sign after which exact sums are worth their time.
@@ -95,12 +92,11 @@ pub(super) struct Candidates {
     rank_of: Arc<[u32]>,
     /// By rank, then leaf number: leaves whose deltas are all zero.
     without_effect: BTreeSet<(u32, u32)>,
-    twins: Twins,
     blocks: Vec<Block>,
     /// By block, what is looked at first.
-    gates: Gates,
+    filter: BlockFilter,
     tops: Vec<Top>,
-    residents: Vec<Residents>,
+    lanes: Vec<BlockLanes>,
     /// Deltas by block, then view, without what the background's total takes
     /// away.
     deltas: Vec<Lanes>,
@@ -116,7 +112,6 @@ pub(super) struct Candidates {
     all_at_rebuild: usize,
 
     epochs: Epochs,
-    background: Background,
     /// The current deviations; zeros where costs do not depend on them.
     deviations: Vec<i64>,
     deviation_sum: i64,
@@ -155,24 +150,18 @@ impl Candidates {
         let mut candidates = Self {
             view_count: views,
             place_of: vec![NOWHERE; rank_of.len()],
-            twins: Twins::new(rank_of.len() - 1),
             rank_of,
             without_effect: BTreeSet::new(),
             blocks: Vec::new(),
-            gates: Gates::default(),
+            filter: BlockFilter::default(),
             tops: Vec::new(),
-            residents: Vec::new(),
+            lanes: Vec::new(),
             deltas: Vec::new(),
             widths: Vec::new(),
             all_left,
             all_at_rebuild: all_left,
             order: leaves,
-            epochs: Epochs::new(
-                deviations,
-                sight.counts.areas(0),
-                sight.counts.background_drift(),
-            ),
-            background: Background::new(sight.counts),
+            epochs: Epochs::new(deviations, sight.counts.background_drift()),
             deviations: deviations.to_vec(),
             deviation_sum: 0,
             views: Vec::new(),
@@ -188,11 +177,7 @@ impl Candidates {
             seeds: [0; 2],
             row: vec![0; views],
         };
-        for leaf in candidates.order.clone() {
-            let rank = candidates.rank_of[leaf as usize];
-            candidates.twins.set(rank, leaf, sight.silhouette(leaf));
-        }
-        candidates.look(sight.counts, deviations);
+        candidates.note_step(sight.counts, deviations);
         candidates.build(sight);
         candidates
     }
@@ -213,9 +198,9 @@ impl Candidates {
         let block_count = order.len().div_ceil(LANES);
         self.drift_at_rebuild = sight.counts.background_drift();
         let empty = Block::empty(self.epochs.current(), self.signs);
-        self.gates = Gates::new(empty.gate(), block_count);
+        self.filter = BlockFilter::new(empty.bounds(), block_count);
         self.tops = vec![empty.top(); block_count];
-        self.residents = vec![Residents::NOBODY; block_count];
+        self.lanes = vec![BlockLanes::EMPTY; block_count];
         self.blocks = vec![empty; block_count];
         self.deltas = vec![Lanes::ZERO; block_count * self.view_count];
         self.widths = vec![Width::ZERO; block_count * self.view_count];
@@ -239,33 +224,34 @@ impl Candidates {
             .map(|(d, &area)| (d - (u64::from(area) * rise) as i64).unsigned_abs())
             .sum();
         let exponent = n.max(4).ilog2();
-        let waits = n == 0 || self.twins.is_hidden(self.rank_of[leaf as usize], leaf);
-        (waits, exponent, n >> (exponent - 2), background_px.min(16))
+        if !is_on(Mechanism::SortedBlocks) {
+            return (false, 0, 0, 0);
+        }
+        (n == 0, exponent, n >> (exponent - 2), background_px.min(16))
     }
 
     /// Begins a step: `deviations` are those that costs are measured with.
     pub(super) fn begin_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
         self.rebase_oldest();
         let drift = counts.background_drift();
-        self.epochs.begin(deviations, counts.areas(0), drift);
-        self.background.begin(self.epochs.current(), counts);
-        self.look(counts, deviations);
+        self.epochs.begin(deviations, drift);
+        self.note_step(counts, deviations);
     }
 
     /// Has blocks that are about to lose their epoch stand against the current
     /// one, where no deviation has changed its sign in between.
     fn rebase_oldest(&mut self) {
         let oldest = self.epochs.oldest();
-        if !self.epochs.is_of_this_run(oldest) {
+        if !self.epochs.is_of_this_run(oldest) || !is_on(Mechanism::Rebase) {
             return;
         }
         let now = Now::new(&self.epochs, self.deviation_sum);
         let mut from = 0;
-        while let Some(index) = self.gates.of_epoch(oldest, from) {
-            let widths = &self.widths[index * self.view_count..][..self.view_count];
+        while let Some(index) = self.filter.of_epoch(oldest, from) {
             let block = &mut self.blocks[index];
-            block.rebase(&now, &mut self.background, widths);
-            self.gates.set(index, block.gate());
+            let widths = &self.widths[index * self.view_count..][..self.view_count];
+            block.rebase(&now, widths);
+            self.filter.set(index, block.bounds());
             self.tops[index] = block.top();
             from = index + 1;
         }
@@ -273,18 +259,18 @@ impl Candidates {
 
     /// Builds the blocks anew when many leaves are gone, and evaluates those
     /// that were not for long.
-    pub(super) fn keep_up(&mut self, sight: Sight<'_>) {
+    pub(super) fn rebuild_if_stale(&mut self, sight: Sight<'_>) {
         let has_jumped = sight.counts.background_jumps() != self.background_jumps;
         self.background_jumps = sight.counts.background_jumps();
         let gone = self.all_at_rebuild - self.all_left;
-        if has_jumped || gone > self.all_at_rebuild / 8 + 4 * LANES {
+        if has_jumped || gone > self.all_at_rebuild / 8 + 4 * LANES && is_on(Mechanism::Rebuild) {
             self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
             self.build(sight);
         } else {
             // Their epoch is forgotten now.
             let renewed = self.epochs.current();
             let mut from = 0;
-            while let Some(index) = self.gates.of_epoch(renewed, from) {
+            while let Some(index) = self.filter.of_epoch(renewed, from) {
                 self.evaluate(sight, index);
                 from = index + 1;
             }
@@ -292,7 +278,7 @@ impl Candidates {
     }
 
     /// Notes how things stand at the beginning of a step.
-    fn look(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
+    fn note_step(&mut self, counts: &Counts<'_>, deviations: &[i64]) {
         self.drift = counts.background_drift();
         self.signs_age += 1;
         if self.epochs.run() != self.signs {
@@ -310,7 +296,9 @@ impl Candidates {
             sign: if *d < 0 { -1.0 } else { 1.0 },
             background_px: area as f32,
         }));
-        counts.background_rises(&mut self.rises);
+        if is_on(Mechanism::RiseTable) {
+            counts.background_rises(&mut self.rises);
+        }
     }
 }
 
@@ -321,6 +309,9 @@ const PLACES_AHEAD: usize = 8;
 /// Asks for what is known of leaves that follow the first.
 #[inline(always)]
 fn prefetch_ahead(sight: Sight<'_>, leaves: &[u32]) {
+    if !is_on(Mechanism::PrefetchBlocks) {
+        return;
+    }
     if let Some(leaf) = leaves.get(PLACES_AHEAD) {
         sight.prefetch_place(*leaf);
     }

@@ -1,4 +1,4 @@
-//! How far rounding may put bounds off.
+//! How far rounding may put bounds off: f32 sums, and logarithms rounded down.
 
 /// What rounding may do to bounds and to excesses computed in f32.
 #[derive(Clone, Copy, Debug)]

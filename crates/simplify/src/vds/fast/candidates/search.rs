@@ -1,6 +1,8 @@
-//! The search itself: through the gates, then the blocks, then the leaves.
+//! The search for the cheapest and the dearest leaf: blocks that the filter lets
+//! through, then what each block knows, then its leaves one by one.
 
 use super::super::deltas::Sight;
+use super::super::switches::{Mechanism, is_on};
 use super::blocks::Now;
 use super::drift::{drift_now, drift_then};
 use super::excess::{Excesses, LANES};
@@ -36,15 +38,15 @@ impl Candidates {
         self.consider_without_effect(&mut best, &mut runner_up);
         // Mostly near the least.
         for leaf in self.seeds {
-            if self.place_of[leaf as usize] != NOWHERE {
+            if is_on(Mechanism::SeedCheapest) && self.place_of[leaf as usize] != NOWHERE {
                 self.consider(sight, leaf, &mut best, &mut runner_up);
             }
         }
         let mut limit = self.least_excess(best, limits);
-        for group in 0..self.gates.groups() {
+        for group in 0..self.filter.groups() {
             let now = Now::new(&self.epochs, self.deviation_sum);
-            for index in self.gates.ajar(group, limit, &now) {
-                limit = self.look_into(sight, index, (limits, limit), &mut best, &mut runner_up);
+            for index in self.filter.may_contain(group, limit, &now) {
+                limit = self.search_block(sight, index, (limits, limit), &mut best, &mut runner_up);
             }
         }
         self.seeds = [best.leaf, runner_up.leaf];
@@ -53,7 +55,7 @@ impl Candidates {
 
     /// Looks for the cheapest leaf in a block, unless that is ruled out; the
     /// excess that no leaf need be looked at above from here on.
-    fn look_into(
+    fn search_block(
         &mut self,
         sight: Sight<'_>,
         index: usize,
@@ -61,9 +63,9 @@ impl Candidates {
         best: &mut Found,
         runner_up: &mut Found,
     ) -> f32 {
-        let gate = self.gates.get(index);
+        let bounds = self.filter.get(index);
         let now = Now::new(&self.epochs, self.deviation_sum);
-        if gate.is_shut(limit, &now) {
+        if is_on(Mechanism::FilterEach) && bounds.is_excluded(limit, &now) {
             return limit;
         }
         limit = self.least_excess(*best, limits);
@@ -75,11 +77,13 @@ impl Candidates {
                 rank_in(Found { cost, rank, leaf }, best, runner_up);
             }
             limit = self.least_excess(*best, limits);
-            if leaf == 0 || self.excess(self.deviation_sum + along) > limit {
+            if is_on(Mechanism::ExactFirstAsBound)
+                && (leaf == 0 || self.excess(self.deviation_sum + along) > limit)
+            {
                 self.blocks[index].know_solid(along);
-                self.gates.set(index, self.blocks[index].gate());
+                self.filter.set(index, self.blocks[index].bounds());
             }
-            if gate.floor_of_open(&self.epochs) > limit {
+            if bounds.floor_of_open(&self.epochs) > limit {
                 return limit;
             }
         }
@@ -92,11 +96,10 @@ impl Candidates {
 
     /// Whether the excesses of a block's leaves, or of its open ones, are all
     /// above a limit.
-    fn is_ruled_out(&mut self, index: usize, only_open: bool, limit: f32) -> bool {
+    fn is_ruled_out(&self, index: usize, only_open: bool, limit: f32) -> bool {
         let now = Now::new(&self.epochs, self.deviation_sum);
         let widths = &self.widths[index * self.view_count..][..self.view_count];
-        let background = &mut self.background;
-        self.blocks[index].is_above(limit, &now, background, widths, only_open)
+        self.blocks[index].is_above(limit, &now, widths, only_open)
     }
 
     /// The excess that no leaf need be looked at above.
@@ -110,7 +113,9 @@ impl Candidates {
     /// outdated ones.
     fn could_know_first(&self, index: usize) -> bool {
         let block = &self.blocks[index];
-        block.signs == self.signs && block.widest * (1.0 + 1e-6) < self.least_deviation
+        is_on(Mechanism::ExactFirst)
+            && block.signs == self.signs
+            && block.widest * (1.0 + 1e-6) < self.least_deviation
     }
 
     fn consider_without_effect(&self, best: &mut Found, runner_up: &mut Found) {
@@ -139,13 +144,16 @@ impl Candidates {
             found = self.evaluate(sight, index);
         }
         self.consider_without_effect(best, runner_up);
-        if self.blocks[index].signs != self.signs && self.signs_age >= STEADY {
+        if is_on(Mechanism::ExactFirst)
+            && self.blocks[index].signs != self.signs
+            && (self.signs_age >= STEADY || !is_on(Mechanism::ExactFirstWhenSteady))
+        {
             self.renew_firsts(sight, index);
         }
         let rounding = self.blocks[index].f32_rounding(self.rounding);
         for lane in 0..LANES {
             if found.at_least.0[lane] - rounding <= self.least_excess(*best, limits) {
-                let leaf = self.residents[index].leaves[lane];
+                let leaf = self.lanes[index].leaves[lane];
                 if leaf != 0 {
                     self.consider(sight, leaf, best, runner_up);
                 }
@@ -158,11 +166,14 @@ impl Candidates {
     /// were read; whether there are any.
     fn outdate_stale(&mut self, index: usize, found: &Excesses, limit: f32) -> bool {
         let rounding = self.blocks[index].f32_rounding(self.rounding);
-        let residents = &self.residents[index];
+        let lanes = &self.lanes[index];
         let block = &mut self.blocks[index];
+        if !is_on(Mechanism::ReadAgain) {
+            return false;
+        }
         for lane in 0..LANES {
-            let is_stale = residents.background_px[lane] > 0
-                && self.epochs.of_step(residents.read_in[lane]).is_none();
+            let is_stale =
+                lanes.background_px[lane] > 0 && self.epochs.of_step(lanes.read_in[lane]).is_none();
             if is_stale && found.at_least.0[lane] - rounding <= limit {
                 block.outdate(lane, 0.0);
             }
@@ -194,7 +205,7 @@ impl Candidates {
             best.0 = self.deviation_sum;
         }
         // Mostly the same leaf as in the step before.
-        if self.place_of[self.last_largest as usize] != NOWHERE {
+        if is_on(Mechanism::SeedDearest) && self.place_of[self.last_largest as usize] != NOWHERE {
             let cost = self.cost(sight, self.last_largest);
             best = best.max((cost, self.last_largest));
         }
@@ -205,11 +216,13 @@ impl Candidates {
             let last = (first + TOPS_AT_ONCE).min(self.tops.len());
             let tops = self.tops[first..last].iter();
             // Without a way out in the middle it is vector instructions.
-            if !tops.fold(false, |any, top| any | (top.ceiling(drift) > limit)) {
+            if is_on(Mechanism::Tops)
+                && !tops.fold(false, |any, top| any | (top.ceiling(drift) > limit))
+            {
                 continue;
             }
             for index in first..last {
-                if self.tops[index].ceiling(drift) > limit {
+                if !is_on(Mechanism::Tops) || self.tops[index].ceiling(drift) > limit {
                     let now = Now::new(&self.epochs, self.deviation_sum);
                     if self.blocks[index].ceiling(&now) > limit {
                         self.scan_for_largest(sight, index, &mut best);
@@ -232,7 +245,7 @@ impl Candidates {
         let found = self.evaluate(sight, index);
         let rounding = self.blocks[index].f32_rounding(self.rounding);
         for lane in 0..LANES {
-            let leaf = self.residents[index].leaves[lane];
+            let leaf = self.lanes[index].leaves[lane];
             if leaf != 0 && found.at_most.0[lane] + rounding > self.excess(best.0) {
                 *best = (*best).max((self.cost(sight, leaf), leaf));
             }

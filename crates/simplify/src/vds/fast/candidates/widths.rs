@@ -1,4 +1,5 @@
-//! How wide the deltas of a block's leaves are in each view.
+//! How wide the deltas of a block's leaves are in each view: where deviations are wider,
+//! an excess loses nothing.
 
 /// The largest delta of either sign in a view, without the sign: two numbers of
 /// eight significant bits, rounded up.
