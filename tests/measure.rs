@@ -98,3 +98,31 @@ fn what_is_no_tree_is_one_sentence() {
             .failed_saying(&["no.glb: is not glTF"]);
     }
 }
+
+/// Cut-outs fade away where their mip levels' alpha falls below the cutoff: a client far off shows
+/// less of the original than there is, and hardly any of the difference that is there near by.
+#[test]
+fn what_a_client_draws_is_held_against_what_is_there() {
+    let bench = Bench::new();
+    let drawn = |width: &str| {
+        let measure = ["measure", "oak.glb", "oak.glb", "--format", "json"];
+        let ran = bench.run(&[&measure[..], &["--as-drawn", width]].concat());
+        let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+        let number = |key: &str| record["as_drawn"][key].as_f64().unwrap();
+        assert_eq!(
+            number("coverage_over_truth"),
+            number("original_coverage_over_truth")
+        );
+        assert_eq!(
+            number("specks_per_view"),
+            number("original_specks_per_view")
+        );
+        assert_eq!(number("silhouette_iou"), 1.0);
+        number("coverage_over_truth")
+    };
+    let (near, far) = (drawn("512"), drawn("32"));
+    assert!((0.9..1.1).contains(&near), "{near}");
+    assert!(far < near, "{far} of {near}");
+    let wrong = bench.run(&["measure", "oak.glb", "oak.glb", "--as-drawn", "4"]);
+    assert_eq!(wrong.code, Some(2));
+}

@@ -5,6 +5,7 @@
 //!   each of [`METRICS`](measure::METRICS).
 //! - [`pictures`]: the same for what the trees look like, a value for each of
 //!   [`PICTURE_METRICS`](pictures::PICTURE_METRICS).
+//! - [`measure_as_drawn`]: the same for what a client draws, with mip maps and one sample a pixel.
 //! - [`render`]: textured triangles to a picture, on the CPU.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
@@ -12,12 +13,14 @@
 //!
 //! Nothing here knows how a tree was simplified: only geometry and images.
 
+mod as_drawn;
 mod camera;
 mod caption;
 mod contact_sheet;
 mod lens;
 mod light_depth;
 pub mod measure;
+mod mips;
 pub mod pictures;
 mod render;
 mod screen_triangle;
@@ -25,6 +28,7 @@ mod shading;
 mod texel;
 mod visibility;
 
+pub use as_drawn::{AsDrawn, AsDrawnMeasurement, measure_as_drawn};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
 pub use measure::{Judging, MeasureError, Measurement, Original, measure, measure_lod};

@@ -9,6 +9,7 @@ use secateur_model::Surface;
 
 use crate::Camera;
 use crate::lens::Lens;
+use crate::mips::{MipChain, MipChains};
 use crate::shading::{Lighting, Spot};
 use crate::texel::srgb_byte;
 use crate::visibility::{Culling, NOTHING, Visibility, visibility};
@@ -59,6 +60,23 @@ pub fn render<S: Borrow<Surface> + Sync>(
     camera: &Camera,
     options: &RenderOptions,
 ) -> RgbaImage {
+    draw(surfaces, camera, options, None).image
+}
+
+/// A picture, and what of it shows the plant.
+pub(crate) struct DrawnPicture {
+    pub(crate) image: RgbaImage,
+    /// By sample, row by row, whether anything is in front of the background.
+    pub(crate) is_covered: Vec<bool>,
+}
+
+/// As [`render`], with textures read from mip maps if there are any.
+pub(crate) fn draw<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    camera: &Camera,
+    options: &RenderOptions,
+    mips: Option<&MipChains>,
+) -> DrawnPicture {
     let per_side = options.samples;
     assert!(
         (1..=8).contains(&per_side),
@@ -67,7 +85,8 @@ pub fn render<S: Borrow<Surface> + Sync>(
     let lens = Lens::perspective(camera, options.width * per_side, options.height * per_side);
     let scene = Scene {
         surfaces,
-        seen: visibility(surfaces, &lens, Culling::Material),
+        seen: visibility(surfaces, &lens, Culling::Material, mips),
+        mips,
         lighting: Lighting::new(surfaces, lens.axes, options.shadows),
         lens,
     };
@@ -81,13 +100,18 @@ pub fn render<S: Borrow<Surface> + Sync>(
             pixel.copy_from_slice(&[r, g, b, 255]);
         }
     });
-    image
+    let is_covered = scene.seen.frontmost.iter().map(|index| *index != NOTHING);
+    DrawnPicture {
+        image,
+        is_covered: is_covered.collect(),
+    }
 }
 
 /// A scene and what is seen of it.
 struct Scene<'a, S> {
     surfaces: &'a [S],
     seen: Visibility,
+    mips: Option<&'a MipChains>,
     lighting: Lighting,
     lens: Lens,
 }
@@ -111,11 +135,17 @@ impl<S: Borrow<Surface>> Scene<'_, S> {
                     if lit.0 != index {
                         lit = (index, spot.light(&self.lens, &self.lighting));
                     }
-                    tone(spot.base_color() * lit.1)
+                    tone(spot.base_color(self.mips_at(index)) * lit.1)
                 }
             };
         }
         sum / (per_side * per_side) as f32
+    }
+
+    /// The mip chain of what a sample sees.
+    fn mips_at(&self, index: u32) -> Option<&MipChain> {
+        let triangle = self.seen.triangles.get(index as usize)?;
+        self.mips?.of_surface(triangle.face.surface)
     }
 
     fn spot(&self, index: u32, at: Vec2) -> Option<Spot<'_>> {
@@ -271,6 +301,7 @@ mod tests {
         // From far ahead to far behind, half a unit below the eye: the lower half
         // of the picture.
         let mut floor = quad(0.0, RED);
+        Arc::make_mut(&mut floor.material).double_sided = true;
         floor.normals.clear();
         for p in &mut floor.positions {
             *p = DVec3::new(100.0 * p.x, -0.5, 100.0 * p.y);

@@ -8,6 +8,7 @@ use secateur_model::{BoundingSphere, Surface};
 use crate::camera::ViewAxes;
 use crate::lens::Lens;
 use crate::light_depth::LightDepth;
+use crate::mips::{MipChain, uv_steps};
 use crate::screen_triangle::ScreenTriangle;
 use crate::texel::sample;
 use crate::visibility::{Place, face_weights};
@@ -121,23 +122,33 @@ pub(crate) struct Spot<'a> {
     surface: &'a Surface,
     corners: [usize; 3],
     weights: [f32; 3],
+    triangle: &'a ScreenTriangle,
+    place: Place,
+    at: Vec2,
 }
 
 impl<'a> Spot<'a> {
     /// Where the ray through a point of the raster meets a triangle; `None`
     /// where the triangle is seen edge-on.
-    pub(crate) fn new(surface: &'a Surface, triangle: &ScreenTriangle, at: Vec2) -> Option<Self> {
+    pub(crate) fn new(
+        surface: &'a Surface,
+        triangle: &'a ScreenTriangle,
+        at: Vec2,
+    ) -> Option<Self> {
         let place = Place::within(triangle)?;
         let corners = surface.triangles[triangle.face.triangle as usize];
         Some(Self {
             surface,
             corners: corners.map(|c| c as usize),
             weights: face_weights(triangle, place.weights(at)),
+            triangle,
+            place,
+            at,
         })
     }
 
-    /// Its linear base colour.
-    pub(crate) fn base_color(&self) -> Vec3 {
+    /// Its linear base colour, its texture read from `mips` if there are any.
+    pub(crate) fn base_color(&self, mips: Option<&MipChain>) -> Vec3 {
         let (surface, weights) = (self.surface, self.weights);
         let uvs = self
             .corners
@@ -145,11 +156,13 @@ impl<'a> Spot<'a> {
         let vertex = self
             .corners
             .map(|c| surface.colors.get(c).copied().unwrap_or(Vec4::ONE));
-        let color = sample(
-            surface.material.texture.as_deref(),
-            weights_of(weights, uvs),
-        ) * Vec4::from_array(surface.material.base_color)
-            * weights_of(weights, vertex);
+        let uv = weights_of(weights, uvs);
+        let texel = match mips {
+            Some(mips) => mips.sample(uv, uv_steps(self.triangle, &self.place, self.at, uvs)),
+            None => sample(surface.material.texture.as_deref(), uv),
+        };
+        let color =
+            texel * Vec4::from_array(surface.material.base_color) * weights_of(weights, vertex);
         color.truncate()
     }
 

@@ -41,16 +41,19 @@ pub(crate) fn alpha_cutoff(material: &Material) -> Option<f32> {
 /// Linear colour and alpha of a texture at these coordinates, white without
 /// a texture: a mean of the four nearest texels.
 pub(crate) fn sample(texture: Option<&Texture>, uv: Vec2) -> Vec4 {
-    blend_texels(texture, uv, Vec4::ONE, |texture, index| {
-        let rgba: [u8; 4] = std::array::from_fn(|i| texture.rgba[index + i]);
-        let linear = &*LINEAR_FROM_SRGB;
-        let rgb = Vec3::new(
-            linear[usize::from(rgba[0])],
-            linear[usize::from(rgba[1])],
-            linear[usize::from(rgba[2])],
-        );
-        rgb.extend(f32::from(rgba[3]) / 255.0)
-    })
+    blend_texels(texture, uv, Vec4::ONE, color_of)
+}
+
+/// Linear colour and alpha of the texel whose bytes start at this index.
+pub(crate) fn color_of(texture: &Texture, index: usize) -> Vec4 {
+    let rgba: [u8; 4] = std::array::from_fn(|i| texture.rgba[index + i]);
+    let linear = &*LINEAR_FROM_SRGB;
+    let rgb = Vec3::new(
+        linear[usize::from(rgba[0])],
+        linear[usize::from(rgba[1])],
+        linear[usize::from(rgba[2])],
+    );
+    rgb.extend(f32::from(rgba[3]) / 255.0)
 }
 
 /// The alpha of [`sample`].
@@ -60,7 +63,22 @@ pub(crate) fn sample_alpha(texture: Option<&Texture>, uv: Vec2) -> f32 {
     })
 }
 
-fn blend_texels<T>(
+/// The texel that these coordinates lie in, of a texture that [is whole](is_whole).
+pub(crate) fn nearest_texel<T>(
+    texture: &Texture,
+    uv: Vec2,
+    texel: impl Fn(&Texture, usize) -> T,
+) -> T {
+    let size = [texture.width, texture.height];
+    let at = uv * Vec2::new(size[0] as f32, size[1] as f32);
+    let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
+    let x = wrapped(texture.wrap[0], floor(at.x), size[0]);
+    let y = wrapped(texture.wrap[1], floor(at.y), size[1]);
+    texel(texture, 4 * (y * size[0] as usize + x))
+}
+
+/// The mean of the four nearest texels, by how near they are; `plain` without a texture.
+pub(crate) fn blend_texels<T>(
     texture: Option<&Texture>,
     uv: Vec2,
     plain: T,
@@ -96,7 +114,7 @@ pub(crate) fn floor(value: f32) -> i64 {
 }
 
 /// Whether a texture has a texel, and as many bytes as its size says.
-fn is_whole(texture: &Texture) -> bool {
+pub(crate) fn is_whole(texture: &Texture) -> bool {
     let texels = texture.width as usize * texture.height as usize;
     texels > 0 && texture.rgba.len() >= 4 * texels
 }

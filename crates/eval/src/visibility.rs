@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use secateur_model::{Material, Surface};
 
 use crate::lens::Lens;
+use crate::mips::{MipChain, MipChains, uv_steps};
 use crate::screen_triangle::{ScreenTriangle, screen_triangles};
 use crate::texel::{alpha_cutoff, sample_alpha};
 
@@ -79,11 +80,13 @@ pub(crate) enum Culling {
     None,
 }
 
-/// Draws surfaces through a lens. Corners run counterclockwise on a front face.
+/// Draws surfaces through a lens. Corners run counterclockwise on a front face. Alpha is read
+/// from `mips`, or without them from the textures themselves.
 pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     lens: &Lens,
     culling: Culling,
+    mips: Option<&MipChains>,
 ) -> Visibility {
     let mut triangles = screen_triangles(surfaces, lens);
     if culling == Culling::Material {
@@ -113,7 +116,8 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
             for &member in members {
                 let triangle = &triangles[member as usize];
                 let surface = surfaces[triangle.face.surface as usize].borrow();
-                band.draw(member, triangle, surface);
+                let chain = mips.and_then(|mips| mips.of_surface(triangle.face.surface));
+                band.draw(member, triangle, surface, chain);
             }
         });
     Visibility {
@@ -153,11 +157,17 @@ struct Band<'a> {
 }
 
 impl Band<'_> {
-    fn draw(&mut self, index: u32, triangle: &ScreenTriangle, surface: &Surface) {
+    fn draw(
+        &mut self,
+        index: u32,
+        triangle: &ScreenTriangle,
+        surface: &Surface,
+        mips: Option<&MipChain>,
+    ) {
         let Some(place) = Place::within(triangle) else {
             return;
         };
-        let cutout = Cut::of(triangle, surface);
+        let cutout = Cut::of(triangle, surface, mips);
         let [a, b, c] = triangle.corners.map(|corner| corner.at);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let rows = self.first_row..self.first_row + self.nearness.len() / self.width;
@@ -171,7 +181,7 @@ impl Band<'_> {
                 }
                 let near = weighted(triangle.corners.map(|corner| corner.nearness), weights);
                 let sample = (row - self.first_row) * self.width + column;
-                if near > self.nearness[sample] && cutout.is_there(triangle, weights) {
+                if near > self.nearness[sample] && cutout.is_there(triangle, &place, at, weights) {
                     self.nearness[sample] = near;
                     self.frontmost[sample] = index;
                 }
@@ -196,18 +206,20 @@ struct Cut<'a>(Option<CutFace<'a>>);
 
 struct CutFace<'a> {
     material: &'a Material,
+    mips: Option<&'a MipChain>,
     cutoff: f32,
     uvs: [Vec2; 3],
     alphas: [f32; 3],
 }
 
 impl<'a> Cut<'a> {
-    fn of(triangle: &ScreenTriangle, surface: &'a Surface) -> Self {
+    fn of(triangle: &ScreenTriangle, surface: &'a Surface, mips: Option<&'a MipChain>) -> Self {
         let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
         let material = &*surface.material;
         Self(
             alpha_cutoff(material).map(|cutoff| CutFace {
                 material,
+                mips,
                 cutoff,
                 uvs: corners.map(|c| surface.uvs.get(c).copied().unwrap_or_default()),
                 alphas: corners
@@ -216,13 +228,22 @@ impl<'a> Cut<'a> {
         )
     }
 
-    fn is_there(&self, triangle: &ScreenTriangle, weights: [f32; 3]) -> bool {
+    fn is_there(
+        &self,
+        triangle: &ScreenTriangle,
+        place: &Place,
+        at: Vec2,
+        weights: [f32; 3],
+    ) -> bool {
         let Some(face) = &self.0 else {
             return true;
         };
         let weights = face_weights(triangle, weights);
         let uv = face.uvs[0] * weights[0] + face.uvs[1] * weights[1] + face.uvs[2] * weights[2];
-        let alpha = sample_alpha(face.material.texture.as_deref(), uv);
+        let alpha = match face.mips {
+            Some(mips) => mips.sample_alpha(uv, uv_steps(triangle, place, at, face.uvs)),
+            None => sample_alpha(face.material.texture.as_deref(), uv),
+        };
         alpha * weighted(face.alphas, weights) >= face.cutoff
     }
 }

@@ -75,7 +75,7 @@
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`View`] |
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
-//! | judging | `measure`, `measure_pictures` |
+//! | judging | `measure`, `measure_pictures`, `measure_as_drawn` |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`Options::skeleton`] |
 //! | trees without files | `plant` |
 //!
@@ -95,10 +95,10 @@ mod measure;
 
 pub use error::Error;
 #[cfg(feature = "eval")]
-pub use measure::{measure, measure_pictures};
+pub use measure::{measure, measure_as_drawn, measure_pictures};
 
 #[cfg(feature = "eval")]
-pub use secateur_eval::{MeasureError, Measurement, PictureMeasurement};
+pub use secateur_eval::{AsDrawnMeasurement, MeasureError, Measurement, PictureMeasurement};
 pub use secateur_gltf::{
     CommitError, Detail, Document, FoliageReport, GltfError, Inspection, PreparedLod,
     PrimitiveReport, Problem, Reason, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree,

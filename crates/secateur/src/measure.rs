@@ -1,6 +1,6 @@
 //! Judging by views that no simplifier sees.
 
-use secateur_eval::{Judging, Measurement, PictureMeasurement, Pictures};
+use secateur_eval::{AsDrawnMeasurement, Judging, Measurement, PictureMeasurement, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Foliage, Surface};
 
@@ -32,9 +32,39 @@ pub fn measure_pictures(original: &Tree, simplified: &Tree) -> Result<PictureMea
     sphere_of(original.foliage())?;
     let judging = Judging::held_out(original.foliage())?;
     let pictures = |tree: &Tree| -> Result<Pictures, Error> {
-        let surfaces = tree.surfaces()?.into_iter().map(|(surface, _)| surface);
-        let surfaces: Vec<Surface> = surfaces.collect();
-        Ok(Pictures::of(&surfaces, &judging.views))
+        Ok(Pictures::of(&surfaces(tree)?, &judging.views))
     };
     Ok(pictures(original)?.measure(&pictures(simplified)?))
+}
+
+/// Measures what a client draws of a simplified tree, in pictures of `width_px` x `width_px` pixels
+/// from the same held-out views: with mip maps, the alpha test at each pixel's middle, and back
+/// faces culled. The truth is the original with many samples a pixel and without mip maps.
+///
+/// # Errors
+/// As [`measure_pictures`].
+///
+/// # Panics
+/// If `width_px` is 0.
+pub fn measure_as_drawn(
+    original: &Tree,
+    simplified: &Tree,
+    width_px: u32,
+) -> Result<AsDrawnMeasurement, Error> {
+    sphere_of(original.foliage())?;
+    let judging = Judging::held_out(original.foliage())?;
+    let [original, simplified] = [surfaces(original)?, surfaces(simplified)?];
+    let views = &judging.views;
+    Ok(secateur_eval::measure_as_drawn(
+        &original,
+        &simplified,
+        views,
+        width_px,
+    ))
+}
+
+/// All that is drawn of a tree, wood included.
+fn surfaces(tree: &Tree) -> Result<Vec<Surface>, Error> {
+    let surfaces = tree.surfaces()?.into_iter().map(|(surface, _)| surface);
+    Ok(surfaces.collect())
 }

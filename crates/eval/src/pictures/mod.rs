@@ -203,7 +203,7 @@ impl Pictures {
 
 /// The camera of a view that judges. Its target is where the picture's near
 /// plane becomes that of the view.
-fn camera_of(view: &View) -> Camera {
+pub(crate) fn camera_of(view: &View) -> Camera {
     Camera {
         eye: view.eye(),
         target: view.eye() + view.forward() * 1e3 * view.near(),

@@ -125,6 +125,10 @@ pub(crate) struct Measure {
     /// From which sides leaves are seen.
     #[arg(long, value_enum, default_value_t = SidesName::Material)]
     pub(crate) sides: SidesName,
+    /// Also draw pictures this many pixels wide as clients do (mip maps, alpha test, culling), and
+    /// compare them with the original as it truly looks.
+    #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u32).range(8..=2048))]
+    pub(crate) as_drawn: Option<u32>,
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,

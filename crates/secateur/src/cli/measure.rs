@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{Measurement, PictureMeasurement, Tree};
+use secateur::{AsDrawnMeasurement, Measurement, PictureMeasurement, Tree};
 use serde_json::json;
 
 use super::args;
@@ -28,13 +28,20 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     }
     interrupt::check()?;
     let (alpha, sides) = (args.alpha.into(), secateur::Sides::from(args.sides));
-    let foliages = [&original, &simplified]
-        .map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
+    let foliages =
+        [&original, &simplified].map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
     let measured =
         secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
     interrupt::check()?;
     let pictured = secateur::measure_pictures(&original, &simplified)
         .map_err(Failure::about(&args.original))?;
+    let drawn = match args.as_drawn {
+        Some(width_px) => {
+            let drawn = secateur::measure_as_drawn(&original, &simplified, width_px);
+            Some(drawn.map_err(Failure::about(&args.original))?)
+        }
+        None => None,
+    };
     let total = start.elapsed().as_secs_f64();
     let about = json!({
         "original": args.original.display().to_string(),
@@ -47,6 +54,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             "original": original.triangle_count(),
             "simplified": simplified.triangle_count(),
         },
+        "as_drawn": drawn,
         "alpha": text(args.alpha),
         "sides": text(args.sides),
         "seconds": record::seconds(&[], total),
@@ -57,7 +65,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     record::write(args.report.as_deref(), &record)?;
     let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
     Ok(Printed::single(
-        pretty(&measured, &pictured, args, counts),
+        pretty(&measured, &pictured, drawn.as_ref(), args, counts),
         record,
     ))
 }
@@ -65,6 +73,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
 fn pretty(
     measured: &Measurement,
     pictured: &PictureMeasurement,
+    drawn: Option<&AsDrawnMeasurement>,
     args: &args::Measure,
     leaves: [u64; 2],
 ) -> String {
@@ -75,7 +84,7 @@ fn pretty(
     let [before, after] = leaves.map(grouped);
     let views = measured.views;
     let side = measured.resolution;
-    let rows = [
+    let mut rows = vec![
         row("leaves", after, &format!("of {before}")),
         row(
             "VMI error",
@@ -113,6 +122,35 @@ fn pretty(
             "visible difference of shaded pictures, 0 is best",
         ),
     ];
+    if let Some(drawn) = drawn {
+        let at = format!("as clients draw it {} pixels wide", drawn.width_px);
+        rows.extend([
+            row(
+                "drawn coverage",
+                format!("{:.4}", drawn.coverage_over_truth),
+                &format!(
+                    "{at}, over the original's true coverage; the original itself: {:.4}",
+                    drawn.original_coverage_over_truth
+                ),
+            ),
+            row(
+                "specks",
+                format!("{:.1}", drawn.specks_per_view),
+                &format!(
+                    "islands of up to 3 pixels in a view {at}; the original: {:.1}",
+                    drawn.original_specks_per_view
+                ),
+            ),
+            row(
+                "drawn FLIP",
+                format!("{:.4}", drawn.flip_mean),
+                &format!(
+                    "visible difference {at} from the truth; the original: {:.4}",
+                    drawn.original_flip_mean
+                ),
+            ),
+        ]);
+    }
     // Explanations to the left, unlike numbers.
     let lines: String = rows
         .iter()

@@ -1,0 +1,279 @@
+//! What a client draws: textures with mip maps, the alpha test at the middle of each pixel, back
+//! faces culled. The truth that it is held against is the original, many samples a pixel,
+//! without mip maps.
+
+use std::borrow::Borrow;
+
+use image::RgbaImage;
+use secateur_model::Surface;
+use secateur_raster::ViewSet;
+use serde::Serialize;
+
+use crate::mips::MipChains;
+use crate::pictures::{FLIP_MEAN, camera_of};
+use crate::render::{DrawnPicture, RenderOptions, draw};
+
+/// Samples along each side of a pixel of the truth.
+const TRUTH_SAMPLES: u32 = 4;
+
+/// Islands of at most this many pixels are specks.
+const SPECK_PX: usize = 3;
+
+/// The original, drawn as a client does and as it truly is.
+#[derive(Debug)]
+pub struct AsDrawn {
+    views: ViewSet,
+    width_px: u32,
+    truth: Vec<Truth>,
+    original: Drawn,
+}
+
+#[derive(Debug)]
+struct Truth {
+    image: RgbaImage,
+    /// Pixels that show the plant, parts of pixels counted.
+    covered_px: f64,
+}
+
+#[derive(Debug)]
+struct Drawn(Vec<(RgbaImage, Vec<bool>)>);
+
+/// How a client's picture of a tree compares with what the original truly looks like; means over
+/// the views.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AsDrawnMeasurement {
+    /// Width and height of the pictures in pixels.
+    pub width_px: u32,
+    /// Pixels that the simplified tree covers over those that the original truly covers.
+    pub coverage_over_truth: f64,
+    /// The same for the original, drawn by the same client.
+    pub original_coverage_over_truth: f64,
+    /// Overlap of the simplified tree's outline with the original's, both as drawn, 0 to 1.
+    pub silhouette_iou: f64,
+    /// Islands of up to 3 pixels in a view of the simplified tree.
+    pub specks_per_view: f64,
+    /// Islands of up to 3 pixels in a view of the original.
+    pub original_specks_per_view: f64,
+    /// FLIP of the simplified tree as drawn against the truth, 0 to 1.
+    pub flip_mean: f64,
+    /// FLIP of the original as drawn against the truth, 0 to 1.
+    pub original_flip_mean: f64,
+}
+
+impl AsDrawn {
+    /// Draws an original from views, in pictures of `width_px` x `width_px` pixels.
+    ///
+    /// # Panics
+    /// If `width_px` is 0, or there is no view.
+    pub fn new<S: Borrow<Surface> + Sync>(original: &[S], views: &ViewSet, width_px: u32) -> Self {
+        assert!(width_px > 0 && !views.is_empty());
+        let truth = views.views().iter().map(|view| {
+            let options = options(width_px, TRUTH_SAMPLES);
+            let drawn = draw(original, &camera_of(view), &options, None);
+            let covered = drawn.is_covered.iter().filter(|is| **is).count();
+            Truth {
+                image: drawn.image,
+                covered_px: covered as f64 / f64::from(TRUTH_SAMPLES * TRUTH_SAMPLES),
+            }
+        });
+        Self {
+            truth: truth.collect(),
+            original: Drawn::of(original, views, width_px),
+            views: views.clone(),
+            width_px,
+        }
+    }
+
+    /// Draws a simplified tree from the same views, and compares.
+    pub fn measure<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> AsDrawnMeasurement {
+        let drawn = Drawn::of(simplified, &self.views, self.width_px);
+        let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
+        let (mut both, mut any) = (0, 0);
+        for ((_, a), (_, b)) in self.original.0.iter().zip(&drawn.0) {
+            for (a, b) in a.iter().zip(b) {
+                both += usize::from(*a && *b);
+                any += usize::from(*a || *b);
+            }
+        }
+        AsDrawnMeasurement {
+            width_px: self.width_px,
+            coverage_over_truth: drawn.covered_px() / truth_px,
+            original_coverage_over_truth: self.original.covered_px() / truth_px,
+            silhouette_iou: if any == 0 {
+                1.0
+            } else {
+                both as f64 / any as f64
+            },
+            specks_per_view: drawn.specks_per_view(self.width_px as usize),
+            original_specks_per_view: self.original.specks_per_view(self.width_px as usize),
+            flip_mean: self.flip(&drawn),
+            original_flip_mean: self.flip(&self.original),
+        }
+    }
+
+    fn flip(&self, drawn: &Drawn) -> f64 {
+        let pairs = self.truth.iter().zip(&drawn.0);
+        let sum: f64 = pairs
+            .map(|(truth, (image, _))| (FLIP_MEAN.of)(&truth.image, image))
+            .sum();
+        sum / self.truth.len() as f64
+    }
+}
+
+/// [`AsDrawn::measure`] for one measurement alone.
+///
+/// # Panics
+/// As [`AsDrawn::new`].
+pub fn measure_as_drawn<S: Borrow<Surface> + Sync>(
+    original: &[S],
+    simplified: &[S],
+    views: &ViewSet,
+    width_px: u32,
+) -> AsDrawnMeasurement {
+    AsDrawn::new(original, views, width_px).measure(simplified)
+}
+
+impl Drawn {
+    fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet, width_px: u32) -> Self {
+        let mips = MipChains::of(surfaces);
+        let drawn = views.views().iter().map(|view| {
+            let options = options(width_px, 1);
+            let DrawnPicture { image, is_covered } =
+                draw(surfaces, &camera_of(view), &options, Some(&mips));
+            (image, is_covered)
+        });
+        Self(drawn.collect())
+    }
+
+    fn covered_px(&self) -> f64 {
+        let of = |(_, is_covered): &(_, Vec<bool>)| is_covered.iter().filter(|is| **is).count();
+        self.0.iter().map(of).sum::<usize>() as f64
+    }
+
+    fn specks_per_view(&self, width: usize) -> f64 {
+        let of = |(_, is_covered): &(_, Vec<bool>)| specks(is_covered, width);
+        self.0.iter().map(of).sum::<usize>() as f64 / self.0.len() as f64
+    }
+}
+
+fn options(width_px: u32, samples: u32) -> RenderOptions {
+    RenderOptions {
+        width: width_px,
+        height: width_px,
+        samples,
+        shadows: false,
+    }
+}
+
+/// Number of islands of at most [`SPECK_PX`] pixels; pixels that touch at a corner belong together.
+fn specks(is_covered: &[bool], width: usize) -> usize {
+    let mut is_seen = vec![false; is_covered.len()];
+    let mut island = Vec::new();
+    let mut count = 0;
+    for first in 0..is_covered.len() {
+        if !is_covered[first] || is_seen[first] {
+            continue;
+        }
+        let mut size = 0;
+        is_seen[first] = true;
+        island.push(first);
+        while let Some(pixel) = island.pop() {
+            size += 1;
+            let (x, y) = (pixel % width, pixel / width);
+            for row in y.saturating_sub(1)..(y + 2).min(is_covered.len() / width) {
+                for column in x.saturating_sub(1)..(x + 2).min(width) {
+                    let next = row * width + column;
+                    if is_covered[next] && !is_seen[next] {
+                        is_seen[next] = true;
+                        island.push(next);
+                    }
+                }
+            }
+        }
+        count += usize::from(size <= SPECK_PX);
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, Vec2, Vec3};
+    use secateur_model::{AlphaMode, Filters, Finish, Material, Mips, Texture, Wrap};
+    use secateur_raster::View;
+    use std::sync::Arc;
+
+    #[test]
+    fn islands_of_up_to_three_pixels_are_specks() {
+        let picture = [
+            "##.....#", //
+            "##....#.", //
+            "........", //
+            "#.####.#", //
+            "........",
+        ];
+        let is_covered: Vec<bool> = picture
+            .iter()
+            .flat_map(|row| row.bytes().map(|b| b == b'#'))
+            .collect();
+        // Two at a corner of each other, and one at either side of the row; four are none.
+        assert_eq!(specks(&is_covered, 8), 3);
+        assert_eq!(specks(&[], 8), 0);
+    }
+
+    /// A card of 1 x 1 that faces +z, whose texture shows thin stripes: a quarter of it.
+    fn striped(mips: Mips) -> Surface {
+        let stripe = |x: u32| if x.is_multiple_of(4) { 255 } else { 0 };
+        let texture = Texture {
+            width: 64,
+            height: 64,
+            rgba: (0..64 * 64)
+                .flat_map(|k| [255, 255, 255, stripe(k % 64)])
+                .collect(),
+            wrap: [Wrap::ClampToEdge; 2],
+            filters: Filters {
+                is_smooth_near: false,
+                is_smooth_far: true,
+                mips,
+            },
+        };
+        let material = Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            texture: Some(Arc::new(texture)),
+            alpha_mode: AlphaMode::Mask(0.5),
+            double_sided: true,
+            finish: Finish::default(),
+        };
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+        Surface {
+            positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).into(),
+            normals: vec![Vec3::Z; 4],
+            uvs: corners
+                .map(|[x, y]| Vec2::new(x as f32 + 0.5, 0.5 - y as f32))
+                .into(),
+            colors: Vec::new(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material: Arc::new(material),
+        }
+    }
+
+    /// The view holds the card exactly: 64 pixels are a texel each, 16 are four.
+    #[test]
+    fn stripes_fade_away_with_mips_and_not_in_truth() {
+        let view = View::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 0.5, 0.01).unwrap();
+        let views = ViewSet::new(vec![view]);
+        let measured = |mips: Mips, width_px: u32| {
+            let card = [striped(mips)];
+            measure_as_drawn(&card, &card, &views, width_px)
+        };
+        let near = measured(Mips::Blended, 64);
+        assert_eq!(near.coverage_over_truth, 1.0);
+        assert_eq!((near.silhouette_iou, near.specks_per_view), (1.0, 0.0));
+        // A mean alpha of a quarter is below the cutoff: nothing is left.
+        let far = measured(Mips::Blended, 16);
+        assert_eq!(far.coverage_over_truth, 0.0);
+        assert_eq!(far.original_coverage_over_truth, 0.0);
+        assert!(far.flip_mean > near.flip_mean);
+    }
+}
