@@ -19,6 +19,7 @@ mod print;
 mod record;
 mod simplify;
 mod study;
+mod subject;
 mod summary;
 mod watch;
 
