@@ -78,7 +78,14 @@ fn what_any_method_left_fits_better() {
 fn to_triangles_sizes_are_fitted_unasked() {
     let bench = Bench::new();
     put_oak(&bench);
-    let quarter = ["--triangles", "0.25", "--preset", "information"];
+    let quarter = [
+        "--triangles",
+        "0.25",
+        "--wood",
+        "ignore",
+        "--preset",
+        "information",
+    ];
     let fitted = run(&bench, "fitted.glb", &quarter);
     assert_eq!(fitted["settings"]["fit"], 0.95);
     assert!(fitted["seconds"]["fit"].is_number());
@@ -134,7 +141,10 @@ fn the_look_is_the_default_and_information_a_preset() {
     let bench = Bench::new();
     put_oak(&bench);
     let keys = ["coverage_ratio", "flip_mean"];
-    for target in [["--triangles", "0.1"], ["--ratio", "0.1"]] {
+    for target in [
+        &["--triangles", "0.1", "--wood", "ignore"][..],
+        &["--ratio", "0.1"],
+    ] {
         let default = run(&bench, "default.glb", &target);
         let look = run(
             &bench,
@@ -204,7 +214,14 @@ fn the_look_is_the_default_and_information_a_preset() {
 fn the_look_is_the_same_on_every_processor_and_thread() {
     let bench = Bench::new();
     let hashes = |threads: &str| {
-        let options = ["--triangles", "0.1", "--threads", threads];
+        let options = [
+            "--triangles",
+            "0.1",
+            "--wood",
+            "ignore",
+            "--threads",
+            threads,
+        ];
         let report = run(&bench, "out.glb", &options);
         ["order_sha256", "areas_sha256"].map(|key| report[key].as_str().unwrap()[..12].to_owned())
     };

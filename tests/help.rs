@@ -47,6 +47,8 @@ fn help_names_every_flag() {
                 "--leaves",
                 "--ratio",
                 "--max-error",
+                "--triangles",
+                "--wood",
                 "--method",
                 "--engine",
                 "--views",

@@ -27,3 +27,4 @@ mod triangles;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;
+mod wood;

@@ -22,7 +22,10 @@ fn with_rowan() -> Bench {
 
 fn simplified(bench: &Bench, tree: &str, options: &[&str]) -> (Foliage, Value) {
     let files = [tree, "-o", "out.glb", "--report", "r.json", "--audit"];
-    bench.simplify(&[&files, options].concat()).succeeded();
+    let of_leaves = ["--wood", "ignore"];
+    bench
+        .simplify(&[&files, options, &of_leaves].concat())
+        .succeeded();
     let tree = Tree::open(&bench.path("out.glb"), &[]).unwrap();
     (tree.foliage().clone(), bench.json("r.json"))
 }
@@ -32,7 +35,14 @@ fn no_method_exceeds_a_budget_of_triangles() {
     let bench = Bench::new();
     for method in ["vds", "fsa", "stochastic", "meshopt", "chain", "merge"] {
         for budget in ["121", "0.25", "0"] {
-            let options = ["--method", method, "--triangles", budget];
+            let options = [
+                "--method",
+                method,
+                "--triangles",
+                budget,
+                "--wood",
+                "ignore",
+            ];
             let files = ["oak.glb", "-o", "out.glb", "--report", "r.json", "--audit"];
             bench.simplify(&[&files[..], &options].concat()).succeeded();
             let report = bench.json("r.json");
@@ -112,6 +122,8 @@ fn a_variable_number_of_views_is_that_of_the_last_step() {
         let rest = [
             "--triangles",
             budget,
+            "--wood",
+            "ignore",
             "--views",
             "vnc",
             "--resolution",
@@ -179,7 +191,7 @@ fn what_is_no_budget_is_refused() {
         let run = bench.simplify(&[&files[..], &wrong].concat());
         assert_eq!(run.code, Some(2), "{}", run.stderr);
     }
-    let more = ["--triangles", "1000"];
+    let more = ["--triangles", "1000", "--wood", "ignore"];
     let run = bench.simplify(&[&files[..], &more].concat()).succeeded();
     assert!(
         run.stderr

@@ -56,8 +56,7 @@ impl Tree {
     /// [`GltfError`] if the file has a skeleton that is damaged, of an unknown
     /// version, or of another number of leaves than the foliage.
     pub fn skeleton(&self) -> Result<Option<PlantSkeleton>, GltfError> {
-        let read = self.document.read_skeleton(self.foliage.leaves().len());
-        read.map_err(|fault| self.document.error(fault))
+        self.document.skeleton_of(self.foliage.leaves().len())
     }
 }
 
@@ -67,6 +66,12 @@ impl Document {
     pub fn has_skeleton(&self) -> bool {
         let extras = self.root.get("extras");
         extras.is_some_and(|extras| extras.get(EXTRAS_NAME).is_some())
+    }
+
+    /// The skeleton of a plant of so many leaves, if there is one.
+    pub(crate) fn skeleton_of(&self, leaves: usize) -> Result<Option<PlantSkeleton>, GltfError> {
+        let read = self.read_skeleton(leaves);
+        read.map_err(|fault| self.error(fault))
     }
 
     fn read_skeleton(&self, leaves: usize) -> Result<Option<PlantSkeleton>, Fault> {

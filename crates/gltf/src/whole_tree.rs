@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use secateur_model::{Foliage, Lod};
+use secateur_model::{Foliage, Lod, PlantSkeleton};
 
 use super::{GltfError, Selector, Tree};
 
@@ -39,6 +39,15 @@ impl WholeTree {
     /// [`Self::joined`] is written with.
     pub fn items(&self) -> &Tree {
         &self.tree
+    }
+
+    /// The skeleton of the plant, if the file has one: see [`Tree::skeleton`].
+    ///
+    /// # Errors
+    /// As [`Tree::skeleton`].
+    pub fn skeleton(&self) -> Result<Option<PlantSkeleton>, GltfError> {
+        let document = self.tree.document();
+        document.skeleton_of(self.leaves.leaves().len())
     }
 
     /// A LOD of [`Self::items`] from one of the leaves and one of the wood.

@@ -102,7 +102,7 @@ pub use secateur_eval::{AsDrawnMeasurement, MeasureError, Measurement, PictureMe
 pub use secateur_gltf::{
     CommitError, Detail, Document, FoliageReport, GltfError, Inspection, PreparedLod,
     PrimitiveReport, Problem, Reason, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree,
-    WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
+    WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CornerRef, Cutout, Facing, Filters, Finish, Foliage, FoliageError,
@@ -123,6 +123,7 @@ pub use secateur_simplify::fsa::FsaOptions;
 pub use secateur_simplify::meshopt::{MeshoptOptions, Mode as MeshoptMode};
 pub use secateur_simplify::stochastic::StochasticOptions;
 pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};
+pub use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood};
 pub use secateur_simplify::{
     Alpha, Amount, Error as SimplifyError, Fitting, LeafTriangles, Method, Observer, Options,
     Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped, Target, Views,

@@ -25,6 +25,16 @@ pub enum Error {
     /// The target is no number of leaves, share or error.
     #[error("the target of {0} must be {1}")]
     Target(String, &'static str),
+    /// The wood stays as it is, and alone has more triangles than the plant may keep.
+    #[error(
+        "{asked} triangles were asked for and the wood alone has {least}, which stay: ask for {least} or more, or have the wood simplified too"
+    )]
+    BudgetBelowWood {
+        /// Triangles that the plant may keep.
+        asked: usize,
+        /// Triangles of the wood.
+        least: usize,
+    },
     /// A method that follows branches, and a plant whose branches are not known.
     #[error("the method {method} needs a tree with a skeleton, which this one has not")]
     NoSkeleton {

@@ -2,6 +2,7 @@
 
 use secateur_model::{Foliage, Lod};
 use secateur_raster::{OpenEngine, ViewSet};
+use serde::{Deserialize, Serialize};
 
 use crate::observe::observe;
 use crate::stage::Observer;
@@ -24,6 +25,20 @@ const LEAF_MARGIN: f64 = 0.3;
 
 /// Wood gets at most this share of a budget that cannot hold all.
 const MOST_WOOD: f64 = 0.5;
+
+/// What becomes of the wood while leaves are simplified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum WoodMode {
+    /// It is simplified too: [`WholePlant::simplified`].
+    Auto,
+    /// It stays as it was: [`simplify_keeping_wood`].
+    Keep,
+    /// It is not looked at: triangles count the leaves alone, as in
+    /// [`simplify`](crate::simplify()).
+    Ignore,
+}
 
 /// A plant's leaves and wood, looked at once for any number of levels.
 #[derive(Clone, Debug)]
@@ -123,6 +138,47 @@ impl<'a> WholePlant<'a> {
         self.level_of(triangles, wood_triangles, options, engine, observer)
     }
 
+    /// The plant simplified to the target of the options, which counts leaves and wood where it is
+    /// one of triangles. Other targets are those of the leaves; then wood gets as many triangles as
+    /// it has in a plant with as many triangles of leaves.
+    ///
+    /// # Errors
+    /// As [`simplify_on`].
+    pub fn simplified(
+        &self,
+        options: &Options,
+        engine: &OpenEngine,
+        observer: &mut Observer<'_>,
+    ) -> Result<WholeLevel, Error> {
+        options.target.check()?;
+        if let Target::Triangles(amount) = options.target {
+            let triangles = amount.of(self.triangle_count());
+            return self.level(triangles, options, engine, observer);
+        }
+        let leaves = simplify_on(engine, self.leaves, options, observer)?;
+        let left = leaves.lod.foliage(self.leaves).triangles().len();
+        let (wood, _) = self.levels.within(self.wood_beside(left));
+        Ok(WholeLevel {
+            wood_triangles: wood.foliage(self.wood).triangles().len(),
+            leaves,
+            wood,
+        })
+    }
+
+    /// How many triangles wood has in the least plant in which leaves have so many: by halving,
+    /// since what is not wood's grows with the budget.
+    fn wood_beside(&self, leaf_triangles: usize) -> usize {
+        let (mut low, mut high) = (leaf_triangles, self.triangle_count());
+        while low < high {
+            let middle = low + (high - low) / 2;
+            match middle - self.wood_budget(middle) < leaf_triangles {
+                true => low = middle + 1,
+                false => high = middle,
+            }
+        }
+        self.wood_budget(low)
+    }
+
     /// As [`Self::level`], with this share of the triangles for the wood.
     ///
     /// # Errors
@@ -147,4 +203,39 @@ impl<'a> WholePlant<'a> {
             wood_triangles,
         })
     }
+}
+
+/// Simplifies the leaves of a plant whose wood stays as it is. A target of triangles counts leaves
+/// and wood.
+///
+/// # Errors
+/// [`Error::BudgetBelowWood`] if the wood alone has more triangles than may be left; else as
+/// [`simplify_on`].
+pub fn simplify_keeping_wood(
+    leaves: &Foliage,
+    wood: &Foliage,
+    options: &Options,
+    engine: &OpenEngine,
+    observer: &mut Observer<'_>,
+) -> Result<WholeLevel, Error> {
+    options.target.check()?;
+    let least = wood.triangles().len();
+    let target = match options.target {
+        Target::Triangles(amount) => {
+            let asked = amount.of(leaves.triangles().len() + least);
+            let rest = asked.checked_sub(least);
+            let rest = rest.ok_or(Error::BudgetBelowWood { asked, least })?;
+            Target::triangles(rest as u64)
+        }
+        other => other,
+    };
+    let options = Options {
+        target,
+        ..options.clone()
+    };
+    Ok(WholeLevel {
+        leaves: simplify_on(engine, leaves, &options, observer)?,
+        wood: Lod::original(wood.leaves().len()),
+        wood_triangles: least,
+    })
 }

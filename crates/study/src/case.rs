@@ -110,7 +110,7 @@ impl Case {
         let mut command = format!("secateur simplify {} -o out.glb ", tree.display());
         command += &match self.level_of {
             // Never a whole number, which would be one of triangles.
-            LevelOf::Triangles => format!("--triangles {level:?}"),
+            LevelOf::Triangles => format!("--triangles {level:?} --wood ignore"),
             LevelOf::Leaves => format!("--ratio {level}"),
         };
         command += &format!(" --no-audit --method {}", self.method());

@@ -314,7 +314,10 @@ mod tests {
             assert_eq!(options.target, Target::triangle_share(share));
         }
         let command = case.command(Path::new("a.glb"), 1.0, None);
-        assert!(command.contains("--triangles 1.0 --no-audit --method vds --neighbours 4"));
+        assert!(
+            command
+                .contains("--triangles 1.0 --wood ignore --no-audit --method vds --neighbours 4")
+        );
     }
 
     #[test]

@@ -9,7 +9,7 @@ use secateur_plant::Scheme;
 use super::grow_lod::Amount;
 use super::names::{
     AlphaName, ClusterSizeName, EngineName, MeshoptModeName, MethodName, PresetName, ReferenceName,
-    ResizeName, SidesName, TiesName,
+    ResizeName, SidesName, TiesName, WoodName,
 };
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
@@ -264,6 +264,10 @@ pub(crate) struct Simplify {
     pub(crate) overwrite: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
+    /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole
+    /// plant; else ignore].
+    #[arg(long, value_enum)]
+    pub(crate) wood: Option<WoodName>,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     /// Whether holes of leaf textures count.
@@ -462,8 +466,8 @@ pub(crate) struct TargetArgs {
     /// Stop before the VMI error on the driving views exceeds this many per cent.
     #[arg(long, value_name = "PCT", allow_negative_numbers = true, value_parser = from_zero)]
     max_error: Option<f64>,
-    /// Stop at N triangles of the foliage, or at a share of them such as 0.25; see
-    /// `--leaf-triangles`.
+    /// Stop at N triangles of the whole plant, wood and leaves, or at a share of them such as 0.25;
+    /// with `--wood ignore` of the foliage. See `--leaf-triangles`.
     #[arg(long, value_name = "N|R", allow_negative_numbers = true, value_parser = triangles)]
     triangles: Option<Target>,
 }

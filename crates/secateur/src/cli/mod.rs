@@ -20,6 +20,7 @@ mod progress_bar;
 mod record;
 mod simplify;
 mod study;
+mod subject;
 mod summary;
 
 use std::process::ExitCode;

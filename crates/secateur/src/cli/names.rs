@@ -1,7 +1,7 @@
 //! Names on the command line for values of the library.
 
 use clap::ValueEnum;
-use secateur::{Alpha, Engine, Preset, Reference, Resize, Sides, Ties};
+use secateur::{Alpha, Engine, Preset, Reference, Resize, Sides, Ties, WoodMode};
 use secateur_plant::ClusterSize;
 use secateur_simplify::meshopt::Mode;
 
@@ -47,6 +47,16 @@ pub(crate) enum MethodName {
     Merge,
 }
 
+names!(
+/// What becomes of the wood.
+WoodName => WoodMode {
+    /// It is simplified with the leaves, under one budget of triangles
+    Auto,
+    /// It stays as it was; what a budget of triangles leaves beside it is the leaves'
+    Keep,
+    /// It stays as it was and does not count: budgets of triangles are the leaves'
+    Ignore,
+});
 names!(PresetName => Preset {
     /// Pictures that look like the original: the crown stays as dense as it was
     Look,

@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::{
-    Inspection, Measurement, Objective, Options, Simplified, StagedFiles, TakenFor, Tree, Written,
-};
+use secateur::{Inspection, Measurement, Objective, Options, StagedFiles, TakenFor, Written};
 use serde_json::{Map, Value, json};
 
 use super::args;
 use super::machine;
+use super::subject::{Outcome, Subject};
 use super::{failure::Failure, output};
 
 /// What was run, on what.
@@ -48,8 +47,8 @@ pub(crate) fn foliage(inspection: &Inspection) -> Value {
 /// A result and all that went into it.
 pub(crate) struct Run<'a> {
     pub(crate) input: &'a Path,
-    pub(crate) tree: &'a Tree,
-    pub(crate) result: &'a Simplified,
+    pub(crate) subject: &'a Subject,
+    pub(crate) outcome: &'a Outcome,
     pub(crate) options: &'a Options,
     pub(crate) written: &'a Written,
     pub(crate) stages: &'a [(&'static str, f64)],
@@ -59,7 +58,8 @@ pub(crate) struct Run<'a> {
 
 /// The record of a `simplify`.
 pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
-    let (tree, result) = (run.tree, run.result);
+    let (subject, result) = (run.subject, &run.outcome.result);
+    let leaves = subject.leaves();
     json!({
         "input": run.input.display().to_string(),
         "output": files(&run.written.files),
@@ -68,10 +68,14 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
             "original": result.passes.order.leaf_count(),
             "final": result.lod.leaf_count(),
         },
-        "triangles": { "original": tree.triangle_count(), "final": run.written.triangles },
+        "triangles": { "original": subject.triangles(), "final": run.written.triangles },
         "foliage_triangles": {
-            "original": tree.foliage().triangles().len(),
-            "final": result.lod.foliage(tree.foliage()).triangles().len(),
+            "original": leaves.triangles().len(),
+            "final": result.lod.foliage(leaves).triangles().len(),
+        },
+        "wood_triangles": {
+            "original": subject.wood_triangles(),
+            "final": run.outcome.wood_triangles,
         },
         "method": run.options.method.name(),
         "engine": result.engine,
@@ -87,7 +91,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
         "stopped": result.stopped.name(),
         "audit": result.audited_by,
         "settings": settings(run, args),
-        "foliage": foliage(tree.inspection()),
+        "foliage": foliage(subject.tree().inspection()),
         "warnings": run.warnings,
         "notes": run.written.notes,
         "run": provenance("simplify"),
@@ -97,7 +101,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
 /// How it was asked for, and what was decided meanwhile. Options of the method are spelled as the
 /// library spells them.
 fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
-    let (result, options) = (run.result, run.options);
+    let (result, options) = (&run.outcome.result, run.options);
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     let about = json!({
         "views": args.views,
@@ -106,6 +110,7 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
         "resolution_reason": result.resolution_reason,
         "preset": options.preset,
         "target": options.target,
+        "wood": run.subject.mode(),
         "leaf_triangles": options.leaf_triangles,
         "fit": options.objective().map(fitted_to),
         "alpha": options.alpha,

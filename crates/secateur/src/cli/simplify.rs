@@ -1,14 +1,12 @@
 //! `secateur simplify`.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 use secateur::{
     ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method, Objective,
-    Options, PlantSkeleton, PreparedLod, Preset, Resolution, Simplified, StagedFiles,
-    StochasticOptions, Stopped, Tree, VdsOptions, ViewSet, Views, Warning, WriteOptions, Written,
-    read_cameras,
+    Options, PreparedLod, Preset, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
+    VdsOptions, ViewSet, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
 };
 
 use super::args::{self, Common, MaxCoverage};
@@ -18,6 +16,7 @@ use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{self, Run};
+use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
 use super::{interrupt, machine, output};
 
@@ -28,18 +27,26 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let mut options = options(args)?;
     let mut stages = Vec::new();
 
-    let tree = timed(&mut stages, "load", || {
+    let mode = match args.wood {
+        Some(wood) => wood.into(),
+        None => usual_mode(options.target),
+    };
+    let subject = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
+        Subject::open(&args.tree, &args.foliage.foliage, mode)
     })?;
+    let tree = subject.tree();
     output::check_spares(tree.document(), &outputs)?;
     let mut warnings = tree.inspection().warnings.clone();
     warn_all(&warnings);
     interrupt::check()?;
 
-    options.skeleton = skeleton(&tree, &options.method)?;
-    let result = simplified(&tree, &options, args, common)?;
-    let of_run = sentences(&result);
+    if options.method.needs_skeleton() {
+        options.skeleton = subject.skeleton()?;
+    }
+    let outcome = simplified(&subject, &options, args, common)?;
+    let result = &outcome.result;
+    let of_run = sentences(result);
     warn_all(&of_run);
     warnings.extend(of_run);
     stages.extend(
@@ -53,12 +60,12 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        tree.prepare_lod(&result.lod, &args.output, write_options(args))
+        tree.prepare_lod(&outcome.lod, &args.output, write_options(args))
             .map_err(Failure::from)
     })?;
     let picture = match args.picture {
         Some(_) => Some(timed(&mut stages, "picture", || {
-            picture_of(&prepared, args, &tree, &result)
+            picture_of(&prepared, args, &subject, &outcome)
         })?),
         None => None,
     };
@@ -67,12 +74,12 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         output::stage(&mut staged, path, &picture)?;
     }
     if let Some(folder) = &args.debug_images {
-        stage_debug_images(&mut staged, folder, &options, &tree, &result)?;
+        stage_debug_images(&mut staged, folder, &options, subject.leaves(), result)?;
     }
     let run = Run {
         input: &args.tree,
-        tree: &tree,
-        result: &result,
+        subject: &subject,
+        outcome: &outcome,
         options: &options,
         written: &written,
         stages: &stages,
@@ -165,17 +172,6 @@ fn vds(args: &args::Simplify) -> VdsOptions {
     }
 }
 
-/// The skeleton of a tree, where the method needs one.
-pub(crate) fn skeleton(
-    tree: &Tree,
-    method: &Method,
-) -> Result<Option<Arc<PlantSkeleton>>, Failure> {
-    if !method.needs_skeleton() {
-        return Ok(None);
-    }
-    Ok(tree.skeleton()?.map(Arc::new))
-}
-
 /// A set of views by its name, or cameras from a file.
 fn views(name: &str) -> Result<Views, Error> {
     if let Some(views) = Views::by_name(name) {
@@ -193,16 +189,14 @@ fn views(name: &str) -> Result<Views, Error> {
 }
 
 fn simplified(
-    tree: &Tree,
+    subject: &Subject,
     options: &Options,
     args: &args::Simplify,
     common: &Common,
-) -> Result<Simplified, Failure> {
+) -> Result<Outcome, Failure> {
     let progress_bar = RunProgress::new(common);
-    secateur::simplify_with(tree.foliage(), options, &mut |progress| {
-        progress_bar.show(progress)
-    })
-    .map_err(Failure::about(&args.tree))
+    let outcome = subject.simplified(options, &mut |progress| progress_bar.show(progress));
+    outcome.map_err(Failure::about(&args.tree))
 }
 
 /// Does something and notes how long it took.
@@ -236,40 +230,44 @@ pub(crate) fn warn_all(warnings: &[String]) {
 fn picture_of(
     prepared: &PreparedLod,
     args: &args::Simplify,
-    tree: &Tree,
-    result: &Simplified,
+    subject: &Subject,
+    outcome: &Outcome,
 ) -> Result<Vec<u8>, Failure> {
     let selectors = &args.foliage.foliage;
     let after = prepared.document()?;
-    let left = result.lod.foliage(tree.foliage());
-    let in_words = |foliage: &Foliage| {
-        let [leaves, triangles] = counts(foliage).map(|n| grouped(n as u64));
+    let leaves = subject.leaves();
+    let left = outcome.result.lod.foliage(leaves);
+    // Triangles are those that the target counts.
+    let counts = |foliage: &Foliage, wood_triangles: u64| {
+        let wood = match subject.mode() {
+            WoodMode::Ignore => 0,
+            _ => wood_triangles as usize,
+        };
+        [foliage.leaves().len(), foliage.triangles().len() + wood]
+    };
+    let before = counts(leaves, subject.wood_triangles());
+    let now = counts(&left, outcome.wood_triangles);
+    let in_words = |counts: [usize; 2]| {
+        let [leaves, triangles] = counts.map(|n| grouped(n as u64));
         format!("{leaves} leaves, {triangles} triangles")
     };
-    let [[leaves_before, triangles_before], [leaves, triangles]] =
-        [tree.foliage(), &left].map(counts);
     let exhibits = [
         Exhibit {
             title: "original".to_owned(),
-            subtitle: in_words(tree.foliage()),
-            surfaces: picture::surfaces(tree.document(), selectors)?,
+            subtitle: in_words(before),
+            surfaces: picture::surfaces(subject.tree().document(), selectors)?,
         },
         Exhibit {
-            title: match result.stopped {
-                Stopped::AtTriangles => share(triangles, triangles_before),
-                Stopped::AtLeafCount | Stopped::AtMaxError => share(leaves, leaves_before),
+            title: match outcome.result.stopped {
+                Stopped::AtTriangles => share(now[1], before[1]),
+                Stopped::AtLeafCount | Stopped::AtMaxError => share(now[0], before[0]),
             },
-            subtitle: in_words(&left),
+            subtitle: in_words(now),
             // No leaf may be left to select.
             surfaces: picture::surfaces(&after, &[])?,
         },
     ];
     picture::sheet(&exhibits)
-}
-
-/// Number of leaves, number of their triangles.
-fn counts(foliage: &Foliage) -> [usize; 2] {
-    [foliage.leaves().len(), foliage.triangles().len()]
 }
 
 /// "10 %" of the leaves.
@@ -285,10 +283,10 @@ fn stage_debug_images(
     staged: &mut StagedFiles,
     folder: &Path,
     options: &Options,
-    tree: &Tree,
+    leaves: &Foliage,
     result: &Simplified,
 ) -> Result<(), Failure> {
-    let foliage = secateur::as_seen(tree.foliage(), options.alpha, options.sides);
+    let foliage = secateur::as_seen(leaves, options.alpha, options.sides);
     let original = Lod::original(foliage.leaves().len());
     let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
@@ -317,14 +315,15 @@ fn fitted_to(objective: Objective) -> String {
 }
 
 fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
-    let (result, written): (&Simplified, &Written) = (run.result, run.written);
+    let (result, written): (&Simplified, &Written) = (&run.outcome.result, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
     let numbers = |name: &str, before: u64, after: u64| {
         let share = share(after as usize, before as usize);
         row([name.to_owned(), grouped(before), grouped(after), share])
     };
-    let left = result.lod.foliage(run.tree.foliage());
-    let [before, after] = [run.tree.foliage(), &left].map(|f| f.triangles().len());
+    let subject = run.subject;
+    let left = result.lod.foliage(subject.leaves());
+    let [before, after] = [subject.leaves(), &left].map(|f| f.triangles().len());
     let mut rows = vec![
         row([
             String::new(),
@@ -337,8 +336,13 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
             result.passes.order.leaf_count().into(),
             result.lod.leaf_count() as u64,
         ),
-        numbers("triangles", run.tree.triangle_count(), written.triangles),
+        numbers("triangles", subject.triangles(), written.triangles),
         numbers("of leaves", before as u64, after as u64),
+        numbers(
+            "of wood",
+            subject.wood_triangles(),
+            run.outcome.wood_triangles,
+        ),
     ];
     if let Some(before) = record::bytes_of(run.input) {
         let share = share(written.bytes as usize, before as usize);

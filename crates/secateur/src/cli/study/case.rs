@@ -59,6 +59,7 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
 /// An option that a case can't have: a study has it itself, or writes no such file.
 fn option_of_the_study(args: &args::Simplify, common: &args::Common) -> Option<&'static str> {
     let given = [
+        ("--wood", args.wood.is_some()),
         ("--foliage", !args.foliage.foliage.is_empty()),
         ("--report", args.report.is_some()),
         ("--picture", args.picture.is_some()),
@@ -153,6 +154,7 @@ mod tests {
             "vds --no-such-thing",
             "",
             "vds --leaves 3",
+            "vds --triangles --wood auto",
             "vds --report r.json",
             "vds --views no.json",
             "vds -q",

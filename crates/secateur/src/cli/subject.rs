@@ -1,0 +1,131 @@
+//! A tree that is simplified: its leaves alone, or its wood too.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use secateur::{
+    Foliage, Lod, Observer, OpenEngine, Options, PlantSkeleton, Selector, Simplified,
+    SimplifyError, Target, Tree, WholePlant, WholeTree, WoodMode, simplify_keeping_wood,
+    simplify_with,
+};
+
+use super::failure::Failure;
+
+/// Driving views look this often at each triangle, for the choice of an engine.
+const VIEWS: u64 = 20;
+
+/// A tree, and what becomes of its wood.
+pub(crate) enum Subject {
+    /// Leaves alone are looked at.
+    Leaves(Tree),
+    /// Wood is too.
+    Whole(WholeTree, WoodMode),
+}
+
+/// What came of it.
+pub(crate) struct Outcome {
+    /// Of the leaves.
+    pub(crate) result: Simplified,
+    /// Of all that [`Subject::tree`] can edit.
+    pub(crate) lod: Lod,
+    /// Triangles of wood that are left.
+    pub(crate) wood_triangles: u64,
+}
+
+/// What becomes of the wood where nothing else is said: a budget of triangles is the whole plant's,
+/// other targets are of leaves.
+pub(crate) fn usual_mode(target: Target) -> WoodMode {
+    match target {
+        Target::Triangles(_) => WoodMode::Auto,
+        Target::Leaves(_) | Target::MaxErrorPercent(_) => WoodMode::Ignore,
+    }
+}
+
+impl Subject {
+    pub(crate) fn open(
+        path: &Path,
+        selectors: &[Selector],
+        mode: WoodMode,
+    ) -> Result<Self, Failure> {
+        Ok(match mode {
+            WoodMode::Ignore => Self::Leaves(Tree::open(path, selectors)?),
+            mode => Self::Whole(WholeTree::open(path, selectors)?, mode),
+        })
+    }
+
+    /// What a LOD of [`Outcome::lod`] is written with.
+    pub(crate) fn tree(&self) -> &Tree {
+        match self {
+            Self::Leaves(tree) => tree,
+            Self::Whole(tree, _) => tree.items(),
+        }
+    }
+
+    pub(crate) fn leaves(&self) -> &Foliage {
+        match self {
+            Self::Leaves(tree) => tree.foliage(),
+            Self::Whole(tree, _) => tree.leaves(),
+        }
+    }
+
+    /// Triangles of the wood as it was.
+    pub(crate) fn wood_triangles(&self) -> u64 {
+        match self {
+            Self::Leaves(tree) => tree.wood_triangle_count(),
+            Self::Whole(tree, _) => tree.wood().triangles().len() as u64,
+        }
+    }
+
+    /// Triangles of the plant as it was.
+    pub(crate) fn triangles(&self) -> u64 {
+        self.leaves().triangles().len() as u64 + self.wood_triangles()
+    }
+
+    pub(crate) fn mode(&self) -> WoodMode {
+        match self {
+            Self::Leaves(_) => WoodMode::Ignore,
+            Self::Whole(_, mode) => *mode,
+        }
+    }
+
+    pub(crate) fn skeleton(&self) -> Result<Option<Arc<PlantSkeleton>>, Failure> {
+        let skeleton = match self {
+            Self::Leaves(tree) => tree.skeleton()?,
+            Self::Whole(tree, _) => tree.skeleton()?,
+        };
+        Ok(skeleton.map(Arc::new))
+    }
+
+    /// Simplifies it.
+    pub(crate) fn simplified(
+        &self,
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<Outcome, SimplifyError> {
+        let (tree, mode) = match self {
+            Self::Leaves(tree) => {
+                let result = simplify_with(tree.foliage(), options, observer)?;
+                return Ok(Outcome {
+                    lod: result.lod.clone(),
+                    result,
+                    wood_triangles: tree.wood_triangle_count(),
+                });
+            }
+            Self::Whole(tree, mode) => (tree, *mode),
+        };
+        let triangle_views = self.triangles() * VIEWS;
+        let engine = OpenEngine::open(options.engine, triangle_views)
+            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let (leaves, wood) = (tree.leaves(), tree.wood());
+        let level = match mode {
+            WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
+            _ => WholePlant::new(tree.items().foliage(), leaves, wood, &engine)?
+                .simplified(options, &engine, observer)?,
+        };
+        Ok(Outcome {
+            lod: tree.joined(&level.leaves.lod, &level.wood),
+            result: level.leaves,
+            wood_triangles: level.wood_triangles as u64,
+        })
+    }
+}

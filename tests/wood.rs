@@ -1,0 +1,106 @@
+//! What becomes of the wood: one budget for the plant, or wood that stays.
+
+use secateur::Tree;
+use serde_json::Value;
+
+use crate::program::{Bench, OAK_LEAVES};
+
+fn simplified(bench: &Bench, options: &[&str]) -> Value {
+    let files = ["oak.glb", "-o", "out.glb", "--report", "r.json"];
+    bench.simplify(&[&files, options].concat()).succeeded();
+    bench.json("r.json")
+}
+
+/// Before and after.
+fn counts(report: &Value, key: &str) -> [u64; 2] {
+    ["original", "final"].map(|when| report[key][when].as_u64().unwrap())
+}
+
+/// The figures of a report are those of the file.
+fn assert_adds_up(bench: &Bench, report: &Value) {
+    let [all, foliage, wood] =
+        ["triangles", "foliage_triangles", "wood_triangles"].map(|key| counts(report, key));
+    for when in 0..2 {
+        assert_eq!(all[when], foliage[when] + wood[when], "{report}");
+    }
+    let tree = Tree::open(&bench.path("out.glb"), &[]).unwrap();
+    assert_eq!(tree.leaf_triangle_count(), foliage[1]);
+    assert_eq!(tree.triangle_count(), all[1]);
+}
+
+#[test]
+fn a_budget_of_triangles_is_the_whole_plants() {
+    let bench = Bench::new();
+    for method in ["vds", "fsa", "stochastic", "chain"] {
+        for budget in ["0.5", "0.1", "300"] {
+            let report = simplified(&bench, &["--method", method, "--triangles", budget]);
+            assert_adds_up(&bench, &report);
+            let [before, after] = counts(&report, "triangles");
+            let most = match budget.parse::<u64>() {
+                Ok(count) => count,
+                Err(_) => (budget.parse::<f64>().unwrap() * before as f64).round() as u64,
+            };
+            assert!(after <= most, "{method} {budget}: {after}");
+            // Leaves of several triangles may not use the last ones.
+            assert!(after + 3 >= most || method != "vds", "{budget}: {after}");
+            let wood = counts(&report, "wood_triangles");
+            assert!(wood[1] > 0 && wood[1] < wood[0], "{method} {budget}");
+            assert_eq!(report["settings"]["wood"], "auto");
+        }
+    }
+    crate::validator::assert_valid(&[bench.path("out.glb")]);
+}
+
+#[test]
+fn wood_that_is_kept_leaves_the_rest_of_the_budget() {
+    let bench = Bench::new();
+    let ignored = simplified(&bench, &["--ratio", "1"]);
+    let [wood, _] = counts(&ignored, "wood_triangles");
+    let budget = (wood + 100).to_string();
+    let report = simplified(&bench, &["--wood", "keep", "--triangles", &budget]);
+    assert_adds_up(&bench, &report);
+    assert_eq!(counts(&report, "wood_triangles"), [wood, wood]);
+    assert_eq!(counts(&report, "foliage_triangles")[1], 100);
+
+    let least = wood.to_string();
+    let none = simplified(&bench, &["--wood", "keep", "--triangles", &least]);
+    assert_eq!(counts(&none, "foliage_triangles")[1], 0);
+    let below = (wood - 1).to_string();
+    let files = ["oak.glb", "-o", "small.glb"];
+    let small = ["--wood", "keep", "--triangles", &below];
+    let says = format!("ask for {wood} or more");
+    let run = bench.simplify(&[&files[..], &small].concat());
+    run.failed_saying(&["the wood alone has", &says]);
+    assert!(!bench.names().contains(&"small.glb".to_owned()));
+}
+
+#[test]
+fn targets_of_leaves_leave_the_wood_alone_unless_it_is_said() {
+    let bench = Bench::new();
+    for target in [["--ratio", "0.25"], ["--leaves", "60"]] {
+        let of = |wood: &[&str]| simplified(&bench, &[&target[..], wood].concat());
+        let [default, ignored] = [&[][..], &["--wood", "ignore"]].map(of);
+        assert_eq!(default["order_sha256"], ignored["order_sha256"]);
+        assert_eq!(default["settings"]["wood"], "ignore");
+        let [before, after] = counts(&default, "wood_triangles");
+        assert_eq!(before, after);
+        let auto = of(&["--wood", "auto"]);
+        assert_adds_up(&bench, &auto);
+        assert_eq!(counts(&auto, "leaves"), [OAK_LEAVES, OAK_LEAVES / 4]);
+        let wood = counts(&auto, "wood_triangles");
+        assert!(wood[1] > 0 && 4 * wood[1] < wood[0], "{wood:?}");
+        assert_eq!(auto["order_sha256"], ignored["order_sha256"]);
+    }
+}
+
+#[test]
+fn a_plant_may_have_no_wood() {
+    let bench = Bench::new();
+    for wood in ["auto", "keep"] {
+        let all = ["--foliage", "material:*", "--wood", wood];
+        let report = simplified(&bench, &[&all[..], &["--triangles", "0.5"]].concat());
+        assert_eq!(counts(&report, "wood_triangles"), [0, 0]);
+        let [before, after] = counts(&report, "triangles");
+        assert!(2 * after <= before + 1 && after > 0);
+    }
+}
