@@ -140,7 +140,7 @@ pub mod chain {
     //! [`Tree::write_chain`](crate::Tree::write_chain) make one of [`Level`]s.
 
     pub use super::write::chain::{
-        Chain, ChainFile, ChainProblem, Layout, Level, MAX_LEVELS, WrittenChain,
+        Chain, ChainFile, ChainProblem, Layout, Level, MAX_LEVELS, PreparedChain, WrittenChain,
     };
 }
 

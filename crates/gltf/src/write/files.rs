@@ -43,7 +43,8 @@ pub struct Written {
 #[non_exhaustive]
 pub struct WriteOptions {
     /// Whether the buffer beside a .gltf may take the place of a file that is no
-    /// buffer of the .gltf that is there.
+    /// buffer of the .gltf that is there, and levels of a chain that of files that
+    /// are there.
     pub overwrite: bool,
 }
 
@@ -187,6 +188,18 @@ impl Tree {
         path: &Path,
         options: WriteOptions,
     ) -> Result<PreparedLod, GltfError> {
+        self.prepare_lod_beside(lod, path, options, &[])
+    }
+
+    /// [`prepare_lod`](Self::prepare_lod) without the images that are among these
+    /// files.
+    pub(super) fn prepare_lod_beside(
+        &self,
+        lod: &Lod,
+        path: &Path,
+        options: WriteOptions,
+        beside: &[PathBuf],
+    ) -> Result<PreparedLod, GltfError> {
         let failed = |problem: WriteProblem| {
             GltfError::new(&path.display().to_string(), Problem::from(problem))
         };
@@ -195,7 +208,8 @@ impl Tree {
         let content = lod_content(self, lod).map_err(|fault| self.document.error(fault))?;
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
         let images = self.images_to_copy(&content.root, &target, &mut notes);
-        let images = images.map_err(failed)?;
+        let mut images = images.map_err(failed)?;
+        images.retain(|copy| !beside.contains(&copy.to));
         let written = Written {
             triangles,
             bytes: 0,

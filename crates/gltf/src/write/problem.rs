@@ -15,6 +15,9 @@ pub enum WriteProblem {
     /// Writing it would destroy the input.
     #[error("is a file that the input is made of; choose another name for the output")]
     IsInput,
+    /// A level of a chain that is there already.
+    #[error("is there already; choose another place, or ask to overwrite it")]
+    Exists,
     /// The folder is not there.
     #[error("cannot be written: its folder `{}` does not exist", .0.display())]
     NoFolder(PathBuf),

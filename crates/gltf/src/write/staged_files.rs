@@ -93,6 +93,15 @@ impl StagedFiles {
         Ok(count)
     }
 
+    /// Makes a folder and those above it, as far as they are not there. They go
+    /// again if nothing is committed.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn make_folder(&mut self, folder: &Path) -> io::Result<()> {
+        self.make_folders(folder)
+    }
+
     /// Has the names given so far on the disk before the next is given.
     pub(super) fn sync_folders(&mut self) {
         self.steps.push(Step::SyncFolders);

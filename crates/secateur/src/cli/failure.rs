@@ -59,7 +59,7 @@ impl From<secateur::GltfError> for Failure {
     fn from(error: secateur::GltfError) -> Self {
         let is_unrelated = matches!(
             error.problem(),
-            Problem::Write(WriteProblem::UnrelatedBuffer(_))
+            Problem::Write(WriteProblem::UnrelatedBuffer(_) | WriteProblem::Exists)
         );
         let what_to_do = if is_unrelated {
             " with `--overwrite`"

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use secateur::{Amount, Options, Target};
-use secateur_gltf::chain::{Layout, Level, WrittenChain};
-use secateur_gltf::{Detail, Document, WholeTree};
+use secateur_gltf::chain::{Layout, Level, PreparedChain, WrittenChain};
+use secateur_gltf::{Detail, Document, StagedFiles, WholeTree, WriteOptions};
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
@@ -44,8 +44,10 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     check_outputs(args, &jobs)?;
     options(args).check().map_err(|e| Failure(e.to_string()))?;
     let mut trees = Vec::new();
+    // All files are written before the first appears: what fails leaves nothing.
+    let mut staged = StagedFiles::new();
     for job in &jobs {
-        trees.push(make(args, common, job)?);
+        trees.push(make(args, common, job, &mut staged)?);
     }
     let total = start.elapsed().as_secs_f64();
     let mut record = match &mut trees[..] {
@@ -63,8 +65,9 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
         }),
     );
     if let Some(report) = &args.report {
-        output::write_file(report, format!("{record:#}\n").as_bytes())?;
+        output::stage(&mut staged, report, format!("{record:#}\n").as_bytes())?;
     }
+    staged.commit()?;
     Ok(Printed {
         pretty: trees.iter().map(|done| done.pretty.as_str()).collect(),
         rows: trees.into_iter().flat_map(|done| done.rows).collect(),
@@ -141,17 +144,13 @@ fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), Failure> {
             "a preview shows one tree: give one at a time, or leave out `--preview`".to_owned(),
         ));
     }
-    if args.overwrite {
-        return Ok(());
-    }
-    for job in jobs {
-        let there = match job.layout {
-            Layout::Files => (0..secateur_scene::chain::MAX_LEVELS)
-                .map(|k| job.place.join(format!("{}_LOD{k}.glb", job.name)))
-                .find(|file| file.exists()),
-            _ => Some(job.place.clone()).filter(|file| file.exists()),
-        };
-        if let Some(file) = there {
+    let places: Vec<PathBuf> = jobs.iter().flat_map(places).collect();
+    let beside = [&args.report, &args.preview].into_iter().flatten();
+    let outputs: Vec<&Path> = places.iter().chain(beside).map(PathBuf::as_path).collect();
+    output::check_distinct(&outputs)?;
+    if !args.overwrite {
+        let there = |file: &&PathBuf| std::fs::symlink_metadata(file).is_ok();
+        if let Some(file) = places.iter().find(there) {
             return Err(Failure(format!(
                 "{}: is there already; give another folder, or `--overwrite`",
                 file.display()
@@ -159,6 +158,15 @@ fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// The files that a tree's levels may become.
+fn places(job: &Job<'_>) -> Vec<PathBuf> {
+    let level = |k| job.place.join(format!("{}_LOD{k}.glb", job.name));
+    match job.layout {
+        Layout::Files => (0..secateur_scene::chain::MAX_LEVELS).map(level).collect(),
+        _ => vec![job.place.clone()],
+    }
 }
 
 fn options(args: &args::Lods) -> ChainOptions {
@@ -186,11 +194,20 @@ fn options(args: &args::Lods) -> ChainOptions {
     }
 }
 
-fn make(args: &args::Lods, common: &Common, job: &Job<'_>) -> Result<Done, Failure> {
+fn make(
+    args: &args::Lods,
+    common: &Common,
+    job: &Job<'_>,
+    staged: &mut StagedFiles,
+) -> Result<Done, Failure> {
     let start = Instant::now();
     let options = options(args);
     tracing::info!("reading {}", job.tree.display());
     let tree = WholeTree::open(job.tree, &args.foliage.foliage)?;
+    let mut outputs = places(job);
+    outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
+    let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+    output::check_spares(tree.items().document(), &outputs)?;
     let warnings = tree.items().inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
@@ -205,12 +222,15 @@ fn make(args: &args::Lods, common: &Common, job: &Job<'_>) -> Result<Done, Failu
     drop(progress_bar);
 
     interrupt::writing()?;
-    if job.layout == Layout::Files || job.place != args.output {
-        output::make_folder(&args.output)?;
+    if job.place != args.output {
+        let made = staged.make_folder(&args.output);
+        made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
-    let written = write(&tree, job, &made)?;
+    let (written, files) = write(args, &tree, job, &made)?.into_files();
+    staged.append(files);
     if let Some(file) = &args.preview {
-        output::write_file(file, preview(&tree, job, &options, &made)?.as_bytes())?;
+        let page = preview(&tree, job, &options, &made)?;
+        output::stage(staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
     let rows = rows(job, &made, &written);
@@ -252,14 +272,20 @@ fn about(path: &Path, error: &str) -> String {
     }
 }
 
-fn write(tree: &WholeTree, job: &Job<'_>, made: &Chain) -> Result<WrittenChain, Failure> {
+fn write(
+    args: &args::Lods,
+    tree: &WholeTree,
+    job: &Job<'_>,
+    made: &Chain,
+) -> Result<PreparedChain, Failure> {
     let levels = made.levels.iter().enumerate();
     let levels: Vec<Level<'_>> = levels
         .map(|(k, level)| Level::new(&job.name, k, &level.lod, facts(level)))
         .collect();
+    let options = WriteOptions::default().overwrite(args.overwrite);
     Ok(tree
         .items()
-        .write_chain(&job.name, &levels, job.layout, &job.place)?)
+        .prepare_chain(&job.name, &levels, job.layout, &job.place, options)?)
 }
 
 /// What the node of a level says in its extras.

@@ -35,6 +35,16 @@ pub(super) struct ActiveLeaf {
     outline: Outline,
 }
 
+/// What the cost of a pair depends on: where the vertices are and the normal,
+/// either side. Leaves that have it in common cost the same to the last bit with
+/// any third leaf.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Shape {
+    /// Bits, ascending, each place once.
+    places: SmallVec<[[u64; 3]; 4]>,
+    normal: [u64; 3],
+}
+
 /// Leaves of more corners are compared by the outermost in 26 directions: that
 /// bounds the work for one pair.
 const MAX_VERTICES: usize = 26;
@@ -56,6 +66,17 @@ impl ActiveLeaf {
             facing: facing.unwrap_or(DVec3::ZERO),
             outline,
             vertices,
+        }
+    }
+
+    pub(super) fn shape(&self) -> Shape {
+        let mut places: SmallVec<[[u64; 3]; 4]> =
+            self.vertices.iter().map(|v| bits(v.position)).collect();
+        places.sort_unstable();
+        places.dedup();
+        Shape {
+            places,
+            normal: bits(self.normal).min(bits(-self.normal)),
         }
     }
 
@@ -139,6 +160,11 @@ impl Outline {
     }
 }
 
+/// Of a place, the same for both zeros.
+fn bits(place: DVec3) -> [u64; 3] {
+    place.to_array().map(|x| (x + 0.0).to_bits())
+}
+
 fn distinct_corners(leaf: LeafId, triangles: &[LeafTriangle]) -> Vec<Vertex> {
     let corners = triangles.iter().flat_map(|t| t.corners).zip(0..);
     let mut all: Vec<Vertex> = corners
@@ -147,7 +173,7 @@ fn distinct_corners(leaf: LeafId, triangles: &[LeafTriangle]) -> Vec<Vertex> {
             corner: CornerRef { leaf, corner },
         })
         .collect();
-    let key = |v: &Vertex| v.position.to_array().map(|x| (x + 0.0).to_bits());
+    let key = |v: &Vertex| bits(v.position);
     all.sort_by_key(|v| (key(v), v.corner.corner));
     all.dedup_by_key(|v| key(v));
     all.sort_by_key(|v| v.corner.corner);

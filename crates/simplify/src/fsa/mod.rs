@@ -18,14 +18,10 @@
 //! the larger of the two, all of its texture on the new outline.
 
 mod leaf;
+mod pairs;
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use rayon::prelude::*;
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
 use secateur_model::{Foliage, LeafId, PlantSkeleton, RemovalOrder, Step};
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +29,7 @@ use crate::Error;
 use crate::select::{Select, Selection, Steps, Task, refuse};
 
 use leaf::{ActiveLeaf, distance_squared};
+use pairs::Pairs;
 
 /// What can be chosen about leaf collapse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,7 +75,8 @@ impl Select for FsaOptions {
 ///
 /// The choice among all pairs is exact. Leaves whose partner is gone look for
 /// the next one only when it could matter, through a spatial index: about n log
-/// n time at equal crown density. `progress` gets the steps done.
+/// n time at equal crown density, and where leaves coincide. `progress` gets the
+/// steps done.
 ///
 /// `None` if `progress` broke off.
 ///
@@ -95,13 +93,15 @@ pub fn simplify(
     let mut pairs = Pairs::new(foliage, cost);
     let mut order = RemovalOrder::new(count as u32);
     while count - order.len() > leaves {
-        let Some((a, b)) = pairs.cheapest() else {
-            remove_last(&mut order, &pairs);
+        let Some(pair) = pairs.cheapest() else {
+            if let Some(last) = pairs.any() {
+                order.push(last, &[]);
+            }
             break;
         };
-        let made = pairs.collapse(a, b);
+        let made = pairs.collapse(pair);
         order.push_step(Step {
-            removed: &[a, b].map(|index| LeafId::from_index(index as usize)),
+            removed: &pair.leaves(),
             grown: &[],
             made: &[made],
             survivors_area_scale: 1.0,
@@ -111,12 +111,6 @@ pub fn simplify(
         }
     }
     Some(order)
-}
-
-fn remove_last(order: &mut RemovalOrder, pairs: &Pairs) {
-    if let Some(last) = pairs.leaves.iter().position(Option::is_some) {
-        order.push(LeafId::from_index(last), &[]);
-    }
 }
 
 /// The cost of a pair. Symmetric to the last bit.
@@ -174,112 +168,6 @@ impl Cost {
 
 /// Room for rounding in bounds.
 const SLACK: f64 = 1.0 - 1e-9;
-
-/// A pair as the heap sorts it: cost bits (costs are not negative, so they sort
-/// as numbers do), lower and higher leaf index. The last is whose entry it is.
-type Entry = (u64, u32, u32, u32);
-
-type Site = GeomWithData<[f64; 3], u32>;
-
-fn site(index: u32, leaf: &ActiveLeaf) -> Site {
-    Site::new(leaf.middle().to_array(), index)
-}
-
-/// The leaves that are left, and for each its cheapest partner when it last
-/// looked. Partners only go, and a new leaf looks for itself: so no entry is
-/// dearer than what its leaf would find now, or else a newer leaf's entry is
-/// for that pair.
-struct Pairs {
-    cost: Cost,
-    leaves: Vec<Option<ActiveLeaf>>,
-    index: RTree<Site>,
-    heap: BinaryHeap<Reverse<Entry>>,
-}
-
-impl Pairs {
-    fn new(foliage: &Foliage, cost: Cost) -> Self {
-        let count = foliage.leaves().len();
-        let leaves: Vec<Option<ActiveLeaf>> = (0..count)
-            .into_par_iter()
-            .map(|k| Some(ActiveLeaf::original(foliage, LeafId::from_index(k))))
-            .collect();
-        let sites = (0..)
-            .zip(leaves.iter().flatten())
-            .map(|(k, leaf)| site(k, leaf));
-        let mut pairs = Self {
-            index: RTree::bulk_load(sites.collect()),
-            cost,
-            leaves,
-            heap: BinaryHeap::new(),
-        };
-        let entries: Vec<Reverse<Entry>> = (0..count as u32)
-            .into_par_iter()
-            .filter_map(|k| pairs.best_of(k).map(Reverse))
-            .collect();
-        pairs.heap = BinaryHeap::from(entries);
-        pairs
-    }
-
-    fn leaf(&self, index: u32) -> Option<&ActiveLeaf> {
-        self.leaves[index as usize].as_ref()
-    }
-
-    /// The cheapest pair of all, taken off the heap.
-    fn cheapest(&mut self) -> Option<(u32, u32)> {
-        while let Some(Reverse((_, a, b, owner))) = self.heap.pop() {
-            let is_left = |k| self.leaf(k).is_some();
-            match (is_left(owner), is_left(a) && is_left(b)) {
-                (_, true) => return Some((a, b)),
-                (true, false) => self.heap.extend(self.best_of(owner).map(Reverse)),
-                (false, _) => {}
-            }
-        }
-        None
-    }
-
-    /// Neighbours by distance of their boxes' middles, until none further away
-    /// can be cheaper: the middles are at most the square root of 3 times the
-    /// Hausdorff distance apart, since along each axis they are at most once.
-    fn best_of(&self, owner: u32) -> Option<Entry> {
-        let leaf = self.leaf(owner)?;
-        let mut best: Option<Entry> = None;
-        let neighbours = self
-            .index
-            .nearest_neighbor_iter_with_distance_2(leaf.middle().to_array());
-        for (site, squared) in neighbours {
-            let least = SLACK * self.cost.of_distance(squared / 3.0);
-            if best.is_some_and(|best| least.to_bits() > best.0) {
-                break;
-            }
-            let other = site.data;
-            let Some(partner) = self.leaf(other).filter(|_| other != owner) else {
-                continue;
-            };
-            if best.is_some_and(|best| self.cost.at_least(leaf, partner).to_bits() > best.0) {
-                continue;
-            }
-            let cost = self.cost.of(leaf, partner).to_bits();
-            let entry = (cost, owner.min(other), owner.max(other), owner);
-            best = Some(best.map_or(entry, |best| best.min(entry)));
-        }
-        best
-    }
-
-    fn collapse(&mut self, a: u32, b: u32) -> secateur_model::NewLeaf {
-        let [first, second] = [a, b].map(|k| {
-            let leaf = self.leaves[k as usize].take().expect("a leaf that is left");
-            self.index.remove(&site(k, &leaf));
-            leaf
-        });
-        let new = ActiveLeaf::collapse(&first, &second);
-        let made = new.new_leaf();
-        let index = self.leaves.len() as u32;
-        self.index.insert(site(index, &new));
-        self.leaves.push(Some(new));
-        self.heap.extend(self.best_of(index).map(Reverse));
-        made
-    }
-}
 
 #[cfg(test)]
 mod tests;

@@ -151,6 +151,49 @@ fn the_last_leaf_goes_too() {
     assert!(run(&Foliage::default(), 0, &FsaOptions::default()).is_empty());
 }
 
+/// A leaf at the same place as all others costs nothing with any of them, so the
+/// lowest numbers go first: the originals in turn, then what they became. When
+/// each leaf looked through all others at each step, this took a quarter of an
+/// hour.
+#[test]
+fn leaves_at_one_place_take_no_longer_than_others() {
+    let count = 4000;
+    let foliage = foliage(&vec![unit_square(DVec3::ONE); count]);
+    let start = std::time::Instant::now();
+    let order = run(&foliage, 0, &FsaOptions::default());
+    let seconds = start.elapsed().as_secs_f64();
+    assert!(seconds < 20.0, "{seconds} s");
+    let in_turn: Vec<u32> = (1..2 * count as u32).collect();
+    let removed: Vec<u32> = order.removed().iter().map(|leaf| leaf.get()).collect();
+    assert_eq!(removed, in_turn);
+}
+
+/// Leaves of a few shapes at a few places, as a tree of cards has them: groups
+/// lose all members and get new ones.
+#[test]
+fn leaves_at_a_few_places_go_as_if_every_pair_was_looked_at() {
+    let square = |k: i32| {
+        let at = f64::from(k % 3) * DVec3::X + f64::from(k % 2) * DVec3::Y;
+        let mut corners = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y].map(|p| at + p);
+        corners.rotate_left((k % 4) as usize);
+        if k % 5 == 0 {
+            corners.reverse();
+        }
+        quad(corners)
+    };
+    let foliage = foliage(&(0..90).map(square).collect::<Vec<_>>());
+    for planarity_weight in [0.0, 1.0] {
+        let options = FsaOptions {
+            planarity_weight,
+            ..FsaOptions::default()
+        };
+        assert_eq!(
+            run(&foliage, 1, &options),
+            by_all_pairs(&foliage, 1, &options)
+        );
+    }
+}
+
 #[test]
 fn a_run_can_be_broken_off() {
     let foliage = foliage(&[unit_square(DVec3::ZERO), unit_square(DVec3::Y)]);

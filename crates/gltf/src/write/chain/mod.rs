@@ -17,7 +17,7 @@ use std::collections::{BTreeSet, HashSet};
 
 use serde_json::{Map, Value};
 
-pub use on_disk::WrittenChain;
+pub use on_disk::{PreparedChain, WrittenChain};
 
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;

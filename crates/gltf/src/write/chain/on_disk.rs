@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::files::WriteOptions;
 use super::super::problem::WriteProblem;
+use super::super::staged_files::{CommitError, StagedFiles};
 use super::{Layout, Level};
 use crate::Document;
 use crate::error::{GltfError, Problem};
@@ -24,12 +26,45 @@ pub struct WrittenChain {
     pub notes: Vec<String>,
 }
 
+/// A chain whose files are written, under temporary names; see
+/// [`Tree::prepare_chain`].
+#[derive(Debug)]
+pub struct PreparedChain {
+    written: WrittenChain,
+    staged: StagedFiles,
+}
+
+impl PreparedChain {
+    /// What is going to be there after [`commit`](Self::commit).
+    pub fn written(&self) -> &WrittenChain {
+        &self.written
+    }
+
+    /// Gives the files their names.
+    ///
+    /// # Errors
+    /// [`WriteProblem`] within [`GltfError`] if one can't have its name.
+    pub fn commit(self) -> Result<WrittenChain, GltfError> {
+        let failed = |failure: CommitError| {
+            let problem = Problem::from(WriteProblem::Io(failure.error));
+            GltfError::new(&failure.path.display().to_string(), problem)
+        };
+        self.staged.commit().map_err(failed)?;
+        Ok(self.written)
+    }
+
+    /// Its files, to be committed together with others.
+    pub fn into_files(self) -> (WrittenChain, StagedFiles) {
+        (self.written, self.staged)
+    }
+}
+
 impl Tree {
     /// Writes a chain: to the folder `path` in the layout of files, to the file
     /// `path` in the others. Its name ends in .glb or .gltf.
     ///
-    /// As [`chain_to_bytes`](Self::chain_to_bytes) and
-    /// [`write_lod`](Self::write_lod).
+    /// [`prepare_chain`](Self::prepare_chain) with the usual options, and at once
+    /// [`commit`](PreparedChain::commit).
     ///
     /// # Errors
     /// [`GltfError`] as these.
@@ -43,33 +78,65 @@ impl Tree {
         layout: Layout,
         path: &Path,
     ) -> Result<WrittenChain, GltfError> {
+        self.prepare_chain(name, levels, layout, path, WriteOptions::default())?
+            .commit()
+    }
+
+    /// Writes all that [`write_chain`](Self::write_chain) writes, but under
+    /// temporary names: a failure, at whichever level, leaves nothing. The folder
+    /// of a chain of files is made.
+    ///
+    /// As [`chain_to_bytes`](Self::chain_to_bytes) and
+    /// [`prepare_lod`](Self::prepare_lod).
+    ///
+    /// # Errors
+    /// [`GltfError`] as these, and if a level's file is there already and
+    /// `options` do not say that it may be overwritten.
+    ///
+    /// # Panics
+    /// If a level is of another number of leaves.
+    pub fn prepare_chain(
+        &self,
+        name: &str,
+        levels: &[Level],
+        layout: Layout,
+        path: &Path,
+        options: WriteOptions,
+    ) -> Result<PreparedChain, GltfError> {
         let chain = self.chain_to_bytes(name, levels, layout)?;
+        let place_of = |file: &str| match layout {
+            Layout::Files => path.join(file),
+            Layout::Siblings | Layout::Msft => path.to_owned(),
+        };
+        let places = chain.files.iter().map(|file| place_of(&file.name));
+        let places: Vec<PathBuf> = places.collect();
+        for place in &places {
+            self.check_place(place, options)?;
+        }
+        let mut staged = StagedFiles::new();
+        if layout == Layout::Files {
+            let made = staged.make_folder(path);
+            made.map_err(|error| refused(path, WriteProblem::Io(error)))?;
+        }
         let mut written = WrittenChain {
             triangles: chain.triangles,
             bytes: 0,
-            files: Vec::new(),
+            files: places.clone(),
             notes: chain.notes,
         };
-        let mut beside = Vec::new();
-        for file in chain.files {
-            let path = match layout {
-                Layout::Files => path.join(&file.name),
-                Layout::Siblings | Layout::Msft => path.to_owned(),
-            };
-            self.check_no_buffer(&path)?;
-            let one = self.as_written(file.bytes)?;
-            let one = one.write_lod(&Lod::original(0), &path)?;
+        for (file, place) in chain.files.into_iter().zip(places) {
+            let level = self.as_written(file.bytes)?;
+            // Levels share their images.
+            let lod = Lod::original(0);
+            let prepared = level.prepare_lod_beside(&lod, &place, options, &written.files)?;
+            let (one, files) = prepared.into_files();
+            staged.append(files);
             written.bytes += one.bytes;
-            let mut files = one.files.into_iter();
-            written.files.extend(files.next());
-            beside.extend(files);
+            written.files.extend(one.files.into_iter().skip(1));
             written.notes.extend(one.notes);
         }
-        beside.retain(|file| !written.files.contains(file));
-        beside.dedup();
-        written.files.extend(beside);
         written.notes = super::without_repeats(written.notes);
-        Ok(written)
+        Ok(PreparedChain { written, staged })
     }
 
     /// A file of the chain as a tree without foliage, which the writer of levels
@@ -89,19 +156,27 @@ impl Tree {
         })
     }
 
-    /// The writer knows the input's buffers no more: they are in the chain now.
-    fn check_no_buffer(&self, path: &Path) -> Result<(), GltfError> {
+    /// Refuses a place of the input's (the writer knows its buffers no more: they
+    /// are in the chain now), and one of a file that must stay.
+    fn check_place(&self, path: &Path, options: WriteOptions) -> Result<(), GltfError> {
         let inputs: Vec<PathBuf> = self
             .document
             .files()
             .iter()
+            .chain([&PathBuf::from(&self.document.name)])
             .filter_map(|file| std::fs::canonicalize(file).ok())
             .collect();
         let is_input = |path: &Path| std::fs::canonicalize(path).is_ok_and(|p| inputs.contains(&p));
         if is_input(path) || is_input(&path.with_extension("bin")) {
-            let problem = Problem::from(WriteProblem::IsInput);
-            return Err(GltfError::new(&path.display().to_string(), problem));
+            return Err(refused(path, WriteProblem::IsInput));
+        }
+        if !options.overwrite && std::fs::symlink_metadata(path).is_ok() {
+            return Err(refused(path, WriteProblem::Exists));
         }
         Ok(())
     }
+}
+
+fn refused(path: &Path, problem: WriteProblem) -> GltfError {
+    GltfError::new(&path.display().to_string(), Problem::from(problem))
 }

@@ -13,7 +13,7 @@ use super::fixture::{square_indices, squares};
 use super::validator::assert_valid;
 use crate::chain::{Chain, ChainProblem, Layout, Level};
 use crate::error::Problem;
-use crate::{Document, Tree};
+use crate::{Document, Tree, WriteOptions};
 use secateur_model::{Foliage, LeafId, Lod};
 
 const LAYOUTS: [Layout; 3] = [Layout::Files, Layout::Siblings, Layout::Msft];
@@ -676,6 +676,49 @@ fn a_chain_goes_to_disk_with_its_images() {
             .to_string()
             .contains("the input is made of")
     );
+}
+
+/// A folder is where the third level should go: no other level appears, nor the
+/// folder of the chain if it was made for it.
+#[test]
+fn a_chain_of_files_is_all_there_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("in.glb");
+    std::fs::write(&input, encodings::textured().glb()).unwrap();
+    let tree = Tree::open(&input, &["material:leaf".parse().unwrap()]).unwrap();
+    let lods = lods(&tree);
+    let levels = levels(&lods);
+    let names = |folder: &Path| {
+        let files = std::fs::read_dir(folder).unwrap();
+        let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    };
+    let to = folder.path().join("chain");
+    let third = to.join("oak_LOD2.glb");
+    let overwrite = WriteOptions::default().overwrite(true);
+    let prepare = |options| tree.prepare_chain("oak", &levels, Layout::Files, &to, options);
+
+    std::fs::create_dir_all(&third).unwrap();
+    assert!(prepare(overwrite).is_err());
+    assert_eq!(names(&to), ["oak_LOD2.glb"]);
+    std::fs::remove_dir(&third).unwrap();
+
+    std::fs::write(&third, "mine").unwrap();
+    let error = prepare(WriteOptions::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("LOD2") && error.contains("already"),
+        "{error}"
+    );
+    assert_eq!(names(&to), ["oak_LOD2.glb"]);
+    assert_eq!(std::fs::read(&third).unwrap(), b"mine");
+    prepare(overwrite).unwrap().commit().unwrap();
+    assert_eq!(names(&to), ["oak_LOD0.glb", "oak_LOD1.glb", "oak_LOD2.glb"]);
+
+    std::fs::remove_dir_all(&to).unwrap();
+    drop(prepare(overwrite).unwrap());
+    assert_eq!(names(folder.path()), ["in.glb"]);
 }
 
 #[test]
