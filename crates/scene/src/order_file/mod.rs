@@ -120,11 +120,14 @@ fn corner_of(order: &RemovalOrder, leaf: LeafId, corner: u32) -> Option<CornerRe
 
 /// Whether a leaf is made of its donor alone, which may have as many triangles.
 fn is_of_donor_alone(made: &NewLeaf) -> bool {
-    made.triangles.iter().flatten().all(|corner| match corner.place {
-        Place::Of(at) => at.leaf == made.donor,
-        Place::InPlaneOf { .. } => true,
-        Place::At(_) => false,
-    })
+    made.triangles
+        .iter()
+        .flatten()
+        .all(|corner| match corner.place {
+            Place::Of(at) => at.leaf == made.donor,
+            Place::InPlaneOf { .. } => true,
+            Place::At(_) => false,
+        })
 }
 
 #[cfg(test)]

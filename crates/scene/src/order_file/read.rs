@@ -204,11 +204,12 @@ impl Reader<'_> {
         })
     }
 
-    /// A shape has at most as many triangles as what it is made of: a few bits must not make many.
+    /// A shape has at most as many triangles as what it is made of, or two: a few bits must not make
+    /// many.
     fn of_shape(&self, number: usize, donor: LeafId) -> Result<NewLeaf, Why> {
         let shape = known(self.shapes.get(number))?;
         let leaves = self.foliage.leaves().len();
-        if donor.index() >= leaves || shape.len() > self.foliage.triangles_of(donor).len() {
+        if donor.index() >= leaves || shape.len() > self.foliage.triangles_of(donor).len().max(2) {
             return Err(Why::NoSuchThing);
         }
         let placed = |corner: ShapeCorner| match corner {

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use secateur_model::{CornerRef, Growth, LeafId, LodModel, NewCorner, NewLeaf, Place, RemovalOrder};
+use secateur_model::{
+    CornerRef, Growth, LeafId, LodModel, NewCorner, NewLeaf, Place, RemovalOrder,
+};
 
 use super::bits::BitWriter;
 use super::{HEADER_BYTES, MAGIC, VERSION, corner_of, donor_of, is_of_donor_alone, width};
@@ -208,9 +210,7 @@ impl Writer<'_> {
             let made = leaf.get().checked_sub(self.order.leaf_count() + 1);
             let mut numbers = match made {
                 None => at.corner..at.corner + 1,
-                Some(made) => {
-                    0..3 * self.order.made()[made as usize].triangles.len() as u32
-                }
+                Some(made) => 0..3 * self.order.made()[made as usize].triangles.len() as u32,
             };
             let is_it = |n: &u32| corner_of(self.order, leaf, *n) == Some(at);
             numbers.find(is_it).map(|number| (which, number))
