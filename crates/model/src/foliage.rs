@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use sha2::{Digest, Sha256};
 
 use crate::{Cutout, LeafId};
 
@@ -254,6 +255,30 @@ impl Foliage {
             leaf.facing = Facing::Both;
         }
         both
+    }
+
+    /// SHA-256 over the shapes of its leaves: how many triangles each has, and all corners and
+    /// texture coordinates as f64 little-endian. Cut-outs do not count.
+    pub fn sha256(&self) -> [u8; 32] {
+        let mut hash = Sha256::new();
+        for leaf in &self.leaves {
+            hash.update((leaf.triangles.end - leaf.triangles.start).to_le_bytes());
+        }
+        for triangle in &self.triangles {
+            let mut bytes = [0; 15 * 8];
+            let corners = triangle.corners.iter().flat_map(|p| p.to_array());
+            let uvs = triangle.uvs.iter().flat_map(|p| p.to_array());
+            for (place, number) in bytes
+                .as_chunks_mut::<8>()
+                .0
+                .iter_mut()
+                .zip(corners.chain(uvs))
+            {
+                *place = number.to_le_bytes();
+            }
+            hash.update(bytes);
+        }
+        hash.finalize().into()
     }
 
     /// The sphere about the centre of the foliage's bounding box that holds

@@ -5,6 +5,7 @@
 //! - [`Cutout`]: the alpha mask of a leaf texture, as bits.
 //! - [`RemovalOrder`]: what a simplification method decided, step by step.
 //! - [`Lod`]: which leaves are left, and how large, after some of those steps.
+//! - [`LodModel`]: all levels of a removal order, each reached from any other.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, and its [`PlantSkeleton`].
 //! - [`Random`]: numbers drawn by lot, the same on every machine.
@@ -15,7 +16,9 @@ mod cutout;
 mod foliage;
 mod leaf_id;
 mod lod;
+mod lod_model;
 mod new_leaf;
+mod order_error;
 mod plant;
 mod random;
 mod removal_order;
@@ -26,7 +29,9 @@ pub use cutout::{Cutout, Wrap};
 pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle};
 pub use leaf_id::LeafId;
 pub use lod::Lod;
+pub use lod_model::{LodModel, UniformLevel};
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
+pub use order_error::OrderError;
 pub use plant::Plant;
 pub use random::Random;
 pub use removal_order::{Growth, RemovalOrder, Step};

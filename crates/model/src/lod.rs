@@ -52,6 +52,33 @@ impl Lod {
         lod
     }
 
+    /// A level of the leaves that have an own scale, originals and made ones by their names; no
+    /// scale is 0.
+    pub(crate) fn from_own_scales(
+        leaf_count: usize,
+        own_scales: &[f64],
+        made_leaves: &[NewLeaf],
+        survivors_area_scale: f64,
+    ) -> Self {
+        let (originals, of_made) = own_scales.split_at(leaf_count);
+        let is_there = |scale: &&f64| **scale != 0.0;
+        let original = |scale: &f64| {
+            Some(scale)
+                .filter(is_there)
+                .map(|s| s * survivors_area_scale)
+        };
+        let made = |(leaf, scale): (&NewLeaf, &f64)| {
+            Some(scale).filter(is_there).map(|&area_scale| Made {
+                leaf: leaf.clone(),
+                area_scale,
+            })
+        };
+        Self {
+            area_scales: originals.iter().map(original).collect(),
+            made: made_leaves.iter().zip(of_made).map(made).collect(),
+        }
+    }
+
     /// Takes a leaf away, an original or a made one.
     ///
     /// # Panics

@@ -1,5 +1,7 @@
 //! What a simplification method decided, step by step.
 
+use std::ops::Range;
+
 use sha2::{Digest, Sha256};
 
 use crate::{Foliage, LeafId, NewLeaf};
@@ -80,6 +82,11 @@ impl RemovalOrder {
         });
     }
 
+    /// Appends a step of an order that someone else wrote: [`check`](Self::check) it in the end.
+    pub fn push_unchecked(&mut self, step: Step<'_>) {
+        self.append(step);
+    }
+
     /// Appends a step of any kind: several leaves may go, grow or be made.
     pub fn push_step(&mut self, step: Step<'_>) {
         let named = self.leaf_count as usize + self.made.len();
@@ -89,6 +96,10 @@ impl RemovalOrder {
                 .iter()
                 .all(|leaf| leaf.donor.get() <= self.leaf_count)
         );
+        self.append(step);
+    }
+
+    fn append(&mut self, step: Step<'_>) {
         self.removed.extend_from_slice(step.removed);
         self.growths.extend_from_slice(step.grown);
         self.made.extend_from_slice(step.made);
@@ -172,15 +183,63 @@ impl RemovalOrder {
 
     /// The steps, first to last.
     pub fn steps(&self) -> impl ExactSizeIterator<Item = Step<'_>> {
-        (0..self.len()).map(|k| {
-            let (start, end) = (self.end_of(k), self.ends[k]);
-            Step {
-                removed: &self.removed[start.removed as usize..end.removed as usize],
-                grown: &self.growths[start.grown as usize..end.grown as usize],
-                made: &self.made[start.made as usize..end.made as usize],
-                survivors_area_scale: end.survivors_area_scale,
-            }
-        })
+        (0..self.len()).map(|k| self.step(k))
+    }
+
+    /// One step, from 0.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn step(&self, index: usize) -> Step<'_> {
+        Step {
+            removed: &self.removed[self.removed_in(index)],
+            grown: &self.growths[self.grown_in(index)],
+            made: &self.made[self.made_in(index)],
+            survivors_area_scale: self.ends[index].survivors_area_scale,
+        }
+    }
+
+    /// Where the removed leaves of a step are in [`Self::removed`].
+    pub(crate) fn removed_in(&self, step: usize) -> Range<usize> {
+        self.end_of(step).removed as usize..self.ends[step].removed as usize
+    }
+
+    /// Where the growths of a step are among those of all steps.
+    pub(crate) fn grown_in(&self, step: usize) -> Range<usize> {
+        self.end_of(step).grown as usize..self.ends[step].grown as usize
+    }
+
+    /// Where the leaves that a step makes are in [`Self::made`].
+    pub(crate) fn made_in(&self, step: usize) -> Range<usize> {
+        self.end_of(step).made as usize..self.ends[step].made as usize
+    }
+
+    /// How many growths all steps have.
+    pub(crate) fn growth_count(&self) -> usize {
+        self.growths.len()
+    }
+
+    /// The leaves that the first `steps` steps make.
+    pub(crate) fn made_in_first(&self, steps: usize) -> &[NewLeaf] {
+        &self.made[..self.end_of(steps).made as usize]
+    }
+
+    /// The leaves that are made, in the order of their names.
+    pub fn made(&self) -> &[NewLeaf] {
+        &self.made
+    }
+
+    /// How many names there are: of original leaves, and of those that are made.
+    pub fn name_count(&self) -> usize {
+        self.leaf_count as usize + self.made.len()
+    }
+
+    /// The common scale of the survivors after the first `steps` steps.
+    ///
+    /// # Panics
+    /// If there are fewer steps.
+    pub fn survivors_area_scale_after(&self, steps: usize) -> f64 {
+        self.end_of(steps).survivors_area_scale
     }
 
     /// SHA-256 over the removed leaf numbers as u32 little-endian, in order, as

@@ -1,0 +1,244 @@
+//! An order to bytes.
+
+use std::collections::HashMap;
+
+use secateur_model::{
+    CornerRef, Growth, LeafId, LodModel, NewCorner, NewLeaf, Place, RemovalOrder,
+};
+
+use super::bits::BitWriter;
+use super::{HEADER_BYTES, MAGIC, VERSION, corner_of, donor_of, is_of_donor_alone, width};
+
+/// A corner by its bits, so that equal ones are found.
+type CornerKey = (u32, u32, [u64; 3], u32);
+
+/// The bytes of a model's order, which [`read_order`](super::read_order) takes: equal models give
+/// equal bytes.
+pub fn write_order(model: &LodModel) -> Vec<u8> {
+    let order = model.order();
+    let shapes = Shapes::of(order);
+    let mut writer = Writer {
+        order,
+        name_bits: width(order.name_count()),
+        leaf_bits: width(order.leaf_count() as usize),
+        shape_bits: width(shapes.all.len()),
+        bits: BitWriter::default(),
+    };
+    for shape in &shapes.all {
+        writer.shape(shape);
+    }
+    writer.steps(&shapes);
+    let bits = writer.bits.into_bytes();
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + bits.len());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&model.foliage_sha256());
+    let counts = [
+        order.leaf_count(),
+        order.len() as u32,
+        order.made().len() as u32,
+        shapes.all.len() as u32,
+    ];
+    bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
+    bytes.extend_from_slice(&bits);
+    bytes
+}
+
+/// The different shapes of leaves that are made of their donors alone.
+struct Shapes<'a> {
+    all: Vec<&'a NewLeaf>,
+    number_of: HashMap<Vec<CornerKey>, usize>,
+}
+
+impl<'a> Shapes<'a> {
+    fn of(order: &'a RemovalOrder) -> Self {
+        let mut shapes = Self {
+            all: Vec::new(),
+            number_of: HashMap::new(),
+        };
+        for made in order.made().iter().filter(|made| is_of_donor_alone(made)) {
+            shapes.number_of.entry(key_of(made)).or_insert_with(|| {
+                shapes.all.push(made);
+                shapes.all.len() - 1
+            });
+        }
+        shapes
+    }
+
+    fn number(&self, made: &NewLeaf) -> Option<usize> {
+        match is_of_donor_alone(made) {
+            true => self.number_of.get(&key_of(made)).copied(),
+            false => None,
+        }
+    }
+}
+
+/// What two leaves have in common that are made of their donors in the same way.
+fn key_of(made: &NewLeaf) -> Vec<CornerKey> {
+    let key = |corner: &NewCorner| match corner.place {
+        Place::Of(at) => (0, at.corner, [0; 3], corner.like),
+        Place::InPlaneOf { triangle, weights } => {
+            (1, triangle, weights.map(f64::to_bits), corner.like)
+        }
+        Place::At(at) => (2, 0, at.to_array().map(f64::to_bits), corner.like),
+    };
+    made.triangles.iter().flatten().map(key).collect()
+}
+
+struct Writer<'a> {
+    order: &'a RemovalOrder,
+    name_bits: u32,
+    leaf_bits: u32,
+    shape_bits: u32,
+    bits: BitWriter,
+}
+
+impl Writer<'_> {
+    fn shape(&mut self, shape: &NewLeaf) {
+        self.bits.gamma(shape.triangles.len() as u64);
+        for corner in shape.triangles.iter().flatten() {
+            match corner.place {
+                Place::InPlaneOf { triangle, weights } => {
+                    self.bits.bits(1, 1);
+                    self.in_plane(triangle, weights, corner.like);
+                }
+                Place::Of(CornerRef { corner: number, .. }) => {
+                    self.bits.bits(0, 1);
+                    self.bits.small(number);
+                    self.look(number, corner.like);
+                }
+                Place::At(_) => unreachable!("shapes are of their donors alone"),
+            }
+        }
+    }
+
+    fn steps(&mut self, shapes: &Shapes<'_>) {
+        let mut scale = 1.0;
+        for step in self.order.steps() {
+            let is_new_scale = f64::to_bits(step.survivors_area_scale) != f64::to_bits(scale);
+            scale = step.survivors_area_scale;
+            let counts = [step.removed.len(), step.grown.len(), step.made.len()];
+            match counts {
+                [1, 0, 0] if !is_new_scale => self.bits.bits(0b0, 1),
+                [1, 1, 0] if !is_new_scale => self.bits.bits(0b01, 2),
+                [2, 0, 1] if !is_new_scale => self.bits.bits(0b011, 3),
+                _ => {
+                    self.bits.bits(0b111, 3);
+                    counts.iter().for_each(|&n| self.bits.small(n as u32));
+                    self.bits.bits(is_new_scale.into(), 1);
+                    if is_new_scale {
+                        self.bits.real(scale);
+                    }
+                }
+            }
+            self.names(step.removed);
+            let names: Vec<LeafId> = step.grown.iter().map(|growth| growth.leaf).collect();
+            self.names(&names);
+            for Growth { area_scale, .. } in step.grown {
+                self.bits.real(*area_scale);
+            }
+            for (k, made) in step.made.iter().enumerate() {
+                self.made(made, step.removed.get(k..).unwrap_or_default(), shapes);
+            }
+        }
+    }
+
+    fn names(&mut self, names: &[LeafId]) {
+        let ascend = names.len() > 2 && names.is_sorted_by(|a, b| a < b);
+        if names.len() > 2 {
+            self.bits.bits(ascend.into(), 1);
+        }
+        let mut before = 0;
+        for name in names {
+            match ascend {
+                true => self.bits.gamma((name.get() - before).into()),
+                false => self.bits.bits(name.get().into(), self.name_bits),
+            }
+            before = name.get();
+        }
+    }
+
+    /// `removed` are the step's removed leaves from the one on that has this leaf's place.
+    fn made(&mut self, made: &NewLeaf, removed: &[LeafId], shapes: &Shapes<'_>) {
+        let near = &removed[..removed.len().min(2)];
+        let shape = shapes.number(made);
+        self.bits.bits(shape.is_some().into(), 1);
+        if let Some(number) = shape {
+            self.bits.bits(number as u64, self.shape_bits);
+            return self.donor(made.donor, near);
+        }
+        self.donor(made.donor, near);
+        self.bits.gamma(made.triangles.len() as u64);
+        let corners = made.triangles.as_flattened();
+        for (k, corner) in corners.iter().enumerate() {
+            if let Some(earlier) = corners[..k].iter().position(|c| c == corner) {
+                self.bits.bits(0b01, 2);
+                self.bits.small(earlier as u32);
+                continue;
+            }
+            match corner.place {
+                Place::Of(at) => match self.near_corner(at, near) {
+                    Some((which, number)) => {
+                        self.bits.bits(0b0, 1);
+                        self.bits.bits(which as u64, 1);
+                        self.bits.small(number);
+                        self.look(number, corner.like);
+                    }
+                    None => {
+                        self.bits.bits(0b011, 3);
+                        self.bits.bits(at.leaf.get().into(), self.leaf_bits);
+                        self.bits.small(at.corner);
+                        self.look(at.corner, corner.like);
+                    }
+                },
+                Place::At(at) => {
+                    self.bits.bits(0b0111, 4);
+                    at.to_array().iter().for_each(|x| self.bits.real(*x));
+                    self.bits.small(corner.like);
+                }
+                Place::InPlaneOf { triangle, weights } => {
+                    self.bits.bits(0b1111, 4);
+                    self.in_plane(triangle, weights, corner.like);
+                }
+            }
+        }
+    }
+
+    /// Which of the near leaves has this corner, and by what number.
+    fn near_corner(&self, at: CornerRef, near: &[LeafId]) -> Option<(usize, u32)> {
+        near.iter().enumerate().find_map(|(which, &leaf)| {
+            let made = leaf.get().checked_sub(self.order.leaf_count() + 1);
+            let mut numbers = match made {
+                None => at.corner..at.corner + 1,
+                Some(made) => 0..3 * self.order.made()[made as usize].triangles.len() as u32,
+            };
+            let is_it = |n: &u32| corner_of(self.order, leaf, *n) == Some(at);
+            numbers.find(is_it).map(|number| (which, number))
+        })
+    }
+
+    fn donor(&mut self, donor: LeafId, near: &[LeafId]) {
+        let mut of_near = near.iter().map(|leaf| donor_of(self.order, *leaf));
+        match of_near.position(|near| near == Some(donor)) {
+            Some(0) => self.bits.bits(0b0, 1),
+            Some(_) => self.bits.bits(0b01, 2),
+            None => {
+                self.bits.bits(0b11, 2);
+                self.bits.bits(donor.get().into(), self.leaf_bits);
+            }
+        }
+    }
+
+    fn look(&mut self, corner: u32, like: u32) {
+        self.bits.bits((corner == like).into(), 1);
+        if corner != like {
+            self.bits.small(like);
+        }
+    }
+
+    fn in_plane(&mut self, triangle: u32, weights: [f64; 3], like: u32) {
+        self.bits.small(triangle);
+        weights.iter().for_each(|w| self.bits.real(*w));
+        self.bits.small(like);
+    }
+}
