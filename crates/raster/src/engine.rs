@@ -113,16 +113,6 @@ impl OpenEngine {
         if self.is_gpu() { "gpu" } else { "cpu" }
     }
 
-    #[cfg(feature = "gpu")]
-    fn is_gpu(&self) -> bool {
-        self.device.is_some() && self.failure.get().is_none()
-    }
-
-    #[cfg(not(feature = "gpu"))]
-    fn is_gpu(&self) -> bool {
-        false
-    }
-
     /// The adapter's name and driver, or `None` on the CPU.
     #[cfg(feature = "gpu")]
     pub fn adapter(&self) -> Option<String> {
@@ -170,8 +160,20 @@ impl Rasteriser for OpenEngine {
         self.with_fallback(|rasteriser| rasteriser.fragments(scene))
     }
 
+    fn fragments_and_areas(
+        &self,
+        scene: &Scene<'_>,
+    ) -> Result<(Fragments, AreaTable), RasterError> {
+        self.with_fallback(|rasteriser| rasteriser.fragments_and_areas(scene))
+    }
+
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
         self.with_fallback(|rasteriser| rasteriser.areas(scene))
+    }
+
+    #[cfg(feature = "gpu")]
+    fn is_gpu(&self) -> bool {
+        self.device.is_some() && self.failure.get().is_none()
     }
 }
 

@@ -14,11 +14,23 @@ pub trait Rasteriser {
     /// [`RasterError`] if the device fails.
     fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError>;
 
+    /// The A-buffer of all views and, from the heads of its lists, the area table.
+    ///
+    /// # Errors
+    /// [`RasterError`] if the device fails.
+    fn fragments_and_areas(&self, scene: &Scene<'_>)
+    -> Result<(Fragments, AreaTable), RasterError>;
+
     /// The area table of all views.
     ///
     /// # Errors
     /// [`RasterError`] if the device fails.
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError>;
+
+    /// Whether a GPU does it.
+    fn is_gpu(&self) -> bool {
+        false
+    }
 }
 
 /// Rasterises on the CPU, on rayon's current thread pool.
@@ -28,6 +40,13 @@ pub struct CpuRasteriser;
 impl Rasteriser for CpuRasteriser {
     fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
         Ok(cpu::fragments(scene))
+    }
+
+    fn fragments_and_areas(
+        &self,
+        scene: &Scene<'_>,
+    ) -> Result<(Fragments, AreaTable), RasterError> {
+        Ok(cpu::fragments_and_areas(scene))
     }
 
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {

@@ -36,7 +36,18 @@ impl Rasteriser for Device {
         Ok(fragments(self, scene)?)
     }
 
+    fn fragments_and_areas(
+        &self,
+        scene: &Scene<'_>,
+    ) -> Result<(Fragments, AreaTable), RasterError> {
+        Ok(fragments_and_areas(self, scene)?)
+    }
+
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
         Ok(areas(self, scene)?)
+    }
+
+    fn is_gpu(&self) -> bool {
+        true
     }
 }

@@ -147,8 +147,9 @@ impl<'t> IncrementalVmi<'t> {
     pub fn area_table(&self) -> AreaTable {
         let leaves = 0..=self.leaf_count() as u32;
         let row = |view: usize| leaves.clone().map(move |leaf| self.areas(leaf)[view]);
-        let rows = (0..self.view_count).flat_map(row);
-        AreaTable::from_rows(self.leaf_count(), rows.collect())
+        let mut rows = Vec::with_capacity(self.areas.len());
+        rows.extend((0..self.view_count).flat_map(row));
+        AreaTable::from_rows(self.leaf_count(), rows)
     }
 
     /// P times VMI, by view, less that of [what it is measured from](Self::measure_from).

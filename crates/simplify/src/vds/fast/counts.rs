@@ -59,29 +59,12 @@ impl<'t> Deref for Counts<'t> {
 }
 
 impl<'t> Counts<'t> {
-    /// Of what `events` lead to from nothing but background.
-    pub(super) fn new<'e>(
-        events: impl Iterator<Item = &'e Event>,
-        view_count: usize,
-        pixels_per_view: u32,
-        leaf_count: usize,
-        table: &'t LgTable,
-    ) -> Self {
-        let width = leaf_count + 1;
-        let mut areas = vec![0; view_count * width];
-        areas
-            .iter_mut()
-            .step_by(width)
-            .for_each(|background| *background = pixels_per_view);
-        for event in events {
-            let row = &mut areas[event.view as usize * width..][..width];
-            row[0] -= event.pixels;
-            row[event.after[0] as usize] += event.pixels;
-        }
-        let areas = AreaTable::from_rows(leaf_count, areas);
+    /// Of areas in views of so many pixels.
+    pub(super) fn new(areas: &AreaTable, pixels_per_view: u32, table: &'t LgTable) -> Self {
+        let view_count = areas.view_count();
         let mut counts = Self {
             table,
-            vmi: IncrementalVmi::new(&areas, table),
+            vmi: IncrementalVmi::new(areas, table),
             pixels: pixels_per_view * view_count as u32,
             background_drift: BackgroundDrift::default(),
             background_gains: vec![[0; GAINS]; view_count],

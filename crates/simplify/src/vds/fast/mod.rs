@@ -109,7 +109,7 @@ pub fn simplify(
         match ended {
             // The loop has gone one step too far.
             Ended::BeyondMaxError => return run.outcome_from_scratch(&phases),
-            Ended::AtLeafCount if is_last => return Ok(run.outcome(view_set_loop)),
+            Ended::AtLeafCount if is_last => return run.outcome(&view_set_loop),
             Ended::AtLeafCount => {}
         }
     }
@@ -164,17 +164,21 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn outcome(self, view_set_loop: ViewSetLoop<'_>) -> VdsOutcome {
-        let areas = view_set_loop.areas();
-        VdsOutcome {
+    fn outcome(self, view_set_loop: &ViewSetLoop<'_>) -> Result<VdsOutcome, VdsError> {
+        // Both are the same; a GPU counts what it drew.
+        let areas = match self.rasteriser.is_gpu() {
+            true => self.areas(&self.lod, view_set_loop.views)?,
+            false => view_set_loop.areas(),
+        };
+        Ok(VdsOutcome {
             order: self.order,
             costs_scaled: self.costs_scaled,
             is_at_max_error: false,
             views: view_set_loop.views.clone(),
             vmi_final: Vmi::of(&areas, self.table),
-            vmi_original: view_set_loop.vmi_original,
+            vmi_original: view_set_loop.vmi_original.clone(),
             areas,
-        }
+        })
     }
 
     fn outcome_from_scratch(self, phases: &[Phase]) -> Result<VdsOutcome, VdsError> {

@@ -69,7 +69,7 @@ impl<'t> Shard<'t> {
     /// equals, by leaf number; `has_deviations`
     /// whether costs are measured with those of VMI from that of the original foliage.
     pub(super) fn all(
-        counts: &Counts<'t>,
+        counts: Counts<'t>,
         slices: &[ViewSlice],
         split: Split,
         leaves: &[u32],
@@ -77,10 +77,11 @@ impl<'t> Shard<'t> {
         pixels_per_view: usize,
         has_deviations: bool,
     ) -> Vec<Self> {
-        let shards = (0..split.shards()).into_par_iter();
-        let shards = shards.map(|shard| {
+        // The last is the one that is here.
+        let counts = vec![counts; split.shards()];
+        let shards = counts.into_par_iter().enumerate().map(|(shard, counts)| {
             Self::new(
-                counts.clone(),
+                counts,
                 slices,
                 (split, shard),
                 leaves,

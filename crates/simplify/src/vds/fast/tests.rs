@@ -1,8 +1,10 @@
 //! Bounds against looking at every leaf, on crowns too large for the literal
 //! algorithm: long runs in which all of a step's short cuts are taken.
 
+use std::cell::RefCell;
+
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
-use secateur_raster::CpuRasteriser;
+use secateur_raster::{CpuRasteriser, Fragments, RasterError};
 
 use super::super::phases::phases;
 use super::super::{Reference, Resize, Ties};
@@ -75,4 +77,73 @@ fn where_growth_is_full() {
         job.options.resize = Resize::Full;
         job.target = Target::leaves(300);
     });
+}
+
+/// Passes on what it is asked, and says that it is a GPU.
+struct AsGpu<'a> {
+    rasteriser: &'a dyn Rasteriser,
+    asked: RefCell<Vec<&'static str>>,
+}
+
+impl Rasteriser for AsGpu<'_> {
+    fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
+        self.asked.borrow_mut().push("fragments");
+        self.rasteriser.fragments(scene)
+    }
+
+    fn fragments_and_areas(
+        &self,
+        scene: &Scene<'_>,
+    ) -> Result<(Fragments, AreaTable), RasterError> {
+        self.asked.borrow_mut().push("fragments and areas");
+        self.rasteriser.fragments_and_areas(scene)
+    }
+
+    fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
+        self.asked.borrow_mut().push("areas");
+        self.rasteriser.areas(scene)
+    }
+
+    fn is_gpu(&self) -> bool {
+        true
+    }
+}
+
+/// The areas that costs begin with and those of the result are counted where the leaves
+/// are drawn, and are those that the loop on the CPU has kept.
+fn assert_areas_come_from(rasteriser: &dyn Rasteriser) {
+    let crown = ellipsoid_crown(900, 3, &EllipsoidCrown::default()).unwrap();
+    let sphere = crown.bounding_sphere().unwrap();
+    for resolution in [48, 100] {
+        let job = VdsRun::to_leaves(ViewSet::dodecahedron(sphere), resolution, 300);
+        let simplify = |rasteriser: &dyn Rasteriser| {
+            let go_on = &mut |_: Progress| ControlFlow::Continue(());
+            simplify(&crown, &job, rasteriser, go_on).unwrap()
+        };
+        let noted = AsGpu {
+            rasteriser,
+            asked: RefCell::default(),
+        };
+        assert_eq!(simplify(&noted), simplify(&CpuRasteriser));
+        assert_eq!(*noted.asked.borrow(), ["fragments and areas", "areas"]);
+    }
+}
+
+#[test]
+fn a_gpu_is_asked_for_the_first_areas_and_the_last() {
+    assert_areas_come_from(&CpuRasteriser);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn the_areas_of_a_gpu_are_those_of_the_cpu() {
+    use secateur_raster::gpu::{Device, Preference};
+    match Device::find(Preference::Any) {
+        Ok(device) => assert_areas_come_from(&device),
+        Err(error) => {
+            let is_required = std::env::var("SECATEUR_REQUIRE_GPU").is_ok_and(|v| v == "1");
+            assert!(!is_required, "SECATEUR_REQUIRE_GPU=1, but: {error}");
+            eprintln!("areas of a GPU skipped: {error}");
+        }
+    }
 }

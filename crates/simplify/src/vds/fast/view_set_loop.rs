@@ -43,25 +43,22 @@ impl<'a> ViewSetLoop<'a> {
     ) -> Result<Self, VdsError> {
         let foliage = run.foliage;
         let leaf_count = foliage.leaves().len();
-        let fragments = run.rasteriser.fragments(&run.scene(&run.lod, views));
-        let fragments = fragments.map_err(VdsError::from_raster)?;
+        let scene = run.scene(&run.lod, views);
+        let rasterised = run.rasteriser.fragments_and_areas(&scene);
+        let (fragments, areas_now) = rasterised.map_err(VdsError::from_raster)?;
         let pixels_per_view = fragments.pixels_per_view();
         // A few for each core, which may be late.
         let slices = if cores > 1 { 2 * cores } else { 1 };
         let mut slices = ViewSlice::all(fragments, leaf_count, slices);
-        let mut counts = Counts::new(
-            slices.iter().flat_map(ViewSlice::events),
-            views.views().len(),
-            pixels_per_view as u32,
-            leaf_count,
-            run.table,
-        );
-        let areas_now = counts.area_table();
+        let mut counts = Counts::new(&areas_now, pixels_per_view as u32, run.table);
         let areas_original = match run.order.is_empty() {
             true => areas_now,
             false => run.areas(&Lod::original(leaf_count), views)?,
         };
         let vmi_original = Vmi::of(&areas_original, run.table);
+        let covered_original_px = covered_px(&areas_original);
+        // With many leaves a table of areas is large, and what follows takes more.
+        drop(areas_original);
         counts.measure_from(&vmi_original);
         let ranks = (0..=leaf_count as u32)
             .map(|n| LeafId::new(n).map_or(0, |leaf| run.options.ties.rank(leaf)));
@@ -69,7 +66,7 @@ impl<'a> ViewSetLoop<'a> {
         let leaves: Vec<u32> = run.lod.leaves().map(|(leaf, _)| leaf.get()).collect();
         let split = Split::over(cores);
         let shards = Shard::all(
-            &counts,
+            counts,
             &slices,
             split,
             &leaves,
@@ -85,7 +82,7 @@ impl<'a> ViewSetLoop<'a> {
             pool: SpinPool::new(cores, shared.most_parts()),
             shared,
             lead: Lead {
-                covered_original_px: covered_px(&areas_original),
+                covered_original_px,
                 neighbours: Neighbours::new(foliage, &run.lod),
                 pruned: None,
             },

@@ -302,7 +302,7 @@ mod tests {
     use super::super::epochs::along_signs;
     use super::*;
     use crate::lg::LgTable;
-    use secateur_raster::abuffer::Event;
+    use secateur_raster::AreaTable;
 
     const VIEWS: usize = 4;
     const PIXELS_PER_VIEW: u32 = 1 << 16;
@@ -375,13 +375,12 @@ mod tests {
             rebases in prop::collection::vec(0usize..60, 1..4),
         ) {
             let table = LgTable::new();
-            let start: Vec<Event> = (0..VIEWS as u32).map(|view| Event {
-                view,
-                pixels: PIXELS_PER_VIEW - 9000 - 2000 * view,
-                before: [0, 0],
-                after: [1, 0],
-            }).collect();
-            let mut counts = Counts::new(start.iter(), VIEWS, PIXELS_PER_VIEW, 1, &table);
+            let areas = (0..VIEWS as u32).flat_map(|view| {
+                let background_px = 9000 + 2000 * view;
+                [background_px, PIXELS_PER_VIEW - background_px]
+            });
+            let areas = AreaTable::from_rows(1, areas.collect());
+            let mut counts = Counts::new(&areas, PIXELS_PER_VIEW, &table);
             let mut deviations = first;
             let mut epochs = Epochs::new(&deviations, counts.background_drift());
             let rounding = Rounding::new(VIEWS, PIXELS_PER_VIEW as usize);
