@@ -7,6 +7,7 @@
 //! - [`Lod`]: which leaves are left, and how large, after some of those steps.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, and its [`PlantSkeleton`].
+//! - [`Memory`]: how much memory a run may take; [`Budget`]: what is left of it.
 //! - [`Random`]: numbers drawn by lot, the same on every machine.
 //!
 //! Nothing here knows a file format, a view, an image or a method.
@@ -15,6 +16,7 @@ mod cutout;
 mod foliage;
 mod leaf_id;
 mod lod;
+mod memory;
 mod new_leaf;
 mod plant;
 mod random;
@@ -26,6 +28,7 @@ pub use cutout::{Cutout, Wrap};
 pub use foliage::{BoundingSphere, Foliage, FoliageError, Leaf, LeafTriangle};
 pub use leaf_id::LeafId;
 pub use lod::Lod;
+pub use memory::{Budget, Memory, OverMemory};
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
 pub use plant::Plant;
 pub use random::Random;

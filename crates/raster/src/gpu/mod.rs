@@ -36,6 +36,13 @@ impl Rasteriser for Device {
         Ok(fragments(self, scene)?)
     }
 
+    fn fragments_within(&self, scene: &Scene<'_>, most: u64) -> Result<Fragments, RasterError> {
+        match self::fragments::fragments_within(self, scene, most) {
+            Err(GpuError::TooManyFragments(too_many)) => Err(too_many.into()),
+            other => Ok(other?),
+        }
+    }
+
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
         Ok(areas(self, scene)?)
     }

@@ -19,7 +19,8 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
-    let open = |path: &Path| Tree::open(path, &args.foliage.foliage);
+    let memory = args.memory.memory;
+    let open = |path: &Path| Tree::open_within(path, &args.foliage.foliage, memory);
     let original = open(&args.original)?;
     let simplified = open(&args.simplified)?;
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();

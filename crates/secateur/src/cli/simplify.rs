@@ -30,7 +30,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
 
     let tree = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
+        Tree::open_within(&args.tree, &args.foliage.foliage, args.memory.memory)
+            .map_err(Failure::from)
     })?;
     output::check_spares(tree.document(), &outputs)?;
     let mut warnings = tree.inspection().warnings.clone();
@@ -38,6 +39,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     interrupt::check()?;
 
     options.skeleton = skeleton(&tree, &options.method)?;
+    options.memory = tree.memory_left();
     let result = simplified(&tree, &options, args, common)?;
     let of_run = sentences(&result);
     warn_all(&of_run);
@@ -291,6 +293,7 @@ fn stage_debug_images(
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
         picture::stage_leaf_ids(
             staged,
+            tree.document(),
             folder,
             name,
             &foliage,
