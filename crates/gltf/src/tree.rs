@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::parts::Part;
 use super::{Document, GltfError, Inspection, Selector};
-use secateur_model::{Foliage, Leaf, LeafTriangle, Memory};
+use secateur_model::{Foliage, Leaf, Memory};
 
 /// A glTF file with its leaves found.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl Tree {
     /// What the tree leaves of the memory that it was opened with: what its
     /// simplification may take.
     pub fn memory_left(&self) -> Memory {
-        let triangles = self.foliage.triangles().len() * size_of::<LeafTriangle>();
+        let triangles = size_of_val(self.foliage.triangles());
         let leaves = self.foliage.leaves().len() * (size_of::<Leaf>() + size_of::<LeafSource>());
         let parts = self.parts.len() * size_of::<Part>();
         let held = (triangles + leaves + parts) as u64;

@@ -1,6 +1,6 @@
 //! What a run takes of its memory, reckoned from counts before it is taken.
 
-use secateur_model::{Budget, Foliage, Leaf, LeafTriangle, OverMemory};
+use secateur_model::{Budget, Foliage, OverMemory};
 use secateur_raster::{
     AreaTable, Fragments, OpenEngine, RasterError, Rasteriser, Scene, TooManyFragments, ViewSet,
 };
@@ -41,13 +41,12 @@ pub(crate) fn take_run(
     views: &ViewSet,
     resolution: u32,
 ) -> Result<(), OverMemory> {
-    let [leaves, triangles] = [foliage.leaves().len(), foliage.triangles().len()];
-    let of_foliage = leaves * size_of::<Leaf>() + triangles * size_of::<LeafTriangle>();
+    let of_foliage = size_of_val(foliage.leaves()) + size_of_val(foliage.triangles());
     let a_leaf = match options.method {
         Method::Fsa(_) => BYTES_A_COLLAPSED_LEAF,
         _ => BYTES_A_LEAF,
     };
-    let [leaves, views] = [leaves as u64, views.len() as u64];
+    let [leaves, views] = [foliage.leaves().len() as u64, views.len() as u64];
     let bytes = 2 * of_foliage as u64 + leaves * (a_leaf + views * BYTES_A_LEAF_AND_VIEW);
     let what = || format!("{leaves} leaves in {views} views");
     budget.take(bytes, what, ALLOW_MORE)?;
@@ -144,7 +143,7 @@ mod tests {
     use std::ops::ControlFlow;
 
     use glam::DVec3;
-    use secateur_model::Memory;
+    use secateur_model::{LeafTriangle, Memory};
 
     use super::*;
     use crate::{Error, Fitting, Resolution, Target, simplify, simplify_with};

@@ -4,9 +4,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder};
-use secateur::{Document, Foliage, Lod, Selector, StagedFiles, Surface};
+use secateur::{Document, Lod, Selector, StagedFiles, Surface};
 use secateur_eval::{Camera, Panel, RenderOptions, contact_sheet, framing, render};
-use secateur_raster::{Scene, ViewSet, cpu};
+use secateur_raster::{Scene, cpu};
 
 use super::failure::Failure;
 use super::output;
@@ -57,25 +57,21 @@ pub(crate) fn stage_leaf_ids(
     input: &Document,
     folder: &Path,
     name: &str,
-    foliage: &Foliage,
-    lod: &Lod,
-    views: &ViewSet,
-    resolution: u32,
+    scene: &Scene<'_>,
 ) -> Result<(), Failure> {
-    let left = lod.foliage(foliage);
-    let (foliage, lod) = match lod.is_of_originals() {
-        true => (foliage, lod),
-        false => (&left, &Lod::original(left.leaves().len())),
+    let left = scene.lod.foliage(scene.foliage);
+    let all_left = Lod::original(left.leaves().len());
+    let scene = match scene.lod.is_of_originals() {
+        true => *scene,
+        false => Scene {
+            foliage: &left,
+            lod: &all_left,
+            ..*scene
+        },
     };
-    let scene = Scene {
-        foliage,
-        lod,
-        views,
-        resolution,
-    };
-    for (number, view) in views.views().iter().enumerate() {
+    for (number, view) in scene.views.views().iter().enumerate() {
         let rgb = cpu::draw_leaf_ids(&scene, view).to_rgb();
-        let bytes = png(&rgb, [resolution; 2], ExtendedColorType::Rgb8)?;
+        let bytes = png(&rgb, [scene.resolution; 2], ExtendedColorType::Rgb8)?;
         let file = folder.join(format!("{name}-view-{number:02}.png"));
         output::check_spares(input, &[&file])?;
         output::stage(staged, &file, &bytes)?;

@@ -7,9 +7,10 @@ use std::time::Instant;
 use secateur::{
     ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method, Objective,
     Options, PlantSkeleton, PreparedLod, Preset, Resolution, Simplified, StagedFiles,
-    StochasticOptions, Stopped, Tree, VdsOptions, ViewSet, Views, Warning, WriteOptions, Written,
+    StochasticOptions, Stopped, Tree, VdsOptions, Views, Warning, WriteOptions, Written,
     read_cameras,
 };
+use secateur_raster::Scene;
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
@@ -289,18 +290,14 @@ fn stage_debug_images(
 ) -> Result<(), Failure> {
     let foliage = options.alpha.apply(tree.foliage());
     let original = Lod::original(foliage.leaves().len());
-    let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
-        picture::stage_leaf_ids(
-            staged,
-            tree.document(),
-            folder,
-            name,
-            &foliage,
+        let scene = Scene {
+            foliage: &foliage,
             lod,
-            views,
-            result.resolution,
-        )?;
+            views: &result.views,
+            resolution: result.resolution,
+        };
+        picture::stage_leaf_ids(staged, tree.document(), folder, name, &scene)?;
     }
     Ok(())
 }
