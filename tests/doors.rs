@@ -174,6 +174,25 @@ fn a_run_that_fails_leaves_none_of_its_files() {
 }
 
 #[test]
+fn debug_images_do_not_replace_images_of_the_input() {
+    let bench = put_with_images(&["after-view-00.png"], 1);
+    put_file(&bench, "in/after-view-00.png", &png());
+    let arguments = [
+        "in/t.gltf",
+        "-o",
+        "out/o.glb",
+        "--leaves",
+        "1",
+        "--fit=none",
+    ];
+    bench
+        .simplify(&[&arguments[..], &["--debug-images", "in"]].concat())
+        .failed_saying(&["after-view-00.png", "an image of the input"]);
+    assert_eq!(bench.read("in/after-view-00.png"), png());
+    assert_eq!(out(&bench), [] as [&str; 0]);
+}
+
+#[test]
 fn a_buffer_of_somebody_else_is_overwritten_only_on_demand() {
     let bench = Bench::new();
     put_changed(&bench, "/nodes/0/name", json!("tree"));

@@ -19,7 +19,10 @@ fn help_names_every_flag() {
                 "--picture",
             ],
         ),
-        ("demo", &["--output", "--leaves", "--seed", "--engine"]),
+        (
+            "demo",
+            &["--output", "--leaves", "--seed", "--engine", "--memory"],
+        ),
         (
             "lods",
             &[
@@ -32,13 +35,17 @@ fn help_names_every_flag() {
                 "--screen-height",
                 "--fov",
                 "--foliage",
+                "--memory",
                 "--preset",
                 "--preview",
                 "--overwrite",
                 "--report",
             ],
         ),
-        ("inspect", &["TREE.glb", "--foliage", "--report"]),
+        (
+            "inspect",
+            &["TREE.glb", "--foliage", "--memory", "--report"],
+        ),
         (
             "simplify",
             &[
@@ -60,6 +67,7 @@ fn help_names_every_flag() {
                 "--fit",
                 "--ties",
                 "--foliage",
+                "--memory",
                 "--alpha",
                 "--seed",
                 "--audit",
@@ -87,6 +95,7 @@ fn help_names_every_flag() {
                 "ORIGINAL.glb",
                 "SIMPLIFIED.glb",
                 "--foliage",
+                "--memory",
                 "--alpha",
                 "--report",
             ],
@@ -97,6 +106,7 @@ fn help_names_every_flag() {
                 "TREE.glb",
                 "--output",
                 "--foliage",
+                "--memory",
                 "--plan",
                 "--case",
                 "--levels",

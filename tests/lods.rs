@@ -177,6 +177,42 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     assert_eq!(bench.names(), ["oak.glb"]);
 }
 
+/// A report where a level goes would be lost, or the level.
+#[test]
+fn nothing_else_goes_where_a_level_or_the_input_is() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("chain")).unwrap();
+    let lods = |more: &[&str]| {
+        let lods = [
+            "lods",
+            "oak.glb",
+            "-o",
+            "chain",
+            "--levels",
+            "0.2",
+            "--overwrite",
+        ];
+        bench.run(&[&lods[..], more].concat())
+    };
+    lods(&["--report", "chain/oak_LOD0.glb"]).failed_saying(&["two outputs are this file"]);
+    lods(&["--preview", "p", "--report", "./p"]).failed_saying(&["two outputs are this file"]);
+    lods(&["--report", "oak.glb"]).failed_saying(&["oak.glb", "is the input"]);
+    assert_eq!(std::fs::read_dir(bench.path("chain")).unwrap().count(), 0);
+    // A folder stands where the second level should go: the first does not appear.
+    std::fs::create_dir(bench.path("chain/oak_LOD1.glb")).unwrap();
+    let two = [
+        "lods",
+        "oak.glb",
+        "-o",
+        "chain",
+        "--levels",
+        "0.2,0.1",
+        "--overwrite",
+    ];
+    bench.run(&two).failed_saying(&["oak_LOD1.glb"]);
+    assert_eq!(std::fs::read_dir(bench.path("chain")).unwrap().count(), 1);
+}
+
 #[test]
 fn levels_of_another_run_are_not_replaced_unasked() {
     let bench = Bench::new();

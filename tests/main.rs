@@ -14,6 +14,7 @@ mod help;
 mod lods;
 mod main_job;
 mod measure;
+mod memory;
 mod odd_trees;
 mod preview_page;
 mod program;

@@ -4,10 +4,9 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use secateur::Document;
 
 fuzz_target!(|bytes: &[u8]| {
-    let Ok(document) = Document::from_bytes("fuzz.glb", bytes.to_vec(), None) else {
+    let Some(document) = secateur_fuzz::document(bytes) else {
         return;
     };
     let _ = document.inspect(&[]).to_string();

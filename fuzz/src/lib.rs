@@ -5,14 +5,22 @@ mod container;
 mod extremes;
 mod json;
 
-use secateur::{Document, Tree};
+use secateur::{Document, Memory, Tree};
 use secateur_plant::Random;
 
 pub use container::{Container, glb};
 
+/// The memory that a file may take: half of what a target may.
+const MEMORY: Memory = Memory::Bytes(1 << 30);
+
+/// The document in some bytes, read within a budget of memory.
+pub fn document(bytes: &[u8]) -> Option<Document> {
+    Document::from_bytes_within("fuzz.glb", bytes.to_vec(), None, MEMORY).ok()
+}
+
 /// The tree in some bytes, everything that looks like foliage taken.
 pub fn tree(bytes: &[u8]) -> Option<Tree> {
-    let document = Document::from_bytes("fuzz.glb", bytes.to_vec(), None).ok()?;
+    let document = document(bytes)?;
     let all = "material:*".parse().expect("a selector");
     document.into_tree(&[all]).ok()
 }

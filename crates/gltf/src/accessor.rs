@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde_json::Value;
 
 use super::Document;
+use super::document::ALLOW_MORE;
 use super::error::{At, Fault, Problem};
 use super::property;
 
@@ -288,7 +289,9 @@ impl Document {
             let bytes = accessor.count as u128 * element_bytes as u128;
             let limit = self.max_zero_bytes();
             if bytes <= u128::from(limit) {
-                return Ok(());
+                let what = || format!("{} elements of zeros", accessor.count);
+                let taken = self.budget.clone().take(bytes as u64, what, ALLOW_MORE);
+                return taken.map_err(Problem::from).at(place);
             }
             return Err(Problem::TooManyZeros {
                 count: accessor.count as u64,

@@ -6,10 +6,12 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::error::{At, Fault, Problem};
+use super::document::ALLOW_MORE;
+use super::error::{At, Fault, Problem, shortened};
 use super::folder;
 use super::property;
 use super::uri::{self, Target};
+use secateur_model::Budget;
 
 /// Where the bytes of a buffer came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +56,7 @@ pub(crate) fn load_all(
     root: &Value,
     mut chunk: Option<Vec<u8>>,
     base_dir: Option<&Path>,
+    budget: &mut Budget,
 ) -> Result<Vec<Buffer>, Fault> {
     let list = property::list(root, "buffers")?;
     let mut files = Files::new(base_dir);
@@ -63,24 +66,37 @@ pub(crate) fn load_all(
     let mut buffers = Vec::with_capacity(list.len());
     for (index, json) in list.iter().enumerate() {
         let chunk = if index == 0 { chunk.take() } else { None };
-        let buffer = load(json, chunk, &mut files);
+        let buffer = load(json, chunk, &mut files, budget);
         buffers.push(buffer.at(|| property::place(root, "buffers", index))?);
     }
     Ok(buffers)
 }
 
-fn load(json: &Value, chunk: Option<Vec<u8>>, files: &mut Files) -> Result<Buffer, Problem> {
+fn load(
+    json: &Value,
+    chunk: Option<Vec<u8>>,
+    files: &mut Files,
+    budget: &mut Budget,
+) -> Result<Buffer, Problem> {
     let length = property::whole(json, "byteLength")?.ok_or(Problem::Missing("byteLength"))?;
     if is_fallback(json) {
         return Ok(placeholder());
     }
     let (shared, source) = match (property::text(json, "uri")?, chunk) {
-        (Some(uri), _) => match uri::resolve(uri)? {
-            Target::Data(bytes) => (Arc::new(bytes), BufferSource::DataUri),
-            Target::File { relative, uri } => {
-                (files.read(&relative, uri, length)?, BufferSource::File)
+        (Some(uri), _) => {
+            if uri::file(uri).is_none() {
+                // At most as long as it is written.
+                let what = || "the data within its URI".to_owned();
+                budget.take(uri.len() as u64, what, ALLOW_MORE)?;
             }
-        },
+            match uri::resolve(uri)? {
+                Target::Data(bytes) => (Arc::new(bytes), BufferSource::DataUri),
+                Target::File { relative, uri } => {
+                    let file = files.read(&relative, uri, length, budget)?;
+                    (file, BufferSource::File)
+                }
+            }
+        }
         (None, Some(chunk)) => (Arc::new(chunk), BufferSource::Chunk),
         (None, None) => return Ok(placeholder()),
     };
@@ -130,7 +146,13 @@ impl<'a> Files<'a> {
         }
     }
 
-    fn read(&mut self, relative: &Path, uri: &str, length: u64) -> Result<Arc<Vec<u8>>, Problem> {
+    fn read(
+        &mut self,
+        relative: &Path,
+        uri: &str,
+        length: u64,
+        budget: &mut Budget,
+    ) -> Result<Arc<Vec<u8>>, Problem> {
         let file = folder::find(self.base_dir, relative, uri)?;
         if let Some(known) = self.read.get(&file) {
             return Ok(Arc::clone(known));
@@ -139,6 +161,9 @@ impl<'a> Files<'a> {
             .longest
             .get(&file)
             .map_or(length, |&all| all.max(length));
+        let there = std::fs::metadata(&file).map_or(longest, |there| there.len());
+        let what = || format!("the file `{}`", shortened(uri));
+        budget.take(there.min(longest), what, ALLOW_MORE)?;
         let bytes = Arc::new(folder::read_file(&file, uri, longest)?);
         self.read.insert(file, Arc::clone(&bytes));
         Ok(bytes)
@@ -177,7 +202,9 @@ mod tests {
         let named = [("big.bin", 2), ("./big.bin", 6), ("big%2Ebin", 6)];
         let json = named.map(|(uri, length)| json!({"uri": uri, "byteLength": length}));
         let root = json!({ "buffers": json });
-        let loaded = load_all(&root, None, Some(folder.path())).unwrap();
+        let mut budget = Budget::new(secateur_model::Memory::Bytes(7));
+        let loaded = load_all(&root, None, Some(folder.path()), &mut budget).unwrap();
+        assert_eq!(budget.left(), 1);
         let bytes: Vec<&[u8]> = loaded.iter().map(Buffer::bytes).collect();
         assert_eq!(
             bytes,

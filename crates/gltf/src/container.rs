@@ -11,8 +11,10 @@ use std::ops::Range;
 
 use serde_json::Value;
 
+use super::document::ALLOW_MORE;
 use super::error::Problem;
 use super::property;
+use secateur_model::{Budget, Memory};
 
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
@@ -26,15 +28,23 @@ pub(crate) struct Unpacked {
     pub(crate) root: Value,
     /// The bytes of the GLB's second chunk, if there is one.
     pub(crate) chunk: Option<Vec<u8>>,
+    /// How much memory the file may take.
+    pub(crate) memory: Memory,
+    /// What is left of it.
+    pub(crate) budget: Budget,
 }
 
 /// Tells GLB from JSON and parses the JSON.
-pub(crate) fn unpack(mut file: Vec<u8>) -> Result<Unpacked, Problem> {
+pub(crate) fn unpack(mut file: Vec<u8>, memory: Memory) -> Result<Unpacked, Problem> {
+    let mut budget = Budget::new(memory);
+    budget.take(file.len() as u64, || "the file".to_owned(), ALLOW_MORE)?;
     let (json, chunk) = if file.starts_with(b"glTF") {
         chunks(&file)?
     } else {
         (0..file.len(), None)
     };
+    let parsed_bytes = parsed_bytes(&file[json.clone()]);
+    budget.take(parsed_bytes, || "its JSON".to_owned(), ALLOW_MORE)?;
     let root = parse_json(&file[json])?;
     check_version(&root)?;
     // In the file's own memory: the chunk is nearly all of a large file.
@@ -43,7 +53,31 @@ pub(crate) fn unpack(mut file: Vec<u8>) -> Result<Unpacked, Problem> {
         file.drain(..range.start);
         file
     });
-    Ok(Unpacked { root, chunk })
+    Ok(Unpacked {
+        root,
+        chunk,
+        memory,
+        budget,
+    })
+}
+
+/// What a value in a list takes when it is parsed, with room for more behind it.
+const BYTES_A_VALUE: u64 = 2 * size_of::<Value>() as u64;
+
+/// What a property of an object takes besides its value: the name, an allocation for
+/// that, and the place in its table.
+const BYTES_A_NAME: u64 = 128;
+
+/// What JSON takes at most when it is parsed, from the marks in it: values are
+/// parted by commas and brackets, names are followed by colons. Marks in texts count
+/// too.
+fn parsed_bytes(json: &[u8]) -> u64 {
+    let (mut values, mut names) = (1, 0);
+    for byte in json {
+        values += u64::from(matches!(byte, b',' | b'[' | b'{'));
+        names += u64::from(*byte == b':');
+    }
+    values * BYTES_A_VALUE + names * BYTES_A_NAME + json.len() as u64
 }
 
 /// Where the JSON of a GLB is, and its bytes, if it has any.
@@ -214,7 +248,7 @@ mod tests {
     fn what_was_written_is_read() {
         let root: Value = serde_json::from_slice(ASSET).unwrap();
         for bytes in [&[][..], &[1, 2, 3, 4]] {
-            let read = unpack(glb_bytes(&root, bytes.to_vec()).unwrap()).unwrap();
+            let read = unpack(glb_bytes(&root, bytes.to_vec()).unwrap(), Memory::Auto).unwrap();
             assert_eq!(read.root, root);
             assert_eq!(read.chunk.unwrap_or_default(), bytes);
         }
@@ -222,7 +256,7 @@ mod tests {
 
     #[test]
     fn chunks_of_types_to_come_are_passed_over() {
-        let with = |chunks: &[_]| unpack(glb(chunks)).map(|read| read.chunk);
+        let with = |chunks: &[_]| unpack(glb(chunks), Memory::Auto).map(|read| read.chunk);
         let after = [(b"JSON", ASSET), (b"BIN\0", b"data"), (b"NEXT", b"abcd")];
         assert_eq!(with(&after).unwrap(), Some(b"data".to_vec()));
         assert_eq!(with(&[(b"JSON", ASSET), (b"NEXT", b"abcd")]).unwrap(), None);
@@ -230,7 +264,7 @@ mod tests {
 
     #[test]
     fn chunks_that_do_not_fit_together_are_damage() {
-        let refused = |file: Vec<u8>| match unpack(file) {
+        let refused = |file: Vec<u8>| match unpack(file, Memory::Auto) {
             Err(Problem::DamagedGlb(reason)) => reason,
             _ => panic!("not refused as a damaged GLB"),
         };

@@ -12,6 +12,10 @@ use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::property;
 use super::uri;
+use secateur_model::{Budget, Memory};
+
+/// What to do where a file takes too much memory.
+pub(crate) const ALLOW_MORE: &str = "allow more (`--memory`), or make the file smaller";
 
 /// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
 #[derive(Debug)]
@@ -30,6 +34,10 @@ pub struct Document {
     pub(crate) decompressed_views: Vec<OnceLock<Vec<u8>>>,
     /// How many bytes those are.
     pub(crate) decompressed_bytes: AtomicU64,
+    /// How much memory it was opened with.
+    pub(crate) memory: Memory,
+    /// What the JSON and the buffers leave of it.
+    pub(crate) budget: Budget,
 }
 
 impl Document {
@@ -43,7 +51,23 @@ impl Document {
         self.base_dir.as_deref()
     }
 
-    /// Reads a .glb or .gltf file and the buffers it names.
+    /// How much memory it was opened with.
+    pub fn memory(&self) -> Memory {
+        self.memory
+    }
+
+    /// Reads a .glb or .gltf file and the buffers it names, with the memory of
+    /// [`Memory::Auto`]: [`open_within`](Self::open_within).
+    ///
+    /// # Errors
+    /// As [`open_within`](Self::open_within).
+    pub fn open(path: &Path) -> Result<Self, GltfError> {
+        Self::open_within(path, Memory::Auto)
+    }
+
+    /// Reads a .glb or .gltf file and the buffers it names. What it and its images
+    /// take of `memory` is reckoned before it is taken, now and whenever more of the
+    /// file is asked for.
     ///
     /// Its URIs are looked up in its own folder; if `path` is a symbolic link,
     /// in the folder of the file that it leads to. Links in the folder are
@@ -52,16 +76,21 @@ impl Document {
     /// # Errors
     /// [`GltfError`] if it can't be read, is no glTF 2.0, is truncated, needs
     /// an unknown extension, or a buffer is missing or too short, or a buffer
-    /// or an image is outside the file's own folder.
-    pub fn open(path: &Path) -> Result<Self, GltfError> {
+    /// or an image is outside the file's own folder; [`Problem::Memory`] within it
+    /// if the file takes more memory than that.
+    pub fn open_within(path: &Path, memory: Memory) -> Result<Self, GltfError> {
         let name = path.display().to_string();
         let unreadable = |error| GltfError::new(&name, Problem::Unreadable(error));
-        if std::fs::metadata(path).map_err(unreadable)?.is_dir() {
+        let there = std::fs::metadata(path).map_err(unreadable)?;
+        if there.is_dir() {
             let error = std::io::Error::from(std::io::ErrorKind::IsADirectory);
             return Err(unreadable(error));
         }
+        let mut budget = Budget::new(memory);
+        let fits = budget.take(there.len(), || "the file".to_owned(), ALLOW_MORE);
+        fits.map_err(|over| GltfError::new(&name, Problem::from(over)))?;
         let bytes = std::fs::read(path).map_err(unreadable)?;
-        Self::from_bytes(&name, bytes, Some(&folder::of(path)))
+        Self::from_bytes_within(&name, bytes, Some(&folder::of(path)), memory)
     }
 
     /// Reads a file from memory. `name` is what errors call it; `base_dir` is
@@ -74,7 +103,21 @@ impl Document {
         bytes: Vec<u8>,
         base_dir: Option<&Path>,
     ) -> Result<Self, GltfError> {
-        Self::parse(name, bytes, base_dir).map_err(|fault| GltfError::new(name, fault))
+        Self::from_bytes_within(name, bytes, base_dir, Memory::Auto)
+    }
+
+    /// [`from_bytes`](Self::from_bytes), with this much memory.
+    ///
+    /// # Errors
+    /// As [`open_within`](Self::open_within).
+    pub fn from_bytes_within(
+        name: &str,
+        bytes: Vec<u8>,
+        base_dir: Option<&Path>,
+        memory: Memory,
+    ) -> Result<Self, GltfError> {
+        let parse = || Self::from_unpacked(name, container::unpack(bytes, memory)?, base_dir);
+        parse().map_err(|fault| GltfError::new(name, fault))
     }
 
     /// Its JSON as it was found, with everything that this crate doesn't know.
@@ -95,19 +138,20 @@ impl Document {
             .collect()
     }
 
-    fn parse(name: &str, bytes: Vec<u8>, base_dir: Option<&Path>) -> Result<Self, Fault> {
-        Self::from_unpacked(name, container::unpack(bytes)?, base_dir)
-    }
-
     /// The document of a file that is taken apart already.
     pub(crate) fn from_unpacked(
         name: &str,
         unpacked: Unpacked,
         base_dir: Option<&Path>,
     ) -> Result<Self, Fault> {
-        let root = unpacked.root;
+        let Unpacked {
+            root,
+            chunk,
+            memory,
+            mut budget,
+        } = unpacked;
         check_extensions(&root)?;
-        let buffers = buffer::load_all(&root, unpacked.chunk, base_dir)?;
+        let buffers = buffer::load_all(&root, chunk, base_dir, &mut budget)?;
         folder::check_images(&root, base_dir)?;
         let views = property::list(&root, "bufferViews")?.len();
         Ok(Self {
@@ -118,6 +162,8 @@ impl Document {
             base_dir: base_dir.map(Path::to_owned),
             decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
             decompressed_bytes: AtomicU64::new(0),
+            memory,
+            budget,
         })
     }
 

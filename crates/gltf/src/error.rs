@@ -293,6 +293,9 @@ pub enum Problem {
     /// The foliage has no triangle.
     #[error("its foliage has no triangle")]
     EmptyFoliage,
+    /// What the file holds, or claims to hold, takes more memory than is allowed.
+    #[error("{0}")]
+    Memory(#[from] secateur_model::OverMemory),
     /// The output cannot be written.
     #[error("{0}")]
     Write(#[from] super::write::WriteProblem),

@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::accessor::{Component, Shape};
 use super::choice::{self, Verdict};
 use super::cutouts::Cutouts;
+use super::document::ALLOW_MORE;
 use super::error::{At, Fault, Problem};
 use super::evidence::{self, Reason};
 use super::parts::Part;
@@ -17,7 +18,7 @@ use super::survey::{Group, Survey};
 use super::tree::LeafSource;
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
-use secateur_model::{Facing, Foliage, LeafId, LeafTriangle};
+use secateur_model::{Budget, Facing, Foliage, Leaf, LeafId, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
@@ -104,8 +105,9 @@ impl Document {
         inspection: &mut Inspection,
     ) -> Result<(Vec<Part>, Found, Option<Found>), Fault> {
         let mut parts = self.parts()?;
-        let survey = self.survey(&parts)?;
-        let mut pictures = Pictures::new(self);
+        let mut budget = self.budget;
+        let survey = self.survey(&parts, &mut budget)?;
+        let mut pictures = Pictures::new(self, budget);
         let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
         let verdicts = choice::judge(&survey.groups, &reasons);
         let choice = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
@@ -140,7 +142,7 @@ impl Document {
         pictures: &mut Pictures<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Found, Fault> {
-        check_size(survey, parts)?;
+        check_size(survey, parts, &mut pictures.budget)?;
         let mut cutouts = Cutouts::default();
         let mut skins: HashMap<usize, Skin> = HashMap::new();
         for (part, &index) in parts.iter().zip(&survey.group_of_part) {
@@ -293,12 +295,25 @@ struct Skin {
     cutout: Option<u32>,
 }
 
-fn check_size(survey: &Survey, parts: &[Part]) -> Result<(), Problem> {
-    let foliage = parts.iter().zip(&survey.group_of_part);
-    let triangles: u64 = foliage
-        .filter(|(part, _)| part.is_foliage)
-        .map(|(_, &group)| survey.groups[group].geometry.triangles.len() as u64)
-        .sum();
+/// What a triangle of a leaf takes, with room for more behind it, and once more where leaves and
+/// wood are joined.
+const BYTES_A_TRIANGLE: u64 = 2 * (size_of::<LeafTriangle>() + size_of::<u32>()) as u64;
+
+/// The same of a leaf.
+const BYTES_A_LEAF: u64 = 2 * (size_of::<Leaf>() + size_of::<LeafSource>()) as u64;
+
+fn check_size(survey: &Survey, parts: &[Part], budget: &mut Budget) -> Result<(), Problem> {
+    let (mut triangles, mut leaves) = (0, 0);
+    for (part, &group) in parts.iter().zip(&survey.group_of_part) {
+        if part.is_foliage {
+            let geometry = &survey.groups[group].geometry;
+            triangles += geometry.triangles.len() as u64;
+            leaves += geometry.pieces.len() as u64;
+        }
+    }
+    let bytes = BYTES_A_TRIANGLE * triangles + BYTES_A_LEAF * leaves;
+    let what = || format!("{leaves} leaves of {triangles} triangles in all");
+    budget.take(bytes, what, ALLOW_MORE)?;
     match triangles {
         0 => Err(Problem::EmptyFoliage),
         n if n > MAX_LEAF_TRIANGLES => Err(Problem::TooMuch {

@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec3};
 
 use super::Document;
+use super::document::ALLOW_MORE;
 use super::error::{At, Fault, Problem};
 use super::property;
 
@@ -11,6 +12,9 @@ pub(crate) const MAX_PARTS: u64 = 1 << 20;
 
 /// The most triangles a file may draw, every instance counted.
 pub(crate) const MAX_TRIANGLES: u64 = 64 << 20;
+
+/// What a part takes while it is made: itself, its matrix and what that is composed of.
+pub(crate) const BYTES_A_PART: u64 = 2 * size_of::<Part>() as u64 + 256;
 
 /// One primitive as one node (or one instance of it) draws it.
 #[derive(Clone, Debug)]
@@ -49,6 +53,7 @@ impl Document {
     /// that of their triangles are within the limits.
     pub(crate) fn parts(&self) -> Result<Vec<Part>, Fault> {
         let mut parts = Vec::new();
+        let mut budget = self.budget;
         let mut triangles = 0u64;
         for node in self.placed_nodes()? {
             let json = property::entry(&self.root, "nodes", node.index)?;
@@ -71,6 +76,15 @@ impl Document {
                 MAX_PARTS,
             )
             .at(place)?;
+            let new_parts = placements * primitives as u64;
+            budget
+                .take(
+                    BYTES_A_PART * new_parts,
+                    || format!("{new_parts} placements of its primitives"),
+                    ALLOW_MORE,
+                )
+                .map_err(Problem::from)
+                .at(place)?;
             for primitive in 0..primitives {
                 let bound = self.triangle_bound(mesh, primitive)? as u64;
                 triangles += bound.saturating_mul(placements);

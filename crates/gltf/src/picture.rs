@@ -13,7 +13,7 @@ use super::error::{At, Fault, Problem, shortened};
 use super::folder;
 use super::property;
 use super::uri::{self, Target};
-use secateur_model::{Filters, Texture, Wrap};
+use secateur_model::{Budget, Filters, Texture, Wrap};
 
 /// The most texels of one image.
 const MAX_TEXELS: u64 = 64 << 20;
@@ -24,6 +24,13 @@ const MAX_TEXELS_TOGETHER: u64 = 256 << 20;
 /// The most bytes of an image file beside the glTF.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
+/// What a texel takes: its pixels, as they come out of the decoder, and as a
+/// renderer has them.
+const BYTES_A_TEXEL: u64 = 12;
+
+/// What to do where images take too much memory.
+const SMALLER: &str = "allow more (`--memory`), or make the images smaller";
+
 /// The images of a document, each decoded at most once.
 pub(crate) struct Pictures<'a> {
     document: &'a Document,
@@ -32,6 +39,8 @@ pub(crate) struct Pictures<'a> {
     first_of: HashMap<Source, usize>,
     textures: HashMap<(usize, [Wrap; 2], Filters), Arc<Texture>>,
     texels: u64,
+    /// What is left for images, and for what is made of them.
+    pub(crate) budget: Budget,
 }
 
 /// Where the bytes of an image are; entries of `images` may share them.
@@ -92,13 +101,14 @@ impl Tally {
 
 impl<'a> Pictures<'a> {
     /// The images of this document; none is decoded before it is asked for.
-    pub(crate) fn new(document: &'a Document) -> Self {
+    pub(crate) fn new(document: &'a Document, budget: Budget) -> Self {
         Self {
             document,
             decoded: Vec::new(),
             first_of: HashMap::new(),
             textures: HashMap::new(),
             texels: 0,
+            budget,
         }
     }
 
@@ -118,10 +128,22 @@ impl<'a> Pictures<'a> {
                 return Ok(known);
             }
         }
-        let budget = MAX_TEXELS.min(MAX_TEXELS_TOGETHER - self.texels);
-        let decoded = match self.document.image_bytes(index)? {
+        let most_texels = MAX_TEXELS.min(MAX_TEXELS_TOGETHER - self.texels);
+        let place = || self.document.place("images", index);
+        let decoded = match self.document.image_bytes(index, &mut self.budget)? {
             Err(why) => Err(why),
-            Ok(bytes) => decode(&bytes, budget, &mut self.texels),
+            Ok(bytes) => match dimensions(&bytes, most_texels) {
+                Err(why) => Err(why),
+                Ok([width, height]) => {
+                    let texels = u64::from(width) * u64::from(height);
+                    let what = || format!("its {width} x {height} texels");
+                    let taken = self.budget.take(BYTES_A_TEXEL * texels, what, SMALLER);
+                    taken.map_err(Problem::from).at(place)?;
+                    // Added before decoding: images that fail take time too.
+                    self.texels += texels;
+                    decode(&bytes)
+                }
+            },
         };
         let decoded = match decoded {
             Ok(image) => {
@@ -177,28 +199,36 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// `texels` is added to before decoding: images that fail take time too.
-fn decode(bytes: &[u8], most_texels: u64, all_texels: &mut u64) -> Result<RgbaImage, String> {
-    let reader = || {
-        ImageReader::new(Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| error.to_string())
-    };
-    if reader()?.format().is_none() {
+fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, String> {
+    ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| error.to_string())
+}
+
+fn undecodable(error: image::ImageError) -> String {
+    format!("it cannot be decoded ({error})")
+}
+
+/// Width and height of an image, which its header says.
+fn dimensions(bytes: &[u8], most_texels: u64) -> Result<[u32; 2], String> {
+    let reader = reader(bytes)?;
+    if reader.format().is_none() {
         return Err("its format is not PNG, JPEG or WebP".to_owned());
     }
-    let undecodable = |error: image::ImageError| format!("it cannot be decoded ({error})");
-    let (width, height) = reader()?.into_dimensions().map_err(undecodable)?;
+    let (width, height) = reader.into_dimensions().map_err(undecodable)?;
     let texels = u64::from(width) * u64::from(height);
     if texels > most_texels {
         return Err(format!(
             "its {width} x {height} texels are more than the {most_texels} allowed"
         ));
     }
-    *all_texels += texels;
+    Ok([width, height])
+}
+
+fn decode(bytes: &[u8]) -> Result<RgbaImage, String> {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_TEXELS * 8);
-    let mut reader = reader()?;
+    let mut reader = reader(bytes)?;
     reader.limits(limits);
     let picture = reader.decode().map_err(undecodable)?.into_rgba8();
     if picture.width() == 0 || picture.height() == 0 {
@@ -222,7 +252,11 @@ impl Document {
 
     /// The encoded bytes of an image; the inner error says why it can't be had
     /// though the file is sound.
-    fn image_bytes(&self, index: usize) -> Result<Result<Cow<'_, [u8]>, String>, Fault> {
+    fn image_bytes(
+        &self,
+        index: usize,
+        budget: &mut Budget,
+    ) -> Result<Result<Cow<'_, [u8]>, String>, Fault> {
         let json = property::entry(&self.root, "images", index)?;
         let place = || self.place("images", index);
         if let Some(view) = property::index(json, "bufferView").at(place)? {
@@ -235,8 +269,14 @@ impl Document {
         match uri::resolve(uri).at(place)? {
             Target::Data(bytes) => Ok(Ok(Cow::Owned(bytes))),
             Target::File { relative, uri } => {
-                let found = folder::find(self.base_dir.as_deref(), &relative, uri);
-                match found.and_then(|file| folder::read_file(&file, uri, MAX_FILE_BYTES)) {
+                let mut read = || {
+                    let file = folder::find(self.base_dir.as_deref(), &relative, uri)?;
+                    let there = std::fs::metadata(&file).map_or(0, |there| there.len());
+                    let what = || format!("the file `{}`", shortened(uri));
+                    budget.take(there.min(MAX_FILE_BYTES), what, SMALLER)?;
+                    folder::read_file(&file, uri, MAX_FILE_BYTES)
+                };
+                match read() {
                     Ok(bytes) => Ok(Ok(Cow::Owned(bytes))),
                     Err(Problem::MissingFile { uri, error }) => Ok(Err(format!(
                         "the file `{}` cannot be read ({error})",

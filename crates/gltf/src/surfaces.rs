@@ -6,6 +6,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
 
 use super::accessor::Shape;
 use super::choice;
+use super::document::ALLOW_MORE;
 use super::error::{At, Fault, Problem};
 use super::evidence;
 use super::material::TextureUse;
@@ -20,6 +21,13 @@ const MAX_TRIANGLES: u64 = 16 << 20;
 
 /// The most vertices of surfaces, every instance counted.
 const MAX_VERTICES: u64 = 3 * MAX_TRIANGLES;
+
+/// What a triangle to draw takes, with room for more behind it.
+const BYTES_A_TRIANGLE: u64 = 2 * size_of::<[u32; 3]>() as u64;
+
+/// The same of a vertex: position, normal, texture coordinates and colour.
+const BYTES_A_VERTEX: u64 =
+    2 * (2 * size_of::<Vec3>() + size_of::<Vec2>() + size_of::<Vec4>()) as u64;
 
 /// How much of a look is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,8 +64,9 @@ impl Document {
     ) -> Result<Vec<(Surface, bool)>, GltfError> {
         let read = || -> Result<_, Fault> {
             let mut parts = self.parts()?;
-            let survey = self.survey(&parts)?;
-            let mut pictures = Pictures::new(self);
+            let mut budget = self.budget;
+            let survey = self.survey(&parts, &mut budget)?;
+            let mut pictures = Pictures::new(self, budget);
             let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
             let verdicts = choice::judge(&survey.groups, &reasons);
             // Without foliage a tree can still be looked at.
@@ -78,16 +87,14 @@ impl Document {
             let placed = |group: &Group| group.placements as u64 * count(group) as u64;
             survey.groups.iter().map(placed).sum()
         };
-        check_limit(
-            "triangles to draw",
-            all(|g| g.geometry.triangles.len()),
-            MAX_TRIANGLES,
-        )?;
-        check_limit(
-            "vertices to draw",
-            all(|g| g.geometry.positions.len()),
-            MAX_VERTICES,
-        )?;
+        let triangles = all(|g| g.geometry.triangles.len());
+        check_limit("triangles to draw", triangles, MAX_TRIANGLES)?;
+        let vertices = all(|g| g.geometry.positions.len());
+        check_limit("vertices to draw", vertices, MAX_VERTICES)?;
+        let bytes = BYTES_A_TRIANGLE * triangles + BYTES_A_VERTEX * vertices;
+        let what = || format!("{triangles} triangles of {vertices} vertices to draw");
+        let taken = pictures.budget.take(bytes, what, ALLOW_MORE);
+        taken.map_err(Problem::from)?;
         let mut surfaces = Vec::new();
         for (index, group) in survey.groups.iter().enumerate() {
             if group.geometry.triangles.is_empty() {
@@ -227,8 +234,9 @@ impl Tree {
     pub fn surfaces_with(&self, detail: Detail) -> Result<Vec<(Surface, bool)>, GltfError> {
         let document = &self.document;
         let read = || -> Result<_, Fault> {
-            let survey = document.survey(&self.parts)?;
-            let mut pictures = Pictures::new(document);
+            let mut budget = document.budget;
+            let survey = document.survey(&self.parts, &mut budget)?;
+            let mut pictures = Pictures::new(document, budget);
             document.surfaces_of(&self.parts, &survey, &mut pictures, detail)
         };
         read().map_err(|fault| document.error(fault))

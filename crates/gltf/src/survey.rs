@@ -5,11 +5,13 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::Document;
-use super::error::Fault;
+use super::document::ALLOW_MORE;
+use super::error::{Fault, Problem};
 use super::leaves::{Leaves, find_leaves};
 use super::material::Look;
-use super::parts::{Part, check_limit};
+use super::parts::{BYTES_A_PART, Part, check_limit};
 use super::selector::{Label, Labels};
+use secateur_model::Budget;
 
 /// A primitive and where it is drawn.
 pub(crate) struct Group {
@@ -38,13 +40,22 @@ pub(crate) struct Survey {
     pub(crate) group_of_part: Vec<usize>,
 }
 
+/// What a vertex or a triangle takes while pieces are looked for.
+const BYTES_A_CORNER: u64 = 100;
+
 /// The most vertices of all primitives that are drawn, each primitive counted
 /// once: a buffer that primitives share counts for each of them.
 const MAX_VERTICES: u64 = 64 << 20;
 
 impl Document {
     /// Reads every primitive that is drawn.
-    pub(crate) fn survey(&self, parts: &[Part]) -> Result<Survey, Fault> {
+    ///
+    /// # Errors
+    /// [`Problem::Memory`] and whatever is wrong with the geometry.
+    pub(crate) fn survey(&self, parts: &[Part], budget: &mut Budget) -> Result<Survey, Fault> {
+        let of_parts = || "the placements of its primitives".to_owned();
+        let taken = budget.take(BYTES_A_PART * parts.len() as u64, of_parts, ALLOW_MORE);
+        taken.map_err(Problem::from)?;
         let mut known: HashMap<(usize, usize), usize> = HashMap::new();
         let mut groups: Vec<Group> = Vec::new();
         let mut group_of_part = Vec::with_capacity(parts.len());
@@ -60,6 +71,11 @@ impl Document {
                     zero_bytes += self.zero_bytes(part.mesh, part.primitive)?;
                     let what = "bytes of vertices and indices without data";
                     check_limit(what, zero_bytes, self.max_zero_bytes())?;
+                    let corners = self.triangle_bound(part.mesh, part.primitive)? as u64
+                        + self.vertex_count(part.mesh, part.primitive)? as u64;
+                    let geometry = || "its vertices and triangles".to_owned();
+                    let taken = budget.take(BYTES_A_CORNER * corners, geometry, ALLOW_MORE);
+                    taken.map_err(Problem::from)?;
                     groups.push(self.group(part)?);
                     known.insert(key, groups.len() - 1);
                     groups.len() - 1

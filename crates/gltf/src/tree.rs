@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::parts::Part;
 use super::{Document, GltfError, Inspection, Selector};
-use secateur_model::Foliage;
+use secateur_model::{Foliage, Leaf, Memory};
 
 /// A glTF file with its leaves found.
 #[derive(Debug)]
@@ -38,6 +38,28 @@ impl Tree {
     /// [`GltfError`] as [`Document::open`] and [`Document::into_tree`].
     pub fn open(path: &Path, selectors: &[Selector]) -> Result<Self, GltfError> {
         Document::open(path)?.into_tree(selectors)
+    }
+
+    /// [`open`](Self::open), with this much memory.
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`Document::open_within`] and [`Document::into_tree`].
+    pub fn open_within(
+        path: &Path,
+        selectors: &[Selector],
+        memory: Memory,
+    ) -> Result<Self, GltfError> {
+        Document::open_within(path, memory)?.into_tree(selectors)
+    }
+
+    /// What the tree leaves of the memory that it was opened with: what its
+    /// simplification may take.
+    pub fn memory_left(&self) -> Memory {
+        let triangles = size_of_val(self.foliage.triangles());
+        let leaves = self.foliage.leaves().len() * (size_of::<Leaf>() + size_of::<LeafSource>());
+        let parts = self.parts.len() * size_of::<Part>();
+        let held = (triangles + leaves + parts) as u64;
+        Memory::Bytes(self.document.budget.left().saturating_sub(held))
     }
 
     /// The file as it was found.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use secateur_model::{Foliage, Lod, PlantSkeleton};
+use secateur_model::{Foliage, Lod, Memory, PlantSkeleton};
 
 use super::{GltfError, Selector, Tree};
 
@@ -23,6 +23,18 @@ impl WholeTree {
     /// [`GltfError`] as [`Tree::open`].
     pub fn open(path: &Path, selectors: &[Selector]) -> Result<Self, GltfError> {
         super::Document::open(path)?.into_whole_tree(selectors)
+    }
+
+    /// [`open`](Self::open), with this much memory.
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`Tree::open_within`].
+    pub fn open_within(
+        path: &Path,
+        selectors: &[Selector],
+        memory: Memory,
+    ) -> Result<Self, GltfError> {
+        super::Document::open_within(path, memory)?.into_whole_tree(selectors)
     }
 
     /// The leaves alone, in world space.

@@ -8,6 +8,7 @@
 //! - [`LodModel`]: all levels of a removal order, each reached from any other.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, and its [`PlantSkeleton`].
+//! - [`Memory`]: how much memory a run may take; [`Budget`]: what is left of it.
 //! - [`Random`]: numbers drawn by lot, the same on every machine.
 //!
 //! Nothing here knows a file format, a view, an image or a method.
@@ -17,6 +18,7 @@ mod foliage;
 mod leaf_id;
 mod lod;
 mod lod_model;
+mod memory;
 mod new_leaf;
 mod order_error;
 mod plant;
@@ -30,6 +32,7 @@ pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTrian
 pub use leaf_id::LeafId;
 pub use lod::Lod;
 pub use lod_model::{LodModel, UniformLevel};
+pub use memory::{Budget, Memory, OverMemory};
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
 pub use order_error::OrderError;
 pub use plant::Plant;

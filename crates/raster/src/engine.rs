@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 #[cfg(feature = "gpu")]
 use crate::gpu::{Device, Preference};
-use crate::{AreaTable, CpuRasteriser, Fragments, RasterError, Rasteriser, Scene};
+use crate::{
+    AreaTable, CpuRasteriser, Fragments, RasterError, Rasteriser, Scene, TooManyFragments,
+};
 
 /// From how many triangles times views on a hardware GPU is worth opening: it
 /// takes some tenths of a second, in which two CPU cores rasterise about as many.
@@ -145,6 +147,8 @@ impl OpenEngine {
         work: impl Fn(&dyn Rasteriser) -> Result<T, RasterError>,
     ) -> Result<T, RasterError> {
         match work(self.rasteriser()) {
+            // The CPU would find as many.
+            Err(error) if error.is::<TooManyFragments>() => Err(error),
             Err(error) if self.is_gpu() && self.falls_back => {
                 // Another thread may have been first; its reason will do.
                 let _ = self.failure.set(error.to_string());
@@ -160,11 +164,16 @@ impl Rasteriser for OpenEngine {
         self.with_fallback(|rasteriser| rasteriser.fragments(scene))
     }
 
-    fn fragments_and_areas(
+    fn fragments_within(&self, scene: &Scene<'_>, most: u64) -> Result<Fragments, RasterError> {
+        self.with_fallback(|rasteriser| rasteriser.fragments_within(scene, most))
+    }
+
+    fn fragments_and_areas_within(
         &self,
         scene: &Scene<'_>,
+        most: u64,
     ) -> Result<(Fragments, AreaTable), RasterError> {
-        self.with_fallback(|rasteriser| rasteriser.fragments_and_areas(scene))
+        self.with_fallback(|rasteriser| rasteriser.fragments_and_areas_within(scene, most))
     }
 
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {

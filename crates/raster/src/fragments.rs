@@ -132,6 +132,16 @@ impl Fragments {
     }
 }
 
+/// More fragments than there may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there are {found} fragments over all views, and at most {most} are allowed")]
+pub struct TooManyFragments {
+    /// How many there are; where a GPU counts, how many at least.
+    pub found: u64,
+    /// How many there may be.
+    pub most: u64,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -45,7 +45,7 @@ mod view_set;
 pub use area_table::AreaTable;
 pub use cameras::{CamerasError, cameras_from_json, read_cameras};
 pub use engine::{Engine, OpenEngine};
-pub use fragments::{Fragment, Fragments, ViewFragments};
+pub use fragments::{Fragment, Fragments, TooManyFragments, ViewFragments};
 pub use leaf_id_image::LeafIdImage;
 pub use rasteriser::{CpuRasteriser, RasterError, Rasteriser};
 pub use snap::SnappedTriangle;

@@ -1,9 +1,9 @@
 //! One interface for both twins.
 
-use crate::{AreaTable, Fragments, Scene, cpu};
+use crate::{AreaTable, Fragments, Scene, TooManyFragments, cpu};
 
-/// Why a rasteriser could not do its work: the device failed. The CPU never
-/// does.
+/// Why a rasteriser could not do its work: the device failed, which the CPU never
+/// does, or there are [`TooManyFragments`].
 pub type RasterError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Makes fragments and areas of scenes; all implementations give the same bits.
@@ -14,12 +14,44 @@ pub trait Rasteriser {
     /// [`RasterError`] if the device fails.
     fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError>;
 
+    /// The A-buffer of all views, if it has at most `most` fragments: to be asked where memory is
+    /// limited.
+    ///
+    /// # Errors
+    /// [`RasterError`] if the device fails, or [`TooManyFragments`] in it.
+    fn fragments_within(&self, scene: &Scene<'_>, most: u64) -> Result<Fragments, RasterError> {
+        let fragments = self.fragments(scene)?;
+        let found = fragments.len() as u64;
+        match found > most {
+            true => Err(TooManyFragments { found, most }.into()),
+            false => Ok(fragments),
+        }
+    }
+
+    /// [`Self::fragments_within`] and, from the heads of its lists, the area table.
+    ///
+    /// # Errors
+    /// As [`Self::fragments_within`].
+    fn fragments_and_areas_within(
+        &self,
+        scene: &Scene<'_>,
+        most: u64,
+    ) -> Result<(Fragments, AreaTable), RasterError> {
+        let fragments = self.fragments_within(scene, most)?;
+        let areas = cpu::areas_of_heads(&fragments, scene.foliage.leaves().len());
+        Ok((fragments, areas))
+    }
+
     /// The A-buffer of all views and, from the heads of its lists, the area table.
     ///
     /// # Errors
     /// [`RasterError`] if the device fails.
-    fn fragments_and_areas(&self, scene: &Scene<'_>)
-    -> Result<(Fragments, AreaTable), RasterError>;
+    fn fragments_and_areas(
+        &self,
+        scene: &Scene<'_>,
+    ) -> Result<(Fragments, AreaTable), RasterError> {
+        self.fragments_and_areas_within(scene, u64::from(u32::MAX))
+    }
 
     /// The area table of all views.
     ///
@@ -42,11 +74,8 @@ impl Rasteriser for CpuRasteriser {
         Ok(cpu::fragments(scene))
     }
 
-    fn fragments_and_areas(
-        &self,
-        scene: &Scene<'_>,
-    ) -> Result<(Fragments, AreaTable), RasterError> {
-        Ok(cpu::fragments_and_areas(scene))
+    fn fragments_within(&self, scene: &Scene<'_>, most: u64) -> Result<Fragments, RasterError> {
+        Ok(cpu::fragments_within(scene, most)?)
     }
 
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use secateur_model::{Cutout, Facing, Foliage, LeafTriangle, Lod, Wrap};
 use secateur_raster::abuffer::{ABuffer, Events};
-use secateur_raster::{Fragments, Scene, View, ViewSet, cpu};
+use secateur_raster::{
+    CpuRasteriser, Fragments, Rasteriser, Scene, TooManyFragments, View, ViewSet, cpu,
+};
 
 /// A camera at the origin looking along -z. At distance 8 an image of 16
 /// pixels spans 16 units: a unit is a pixel, (0, 0) the image's middle.
@@ -98,6 +100,40 @@ fn a_leaf_is_seen_from_the_sides_it_faces() {
         let both = alone.seen_from_both_sides();
         assert_eq!(areas(&both, &Lod::original(1))[1], 32);
     }
+}
+
+/// Two leaves of 4 x 4 pixels, one behind the other, from two cameras: 64
+/// fragments, none too many, and one too many. The count is that of all views on
+/// any number of threads.
+#[test]
+fn fragments_are_counted_before_they_take_memory() {
+    let leaves = [
+        quad(-2.0, -2.0, 2.0, 2.0, 8.0),
+        quad(-2.0, -2.0, 2.0, 2.0, 8.0),
+    ];
+    let foliage = foliage(&[&leaves[0], &leaves[1]]);
+    let view = ruler().views()[0];
+    let scene = Scene {
+        foliage: &foliage,
+        lod: &Lod::original(2),
+        views: &ViewSet::new(vec![view, view]),
+        resolution: 16,
+    };
+    assert_eq!(
+        cpu::fragments_within(&scene, 64),
+        Ok(cpu::fragments(&scene))
+    );
+    for most in [0, 31, 32, 63] {
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let pool = pool.build().unwrap();
+            let counted = pool.install(|| cpu::fragments_within(&scene, most));
+            assert_eq!(counted, Err(TooManyFragments { found: 64, most }));
+        }
+    }
+    let asked: &dyn Rasteriser = &CpuRasteriser;
+    let error = asked.fragments_within(&scene, 63).unwrap_err();
+    assert!(error.is::<TooManyFragments>(), "{error}");
 }
 
 #[test]

@@ -255,6 +255,8 @@ struct Maker<'a> {
     tree: &'a WholeTree,
     plant: WholePlant<'a>,
     options: &'a ChainOptions,
+    /// How leaves are simplified, with the memory that the tree leaves for it.
+    leaves: Options,
     engine: &'a OpenEngine,
     /// Triangles of the whole plant.
     all: usize,
@@ -293,6 +295,10 @@ impl<'a> Maker<'a> {
             views: ViewSet::new(views),
             height: high - low,
             picture_share: (high - low) / seen,
+            leaves: Options {
+                memory: tree.items().memory_left(),
+                ..options.leaves.clone()
+            },
             tree,
             plant,
             options,
@@ -304,11 +310,13 @@ impl<'a> Maker<'a> {
     fn level(&self, triangles: usize, observer: &mut Observer<'_>) -> Result<Made, ChainError> {
         let level = self
             .plant
-            .level(triangles, &self.options.leaves, self.engine, observer)?;
+            .level(triangles, &self.leaves, self.engine, observer)?;
         let lod = self.tree.joined(&level.leaves.lod, &level.wood);
         let bytes = self.tree.items().lod_to_bytes(&lod)?;
         let original = self.tree.items().document();
-        let document = Document::from_bytes(original.name(), bytes, original.folder())?;
+        let memory = original.memory();
+        let document =
+            Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
         let left = level.leaves.lod.foliage(self.tree.leaves());
         Ok(Made {
             foliage_triangles: left.triangles().len(),

@@ -106,9 +106,9 @@ pub use secateur_gltf::{
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CornerRef, Cutout, Facing, Filters, Finish, Foliage, FoliageError,
-    Growth, Leaf, LeafId, LeafTriangle, Lod, Material, Mips, NewCorner, NewLeaf, NormalMap, Place,
-    Plant, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface,
-    Texture, Wrap,
+    Growth, Leaf, LeafId, LeafTriangle, Lod, Material, Memory, Mips, NewCorner, NewLeaf, NormalMap,
+    OverMemory, Place, Plant, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError,
+    Step, Surface, Texture, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

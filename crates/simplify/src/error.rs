@@ -1,6 +1,6 @@
 //! What can keep a run from its end, in one sentence each.
 
-use secateur_model::SkeletonError;
+use secateur_model::{OverMemory, SkeletonError};
 
 use crate::vds::VdsError;
 
@@ -51,6 +51,9 @@ pub enum Error {
     /// A weight is out of range.
     #[error("{0} must be a number {1}")]
     Setting(String, &'static str),
+    /// The run takes more memory than is allowed.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// VDS could not be run.
     #[error(transparent)]
     Vds(VdsError),
@@ -72,6 +75,7 @@ impl From<VdsError> for Error {
         match error {
             VdsError::Cancelled => Self::Stopped,
             VdsError::Raster(reason) => Self::Gpu(reason),
+            VdsError::Memory(over) => Self::Memory(over),
             other => Self::Vds(other),
         }
     }

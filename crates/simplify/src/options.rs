@@ -5,7 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use secateur_model::{Facing, Foliage, Leaf, PlantSkeleton};
+use secateur_model::{Facing, Foliage, Leaf, Memory, PlantSkeleton};
 use secateur_raster::{Engine, MAX_RESOLUTION};
 use serde::{Deserialize, Serialize};
 
@@ -227,6 +227,11 @@ pub struct Options {
     /// that follow branches.
     #[serde(skip)]
     pub skeleton: Option<Arc<PlantSkeleton>>,
+    /// How much memory the run may take, with the foliage's copies but without the foliage itself:
+    /// what takes much is reckoned beforehand, and refused where it is more. What comes of a run
+    /// that is not refused does not depend on it.
+    #[serde(skip)]
+    pub memory: Memory,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -252,6 +257,7 @@ impl Options {
             leaf_triangles: LeafTriangles::default(),
             fit: Fitting::default(),
             skeleton: None,
+            memory: Memory::Auto,
             audit: cfg!(debug_assertions),
         }
     }

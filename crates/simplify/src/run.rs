@@ -2,13 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use secateur_model::{BoundingSphere, Foliage, Lod};
+use secateur_model::{BoundingSphere, Budget, Foliage, Lod};
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Scene, ViewSet};
 
 use crate::audit::audit;
 use crate::coarsen::Coarse;
+use crate::memory::{Within, take_run};
 use crate::observe::{Shown, observe};
 use crate::passes::Passes;
 use crate::resolution::{CANDIDATES, choose};
@@ -152,6 +153,9 @@ pub fn simplify_on(
         Resolution::Pixels(n) => (n, "as asked".to_owned()),
         Resolution::Auto => resolution_for(&foliage, &options.views.around(sphere), engine)?,
     };
+    let mut budget = Budget::new(options.memory);
+    let views = options.views.around(sphere);
+    take_run(&mut budget, &foliage, options, &views, resolution)?;
     let run = Run {
         foliage: &foliage,
         options,
@@ -159,6 +163,7 @@ pub fn simplify_on(
         views: options.views.plan(sphere),
         resolution,
         engine,
+        budget,
     };
     let mut draft = run.select(&mut clock)?;
     let unfitted_percent = draft.shown.error_percent();
@@ -230,6 +235,8 @@ struct Run<'a> {
     views: ViewPlan,
     resolution: u32,
     engine: &'a OpenEngine,
+    /// What is left for what views show.
+    budget: Budget,
 }
 
 /// What came of the passes so far.
@@ -266,7 +273,10 @@ impl Run<'_> {
             skeleton: self.options.skeleton.as_deref(),
             views: &self.views,
             resolution: self.resolution,
-            rasteriser: self.engine,
+            rasteriser: &Within {
+                engine: self.engine,
+                budget: self.budget,
+            },
         };
         let selection = self
             .options
@@ -370,7 +380,8 @@ impl Run<'_> {
     fn size(&self, draft: &mut Draft, pass: &SizePass, clock: &mut Clock<'_>) -> Result<(), Error> {
         let lod = draft.passes.lod();
         let mut steps = |done, at_most| clock.step(done, at_most);
-        let Some(factors) = pass.factors(self.foliage, &lod, &mut steps)? else {
+        let factors = pass.factors(self.foliage, &lod, self.budget, &mut steps)?;
+        let Some(factors) = factors else {
             return Ok(());
         };
         draft.passes.sizes = Some(factors);

@@ -2,10 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use secateur_model::{BoundingSphere, Foliage, Lod};
+use secateur_model::{BoundingSphere, Budget, Foliage, Lod};
 use secateur_raster::ViewSet;
 
-use crate::fit::{Fit, Objective, fit};
+use crate::fit::{Fit, Objective, fit_within};
 use crate::select::Steps;
 use crate::{Error, Fitting, Views};
 
@@ -59,6 +59,7 @@ impl SizePass {
         &self,
         foliage: &Foliage,
         lod: &Lod,
+        budget: Budget,
         steps: &mut Steps<'_>,
     ) -> Result<Option<Vec<f64>>, Error> {
         let way = Fit {
@@ -68,7 +69,7 @@ impl SizePass {
             resolution: resolution(self.least_resolution(), &self.views),
             objective: self.objective,
         };
-        match fit(&way, steps) {
+        match fit_within(&way, budget, steps)? {
             ControlFlow::Continue(factors) => {
                 Ok(factors.iter().any(|f| *f != 1.0).then_some(factors))
             }

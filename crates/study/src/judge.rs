@@ -175,7 +175,8 @@ impl<'a> Judge<'a> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new("."));
         let name = self.path.display().to_string();
-        let document = Document::from_bytes(&name, bytes, Some(folder))?;
+        let memory = self.tree.document().memory();
+        let document = Document::from_bytes_within(&name, bytes, Some(folder), memory)?;
         // No leaf may be left to select.
         let surfaces = document.surfaces(&[])?;
         Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())

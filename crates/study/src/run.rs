@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::{Selector, Tree};
+use secateur_model::Memory;
 
 use crate::draw::{Drawn, draw, make_folder};
 use crate::job::{Finished, Job, jobs, lacks_original_picture};
@@ -34,6 +35,8 @@ pub struct StudyOptions {
     pub only: Vec<String>,
     /// How many seeds of cases that draw lots.
     pub seeds: u32,
+    /// How much memory each tree and what is made of it may take.
+    pub memory: Memory,
 }
 
 /// Runs what is missing, then draws everything from the rows.
@@ -46,7 +49,7 @@ pub fn run(options: &StudyOptions, host: &dyn Host) -> Result<Drawn, Error> {
         // Not even a folder is left behind by a study that can't begin.
         subjects
             .iter()
-            .try_for_each(|s| s.check(&options.selectors))?;
+            .try_for_each(|s| s.check(&options.selectors, options.memory))?;
     }
     make_folder(&options.folder)?;
     let _lock = Lock::take(&options.folder)?;
@@ -97,7 +100,7 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
             return Err(Error::Stopped(options.folder.clone()));
         }
         subject.prepare(host)?;
-        let sha256 = tree_sha256(&subject.path)?;
+        let sha256 = tree_sha256(&subject.path, options.memory)?;
         let identity = Identity::new(&subject.name, &sha256, &provenance);
         todo.push(Todo {
             jobs: jobs(options, subject, &identity, &finished),
@@ -107,7 +110,7 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
         });
     }
     for of_tree in todo.iter().filter(|of_tree| !of_tree.is_nothing()) {
-        of_tree.subject.check(&options.selectors)?;
+        of_tree.subject.check(&options.selectors, options.memory)?;
     }
     let studied: BTreeSet<Identity> = todo.iter().map(|t| t.identity.clone()).collect();
     let mut file = RowFile::after(&rows, &studied, &options.folder, host)?;
@@ -129,7 +132,7 @@ fn run_tree(
     host: &dyn Host,
 ) -> Result<(), Error> {
     let selectors = todo.subject.selectors(&options.selectors);
-    let tree = Tree::open(&todo.subject.path, selectors)?;
+    let tree = Tree::open_within(&todo.subject.path, selectors, options.memory)?;
     let judge = Judge::new(todo.subject, &tree, &todo.identity, &options.folder, host)?;
     for job in &todo.jobs {
         let case = job.run.case;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::{Document, Selector, Tree, plant_to_glb};
-use secateur_model::{BoundingSphere, Plant};
+use secateur_model::{BoundingSphere, Memory, Plant};
 use secateur_plant::{GrowOptions, grow};
 
 use crate::draw::make_folder;
@@ -55,7 +55,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
         subjects.push(Subject {
             name: name.to_string_lossy().into_owned(),
             path: path.clone(),
-            cases: match knows_branches(path, &options.selectors) {
+            cases: match knows_branches(path, &options.selectors, options.memory) {
                 true => with_branches.clone(),
                 false => cases.clone(),
             },
@@ -109,8 +109,9 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
 
 /// Whether a tree has a sound skeleton. What else may be wrong with it is said by
 /// [`Subject::check`].
-fn knows_branches(path: &Path, selectors: &[Selector]) -> bool {
-    let Some(document) = Document::open(path).ok().filter(Document::has_skeleton) else {
+fn knows_branches(path: &Path, selectors: &[Selector], memory: Memory) -> bool {
+    let document = Document::open_within(path, memory).ok();
+    let Some(document) = document.filter(Document::has_skeleton) else {
         return false;
     };
     let skeleton = document.into_tree(selectors).and_then(|t| t.skeleton());
@@ -153,9 +154,9 @@ impl Subject {
 
     /// Fails if a tree of the user's can't be read, so that a study does not find out in the
     /// middle.
-    pub(crate) fn check(&self, of_user: &[Selector]) -> Result<(), Error> {
+    pub(crate) fn check(&self, of_user: &[Selector], memory: Memory) -> Result<(), Error> {
         if matches!(self.made, Made::ByOthers) {
-            Tree::open(&self.path, of_user)?;
+            Tree::open_within(&self.path, of_user, memory)?;
         }
         Ok(())
     }
@@ -248,6 +249,7 @@ mod tests {
             levels: Vec::new(),
             only: Vec::new(),
             seeds: 1,
+            memory: Memory::Auto,
         };
         let subjects = subjects(&options).unwrap();
         let by_branches = subjects.iter().map(|subject| {

@@ -48,6 +48,7 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
         // A method that sees no pixels does not have to choose how many.
         options.resolution = Resolution::Pixels(1);
     }
+    options.memory = tree.memory_left();
     if options.method.needs_skeleton() {
         options.skeleton = tree.skeleton()?.map(Arc::new);
     }

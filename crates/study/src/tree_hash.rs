@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::Document;
+use secateur_model::Memory;
 use sha2::{Digest, Sha256};
 
 use crate::Error;
@@ -14,8 +15,8 @@ use crate::Error;
 ///
 /// # Errors
 /// [`Error::Gltf`] if the tree or a buffer of it can't be read.
-pub(crate) fn tree_sha256(path: &Path) -> Result<String, Error> {
-    let document = Document::open(path)?;
+pub(crate) fn tree_sha256(path: &Path, memory: Memory) -> Result<String, Error> {
+    let document = Document::open_within(path, memory)?;
     let mut hasher = Sha256::new();
     let read = |path: &Path| fs::read(path).map_err(|e| Error::of_file(path, "cannot be read", e));
     hasher.update(read(path)?);

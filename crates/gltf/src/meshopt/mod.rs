@@ -22,6 +22,7 @@ use std::sync::atomic::Ordering;
 use serde_json::Value;
 
 use super::Document;
+use super::document::ALLOW_MORE;
 use super::error::{At, Fault, Problem, shortened};
 use super::property;
 use filters::Filter;
@@ -93,6 +94,10 @@ impl Document {
                 limit,
             });
         }
+        let held = self.decompressed_bytes.load(Ordering::Relaxed);
+        let what = || format!("{count} elements of {stride} bytes that are compressed");
+        let mut budget = self.budget;
+        budget.take(held.saturating_add(size), what, ALLOW_MORE)?;
         let source = self.buffer_range(
             compressed.buffer,
             compressed.byte_offset,

@@ -17,7 +17,7 @@ use crate::document::Document;
 use crate::error::{Fault, GltfError, Problem};
 use crate::tree::Tree;
 use crate::uri;
-use secateur_model::Lod;
+use secateur_model::{Lod, Memory};
 
 /// The files of a LOD that were written, and what they hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -79,6 +79,8 @@ pub struct PreparedLod {
     buffer: Option<PathBuf>,
     /// The folder of the input, which has the images.
     images: Option<PathBuf>,
+    /// With which the input was opened.
+    memory: Memory,
 }
 
 impl PreparedLod {
@@ -95,7 +97,7 @@ impl PreparedLod {
         let name = self.written.files[0].display().to_string();
         let read = || -> Result<Document, Fault> {
             let file = fs::read(&self.main).map_err(Problem::Unreadable)?;
-            let mut unpacked = container::unpack(file)?;
+            let mut unpacked = container::unpack(file, self.memory)?;
             if let Some(buffer) = &self.buffer {
                 super::drop_unreferenced::remove_field(&mut unpacked.root["buffers"][0], "uri");
                 unpacked.chunk = Some(fs::read(buffer).map_err(Problem::Unreadable)?);
@@ -219,6 +221,7 @@ impl Tree {
         let prepared = target.stage(content, &images, options, written);
         let mut prepared = prepared.map_err(failed)?;
         prepared.images = self.document.base_dir.clone();
+        prepared.memory = self.document.memory;
         Ok(prepared)
     }
 
@@ -362,6 +365,7 @@ impl Output {
             main: main.expect("it was added"),
             buffer,
             images: None,
+            memory: Memory::Auto,
         })
     }
 
@@ -419,7 +423,7 @@ fn buffers_of(path: &Path) -> Vec<PathBuf> {
     }
     let unpacked = fs::read(path)
         .ok()
-        .and_then(|file| container::unpack(file).ok());
+        .and_then(|file| container::unpack(file, Memory::Auto).ok());
     unpacked.map_or_else(Vec::new, |old| {
         let files = uris(&old.root, "buffers").filter_map(uri::file);
         files.map(|relative| plain(&relative)).collect()

@@ -1,12 +1,16 @@
 //! Leaves to fragments: the A-buffer.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId};
 
 use super::canvas::Canvas;
 use super::histogram;
 use crate::snap::Snapper;
-use crate::{AreaTable, Fragment, Fragments, Scene, SnappedTriangle, View, ViewFragments};
+use crate::{
+    AreaTable, Fragment, Fragments, Scene, SnappedTriangle, TooManyFragments, View, ViewFragments,
+};
 
 /// The fragments of all views of a scene.
 ///
@@ -17,15 +21,60 @@ use crate::{AreaTable, Fragment, Fragments, Scene, SnappedTriangle, View, ViewFr
 /// # Panics
 /// If the scene's resolution, pixels or fragments (over 2^32) are out of range.
 pub fn fragments(scene: &Scene<'_>) -> Fragments {
+    match fragments_within(scene, u64::from(u32::MAX)) {
+        Ok(fragments) => fragments,
+        Err(too_many) => panic!("{too_many}"),
+    }
+}
+
+/// [`fragments`], if there are at most so many. Takes no more memory than so many take, and 16
+/// bytes for each of them; beyond that it only counts.
+///
+/// # Errors
+/// [`TooManyFragments`] if there are more than `most`, or than 2^32 - 1.
+///
+/// # Panics
+/// If the scene's resolution or pixels are out of range.
+pub fn fragments_within(scene: &Scene<'_>, most: u64) -> Result<Fragments, TooManyFragments> {
     scene.assert_in_range();
+    let most = most.min(u64::from(u32::MAX));
+    let count = Count {
+        found: AtomicU64::new(0),
+        most,
+    };
     let views: Vec<ViewFragments> = scene
         .views
         .views()
         .par_iter()
-        .map_init(|| OneView::new(scene), OneView::fragments)
+        .map_init(
+            || OneView::new(scene),
+            |one, view| one.fragments(view, &count),
+        )
         .collect();
-    Fragments::from_views(scene.resolution, views)
+    // All views are counted, whoever came first: the answer is the same on any number of threads.
+    let found = count.found.into_inner();
+    if found > most {
+        return Err(TooManyFragments { found, most });
+    }
+    Ok(Fragments::from_views(scene.resolution, views))
 }
+
+/// Fragments over all views.
+struct Count {
+    found: AtomicU64,
+    most: u64,
+}
+
+impl Count {
+    /// Counts more of them; whether there are too many.
+    fn add(&self, fragments: u64) -> bool {
+        let before = self.found.fetch_add(fragments, Ordering::Relaxed);
+        before + fragments > self.most
+    }
+}
+
+/// Fragments of a view that are counted at a time: that many may be too many in memory.
+const COUNTED_AT_ONCE: u64 = 1 << 16;
 
 /// [`fragments`] and, from their heads, the area table.
 ///
@@ -33,12 +82,16 @@ pub fn fragments(scene: &Scene<'_>) -> Fragments {
 /// As [`fragments`].
 pub fn fragments_and_areas(scene: &Scene<'_>) -> (Fragments, AreaTable) {
     let fragments = fragments(scene);
-    let leaf_count = scene.foliage.leaves().len();
+    let areas = areas_of_heads(&fragments, scene.foliage.leaves().len());
+    (fragments, areas)
+}
+
+/// The area table that the heads of lists show.
+pub fn areas_of_heads(fragments: &Fragments, leaf_count: usize) -> AreaTable {
     let views = (0..fragments.views().len()).into_par_iter();
     let rows = views.map(|view| histogram(&fragments.leaf_ids(view), leaf_count));
     let rows: Vec<Vec<u32>> = rows.collect();
-    let areas = AreaTable::from_rows(leaf_count, rows.concat());
-    (fragments, areas)
+    AreaTable::from_rows(leaf_count, rows.concat())
 }
 
 /// Makes the fragments of one view at a time, reusing its memory.
@@ -61,7 +114,8 @@ impl<'a> OneView<'a> {
         }
     }
 
-    fn fragments(&mut self, view: &View) -> ViewFragments {
+    /// The lists are empty if there are too many.
+    fn fragments(&mut self, view: &View, count: &Count) -> ViewFragments {
         let Self {
             scene,
             leaf_fragments,
@@ -69,11 +123,24 @@ impl<'a> OneView<'a> {
             next,
         } = self;
         found.clear();
+        let mut uncounted = 0;
+        let mut is_beyond = count.add(0);
         for (leaf, area_scale) in scene.lod.leaves() {
             let views = std::slice::from_ref(view);
-            for &(pixel, depth) in leaf_fragments.of(scene.foliage, leaf, area_scale, views) {
-                found.push((pixel, Fragment::new(depth, leaf.get())));
+            let of_leaf = leaf_fragments.of(scene.foliage, leaf, area_scale, views);
+            uncounted += of_leaf.len() as u64;
+            if uncounted >= COUNTED_AT_ONCE {
+                is_beyond |= count.add(std::mem::take(&mut uncounted));
             }
+            if !is_beyond {
+                let of_leaf = of_leaf.iter();
+                found.extend(
+                    of_leaf.map(|&(pixel, depth)| (pixel, Fragment::new(depth, leaf.get()))),
+                );
+            }
+        }
+        if count.add(uncounted) {
+            found.clear();
         }
         // A counting sort by pixel, then each short list by depth and leaf.
         let pixels = scene.pixels_per_view();

@@ -8,6 +8,8 @@ mod runs;
 mod triangle;
 
 pub use draw::draw_leaf_ids;
-pub use fragments::{LeafFragments, fragments, fragments_and_areas};
+pub use fragments::{
+    LeafFragments, areas_of_heads, fragments, fragments_and_areas, fragments_within,
+};
 pub use histogram::{areas, histogram};
 pub use triangle::rasterise;

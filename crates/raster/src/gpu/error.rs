@@ -1,5 +1,7 @@
 //! What can go wrong with a GPU.
 
+use crate::TooManyFragments;
+
 /// Why a stage could not be run on a GPU.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -48,6 +50,9 @@ pub enum GpuError {
         /// The adapter's limit in bytes.
         limit: u64,
     },
+    /// There are more fragments than the caller allows.
+    #[error(transparent)]
+    TooManyFragments(TooManyFragments),
     /// The driver or this library broke a rule of the other's.
     #[error("the GPU driver failed: {0}; run on the CPU")]
     Failed(String),

@@ -13,7 +13,7 @@ use super::stages::{
     HEAP_MAX, PIXEL_WORKGROUP, PIXELS_PER_WORKGROUP, SCAN_BLOCK, TRIANGLE_WORKGROUP,
 };
 use super::{Device, GpuError, cutouts, long_lists};
-use crate::{AreaTable, Fragment, Fragments, Scene, ViewFragments};
+use crate::{AreaTable, Fragment, Fragments, Scene, TooManyFragments, ViewFragments};
 
 /// Bytes of a fragment.
 const FRAGMENT_BYTES: u64 = 8;
@@ -34,6 +34,25 @@ pub fn fragments(device: &Device, scene: &Scene<'_>) -> Result<Fragments, GpuErr
     Ok(lists)
 }
 
+/// [`fragments`], if there are at most so many. The count is known before the
+/// memory is taken.
+///
+/// # Errors
+/// As [`fragments`]; [`GpuError::TooManyFragments`].
+///
+/// # Panics
+/// As [`fragments`].
+pub(super) fn fragments_within(
+    device: &Device,
+    scene: &Scene<'_>,
+    most: u64,
+) -> Result<Fragments, GpuError> {
+    let mut run = Run::new(device, scene, false)?;
+    run.most = most;
+    let (lists, _) = run.all()?;
+    Ok(lists)
+}
+
 /// [`fragments`] and, from their heads, the area table.
 ///
 /// # Errors
@@ -46,6 +65,23 @@ pub fn fragments_and_areas(
     scene: &Scene<'_>,
 ) -> Result<(Fragments, AreaTable), GpuError> {
     Run::new(device, scene, true)?.all()
+}
+
+/// [`fragments_and_areas`], if there are at most this many fragments.
+///
+/// # Errors
+/// As [`fragments`]; [`GpuError::TooManyFragments`].
+///
+/// # Panics
+/// As [`fragments`].
+pub(super) fn fragments_and_areas_within(
+    device: &Device,
+    scene: &Scene<'_>,
+    most: u64,
+) -> Result<(Fragments, AreaTable), GpuError> {
+    let mut run = Run::new(device, scene, true)?;
+    run.most = most;
+    run.all()
 }
 
 /// Everything that lives as long as the work on one scene.
@@ -62,6 +98,8 @@ struct Run<'a> {
     image: GrowingBuffer,
     table: GrowingBuffer,
     most_in_window: u32,
+    /// Fragments that there may be over all views.
+    most: u64,
     spare: Option<wgpu::Buffer>,
     pending: Option<Job>,
     result: Lists,
@@ -114,6 +152,7 @@ impl<'a> Run<'a> {
             image: GrowingBuffer::new("leaf IDs"),
             table: GrowingBuffer::new("areas"),
             most_in_window: (list_bytes / FRAGMENT_BYTES) as u32,
+            most: u64::MAX,
             spare: None,
             pending: None,
             result: Lists::new(scene.pixels_per_view()),
@@ -208,6 +247,12 @@ impl<'a> Run<'a> {
             })
         };
         let total = self.result.len + u64::from(chunk.fragments);
+        if total > self.most {
+            return Err(GpuError::TooManyFragments(TooManyFragments {
+                found: total,
+                most: self.most,
+            }));
+        }
         if chunk.fragments == u32::MAX || total > u64::from(u32::MAX) {
             return too_many(total);
         }

@@ -28,19 +28,33 @@ pub use device::{Device, Preference};
 pub use draw::{areas, leaf_ids};
 pub use error::GpuError;
 pub use fragments::{fragments, fragments_and_areas};
+use fragments::{fragments_and_areas_within, fragments_within};
 pub use tiles::{TILE_PX, split_into_tiles};
 pub use wgpu;
+
+/// Too many fragments are no failure of the device, and known by their own type.
+fn raster_error(error: GpuError) -> RasterError {
+    match error {
+        GpuError::TooManyFragments(too_many) => too_many.into(),
+        other => other.into(),
+    }
+}
 
 impl Rasteriser for Device {
     fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
         Ok(fragments(self, scene)?)
     }
 
-    fn fragments_and_areas(
+    fn fragments_within(&self, scene: &Scene<'_>, most: u64) -> Result<Fragments, RasterError> {
+        fragments_within(self, scene, most).map_err(raster_error)
+    }
+
+    fn fragments_and_areas_within(
         &self,
         scene: &Scene<'_>,
+        most: u64,
     ) -> Result<(Fragments, AreaTable), RasterError> {
-        Ok(fragments_and_areas(self, scene)?)
+        fragments_and_areas_within(self, scene, most).map_err(raster_error)
     }
 
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {

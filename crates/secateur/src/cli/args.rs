@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use secateur::{Fitting, LeafTriangles, Resolution, Selector, Target};
-use secateur_plant::Scheme;
+use secateur::{Fitting, LeafTriangles, Memory, Resolution, Selector, Target};
+use secateur_plant::{MAX_LEAVES, Scheme};
 
 use super::grow_lod::Amount;
 use super::names::{
@@ -95,6 +95,8 @@ pub(crate) struct Demo {
     /// Where images are drawn; the result is the same, bit for bit.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
 }
 
 #[derive(Args, Debug)]
@@ -104,6 +106,8 @@ pub(crate) struct Inspect {
     pub(crate) tree: PathBuf,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
@@ -119,6 +123,8 @@ pub(crate) struct Measure {
     pub(crate) simplified: PathBuf,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
@@ -149,6 +155,8 @@ pub(crate) struct Study {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
     /// What is run; several with commas between them.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "methods")]
     pub(crate) plan: Vec<PlanName>,
@@ -202,8 +210,8 @@ pub(crate) struct Grow {
     #[arg(short, long, value_name = "OUT.glb")]
     pub(crate) output: PathBuf,
     /// How many leaves it has, exactly [default: as many as suit the species].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(crate) leaves: Option<i64>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_LEAVES)))]
+    pub(crate) leaves: Option<u32>,
     /// Which sibling; equal seeds grow equal plants.
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
@@ -251,6 +259,19 @@ pub(crate) struct Foliage {
     pub(crate) foliage: Vec<Selector>,
 }
 
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct MemoryArg {
+    /// How much memory to take at most, such as 2G or 800M: what takes more is refused before it
+    /// is taken [default: half of what the machine has].
+    #[arg(
+        long,
+        value_name = "SIZE",
+        default_value = "auto",
+        hide_default_value = true
+    )]
+    pub(crate) memory: Memory,
+}
+
 #[derive(Args, Debug)]
 pub(crate) struct Simplify {
     /// The tree, .glb or .gltf.
@@ -270,6 +291,8 @@ pub(crate) struct Simplify {
     pub(crate) wood: Option<WoodName>,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,
@@ -420,6 +443,8 @@ pub(crate) struct Lods {
     pub(crate) fov: f64,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
     pub(crate) alpha: AlphaName,

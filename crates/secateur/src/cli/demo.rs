@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use secateur::{
-    Document, Measurement, Method, Options, Preset, Simplified, Target, Tree, Written, plant_to_glb,
+    Document, Measurement, Method, Options, PreparedLod, Preset, Simplified, StagedFiles, Target,
+    Tree, WriteOptions, plant_to_glb,
 };
 use secateur_gltf::Detail;
 use secateur_plant::{GrowOptions, Species, grow};
@@ -24,11 +25,11 @@ use super::{interrupt, machine, output, record};
 /// The LODs, finest first, in per cent of the leaves.
 const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
 
-/// A LOD that was written.
+/// A LOD that is written, but for its name.
 struct Level {
     percent: u32,
     leaves: usize,
-    written: Written,
+    prepared: PreparedLod,
     measured: Measurement,
 }
 
@@ -48,13 +49,15 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let glb = plant_to_glb(&plant);
     let original = args.output.join("tree.glb");
     let name = original.display().to_string();
-    let tree = Document::from_bytes(&name, glb.clone(), None)?.into_tree(&[])?;
+    let memory = args.memory.memory;
+    let tree = Document::from_bytes_within(&name, glb.clone(), None, memory)?.into_tree(&[])?;
     interrupt::check()?;
 
     let mut results = Vec::new();
     for percent in LEVELS_PERCENT {
         let mut options = Options::to(Target::leaves(leaves_at(&tree, percent) as u64));
         options.engine = args.engine.into();
+        options.memory = tree.memory_left();
         let progress_bar = RunProgress::new(common);
         let result =
             secateur::simplify_with(tree.foliage(), &options, &mut |p| progress_bar.show(p))?;
@@ -64,17 +67,20 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     stages.extend(summed(&results));
 
     interrupt::writing()?;
-    output::make_folder(&args.output)?;
-    output::write_file(&original, &glb)?;
-    let levels = write_levels(&mut stages, &args.output, &tree, &results)?;
+    // All files are written before the first appears: what fails leaves nothing.
+    let mut staged = StagedFiles::new();
+    let made = staged.make_folder(&args.output);
+    made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
+    output::stage(&mut staged, &original, &glb)?;
+    let levels = prepare_levels(&mut stages, &args.output, &tree, &results)?;
     let sheet = args.output.join("contact-sheet.png");
     timed(&mut stages, "picture", || {
         let exhibits = exhibits(&tree, &levels)?;
-        output::write_file(&sheet, &picture::sheet(&exhibits)?)
+        output::stage(&mut staged, &sheet, &picture::sheet(&exhibits)?)
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
-        output::write_file(&page_file, preview(&tree, &levels)?.as_bytes())
+        output::stage(&mut staged, &page_file, preview(&tree, &levels)?.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
     let rows = rows(&tree, &levels, glb.len() as u64);
@@ -98,8 +104,13 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         "peak_rss_bytes": machine::peak_rss_bytes(),
         "run": record::provenance("demo"),
     });
-    record::write(Some(&args.output.join("report.json")), &record)?;
+    let report = args.output.join("report.json");
+    record::stage(&mut staged, Some(&report), &record)?;
     let pretty = pretty(&tree, &levels, &sheet, glb.len() as u64, total);
+    for level in levels {
+        staged.append(level.prepared.into_files().1);
+    }
+    staged.commit()?;
     Ok(Printed {
         pretty,
         record,
@@ -125,7 +136,7 @@ fn summed(results: &[Simplified]) -> Vec<(&'static str, f64)> {
     stages
 }
 
-fn write_levels(
+fn prepare_levels(
     stages: &mut Vec<(&'static str, f64)>,
     folder: &Path,
     tree: &Tree,
@@ -137,16 +148,16 @@ fn write_levels(
         let leaves = result.lod.leaf_count();
         let path: PathBuf = folder.join(format!("tree-{percent:02}.glb"));
         let start = Instant::now();
-        let written = tree.write_lod(&result.lod, &path)?;
+        let prepared = tree.prepare_lod(&result.lod, &path, WriteOptions::default())?;
         seconds[0] += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let again = Tree::open(&path, &[])?;
+        let again = prepared.document()?.into_tree(&[])?;
         let measured = secateur::measure(tree.foliage(), again.foliage())?;
         seconds[1] += start.elapsed().as_secs_f64();
         levels.push(Level {
             percent,
             leaves,
-            written,
+            prepared,
             measured,
         });
     }
@@ -175,13 +186,13 @@ fn preview(tree: &Tree, levels: &[Level]) -> Result<String, Failure> {
     }];
     let mut pixels_high = screen.height_px;
     for level in levels {
-        let document = Document::open(&level.written.files[0])?;
+        let document = level.prepared.document()?;
         surfaces.push(document.surfaces_with(Detail::NormalMaps, &[])?);
         facts.push(Facts {
             name: format!("{} %", level.percent),
             leaves: Some(level.leaves as u64),
-            triangles: level.written.triangles,
-            foliage_triangles: level.written.triangles.saturating_sub(wood),
+            triangles: level.prepared.written().triangles,
+            foliage_triangles: level.prepared.written().triangles.saturating_sub(wood),
             wood_triangles: wood,
             distance: screen.distance(top, pixels_high),
             pixels_high: Some(pixels_high),
@@ -213,10 +224,10 @@ fn exhibits(tree: &Tree, levels: &[Level]) -> Result<Vec<Exhibit>, Failure> {
         surfaces: picture::surfaces(tree.document(), &[])?,
     }];
     for level in levels {
-        let document = Document::open(&level.written.files[0])?;
+        let document = level.prepared.document()?;
         exhibits.push(Exhibit {
             title: format!("{} %", level.percent),
-            subtitle: words(level.leaves, level.written.triangles),
+            subtitle: words(level.leaves, level.prepared.written().triangles),
             surfaces: picture::surfaces(&document, &[])?,
         });
     }
@@ -233,10 +244,10 @@ fn rows(tree: &Tree, levels: &[Level], original_bytes: u64) -> Vec<Value> {
     let rows = levels.iter().map(|level| {
         let about = json!({
             "level": format!("{} %", level.percent),
-            "file": level.written.files[0].display().to_string(),
+            "file": level.prepared.written().files[0].display().to_string(),
             "leaves": level.leaves,
-            "triangles": level.written.triangles,
-            "bytes": level.written.bytes,
+            "triangles": level.prepared.written().triangles,
+            "bytes": level.prepared.written().bytes,
         });
         record::joined(about, record::overall(&level.measured))
     });
@@ -277,11 +288,11 @@ fn pretty(
         rows.push(vec![
             format!("{} %", level.percent),
             grouped(level.leaves as u64),
-            grouped(level.written.triangles),
+            grouped(level.prepared.written().triangles),
             percent(measured.vmi_error_percent()),
             format!("{:.3}", measured.silhouette_iou()),
             format!("{:.3}", measured.coverage_ratio()),
-            size(level.written.bytes),
+            size(level.prepared.written().bytes),
         ]);
     }
     format!(

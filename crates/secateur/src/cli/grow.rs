@@ -9,7 +9,7 @@ use std::time::Instant;
 use glam::DVec3;
 use secateur::{Plant, StagedFiles, plant_into_glb};
 use secateur_plant::{
-    GrowError, MAX_LEAVES, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
+    GrowError, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
 };
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -29,10 +29,9 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     let mut stages = Vec::new();
     let source = Source::of(args)?;
     let name = &source.name;
-    let leaves = leaves(args, name)?;
     let (plant, lod) = timed(&mut stages, "grow", || {
         tracing::info!("growing {name}");
-        grown(&source, leaves, args)
+        grown(&source, args)
     })?;
     let size_m = extent_m(&plant);
     let leaf_count = plant.triangles_per_leaf.len();
@@ -99,12 +98,9 @@ struct Lod {
     record: Value,
 }
 
-fn grown(
-    source: &Source,
-    leaves: Option<u32>,
-    args: &args::Grow,
-) -> Result<(Plant, Option<Lod>), Failure> {
-    let (rules, name, seed) = (&*source.rules, &*source.name, args.seed);
+fn grown(source: &Source, args: &args::Grow) -> Result<(Plant, Option<Lod>), Failure> {
+    let (rules, name) = (&*source.rules, &*source.name);
+    let (leaves, seed) = (args.leaves, args.seed);
     let Some(amount) = args.lod else {
         let plant = grow_rules(rules, name, leaves, seed);
         return Ok((plant.map_err(|e| source.failure(e))?, None));
@@ -198,17 +194,6 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     }
     String::from_utf8(bytes)
         .map_err(|_| Failure(format!("{}: the rules are not UTF-8 text", path.display())))
-}
-
-fn leaves(args: &args::Grow, name: &str) -> Result<Option<u32>, Failure> {
-    let in_range = |&leaves: &i64| (1..=i64::from(MAX_LEAVES)).contains(&leaves);
-    match args.leaves {
-        None => Ok(None),
-        Some(leaves) if in_range(&leaves) => Ok(Some(leaves as u32)),
-        Some(leaves) => Err(Failure(format!(
-            "cannot grow {name} with {leaves} leaves: ask for 1 to {MAX_LEAVES}"
-        ))),
-    }
 }
 
 fn exhibit(plant: &Plant) -> Exhibit {

@@ -15,7 +15,7 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.tree])?;
     }
-    let document = Document::open(&args.tree)?;
+    let document = Document::open_within(&args.tree, args.memory.memory)?;
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;
     let inspection = document.inspect(&args.foliage.foliage);

@@ -203,7 +203,7 @@ fn make(
     let start = Instant::now();
     let options = options(args);
     tracing::info!("reading {}", job.tree.display());
-    let tree = WholeTree::open(job.tree, &args.foliage.foliage)?;
+    let tree = WholeTree::open_within(job.tree, &args.foliage.foliage, args.memory.memory)?;
     let mut outputs = places(job);
     outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
@@ -347,12 +347,13 @@ fn preview(
 ) -> Result<String, Failure> {
     let items = tree.items();
     let draw = |document: &Document| document.surfaces_with(Detail::NormalMaps, &[]);
-    let original = items.document().surfaces_with(Detail::NormalMaps, &[])?;
-    let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![original];
+    let original = items.document();
+    let memory = original.memory();
+    let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![draw(original)?];
     for level in &made.levels {
         let bytes = items.lod_to_bytes(&level.lod)?;
         let document =
-            Document::from_bytes(items.document().name(), bytes, items.document().folder())?;
+            Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
         surfaces.push(draw(&document)?);
     }
     let first = Facts {

@@ -19,9 +19,9 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
-    let open = |path: &Path| Tree::open(path, &args.foliage.foliage);
-    let original = open(&args.original)?;
-    let simplified = open(&args.simplified)?;
+    let open = |path: &Path, memory| Tree::open_within(path, &args.foliage.foliage, memory);
+    let original = open(&args.original, args.memory.memory)?;
+    let simplified = open(&args.simplified, original.memory_left())?;
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     for tree in [&original, &simplified] {
         output::check_spares(tree.document(), &outputs)?;

@@ -134,11 +134,6 @@ fn refuse(path: &Path, reason: &str) -> Result<(), Failure> {
     Err(Failure(format!("{path}: cannot be written: {reason}")))
 }
 
-/// Makes a folder and those above it.
-pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(path).map_err(|e| Failure::of_file(path, "cannot be made", &e))
-}
-
 /// Writes a file whole or not at all.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let mut staged = StagedFiles::new();

@@ -4,9 +4,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder};
-use secateur::{Document, Foliage, Lod, Selector, StagedFiles, Surface};
+use secateur::{Document, Lod, Selector, StagedFiles, Surface};
 use secateur_eval::{Camera, Panel, RenderOptions, contact_sheet, framing, render};
-use secateur_raster::{CpuRasteriser, Rasteriser, Scene, ViewSet};
+use secateur_raster::{Scene, cpu};
 
 use super::failure::Failure;
 use super::output;
@@ -54,30 +54,26 @@ pub(crate) fn sheet(exhibits: &[Exhibit]) -> Result<Vec<u8>, Failure> {
 /// Stages the leaf-ID image of every view: `NAME-view-00.png` and so on.
 pub(crate) fn stage_leaf_ids(
     staged: &mut StagedFiles,
+    input: &Document,
     folder: &Path,
     name: &str,
-    foliage: &Foliage,
-    lod: &Lod,
-    views: &ViewSet,
-    resolution: u32,
+    scene: &Scene<'_>,
 ) -> Result<(), Failure> {
-    let left = lod.foliage(foliage);
-    let (foliage, lod) = match lod.is_of_originals() {
-        true => (foliage, lod),
-        false => (&left, &Lod::original(left.leaves().len())),
+    let left = scene.lod.foliage(scene.foliage);
+    let all_left = Lod::original(left.leaves().len());
+    let scene = match scene.lod.is_of_originals() {
+        true => *scene,
+        false => Scene {
+            foliage: &left,
+            lod: &all_left,
+            ..*scene
+        },
     };
-    let scene = Scene {
-        foliage,
-        lod,
-        views,
-        resolution,
-    };
-    let fragments = CpuRasteriser.fragments(&scene);
-    let fragments = fragments.map_err(|e| Failure(e.to_string()))?;
-    for view in 0..views.len() {
-        let rgb = fragments.leaf_ids(view).to_rgb();
-        let bytes = png(&rgb, [resolution; 2], ExtendedColorType::Rgb8)?;
-        let file = folder.join(format!("{name}-view-{view:02}.png"));
+    for (number, view) in scene.views.views().iter().enumerate() {
+        let rgb = cpu::draw_leaf_ids(&scene, view).to_rgb();
+        let bytes = png(&rgb, [scene.resolution; 2], ExtendedColorType::Rgb8)?;
+        let file = folder.join(format!("{name}-view-{number:02}.png"));
+        output::check_spares(input, &[&file])?;
         output::stage(staged, &file, &bytes)?;
     }
     Ok(())

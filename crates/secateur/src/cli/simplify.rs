@@ -6,8 +6,9 @@ use std::time::Instant;
 use secateur::{
     ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method, Objective,
     Options, PreparedLod, Preset, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
-    VdsOptions, ViewSet, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
+    VdsOptions, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
 };
+use secateur_raster::Scene;
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
@@ -33,7 +34,12 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let subject = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Subject::open(&args.tree, &args.foliage.foliage, mode)
+        Subject::open(
+            &args.tree,
+            &args.foliage.foliage,
+            mode,
+            args.memory.memory,
+        )
     })?;
     let tree = subject.tree();
     output::check_spares(tree.document(), &outputs)?;
@@ -44,6 +50,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if options.method.needs_skeleton() {
         options.skeleton = subject.skeleton()?;
     }
+    options.memory = tree.memory_left();
     let outcome = simplified(&subject, &options, args, common)?;
     let result = &outcome.result;
     let of_run = sentences(result);
@@ -288,17 +295,14 @@ fn stage_debug_images(
 ) -> Result<(), Failure> {
     let foliage = secateur::as_seen(leaves, options.alpha, options.sides);
     let original = Lod::original(foliage.leaves().len());
-    let views: &ViewSet = &result.views;
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
-        picture::stage_leaf_ids(
-            staged,
-            folder,
-            name,
-            &foliage,
+        let scene = Scene {
+            foliage: &foliage,
             lod,
-            views,
-            result.resolution,
-        )?;
+            views: &result.views,
+            resolution: result.resolution,
+        };
+        picture::stage_leaf_ids(staged, tree.document(), folder, name, &scene)?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use secateur::{
-    Foliage, Lod, Observer, OpenEngine, Options, PlantSkeleton, Selector, Simplified,
+    Foliage, Lod, Memory, Observer, OpenEngine, Options, PlantSkeleton, Selector, Simplified,
     SimplifyError, Target, Tree, WholePlant, WholeTree, WoodMode, simplify_keeping_wood,
     simplify_with,
 };
@@ -46,10 +46,11 @@ impl Subject {
         path: &Path,
         selectors: &[Selector],
         mode: WoodMode,
+        memory: Memory,
     ) -> Result<Self, Failure> {
         Ok(match mode {
-            WoodMode::Ignore => Self::Leaves(Tree::open(path, selectors)?),
-            mode => Self::Whole(WholeTree::open(path, selectors)?, mode),
+            WoodMode::Ignore => Self::Leaves(Tree::open_within(path, selectors, memory)?),
+            mode => Self::Whole(WholeTree::open_within(path, selectors, memory)?, mode),
         })
     }
 

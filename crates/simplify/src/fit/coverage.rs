@@ -19,7 +19,7 @@
 //! on every machine. Which leaf is seen does not matter, only how many cover a pixel.
 
 use rayon::prelude::*;
-use secateur_model::LeafId;
+use secateur_model::{Budget, LeafId, OverMemory};
 use secateur_raster::LeafIdImage;
 use secateur_raster::abuffer::{ABuffer, FrontTwo};
 
@@ -97,11 +97,12 @@ struct Effect {
 }
 
 impl<'a> Coverage<'a> {
-    pub(super) fn new(fit: &Fit<'a>) -> Self {
-        let views = fit.of_views(|sized, _, original| CoveredView::new(sized, &original));
+    pub(super) fn new(fit: &Fit<'a>, budget: &mut Budget) -> Result<Self, OverMemory> {
+        let of_view = |sized, _, original| CoveredView::new(sized, &original);
+        let views = fit.of_views(budget, of_view)?;
         let views: Vec<CoveredView<'_>> = views.into_iter().flatten().collect();
         let covered = views.iter().flat_map(|view| &view.blocks.is_original);
-        Self {
+        Ok(Self {
             original_px: covered.filter(|is_original| **is_original).count() as i64,
             scales: vec![1.0; fit.left.leaves().len()],
             errors: views
@@ -109,7 +110,7 @@ impl<'a> Coverage<'a> {
                 .map(|view| view.blocks.errors)
                 .fold(Errors::default(), Errors::plus),
             views,
-        }
+        })
     }
 
     /// Has each view do something, and adds the errors up.

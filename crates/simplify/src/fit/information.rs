@@ -23,7 +23,7 @@
 //! none is tried.
 
 use rayon::prelude::*;
-use secateur_model::LeafId;
+use secateur_model::{Budget, LeafId, OverMemory};
 use secateur_raster::measure::incremental::IncrementalVmi;
 use secateur_raster::{AreaTable, cpu};
 use smallvec::SmallVec;
@@ -61,13 +61,18 @@ pub(super) struct Information<'a> {
 }
 
 impl<'a> Information<'a> {
-    pub(super) fn new(fit: &Fit<'a>, outline_weight: f64, table: &'a LgTable) -> Self {
+    pub(super) fn new(
+        fit: &Fit<'a>,
+        outline_weight: f64,
+        table: &'a LgTable,
+        budget: &mut Budget,
+    ) -> Result<Self, OverMemory> {
         let [original_count, count] = [fit.original, fit.left].map(|f| f.leaves().len());
-        let sets = fit.of_views(|sized, view, image| {
+        let sets = fit.of_views(budget, |sized, view, image| {
             let view = OutlinedView::new(sized, view, &image);
             let areas_px = view.areas_px(count);
             (view, (cpu::histogram(&image, original_count), areas_px))
-        });
+        })?;
         let mut information = Vec::new();
         let of_set = |views: Vec<_>| {
             let (views, areas_px): (Vec<OutlinedView<'_>>, Vec<_>) = views.into_iter().unzip();
@@ -81,12 +86,12 @@ impl<'a> Information<'a> {
             SeenSet { views, vmi }
         };
         let sets: Vec<SeenSet<'_>> = sets.into_iter().map(of_set).collect();
-        Self {
+        Ok(Self {
             price: Price::new(&information, deviations(&sets)),
             sets,
             scales: vec![1.0; count],
             outline_unit: (outline_weight * ONE_BIT as f64) as i64,
-        }
+        })
     }
 
     pub(super) fn views(&self) -> impl Iterator<Item = &OutlinedView<'a>> {

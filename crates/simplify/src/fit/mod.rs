@@ -27,7 +27,7 @@ mod tests;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
-use secateur_model::{Foliage, Lod};
+use secateur_model::{Budget, Foliage, Lod, OverMemory};
 use secateur_raster::{LeafIdImage, Scene, ViewSet, cpu};
 
 use self::coverage::Coverage;
@@ -35,6 +35,7 @@ use self::information::Information;
 use self::rounds::{Trial, fit_in_rounds};
 use self::sized_view::SizedView;
 use crate::lg::LgTable;
+use crate::memory::Room;
 
 /// The largest weight of the outline: there VMI counts for next to nothing.
 pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
@@ -77,8 +78,9 @@ impl<'a> Fit<'a> {
     /// original's leaf IDs in it; by set.
     fn of_views<T: Send>(
         &self,
+        budget: &mut Budget,
         of: impl Fn(SizedView<'a>, usize, LeafIdImage) -> T + Sync,
-    ) -> Vec<Vec<T>> {
+    ) -> Result<Vec<Vec<T>>, OverMemory> {
         let lods = [self.original, self.left].map(|f| Lod::original(f.leaves().len()));
         let of_set = |views: &'a ViewSet| {
             let scene = |foliage, lod| Scene {
@@ -88,17 +90,25 @@ impl<'a> Fit<'a> {
                 resolution: self.resolution,
             };
             let [original, left] = [scene(self.original, &lods[0]), scene(self.left, &lods[1])];
-            let fragments = cpu::fragments(&left).into_views();
+            let room = Room::for_lists(budget, &left, FIT_NOT)?;
+            let fragments = cpu::fragments_within(&left, room.most());
+            let fragments = fragments.map_err(|found| room.lacks(&found, &left))?;
+            // They stay while the other sets are looked at.
+            *budget = room.after(fragments.len() as u64)?;
+            let fragments = fragments.into_views();
             let views = fragments.into_par_iter().zip(views.views()).enumerate();
             let made = views.map(|(number, (fragments, view))| {
                 let sized = SizedView::new(self.left, view, fragments, self.resolution);
                 of(sized, number, cpu::draw_leaf_ids(&original, view))
             });
-            made.collect()
+            Ok(made.collect())
         };
         self.views.iter().map(of_set).collect()
     }
 }
+
+/// What to do where a fit takes too much memory.
+const FIT_NOT: &str = "allow more (`--memory`), or do not fit sizes (`--fit=none`)";
 
 /// Leaf by leaf the factor of its area that fits best (see the module).
 ///
@@ -116,14 +126,33 @@ pub fn fit(
     fit: &Fit<'_>,
     progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> ControlFlow<(), Vec<f64>> {
+    match fit_within(fit, Budget::unlimited(), progress) {
+        Ok(factors) => factors,
+        Err(over) => unreachable!("nothing is too much: {over}"),
+    }
+}
+
+/// [`fit`], with this much memory.
+///
+/// # Errors
+/// [`OverMemory`] if what the views show takes more.
+///
+/// # Panics
+/// As [`fit`].
+pub fn fit_within(
+    fit: &Fit<'_>,
+    mut budget: Budget,
+    progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<ControlFlow<(), Vec<f64>>, OverMemory> {
     let is_seen = fit.views.iter().all(|set| !set.is_empty());
     assert!(is_seen && !fit.views.is_empty(), "at least one view");
     match fit.objective {
-        Objective::Coverage => fitted(Coverage::new(fit), progress),
+        Objective::Coverage => Ok(fitted(Coverage::new(fit, &mut budget)?, progress)),
         Objective::Information { outline_weight } => {
             assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&outline_weight));
             let table = LgTable::new();
-            fitted(Information::new(fit, outline_weight, &table), progress)
+            let information = Information::new(fit, outline_weight, &table, &mut budget)?;
+            Ok(fitted(information, progress))
         }
     }
 }

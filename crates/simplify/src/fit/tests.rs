@@ -6,7 +6,7 @@ use secateur_model::LeafTriangle;
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{AreaTable, LeafIdImage};
 
-use secateur_model::{LeafId, Lod};
+use secateur_model::{Budget, LeafId, Lod};
 use secateur_raster::{Scene, cpu};
 
 use super::outlined_view::Seen;
@@ -65,7 +65,9 @@ static TABLE: LazyLock<LgTable> = LazyLock::new(LgTable::new);
 /// The information of a way and its weight, with all that is counted of it.
 fn information_of<'a>(way: &Fit<'a>) -> Information<'a> {
     match way.objective {
-        Objective::Information { outline_weight } => Information::new(way, outline_weight, &TABLE),
+        Objective::Information { outline_weight } => {
+            Information::new(way, outline_weight, &TABLE, &mut Budget::unlimited()).unwrap()
+        }
         Objective::Coverage => unreachable!("ways of these tests are of information"),
     }
 }

@@ -22,7 +22,7 @@ mod pairs;
 
 use std::ops::ControlFlow;
 
-use secateur_model::{Foliage, LeafId, PlantSkeleton, RemovalOrder, Step};
+use secateur_model::{Foliage, PlantSkeleton, RemovalOrder, Step};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;

@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use secateur_model::{LeafTriangle, Lod, Place};
+use secateur_model::{LeafId, LeafTriangle, Lod, Place};
 
 use super::*;
 

@@ -1,6 +1,6 @@
 //! What a run of VDS gives back.
 
-use secateur_model::RemovalOrder;
+use secateur_model::{OverMemory, RemovalOrder};
 use secateur_raster::{AreaTable, RasterError, ViewSet};
 
 use crate::vmi::Vmi;
@@ -39,6 +39,9 @@ pub enum VdsError {
     /// The A-buffer could not be made.
     #[error("{0}")]
     Raster(String),
+    /// The A-buffer takes more memory than is allowed.
+    #[error(transparent)]
+    Memory(OverMemory),
     /// [`VdsOptions::neighbours`](super::VdsOptions::neighbours) is 0.
     #[error("growth must be shared by at least one neighbour")]
     NoNeighbours,
@@ -49,7 +52,10 @@ pub enum VdsError {
 
 impl VdsError {
     pub(crate) fn from_raster(error: RasterError) -> Self {
-        Self::Raster(error.to_string())
+        match error.downcast::<OverMemory>() {
+            Ok(over) => Self::Memory(*over),
+            Err(other) => Self::Raster(other.to_string()),
+        }
     }
 }
 

@@ -143,8 +143,13 @@ impl Tree {
     /// writes as it is. It has the name of the input, whose files the writer
     /// therefore knows.
     fn as_written(&self, glb: Vec<u8>) -> Result<Tree, GltfError> {
-        let document =
-            Document::from_bytes(&self.document.name, glb, self.document.base_dir.as_deref())?;
+        let Document {
+            name,
+            base_dir,
+            memory,
+            ..
+        } = &self.document;
+        let document = Document::from_bytes_within(name, glb, base_dir.as_deref(), *memory)?;
         let parts = document.parts().map_err(|fault| document.error(fault))?;
         Ok(Tree {
             document,

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::path::Path;
 
 use clap::Parser;
-use secateur::Views;
+use secateur::{Memory, Views};
 use secateur_study::{Case, LevelOf};
 
 use super::super::args::{self, Cli, Command};
@@ -64,6 +64,7 @@ fn option_of_the_study(args: &args::Simplify, common: &args::Common) -> Option<&
         ("--report", args.report.is_some()),
         ("--picture", args.picture.is_some()),
         ("--debug-images", args.debug_images.is_some()),
+        ("--memory", args.memory.memory != Memory::Auto),
         ("--threads", common.threads.is_some()),
         ("--quiet", common.quiet),
         ("--verbose", common.verbose > 0),
@@ -156,6 +157,7 @@ mod tests {
             "vds --leaves 3",
             "vds --triangles --wood auto",
             "vds --report r.json",
+            "vds --memory 1G",
             "vds --views no.json",
             "vds -q",
         ] {

@@ -57,6 +57,7 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         levels: args.levels.clone(),
         only: args.only.clone(),
         seeds: args.seeds,
+        memory: args.memory.memory,
     })
 }
 

@@ -5,7 +5,7 @@ use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::ViewSet;
 
 use super::super::{Objective, fit};
-use secateur_model::{Foliage, Lod};
+use secateur_model::{Budget, Foliage, Lod};
 use secateur_raster::{Scene, cpu};
 
 use super::*;
@@ -153,7 +153,7 @@ proptest! {
         let original = crown(90, seed);
         let left = thinned(&original, every, scale);
         let views = views_of(&original);
-        let mut trial = Coverage::new(&of(&original, &left, &views));
+        let mut trial = Coverage::new(&of(&original, &left, &views), &mut Budget::unlimited()).unwrap();
         let mut last = trial.objective();
         prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
         // All leaves at once see nothing of each other, and are often undone together.
@@ -172,7 +172,7 @@ proptest! {
         let original = crown(60, seed);
         let left = thinned(&original, 2, 2.0);
         let views = views_of(&original);
-        let mut trial = Coverage::new(&of(&original, &left, &views));
+        let mut trial = Coverage::new(&of(&original, &left, &views), &mut Budget::unlimited()).unwrap();
         let leaf = LeafId::from_index(seed as usize % 30);
         let effects = trial.views.iter_mut().map(|v| v.effects(leaf, [to, 1.0])[0]);
         let effects: Vec<Effect> = effects.collect();

@@ -91,12 +91,13 @@ impl Rasteriser for AsGpu<'_> {
         self.rasteriser.fragments(scene)
     }
 
-    fn fragments_and_areas(
+    fn fragments_and_areas_within(
         &self,
         scene: &Scene<'_>,
+        most: u64,
     ) -> Result<(Fragments, AreaTable), RasterError> {
         self.asked.borrow_mut().push("fragments and areas");
-        self.rasteriser.fragments_and_areas(scene)
+        self.rasteriser.fragments_and_areas_within(scene, most)
     }
 
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
