@@ -1,6 +1,7 @@
 //! One interface for both twins.
 
-use crate::{AreaTable, Fragments, Scene, cpu};
+use crate::occluders::Occlusion;
+use crate::{AreaTable, Fragments, Scene, ViewSet, cpu};
 
 /// Why a rasteriser could not do its work: the device failed. The CPU never
 /// does.
@@ -19,6 +20,12 @@ pub trait Rasteriser {
     /// # Errors
     /// [`RasterError`] if the device fails.
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError>;
+
+    /// What hides leaves in each of the views, where scenes have more in them than leaves.
+    fn occlusions(&self, views: &ViewSet, resolution: u32) -> Option<Vec<Occlusion>> {
+        let _ = (views, resolution);
+        None
+    }
 }
 
 /// Rasterises on the CPU, on rayon's current thread pool.

@@ -209,6 +209,9 @@ pub struct Options {
     /// that follow branches.
     #[serde(skip)]
     pub skeleton: Option<Arc<PlantSkeleton>>,
+    /// What hides leaves wherever they are looked at: the plant's wood, or what stands before it.
+    #[serde(skip)]
+    pub occluders: Option<Arc<Foliage>>,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -233,6 +236,7 @@ impl Options {
             leaf_triangles: LeafTriangles::default(),
             fit: Fitting::default(),
             skeleton: None,
+            occluders: None,
             audit: cfg!(debug_assertions),
         }
     }

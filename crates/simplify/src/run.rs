@@ -5,14 +5,16 @@ use std::ops::ControlFlow;
 use secateur_model::{BoundingSphere, Foliage, Lod};
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::{ScaledBits, Vmi};
-use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Scene, ViewSet};
+use secateur_raster::occluders::Occluded;
+use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene, ViewSet};
 
 use crate::audit::audit;
-use crate::coarsen::Coarse;
+use crate::coarsen::{Coarse, Shapes, coarsen};
 use crate::observe::{Shown, observe};
 use crate::passes::Passes;
 use crate::resolution::{CANDIDATES, choose};
-use crate::select::{Selection, Task};
+use crate::select::{Begun, Selection, Task};
+use crate::shared::{Found, Shared};
 use crate::sizes::{SizePass, fitting_views, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
@@ -141,6 +143,21 @@ pub fn simplify_on(
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Simplified, Error> {
+    simplify_sharing(engine, foliage, options, None, observer)
+}
+
+/// [`simplify_on`], several times with different targets: what one run finds the next goes on from.
+/// Foliage and options other than the target must be the same each time.
+///
+/// # Errors
+/// As [`simplify_with`].
+pub fn simplify_sharing(
+    engine: &OpenEngine,
+    foliage: &Foliage,
+    options: &Options,
+    mut shared: Option<&mut Shared>,
+    observer: &mut Observer<'_>,
+) -> Result<Simplified, Error> {
     let foliage = options.alpha.apply(foliage);
     let sphere = sphere_of(&foliage)?;
     options.target.check()?;
@@ -148,19 +165,40 @@ pub fn simplify_on(
     let mut clock = Clock::new(observer);
 
     clock.begin(Stage::Resolution)?;
-    let (resolution, resolution_reason) = match options.resolution {
-        Resolution::Pixels(n) => (n, "as asked".to_owned()),
-        Resolution::Auto => resolution_for(&foliage, &options.views.around(sphere), engine)?,
+    let known = shared.as_ref().and_then(|shared| shared.resolution.clone());
+    let (resolution, resolution_reason) = match (options.resolution, known) {
+        (Resolution::Pixels(n), _) => (n, "as asked".to_owned()),
+        (Resolution::Auto, Some(known)) => known,
+        (Resolution::Auto, None) => {
+            resolution_for(&foliage, &options.views.around(sphere), engine)?
+        }
     };
+    if let Some(shared) = &mut shared {
+        shared.resolution = Some((resolution, resolution_reason.clone()));
+    }
+    let occluders = options
+        .occluders
+        .as_ref()
+        .filter(|occluders| !occluders.leaves().is_empty())
+        .map(|occluders| options.alpha.apply(occluders));
+    let occluded = occluders.as_deref().map(|occluders| Occluded {
+        rasteriser: engine as &dyn Rasteriser,
+        occluders,
+    });
     let run = Run {
         foliage: &foliage,
+        occluders: occluders.as_deref(),
+        rasteriser: match &occluded {
+            Some(occluded) => occluded,
+            None => engine,
+        },
         options,
         target: options.target.counted(&foliage),
         views: options.views.plan(sphere),
         resolution,
         engine,
     };
-    let mut draft = run.select(&mut clock)?;
+    let mut draft = run.select(shared, &mut clock)?;
     let unfitted_percent = draft.shown.error_percent();
     if let Some(objective) = options.objective()
         && !is_fit_spared(
@@ -230,6 +268,9 @@ struct Run<'a> {
     views: ViewPlan,
     resolution: u32,
     engine: &'a OpenEngine,
+    /// The engine, with what hides leaves.
+    rasteriser: &'a dyn Rasteriser,
+    occluders: Option<&'a Foliage>,
 }
 
 /// What came of the passes so far.
@@ -245,16 +286,36 @@ struct Draft {
 
 impl Run<'_> {
     /// Makes leaves coarser, has the method choose leaves, and cuts what goes beyond the target.
-    fn select(&self, clock: &mut Clock<'_>) -> Result<Draft, Error> {
+    fn select(
+        &self,
+        mut shared: Option<&mut Shared>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Draft, Error> {
         clock.begin(Stage::Select)?;
         let is_driven = self.options.method.vds().is_some();
-        let coarse = match is_driven {
+        let mut shapes = shared.as_mut().and_then(|shared| shared.shapes.take());
+        let shares = match is_driven {
             true => self
                 .options
                 .leaf_triangles
-                .coarsen(self.foliage, self.target),
+                .shares(self.foliage, self.target, &mut shapes),
             false => None,
         };
+        let known = match &mut shared {
+            Some(shared) if is_driven => shared.take(&shares),
+            _ => None,
+        };
+        let coarse = match (&known, &shares) {
+            (Some(known), _) => known.coarse.clone(),
+            (None, Some(shares)) => {
+                let shapes = shapes.get_or_insert_with(|| Shapes::of(self.foliage));
+                coarsen(self.foliage, shapes, shares)
+            }
+            (None, None) => None,
+        };
+        if let Some(shared) = &mut shared {
+            shared.shapes = shapes;
+        }
         let target = match self.target {
             // The error that counts is the one against the leaves as they are.
             Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
@@ -263,15 +324,30 @@ impl Run<'_> {
         let task = Task {
             foliage: coarse.as_ref().map_or(self.foliage, Coarse::foliage),
             target,
+            begun: known.as_ref().map(|known| &known.begun),
             skeleton: self.options.skeleton.as_deref(),
             views: &self.views,
             resolution: self.resolution,
-            rasteriser: self.engine,
+            rasteriser: self.rasteriser,
+            occluders: self.occluders,
         };
-        let selection = self
-            .options
-            .method
-            .select(&task, &mut |done, at_most| clock.step(done, at_most))?;
+        let selection = match known.as_ref().filter(|known| known.reaches(&task)) {
+            Some(known) => known.selection(),
+            None => self
+                .options
+                .method
+                .select(&task, &mut |done, at_most| clock.step(done, at_most))?,
+        };
+        if let (Some(shared), true) = (&mut shared, is_driven) {
+            shared.keep(Found {
+                shares,
+                coarse: coarse.clone(),
+                begun: Begun {
+                    order: selection.order.clone(),
+                    costs: selection.costs.clone(),
+                },
+            });
+        }
         let Selection {
             order,
             costs,
@@ -304,7 +380,7 @@ impl Run<'_> {
                 {
                     stopped = Stopped::AtMaxError;
                 }
-                self.look(&passes, is_driven)?
+                self.look(&passes, is_driven, shared)?
             }
         };
         let are_all_left = passes.lod().leaf_count() == self.foliage.leaves().len();
@@ -327,7 +403,7 @@ impl Run<'_> {
         let table = LgTable::new();
         let vmi_after = |count| {
             let lod = Lod::after(&steps, count);
-            let areas = observe(self.foliage, &lod, &views, self.resolution, self.engine)?;
+            let areas = observe(self.foliage, &lod, &views, self.resolution, self.rasteriser)?;
             Ok::<_, Error>(Vmi::of(&areas, &table))
         };
         let original = vmi_after(0)?;
@@ -353,7 +429,12 @@ impl Run<'_> {
 
     /// What the views of the last step show. Where the error says how many leaves are left, and
     /// for methods that are not driven by views, the first views.
-    fn look(&self, passes: &Passes, is_driven: bool) -> Result<Shown, Error> {
+    fn look(
+        &self,
+        passes: &Passes,
+        is_driven: bool,
+        shared: Option<&mut Shared>,
+    ) -> Result<Shown, Error> {
         let lod = passes.lod();
         let views = match (is_driven, self.target) {
             (true, Target::Leaves(_) | Target::Triangles(_)) => {
@@ -362,7 +443,27 @@ impl Run<'_> {
             }
             _ => self.views.first(),
         };
-        Shown::of(self.foliage, &lod, views, self.resolution, self.engine)
+        let observe =
+            |lod: &Lod| observe(self.foliage, lod, &views, self.resolution, self.rasteriser);
+        let table = LgTable::new();
+        let known = shared.as_ref().and_then(|shared| shared.original.clone());
+        let vmi_original = match known.filter(|(of, _)| *of == views) {
+            Some((_, vmi)) => vmi,
+            None => {
+                let original = Lod::original(self.foliage.leaves().len());
+                Vmi::of(&observe(&original)?, &table)
+            }
+        };
+        if let Some(shared) = shared {
+            shared.original = Some((views.clone(), vmi_original.clone()));
+        }
+        let areas = observe(&lod)?;
+        Ok(Shown {
+            vmi_original,
+            vmi: Vmi::of(&areas, &table),
+            areas,
+            views,
+        })
     }
 
     /// Fits the sizes of what is left, where that changes anything and keeps to the error that is
@@ -370,7 +471,7 @@ impl Run<'_> {
     fn size(&self, draft: &mut Draft, pass: &SizePass, clock: &mut Clock<'_>) -> Result<(), Error> {
         let lod = draft.passes.lod();
         let mut steps = |done, at_most| clock.step(done, at_most);
-        let Some(factors) = pass.factors(self.foliage, &lod, &mut steps)? else {
+        let Some(factors) = pass.factors(self.foliage, &lod, self.occluders, &mut steps)? else {
             return Ok(());
         };
         draft.passes.sizes = Some(factors);
@@ -381,7 +482,7 @@ impl Run<'_> {
             &sized,
             &shown.views,
             self.resolution,
-            self.engine,
+            self.rasteriser,
         )?;
         let vmi = Vmi::of(&areas, &LgTable::new());
         if let Target::MaxErrorPercent(percent) = self.target
@@ -404,7 +505,7 @@ impl Run<'_> {
             views: &shown.views,
             resolution: self.resolution,
         };
-        audit(&shown.areas, &scene, self.engine)
+        audit(&shown.areas, &scene, self.engine, self.occluders)
     }
 }
 

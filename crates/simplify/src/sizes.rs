@@ -59,6 +59,7 @@ impl SizePass {
         &self,
         foliage: &Foliage,
         lod: &Lod,
+        occluders: Option<&Foliage>,
         steps: &mut Steps<'_>,
     ) -> Result<Option<Vec<f64>>, Error> {
         let way = Fit {
@@ -67,6 +68,7 @@ impl SizePass {
             views: &self.views,
             resolution: resolution(self.least_resolution(), &self.views),
             objective: self.objective,
+            occluders,
         };
         match fit(&way, steps) {
             ControlFlow::Continue(factors) => {

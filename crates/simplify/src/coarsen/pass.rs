@@ -1,22 +1,26 @@
-//! The pass that makes leaves coarser, as options and target ask for it.
+//! How coarse leaves may become, as options and target ask for it.
 
 use secateur_model::Foliage;
 
-use super::{Coarse, Shapes, coarsen, shared_out};
+use super::{Shapes, shared_out};
 use crate::{LeafTriangles, Target};
 
 impl LeafTriangles {
-    /// Coarser leaves for a target in numbers; nothing if they stay as they are.
-    pub(crate) fn coarsen(self, foliage: &Foliage, target: Target) -> Option<Coarse> {
-        let most = match (self, target.triangle_count(foliage)) {
-            (Self::AtMost(most), _) => {
-                let most = vec![most as usize; foliage.leaves().len()];
-                return coarsen(foliage, &Shapes::of(foliage), &most);
+    /// How many triangles each leaf may keep for a target in numbers; nothing if they stay as they
+    /// are. `shapes` are those of the leaves, once they are known.
+    pub(crate) fn shares(
+        self,
+        foliage: &Foliage,
+        target: Target,
+        shapes: &mut Option<Shapes>,
+    ) -> Option<Vec<usize>> {
+        match (self, target.triangle_count(foliage)) {
+            (Self::AtMost(most), _) => Some(vec![most as usize; foliage.leaves().len()]),
+            (Self::Auto, Some(at_most)) if at_most < foliage.triangles().len() => {
+                let shapes = shapes.get_or_insert_with(|| Shapes::of(foliage));
+                Some(shared_out(foliage, at_most, shapes))
             }
-            (Self::Auto, Some(at_most)) if at_most < foliage.triangles().len() => at_most,
-            (Self::Auto | Self::Keep, _) => return None,
-        };
-        let shapes = Shapes::of(foliage);
-        coarsen(foliage, &shapes, &shared_out(foliage, most, &shapes))
+            (Self::Auto | Self::Keep, _) => None,
+        }
     }
 }

@@ -43,6 +43,7 @@ const LEAST_WITH_CUTOUT: usize = 2;
 
 /// How leaves become coarser, kind by kind: leaves of a kind have as many triangles, meeting
 /// at the same corners, and the same cut-out.
+#[derive(Debug)]
 pub struct Shapes {
     cards: Cards,
     kind_of: Vec<u32>,
