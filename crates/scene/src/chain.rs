@@ -25,7 +25,7 @@ const LEAST_PICTURE_PX: f64 = 48.0;
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
 const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 
-/// Every how many of the held-out views a picture is taken from.
+/// Every how many of the held-out views levels are judged from.
 const VIEW_STEP: usize = 2;
 
 /// Heights on the screen for which levels are made where nothing else is asked for.
@@ -77,7 +77,7 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Mean FLIP of the whole plant against the original at that height.
     pub flip_mean: f64,
-    /// Outline of the leaves against the original's, by the held-out views in 256 x 256 pixels.
+    /// Outline of the leaves against the original's, by half of the held-out views in 256 x 256 pixels.
     pub silhouette_iou: f64,
     /// VMI error of the leaves by the same, in per cent.
     pub vmi_error_percent: f64,
@@ -277,12 +277,18 @@ impl<'a> Maker<'a> {
     ) -> Result<Self, ChainError> {
         let plant = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), engine)?;
         let items = tree.items().foliage();
+        let held_out = Judging::held_out(items)?.views;
+        let held_out: Vec<View> = held_out
+            .views()
+            .iter()
+            .step_by(VIEW_STEP)
+            .copied()
+            .collect();
+        let views = held_out.iter().map(tight).collect();
         let judging = Judging {
+            views: ViewSet::new(held_out),
             resolution: MOST_PICTURE_PX as u32,
-            ..Judging::held_out(items)?
         };
-        let views = judging.views.views().iter().step_by(VIEW_STEP);
-        let views: Vec<View> = views.map(tight).collect();
         let corners = items.triangles().iter().flat_map(|t| t.corners);
         let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
             (low.min(c.y), high.max(c.y))

@@ -18,10 +18,16 @@ const FIRST: usize = 10;
 /// By how much the logarithm of FLIP rises from rung to rung, until two rungs tell.
 const USUAL_SLOPE: f64 = 0.1;
 
+/// By how much the logarithm of FLIP may be guessed to be above that of what is allowed before a
+/// level is not worth making to see: 5 %.
+const NOT_WORTH_A_TRY: f64 = 0.05;
+
 /// Levels of shares of all triangles, made as they are asked for.
 pub(super) struct Ladder<'a, 'm> {
     maker: &'m Maker<'a>,
     made: Vec<Option<Made>>,
+    /// By how much the logarithm of FLIP rises from rung to rung, once two rungs have told.
+    slope: Option<f64>,
 }
 
 /// A rung, and the logarithm of the FLIP of its level over that which is allowed.
@@ -32,6 +38,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Self {
             maker,
             made: vec![None; RUNGS],
+            slope: None,
         }
     }
 
@@ -62,7 +69,6 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<usize, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
-        let mut slope = USUAL_SLOPE;
         // What was made for other heights is there to be looked at.
         let there: Vec<usize> = (first..RUNGS).filter(|k| self.made[*k].is_some()).collect();
         let mut there = there.into_iter().rev();
@@ -75,6 +81,13 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 return Ok(within.map_or(first, |(rung, _)| rung));
             }
             let next = there.find(|rung| (low..high).contains(rung));
+            if next.is_none()
+                && let (Some((rung, over)), Some(slope)) = (within, self.slope)
+                && over + slope > NOT_WORTH_A_TRY
+            {
+                return Ok(rung);
+            }
+            let slope = self.slope.unwrap_or(USUAL_SLOPE);
             let rung = next.unwrap_or_else(|| guess(within, beyond, slope, low, high));
             let maker = self.maker;
             let flip = maker.flip(self.level(rung, observer)?, height)?;
@@ -90,7 +103,8 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 let measured = (over - over_there) / (rung as f64 - other as f64);
                 // Levels may differ for other reasons too.
                 if measured.is_finite() {
-                    slope = measured.clamp(USUAL_SLOPE / 4.0, USUAL_SLOPE * 4.0);
+                    let range = USUAL_SLOPE / 4.0..=USUAL_SLOPE * 4.0;
+                    self.slope = Some(measured.clamp(*range.start(), *range.end()));
                 }
             }
         }
