@@ -18,7 +18,7 @@ use super::survey::{Group, Survey};
 use super::tree::LeafSource;
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
-use secateur_model::{Budget, Facing, Foliage, Leaf, LeafId, LeafTriangle};
+use secateur_model::{Budget, Facing, Foliage, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
@@ -327,31 +327,13 @@ fn check_size(survey: &Survey, parts: &[Part], budget: &mut Budget) -> Result<()
 impl Found {
     /// These items, then those.
     fn joined(&self, others: &Self) -> Result<Self, Problem> {
-        let cutouts = self
-            .foliage
-            .cutouts()
-            .iter()
-            .chain(others.foliage.cutouts());
-        let mut foliage = Foliage::new(cutouts.cloned().collect());
-        let mut cutouts_before = 0;
-        for found in [self, others] {
-            for (index, leaf) in found.foliage.leaves().iter().enumerate() {
-                let triangles = found.foliage.triangles_of(LeafId::from_index(index));
-                foliage.push_leaf_facing(
-                    triangles,
-                    leaf.cutout().map(|c| cutouts_before + c),
-                    leaf.facing(),
-                )?;
-            }
-            cutouts_before += found.foliage.cutouts().len() as u32;
-        }
         let first = self.leaf_triangles.len() as u32;
         let moved = others.leaf_sources.iter().map(|source| LeafSource {
             part: source.part,
             triangles: first + source.triangles.start..first + source.triangles.end,
         });
         Ok(Self {
-            foliage,
+            foliage: self.foliage.followed_by(&others.foliage)?,
             leaf_sources: self.leaf_sources.iter().cloned().chain(moved).collect(),
             leaf_triangles: [&self.leaf_triangles[..], &others.leaf_triangles].concat(),
         })

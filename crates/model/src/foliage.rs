@@ -116,7 +116,7 @@ pub enum FoliageError {
 }
 
 /// All leaves of a plant, in world space, in file order. May be empty.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Foliage {
     triangles: Vec<LeafTriangle>,
     leaves: Vec<Leaf>,
@@ -204,6 +204,22 @@ impl Foliage {
             area,
         });
         Ok(id)
+    }
+
+    /// These leaves and then those of another foliage, with their cut-outs.
+    ///
+    /// # Errors
+    /// [`FoliageError::TooLarge`] if there are too many.
+    pub fn followed_by(&self, other: &Self) -> Result<Self, FoliageError> {
+        let mut joined = self.clone();
+        joined.cutouts.extend(other.cutouts.iter().cloned());
+        let cutouts_before = self.cutouts.len() as u32;
+        for (index, leaf) in other.leaves.iter().enumerate() {
+            let triangles = other.triangles_of(LeafId::from_index(index));
+            let cutout = leaf.cutout.map(|c| cutouts_before + c);
+            joined.push_leaf_facing(triangles, cutout, leaf.facing)?;
+        }
+        Ok(joined)
     }
 
     /// The leaves, leaf 1 first.

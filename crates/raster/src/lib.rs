@@ -36,6 +36,7 @@ mod fragments;
 pub mod gpu;
 mod leaf_id_image;
 pub mod measure;
+pub mod occluders;
 pub mod prefetch;
 mod rasteriser;
 pub mod snap;

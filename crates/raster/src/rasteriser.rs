@@ -1,6 +1,7 @@
 //! One interface for both twins.
 
-use crate::{AreaTable, Fragments, Scene, TooManyFragments, cpu};
+use crate::occluders::Occlusion;
+use crate::{AreaTable, Fragments, Scene, TooManyFragments, ViewSet, cpu};
 
 /// Why a rasteriser could not do its work: the device failed, which the CPU never
 /// does, or there are [`TooManyFragments`].
@@ -62,6 +63,12 @@ pub trait Rasteriser {
     /// Whether a GPU does it.
     fn is_gpu(&self) -> bool {
         false
+    }
+
+    /// What hides leaves in each of the views, where scenes have more in them than leaves.
+    fn occlusions(&self, views: &ViewSet, resolution: u32) -> Option<Vec<Occlusion>> {
+        let _ = (views, resolution);
+        None
     }
 }
 

@@ -3,14 +3,17 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use secateur_eval::{Judging, Pictures};
+use secateur_eval::{Judging, Original as Measured, Pictures};
 use secateur_gltf::{Document, WholeTree};
 use secateur_model::{Lod, Surface};
 use secateur_raster::{OpenEngine, View, ViewSet};
 use secateur_simplify::whole::{WholeLevel, WholePlant};
-use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options};
+use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options, Shared};
+
+mod ladder;
 
 use crate::Screen;
+use ladder::Ladder;
 
 /// Pictures that levels are judged by have at most this many pixels a side, those of `measure`: to
 /// draw larger ones would take longer than to make the level.
@@ -22,13 +25,8 @@ const LEAST_PICTURE_PX: f64 = 48.0;
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
 const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 
-/// Every how many of the held-out views a picture is taken from.
+/// Every how many of the held-out views levels are judged from.
 const VIEW_STEP: usize = 2;
-
-/// The shares of all triangles among which levels for heights are sought.
-const LADDER: [f64; 14] = [
-    0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03, 0.022, 0.015, 0.011, 0.0075,
-];
 
 /// Heights on the screen for which levels are made where nothing else is asked for.
 pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
@@ -79,9 +77,9 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Mean FLIP of the whole plant against the original at that height.
     pub flip_mean: f64,
-    /// Outline of the leaves against the original's, by the held-out views.
+    /// Outline of the leaves against the original's, by half of the held-out views in 256 x 256 pixels.
     pub silhouette_iou: f64,
-    /// VMI error of the leaves by the held-out views, in per cent.
+    /// VMI error of the leaves by the same, in per cent.
     pub vmi_error_percent: f64,
     /// SHA-256 of all that was done to the leaves.
     pub order_sha256: String,
@@ -191,21 +189,19 @@ pub fn chain(
             }
         }
         Wanted::Heights(heights) => {
-            let mut known: Vec<Option<Made>> = vec![None; LADDER.len()];
+            let mut ladder = Ladder::new(&maker);
             let mut first = 0;
             for &height in heights {
-                let rung = maker.rung_for(height, first, &mut known, observer)?;
-                let level = known[rung]
-                    .clone()
-                    .unwrap_or_else(|| unreachable!("it was judged"));
-                if is_no_less(&level, made.last().map(|(level, ..)| level), maker.all) {
+                let rung = ladder.lightest(height, first, observer)?;
+                let level = ladder.level(rung, observer)?;
+                if is_no_less(level, made.last().map(|(level, ..)| level), maker.all) {
                     notes.push(format!(
                         "no level begins at {height} pixels: the one before is the lightest within the difference"
                     ));
                     continue;
                 }
-                let flip = maker.flip(&level, height)?;
-                made.push((level, height, flip));
+                let flip = maker.flip(level, height)?;
+                made.push((level.clone(), height, flip));
                 first = rung;
             }
         }
@@ -242,6 +238,8 @@ struct Made {
     lod: Lod,
     surfaces: Vec<Surface>,
     foliage_triangles: usize,
+    /// Mean FLIP by the side of the pictures in pixels, as far as it is known.
+    flips: RefCell<BTreeMap<u32, f64>>,
 }
 
 impl Made {
@@ -263,8 +261,11 @@ struct Maker<'a> {
     original: Vec<Surface>,
     /// Pictures of that by their side in pixels: most heights need the same.
     originals: RefCell<BTreeMap<u32, Pictures>>,
-    judging: Judging,
+    /// The leaves, drawn in the held-out views.
+    leaves: Measured<'a>,
     views: ViewSet,
+    /// What levels share of the leaves' simplification.
+    shared: RefCell<Shared>,
     /// The plant's height, and how much of a picture's height it takes, as shares of the side.
     height: f64,
     picture_share: f64,
@@ -278,9 +279,18 @@ impl<'a> Maker<'a> {
     ) -> Result<Self, ChainError> {
         let plant = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), engine)?;
         let items = tree.items().foliage();
-        let judging = Judging::held_out(items)?;
-        let views = judging.views.views().iter().step_by(VIEW_STEP);
-        let views: Vec<View> = views.map(tight).collect();
+        let held_out = Judging::held_out(items)?.views;
+        let held_out: Vec<View> = held_out
+            .views()
+            .iter()
+            .step_by(VIEW_STEP)
+            .copied()
+            .collect();
+        let views = held_out.iter().map(tight).collect();
+        let judging = Judging {
+            views: ViewSet::new(held_out),
+            resolution: MOST_PICTURE_PX as u32,
+        };
         let corners = items.triangles().iter().flat_map(|t| t.corners);
         let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
             (low.min(c.y), high.max(c.y))
@@ -292,6 +302,7 @@ impl<'a> Maker<'a> {
             all: plant.triangle_count(),
             original: surfaces(tree.items().document())?,
             originals: RefCell::default(),
+            shared: RefCell::default(),
             views: ViewSet::new(views),
             height: high - low,
             picture_share: (high - low) / seen,
@@ -303,14 +314,19 @@ impl<'a> Maker<'a> {
             plant,
             options,
             engine,
-            judging,
+            leaves: Measured::new(tree.leaves(), judging)?,
         })
     }
 
     fn level(&self, triangles: usize, observer: &mut Observer<'_>) -> Result<Made, ChainError> {
-        let level = self
-            .plant
-            .level(triangles, &self.leaves, self.engine, observer)?;
+        let mut shared = self.shared.borrow_mut();
+        let level = self.plant.level(
+            triangles,
+            &self.leaves,
+            self.engine,
+            Some(&mut *shared),
+            observer,
+        )?;
         let lod = self.tree.joined(&level.leaves.lod, &level.wood);
         let bytes = self.tree.items().lod_to_bytes(&lod)?;
         let original = self.tree.items().document();
@@ -321,6 +337,7 @@ impl<'a> Maker<'a> {
         Ok(Made {
             foliage_triangles: left.triangles().len(),
             surfaces: surfaces(&document)?,
+            flips: RefCell::default(),
             level,
             lod,
         })
@@ -330,12 +347,17 @@ impl<'a> Maker<'a> {
     fn flip(&self, level: &Made, pixels_high: f64) -> Result<f64, ChainError> {
         let side = (pixels_high / self.picture_share).clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX);
         let side = side.round() as u32;
+        if let Some(flip) = level.flips.borrow().get(&side) {
+            return Ok(*flip);
+        }
         let mut originals = self.originals.borrow_mut();
         let original = originals
             .entry(side)
             .or_insert_with(|| Pictures::of_size(&self.original, &self.views, side));
         let found = original.measure(&Pictures::of_size(&level.surfaces, &self.views, side));
-        Ok(found.overall.get("flip_mean").unwrap_or(f64::NAN))
+        let flip = found.overall.get("flip_mean").unwrap_or(f64::NAN);
+        level.flips.borrow_mut().insert(side, flip);
+        Ok(flip)
     }
 
     /// The largest of the usual heights below that of the level before at which a level is within
@@ -351,48 +373,6 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// The rung of the ladder with the fewest triangles within the difference at a height: by
-    /// halving, since what has fewer triangles differs more.
-    fn rung_for(
-        &self,
-        height: f64,
-        first: usize,
-        known: &mut [Option<Made>],
-        observer: &mut Observer<'_>,
-    ) -> Result<usize, ChainError> {
-        let (mut good, mut bad) = (None, LADDER.len());
-        let mut low = first;
-        while low < bad {
-            let middle = low + (bad - low) / 2;
-            if known[middle].is_none() {
-                let triangles = (LADDER[middle] * self.all as f64).round() as usize;
-                known[middle] = Some(self.level(triangles, observer)?);
-            }
-            let is_within = match &known[middle] {
-                Some(level) => self.flip(level, height)? <= self.options.max_flip,
-                None => false,
-            };
-            match is_within {
-                true => {
-                    good = Some(middle);
-                    low = middle + 1;
-                }
-                false => bad = middle,
-            }
-        }
-        match good {
-            Some(rung) => Ok(rung),
-            None => {
-                // Not even the finest rung: it is the best there is.
-                if known[first].is_none() {
-                    let triangles = (LADDER[first] * self.all as f64).round() as usize;
-                    known[first] = Some(self.level(triangles, observer)?);
-                }
-                Ok(first)
-            }
-        }
-    }
-
     fn finished(
         &self,
         made: Made,
@@ -402,7 +382,7 @@ impl<'a> Maker<'a> {
     ) -> Result<ChainLevel, ChainError> {
         let leaves = self.tree.leaves();
         let left = made.level.leaves.lod.foliage(leaves);
-        let seen = secateur_eval::measure(leaves, &left, &self.judging)?;
+        let seen = self.leaves.measure(&left);
         let screen = self.options.screen;
         Ok(ChainLevel {
             leaves: left.leaves().len() as u64,

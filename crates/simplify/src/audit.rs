@@ -1,6 +1,8 @@
 //! The final foliage drawn again, another way, and compared.
 
-use secateur_raster::{AreaTable, OpenEngine, Scene, cpu};
+use secateur_model::Foliage;
+use secateur_raster::occluders::Occluded;
+use secateur_raster::{AreaTable, CpuRasteriser, OpenEngine, RasterError, Rasteriser, Scene};
 
 use crate::Error;
 
@@ -16,27 +18,49 @@ pub(crate) fn audit(
     areas: &AreaTable,
     scene: &Scene<'_>,
     engine: &OpenEngine,
+    occluders: Option<&Foliage>,
 ) -> Result<&'static str, Error> {
-    let (path, again) = other_path(scene, engine);
+    let (path, again) = other_path(scene, engine, occluders)?;
     if let Some(difference) = first_difference(areas, &again) {
         return Err(Error::Audit(format!("{difference} by the {path}")));
     }
     Ok(path)
 }
 
-fn other_path(scene: &Scene<'_>, engine: &OpenEngine) -> (&'static str, AreaTable) {
+fn other_path(
+    scene: &Scene<'_>,
+    engine: &OpenEngine,
+    occluders: Option<&Foliage>,
+) -> Result<(&'static str, AreaTable), Error> {
     #[cfg(feature = "gpu")]
     if engine.name() == "cpu" {
-        use secateur_raster::gpu::{self, Device, Preference};
-        let areas = Device::find(Preference::Any).and_then(|device| gpu::areas(&device, scene));
-        match areas {
-            Ok(areas) => return ("GPU", areas),
+        use secateur_raster::gpu::{Device, Preference};
+        let device = Device::find(Preference::Any).map_err(RasterError::from);
+        match device.and_then(|device| areas(&device, scene, occluders)) {
+            Ok(areas) => return Ok(("GPU", areas)),
             Err(reason) => tracing::debug!("no GPU for the audit: {reason}"),
         }
     }
     #[cfg(not(feature = "gpu"))]
     let _ = engine;
-    ("CPU's depth buffer", cpu::areas(scene))
+    let areas = areas(&CpuRasteriser, scene, occluders);
+    let areas = areas.map_err(|reason| Error::Audit(reason.to_string()))?;
+    Ok(("CPU's depth buffer", areas))
+}
+
+fn areas(
+    rasteriser: &dyn Rasteriser,
+    scene: &Scene<'_>,
+    occluders: Option<&Foliage>,
+) -> Result<AreaTable, RasterError> {
+    match occluders {
+        Some(occluders) => Occluded {
+            rasteriser,
+            occluders,
+        }
+        .areas(scene),
+        None => rasteriser.areas(scene),
+    }
 }
 
 fn first_difference(areas: &AreaTable, again: &AreaTable) -> Option<String> {
@@ -84,13 +108,13 @@ mod tests {
             resolution: 32,
         };
         let engine = OpenEngine::cpu();
-        let true_areas = cpu::areas(&scene);
-        assert!(audit(&true_areas, &scene, &engine).is_ok());
+        let true_areas = CpuRasteriser.areas(&scene).unwrap();
+        assert!(audit(&true_areas, &scene, &engine, None).is_ok());
         // A pixel of the background too many, and one of the leaf too few.
         let mut wrong = true_areas.as_slice().to_vec();
         wrong[0] += 1;
         wrong[1] -= 1;
-        let error = audit(&AreaTable::from_rows(1, wrong), &scene, &engine).unwrap_err();
+        let error = audit(&AreaTable::from_rows(1, wrong), &scene, &engine, None).unwrap_err();
         let text = error.to_string();
         assert!(
             text.contains("in view 0 leaf 0") && text.contains("report"),

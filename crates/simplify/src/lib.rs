@@ -31,6 +31,7 @@ mod preset;
 pub mod resolution;
 mod run;
 pub mod select;
+mod shared;
 mod sizes;
 mod stage;
 pub mod stochastic;
@@ -47,7 +48,10 @@ pub use observe::{Shown, observe};
 pub use options::{Alpha, Fitting, LeafTriangles, Options, Resolution, Sides, as_seen};
 pub use passes::Passes;
 pub use preset::Preset;
-pub use run::{Simplified, Stopped, simplify, simplify_on, simplify_with, sphere_of};
+pub use run::{
+    Simplified, Stopped, simplify, simplify_on, simplify_sharing, simplify_with, sphere_of,
+};
+pub use shared::Shared;
 pub use stage::{Observer, Progress, Stage};
 pub use target::{Amount, Target};
 pub use views::Views;

@@ -1,7 +1,6 @@
 //! What views show of a LOD.
 
 use secateur_model::{Foliage, Lod};
-use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::Vmi;
 use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
 
@@ -55,29 +54,6 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Looks at a LOD and at its original.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the rasteriser fails.
-    pub(crate) fn of(
-        foliage: &Foliage,
-        lod: &Lod,
-        views: ViewSet,
-        resolution: u32,
-        rasteriser: &dyn Rasteriser,
-    ) -> Result<Self, Error> {
-        let table = LgTable::new();
-        let original = Lod::original(foliage.leaves().len());
-        let all = observe(foliage, &original, &views, resolution, rasteriser)?;
-        let areas = observe(foliage, lod, &views, resolution, rasteriser)?;
-        Ok(Self {
-            vmi_original: Vmi::of(&all, &table),
-            vmi: Vmi::of(&areas, &table),
-            areas,
-            views,
-        })
-    }
-
     /// VMI error of the LOD in these views, in per cent.
     pub fn error_percent(&self) -> f64 {
         self.vmi_original.error_percent(&self.vmi)

@@ -232,6 +232,9 @@ pub struct Options {
     /// that is not refused does not depend on it.
     #[serde(skip)]
     pub memory: Memory,
+    /// What hides leaves wherever they are looked at: the plant's wood, or what stands before it.
+    #[serde(skip)]
+    pub occluders: Option<Arc<Foliage>>,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -258,6 +261,7 @@ impl Options {
             fit: Fitting::default(),
             skeleton: None,
             memory: Memory::Auto,
+            occluders: None,
             audit: cfg!(debug_assertions),
         }
     }

@@ -5,15 +5,17 @@ use std::ops::ControlFlow;
 use secateur_model::{BoundingSphere, Budget, Foliage, Lod};
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::{ScaledBits, Vmi};
-use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Scene, ViewSet};
+use secateur_raster::occluders::Occluded;
+use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene, ViewSet};
 
 use crate::audit::audit;
-use crate::coarsen::Coarse;
+use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::memory::{Within, take_run};
 use crate::observe::{Shown, observe};
 use crate::passes::Passes;
 use crate::resolution::{CANDIDATES, choose};
-use crate::select::{Selection, Task};
+use crate::select::{Begun, Selection, Task};
+use crate::shared::{Found, Shared};
 use crate::sizes::{SizePass, fitting_views, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
@@ -142,6 +144,21 @@ pub fn simplify_on(
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Simplified, Error> {
+    simplify_sharing(engine, foliage, options, None, observer)
+}
+
+/// [`simplify_on`], several times with different targets: what one run finds the next goes on from.
+/// Foliage and options other than the target must be the same each time.
+///
+/// # Errors
+/// As [`simplify_with`].
+pub fn simplify_sharing(
+    engine: &OpenEngine,
+    foliage: &Foliage,
+    options: &Options,
+    mut shared: Option<&mut Shared>,
+    observer: &mut Observer<'_>,
+) -> Result<Simplified, Error> {
     let foliage = as_seen(foliage, options.alpha, options.sides);
     let sphere = sphere_of(&foliage)?;
     options.target.check()?;
@@ -149,15 +166,37 @@ pub fn simplify_on(
     let mut clock = Clock::new(observer);
 
     clock.begin(Stage::Resolution)?;
-    let (resolution, resolution_reason) = match options.resolution {
-        Resolution::Pixels(n) => (n, "as asked".to_owned()),
-        Resolution::Auto => resolution_for(&foliage, &options.views.around(sphere), engine)?,
+    let known = shared.as_ref().and_then(|shared| shared.resolution.clone());
+    let (resolution, resolution_reason) = match (options.resolution, known) {
+        (Resolution::Pixels(n), _) => (n, "as asked".to_owned()),
+        (Resolution::Auto, Some(known)) => known,
+        (Resolution::Auto, None) => {
+            resolution_for(&foliage, &options.views.around(sphere), engine)?
+        }
     };
+    if let Some(shared) = &mut shared {
+        shared.resolution = Some((resolution, resolution_reason.clone()));
+    }
     let mut budget = Budget::new(options.memory);
     let views = options.views.around(sphere);
     take_run(&mut budget, &foliage, options, &views, resolution)?;
+    let within = Within { engine, budget };
+    let occluders = options
+        .occluders
+        .as_ref()
+        .filter(|occluders| !occluders.leaves().is_empty())
+        .map(|occluders| as_seen(occluders, options.alpha, options.sides));
+    let occluded = occluders.as_deref().map(|occluders| Occluded {
+        rasteriser: &within as &dyn Rasteriser,
+        occluders,
+    });
     let run = Run {
         foliage: &foliage,
+        occluders: occluders.as_deref(),
+        rasteriser: match &occluded {
+            Some(occluded) => occluded,
+            None => &within,
+        },
         options,
         target: options.target.counted(&foliage),
         views: options.views.plan(sphere),
@@ -165,7 +204,7 @@ pub fn simplify_on(
         engine,
         budget,
     };
-    let mut draft = run.select(&mut clock)?;
+    let mut draft = run.select(shared, &mut clock)?;
     let unfitted_percent = draft.shown.error_percent();
     if let Some(objective) = options.objective()
         && !is_fit_spared(
@@ -237,6 +276,9 @@ struct Run<'a> {
     engine: &'a OpenEngine,
     /// What is left for what views show.
     budget: Budget,
+    /// The engine within the budget, with what hides leaves.
+    rasteriser: &'a dyn Rasteriser,
+    occluders: Option<&'a Foliage>,
 }
 
 /// What came of the passes so far.
@@ -252,16 +294,36 @@ struct Draft {
 
 impl Run<'_> {
     /// Makes leaves coarser, has the method choose leaves, and cuts what goes beyond the target.
-    fn select(&self, clock: &mut Clock<'_>) -> Result<Draft, Error> {
+    fn select(
+        &self,
+        mut shared: Option<&mut Shared>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Draft, Error> {
         clock.begin(Stage::Select)?;
         let is_driven = self.options.method.vds().is_some();
-        let coarse = match is_driven {
+        let mut curves = shared.as_mut().and_then(|shared| shared.curves.take());
+        let shares = match is_driven {
             true => self
                 .options
                 .leaf_triangles
-                .coarsen(self.foliage, self.target),
+                .shares(self.foliage, self.target, &mut curves),
             false => None,
         };
+        let known = match &mut shared {
+            Some(shared) if is_driven => shared.take(&shares),
+            _ => None,
+        };
+        let coarse = match (&known, &shares) {
+            (Some(known), _) => known.coarse.clone(),
+            (None, Some(shares)) => {
+                let curves = curves.get_or_insert_with(|| LossCurves::of(self.foliage));
+                coarsen(self.foliage, curves, shares)
+            }
+            (None, None) => None,
+        };
+        if let Some(shared) = &mut shared {
+            shared.curves = curves;
+        }
         let target = match self.target {
             // The error that counts is the one against the leaves as they are.
             Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
@@ -270,18 +332,30 @@ impl Run<'_> {
         let task = Task {
             foliage: coarse.as_ref().map_or(self.foliage, Coarse::foliage),
             target,
+            begun: known.as_ref().map(|known| &known.begun),
             skeleton: self.options.skeleton.as_deref(),
             views: &self.views,
             resolution: self.resolution,
-            rasteriser: &Within {
-                engine: self.engine,
-                budget: self.budget,
-            },
+            rasteriser: self.rasteriser,
+            occluders: self.occluders,
         };
-        let selection = self
-            .options
-            .method
-            .select(&task, &mut |done, at_most| clock.step(done, at_most))?;
+        let selection = match known.as_ref().filter(|known| known.reaches(&task)) {
+            Some(known) => known.selection(),
+            None => self
+                .options
+                .method
+                .select(&task, &mut |done, at_most| clock.step(done, at_most))?,
+        };
+        if let (Some(shared), true) = (&mut shared, is_driven) {
+            shared.keep(Found {
+                shares,
+                coarse: coarse.clone(),
+                begun: Begun {
+                    order: selection.order.clone(),
+                    costs: selection.costs.clone(),
+                },
+            });
+        }
         let Selection {
             order,
             costs,
@@ -314,7 +388,7 @@ impl Run<'_> {
                 {
                     stopped = Stopped::AtMaxError;
                 }
-                self.look(&passes, is_driven)?
+                self.look(&passes, is_driven, shared)?
             }
         };
         let are_all_left = passes.lod().leaf_count() == self.foliage.leaves().len();
@@ -337,7 +411,7 @@ impl Run<'_> {
         let table = LgTable::new();
         let vmi_after = |count| {
             let lod = Lod::after(&steps, count);
-            let areas = observe(self.foliage, &lod, &views, self.resolution, self.engine)?;
+            let areas = observe(self.foliage, &lod, &views, self.resolution, self.rasteriser)?;
             Ok::<_, Error>(Vmi::of(&areas, &table))
         };
         let original = vmi_after(0)?;
@@ -363,7 +437,12 @@ impl Run<'_> {
 
     /// What the views of the last step show. Where the error says how many leaves are left, and
     /// for methods that are not driven by views, the first views.
-    fn look(&self, passes: &Passes, is_driven: bool) -> Result<Shown, Error> {
+    fn look(
+        &self,
+        passes: &Passes,
+        is_driven: bool,
+        shared: Option<&mut Shared>,
+    ) -> Result<Shown, Error> {
         let lod = passes.lod();
         let views = match (is_driven, self.target) {
             (true, Target::Leaves(_) | Target::Triangles(_)) => {
@@ -372,7 +451,27 @@ impl Run<'_> {
             }
             _ => self.views.first(),
         };
-        Shown::of(self.foliage, &lod, views, self.resolution, self.engine)
+        let observe =
+            |lod: &Lod| observe(self.foliage, lod, &views, self.resolution, self.rasteriser);
+        let table = LgTable::new();
+        let known = shared.as_ref().and_then(|shared| shared.original.clone());
+        let vmi_original = match known.filter(|(of, _)| *of == views) {
+            Some((_, vmi)) => vmi,
+            None => {
+                let original = Lod::original(self.foliage.leaves().len());
+                Vmi::of(&observe(&original)?, &table)
+            }
+        };
+        if let Some(shared) = shared {
+            shared.original = Some((views.clone(), vmi_original.clone()));
+        }
+        let areas = observe(&lod)?;
+        Ok(Shown {
+            vmi_original,
+            vmi: Vmi::of(&areas, &table),
+            areas,
+            views,
+        })
     }
 
     /// Fits the sizes of what is left, where that changes anything and keeps to the error that is
@@ -380,7 +479,13 @@ impl Run<'_> {
     fn size(&self, draft: &mut Draft, pass: &SizePass, clock: &mut Clock<'_>) -> Result<(), Error> {
         let lod = draft.passes.lod();
         let mut steps = |done, at_most| clock.step(done, at_most);
-        let factors = pass.factors(self.foliage, &lod, self.budget, &mut steps)?;
+        let factors = pass.factors(
+            self.foliage,
+            &lod,
+            self.occluders,
+            self.budget,
+            &mut steps,
+        )?;
         let Some(factors) = factors else {
             return Ok(());
         };
@@ -392,7 +497,7 @@ impl Run<'_> {
             &sized,
             &shown.views,
             self.resolution,
-            self.engine,
+            self.rasteriser,
         )?;
         let vmi = Vmi::of(&areas, &LgTable::new());
         if let Target::MaxErrorPercent(percent) = self.target
@@ -415,7 +520,7 @@ impl Run<'_> {
             views: &shown.views,
             resolution: self.resolution,
         };
-        audit(&shown.areas, &scene, self.engine)
+        audit(&shown.areas, &scene, self.engine, self.occluders)
     }
 }
 

@@ -13,6 +13,15 @@ use crate::{Error, Target};
 /// Gets the steps done and those to do at most, and may break off.
 pub type Steps<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
 
+/// The first steps of an order, made by an earlier run.
+#[derive(Clone, Debug)]
+pub struct Begun {
+    /// The steps.
+    pub order: RemovalOrder,
+    /// Their costs.
+    pub costs: Vec<ScaledBits>,
+}
+
 /// What a method is asked to do.
 pub struct Task<'a> {
     /// The original foliage, all leaves of it.
@@ -20,14 +29,18 @@ pub struct Task<'a> {
     /// How far it should go. A method that knows only leaves goes on to the last one for another
     /// target; what is too much is cut off afterwards.
     pub target: Target,
+    /// Steps that are to be gone on from; a method that cannot starts over.
+    pub begun: Option<&'a Begun>,
     /// What the leaves have grown on, where that is known.
     pub skeleton: Option<&'a PlantSkeleton>,
     /// From where a method that is driven by views looks.
     pub views: &'a ViewPlan,
     /// Width and height of its images in pixels.
     pub resolution: u32,
-    /// The twin that draws those images: the GPU's or the CPU's.
+    /// The twin that draws those images (the GPU's or the CPU's), with what hides leaves.
     pub rasteriser: &'a dyn Rasteriser,
+    /// What hides leaves, if anything does.
+    pub occluders: Option<&'a Foliage>,
 }
 
 /// What a method chose.

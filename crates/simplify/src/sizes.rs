@@ -59,6 +59,7 @@ impl SizePass {
         &self,
         foliage: &Foliage,
         lod: &Lod,
+        occluders: Option<&Foliage>,
         budget: Budget,
         steps: &mut Steps<'_>,
     ) -> Result<Option<Vec<f64>>, Error> {
@@ -68,6 +69,7 @@ impl SizePass {
             views: &self.views,
             resolution: resolution(self.least_resolution(), &self.views),
             objective: self.objective,
+            occluders,
         };
         match fit_within(&way, budget, steps)? {
             ControlFlow::Continue(factors) => {

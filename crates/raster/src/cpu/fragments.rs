@@ -7,6 +7,7 @@ use secateur_model::{Foliage, LeafId};
 
 use super::canvas::Canvas;
 use super::histogram;
+use crate::occluders::Occlusion;
 use crate::snap::Snapper;
 use crate::{
     AreaTable, Fragment, Fragments, Scene, SnappedTriangle, TooManyFragments, View, ViewFragments,
@@ -171,6 +172,9 @@ pub struct LeafFragments {
     resolution: u32,
     triangles: Vec<SnappedTriangle>,
     canvas: Canvas,
+    /// For each pixel over the views the depth beyond which leaves are hidden; empty where
+    /// nothing hides them.
+    hidden_beyond: Vec<u32>,
     /// Pixels, over the views, and depths.
     found: Vec<(u32, u32)>,
 }
@@ -182,8 +186,16 @@ impl LeafFragments {
             resolution,
             triangles: Vec::new(),
             canvas: Canvas::default(),
+            hidden_beyond: Vec::new(),
             found: Vec::new(),
         }
+    }
+
+    /// Among what hides leaves in the views that leaves will be drawn in, always the same ones.
+    pub fn among(mut self, occlusions: &[Occlusion]) -> Self {
+        let nearest = occlusions.iter().map(|of_view| &of_view.nearest[..]);
+        self.hidden_beyond = nearest.collect::<Vec<_>>().concat();
+        self
     }
 
     /// The pixels of a leaf in some views in turn, each once, with its nearest
@@ -201,6 +213,7 @@ impl LeafFragments {
             resolution,
             triangles: snapped,
             canvas,
+            hidden_beyond,
             found,
         } = self;
         found.clear();
@@ -224,6 +237,9 @@ impl LeafFragments {
                 found.push(((first_row + y) * *resolution + x, depth));
             });
             first_row += *resolution;
+        }
+        if !hidden_beyond.is_empty() {
+            found.retain(|(pixel, depth)| *depth <= hidden_beyond[*pixel as usize]);
         }
         found
     }

@@ -29,6 +29,7 @@ const CELLS_PER_SIDE: [usize; 2] = [32, 256];
 const MAX_CARD_TEXTURES: usize = 1024;
 
 /// For each leaf the triangles that show the same as all of it, where they are fewer.
+#[derive(Debug)]
 pub(super) struct Cards(Vec<Option<Vec<[NewCorner; 3]>>>);
 
 /// Triangles of a leaf in one plane, over which the texture lies without a fold; the first

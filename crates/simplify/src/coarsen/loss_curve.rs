@@ -42,6 +42,7 @@ const MIN_WITH_CUTOUT: usize = 2;
 
 /// What leaves lose with fewer triangles, by kind. Leaves of one kind have the same number of
 /// triangles, which meet at the same corners, and the same cut-out.
+#[derive(Debug)]
 pub struct LossCurves {
     cards: Cards,
     kind_of: Vec<u32>,

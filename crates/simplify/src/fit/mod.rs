@@ -28,7 +28,10 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use secateur_model::{Budget, Foliage, Lod, OverMemory};
-use secateur_raster::{LeafIdImage, Scene, ViewSet, cpu};
+use secateur_raster::occluders::{Occluded, Occlusion};
+use secateur_raster::{
+    CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, ViewSet, cpu,
+};
 
 use self::coverage::Coverage;
 use self::information::Information;
@@ -36,6 +39,9 @@ use self::rounds::{Trial, fit_in_rounds};
 use self::sized_view::SizedView;
 use crate::lg::LgTable;
 use crate::memory::Room;
+
+/// Why the CPU is not asked whether it can draw.
+const DRAWN: &str = "the CPU draws whatever there is memory for";
 
 /// The largest weight of the outline: there VMI counts for next to nothing.
 pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
@@ -71,9 +77,18 @@ pub struct Fit<'a> {
     pub resolution: u32,
     /// What should be least.
     pub objective: Objective,
+    /// What hides leaves, if anything does.
+    pub occluders: Option<&'a Foliage>,
 }
 
 impl<'a> Fit<'a> {
+    fn among_occluders(&self) -> Option<Occluded<'a, CpuRasteriser>> {
+        self.occluders.map(|occluders| Occluded {
+            rasteriser: &CpuRasteriser,
+            occluders,
+        })
+    }
+
     /// What `of` makes of each view of what is left, of its number in its set, and of the
     /// original's leaf IDs in it; by set.
     fn of_views<T: Send>(
@@ -91,15 +106,34 @@ impl<'a> Fit<'a> {
             };
             let [original, left] = [scene(self.original, &lods[0]), scene(self.left, &lods[1])];
             let room = Room::for_lists(budget, &left, FIT_NOT)?;
-            let fragments = cpu::fragments_within(&left, room.most());
-            let fragments = fragments.map_err(|found| room.lacks(&found, &left))?;
+            let fragments = match self.among_occluders() {
+                Some(occluded) => occluded.fragments_within(&left, room.most()),
+                None => CpuRasteriser.fragments_within(&left, room.most()),
+            };
+            let fragments = fragments.map_err(|error| {
+                let too_many = error.downcast::<TooManyFragments>().expect(DRAWN);
+                room.lacks(&too_many, &left)
+            })?;
             // They stay while the other sets are looked at.
             *budget = room.after(fragments.len() as u64)?;
             let fragments = fragments.into_views();
             let views = fragments.into_par_iter().zip(views.views()).enumerate();
             let made = views.map(|(number, (fragments, view))| {
-                let sized = SizedView::new(self.left, view, fragments, self.resolution);
-                of(sized, number, cpu::draw_leaf_ids(&original, view))
+                let occlusion = self
+                    .occluders
+                    .map(|occluders| Occlusion::of(occluders, view, self.resolution));
+                let drawn = match self.among_occluders() {
+                    Some(occluded) => occluded.leaf_ids(&original, view).expect(DRAWN),
+                    None => cpu::draw_leaf_ids(&original, view),
+                };
+                let sized = SizedView::new(
+                    self.left,
+                    view,
+                    fragments,
+                    occlusion.as_slice(),
+                    self.resolution,
+                );
+                of(sized, number, drawn)
             });
             Ok(made.collect())
         };

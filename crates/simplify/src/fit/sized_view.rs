@@ -3,6 +3,7 @@
 use secateur_model::{Foliage, LeafId};
 use secateur_raster::abuffer::{ABuffer, FrontTwo, Undo};
 use secateur_raster::cpu::LeafFragments;
+use secateur_raster::occluders::Occlusion;
 use secateur_raster::{View, ViewFragments};
 
 /// A leaf that changes its size.
@@ -23,18 +24,19 @@ pub(super) struct SizedView<'a> {
 }
 
 impl<'a> SizedView<'a> {
-    /// `fragments` are those of the leaves as they are.
+    /// `fragments` are those of the leaves as they are, among what hides some of them.
     pub(super) fn new(
         left: &'a Foliage,
         view: &'a View,
         fragments: ViewFragments,
+        occlusion: &[Occlusion],
         resolution: u32,
     ) -> Self {
         Self {
             left,
             view,
             a_buffer: ABuffer::new(vec![fragments], left.leaves().len()),
-            in_other_size: LeafFragments::new(resolution),
+            in_other_size: LeafFragments::new(resolution).among(occlusion),
             tried: Undo::default(),
         }
     }

@@ -52,6 +52,7 @@ fn way<'a>(
     outline_weight: f64,
 ) -> Fit<'a> {
     Fit {
+        occluders: None,
         original,
         left,
         views,

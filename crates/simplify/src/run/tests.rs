@@ -1,13 +1,14 @@
 //! Runs as a whole.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use glam::DVec3;
 use secateur_eval::Judging;
 use secateur_model::LeafTriangle;
 
 use super::*;
-use crate::{Fitting, LeafTriangles, Preset, Progress};
+use crate::{Fitting, LeafTriangles, Method, Preset, Progress, Views};
 
 fn leaf_at(place: DVec3, size: f64) -> Foliage {
     let mut foliage = Foliage::default();
@@ -231,4 +232,130 @@ fn all_cards_stay_where_every_one_may_keep_a_triangle() {
     assert_eq!(fewer.lod.leaf_count(), 5);
     let kept = to(&foliage, 9, LeafTriangles::Keep);
     assert_eq!(kept.lod.leaf_count(), 4);
+}
+
+/// A crown with a wall through its middle.
+fn crown_and_wall() -> (Foliage, Foliage) {
+    use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+    let crown = ellipsoid_crown(24, 5, &EllipsoidCrown::default()).unwrap();
+    let sphere = crown.bounding_sphere().unwrap();
+    let corner = |x: f64, y: f64| sphere.centre + sphere.radius * DVec3::new(x, y, 0.1);
+    let [a, b, c, d] = [
+        corner(-0.8, -0.8),
+        corner(0.8, -0.8),
+        corner(0.8, 0.8),
+        corner(-0.8, 0.8),
+    ];
+    let mut wall = Foliage::default();
+    for triangle in [[a, b, c], [a, c, d]] {
+        wall.push_leaf(&[LeafTriangle::plain(triangle)], None)
+            .unwrap();
+    }
+    (crown, wall)
+}
+
+/// The engine that edits lists chooses among what hides leaves as drawing everything anew does, in
+/// the views of all its phases.
+#[test]
+fn among_occluders_the_fast_engine_is_the_literal_algorithm() {
+    let (crown, wall) = crown_and_wall();
+    for preset in [Preset::Look, Preset::Information] {
+        for views in [Views::Cube, Views::Variable] {
+            for target in [Target::leaves(6), Target::MaxErrorPercent(8.0)] {
+                let vds = preset.vds();
+                let run = |method: Method, occluders: Option<&Foliage>| {
+                    let options = Options {
+                        method,
+                        views: views.clone(),
+                        resolution: Resolution::Pixels(48),
+                        occluders: occluders.map(|o| Arc::new(o.clone())),
+                        audit: true,
+                        ..Options::with_preset(preset, target)
+                    };
+                    simplify(&crown, &options).unwrap()
+                };
+                let fast = run(Method::Vds(vds), Some(&wall));
+                let literal = run(Method::VdsReference(vds), Some(&wall));
+                assert_eq!(fast.passes.order.sha256(), literal.passes.order.sha256());
+                assert_eq!(fast.costs, literal.costs);
+                assert_eq!(fast.areas, literal.areas);
+                assert_eq!(fast.vmi_original, literal.vmi_original);
+                assert_eq!(fast.passes.sizes, literal.passes.sizes);
+                let bare = run(Method::Vds(vds), None);
+                assert_ne!(fast.vmi_original, bare.vmi_original);
+                let nothing = run(Method::Vds(vds), Some(&Foliage::default()));
+                assert_eq!(nothing.areas, bare.areas);
+            }
+        }
+    }
+}
+
+/// What is hidden from all sides goes first, and costs nothing.
+#[test]
+fn what_occluders_hide_goes_first() {
+    let mut foliage = Foliage::default();
+    let square = |at: DVec3, side: f64| {
+        let [a, b, c, d] = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+            .map(|(x, y)| at + side * DVec3::new(x, y, 0.0));
+        [[a, b, c], [a, c, d]].map(LeafTriangle::plain)
+    };
+    // The second is between two walls.
+    for z in [1.0, 0.0, -1.0] {
+        let leaf = square(DVec3::Z * z, 0.3);
+        foliage.push_leaf(&leaf, None).unwrap();
+    }
+    let mut walls = Foliage::default();
+    for z in [0.01, -0.01] {
+        let wall = square(DVec3::Z * z, 0.8);
+        walls.push_leaf(&wall, None).unwrap();
+    }
+    let options = Options {
+        resolution: Resolution::Pixels(64),
+        views: Views::Dodecahedron,
+        occluders: Some(Arc::new(walls)),
+        ..Options::to(Target::leaves(2))
+    };
+    let result = simplify(&foliage, &options).unwrap();
+    let first = result.passes.order.steps().next().unwrap();
+    assert_eq!(first.removed, [secateur_model::LeafId::from_index(1)]);
+    assert!(first.grown.is_empty());
+    assert_eq!(result.costs[0], ScaledBits(0));
+}
+
+/// Levels that go on from each other, in any order, are those of runs of their own.
+#[test]
+fn runs_that_share_what_they_found_are_the_same() {
+    let (crown, wall) = crown_and_wall();
+    for (preset, views) in [
+        (Preset::Look, Views::Cube),
+        (Preset::Information, Views::Variable),
+    ] {
+        for occluders in [None, Some(Arc::new(wall.clone()))] {
+            let mut shared = crate::Shared::default();
+            let engine = OpenEngine::cpu();
+            // Leaves are cards of two triangles: below half of them all become single ones.
+            for triangles in [40, 20, 6, 14, 9, 2, 40, 0] {
+                let options = Options {
+                    views: views.clone(),
+                    resolution: Resolution::Pixels(48),
+                    occluders: occluders.clone(),
+                    ..Options::with_preset(preset, Target::triangles(triangles))
+                };
+                let mut go_on = |_| ControlFlow::Continue(());
+                let alone = simplify(&crown, &options).unwrap();
+                let sharing =
+                    simplify_sharing(&engine, &crown, &options, Some(&mut shared), &mut go_on)
+                        .unwrap();
+                assert_eq!(
+                    alone.passes.in_one_order().sha256(),
+                    sharing.passes.in_one_order().sha256(),
+                    "{triangles}"
+                );
+                assert_eq!(alone.lod, sharing.lod, "{triangles}");
+                assert_eq!(alone.costs, sharing.costs, "{triangles}");
+                assert_eq!(alone.areas, sharing.areas, "{triangles}");
+                assert_eq!(alone.vmi_original, sharing.vmi_original);
+            }
+        }
+    }
 }

@@ -1,7 +1,9 @@
 //! VDS as a method beside others: fast, and literal.
 
 use secateur_model::{Foliage, PlantSkeleton};
+use secateur_raster::CpuRasteriser;
 use secateur_raster::measure::vmi::ScaledBits;
+use secateur_raster::occluders::Occluded;
 
 use super::{Progress, VdsError, VdsOptions, VdsOutcome, VdsRun, fast, reference};
 use crate::Error;
@@ -24,9 +26,10 @@ impl Select for Fast {
     fn select(&self, task: &Task<'_>, steps: &mut Steps<'_>) -> Result<Selection, Error> {
         let mut see = |progress: Progress| steps(progress.steps, progress.steps_at_most);
         let run = run(self.0, task);
-        selection(fast::simplify(
+        selection(fast::simplify_from(
             task.foliage,
             &run,
+            task.begun,
             task.rasteriser,
             &mut see,
         ))
@@ -41,7 +44,16 @@ impl Select for Literal {
     fn select(&self, task: &Task<'_>, steps: &mut Steps<'_>) -> Result<Selection, Error> {
         let mut see = |progress: Progress| steps(progress.steps, progress.steps_at_most);
         let run = run(self.0, task);
-        selection(reference::simplify(task.foliage, &run, &mut see))
+        selection(match task.occluders {
+            Some(occluders) => {
+                let rasteriser = Occluded {
+                    rasteriser: &CpuRasteriser,
+                    occluders,
+                };
+                reference::simplify_drawn_by(&rasteriser, task.foliage, &run, &mut see)
+            }
+            None => reference::simplify(task.foliage, &run, &mut see),
+        })
     }
 }
 

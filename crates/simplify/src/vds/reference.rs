@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId, Lod, RemovalOrder};
-use secateur_raster::{Scene, ViewSet, cpu};
+use secateur_raster::{AreaTable, CpuRasteriser, Rasteriser, Scene};
 
 use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{final_phase, phases};
@@ -28,6 +28,22 @@ pub fn simplify(
     run: &VdsRun,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<VdsOutcome, VdsError> {
+    simplify_drawn_by(&CpuRasteriser, foliage, run, progress)
+}
+
+/// [`simplify`], drawn by a rasteriser that never fails.
+///
+/// # Errors
+/// As [`simplify`].
+///
+/// # Panics
+/// If the rasteriser fails.
+pub fn simplify_drawn_by(
+    rasteriser: &(impl Rasteriser + Sync),
+    foliage: &Foliage,
+    run: &VdsRun,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<VdsOutcome, VdsError> {
     let leaf_count = foliage.leaves().len();
     let table = LgTable::new();
     let mut lod = Lod::original(leaf_count);
@@ -38,7 +54,15 @@ pub fn simplify(
     let (options, resolution) = (&run.options, run.resolution);
     let steps_at_most = leaf_count - run.target.fewest_leaves(foliage).min(leaf_count);
     'run: for phase in &phases {
-        let look = |lod: &Lod| Look::at(foliage, lod, &phase.views, resolution, &table);
+        let look = |lod: &Lod| {
+            let scene = Scene {
+                foliage,
+                lod,
+                views: &phase.views,
+                resolution,
+            };
+            Look::at(rasteriser, &scene, &table)
+        };
         let original = look(&Lod::original(leaf_count));
         while lod.leaf_count() > phase.leaves_at_end {
             let choice = choose(options, &lod, &original.vmi, &look);
@@ -78,15 +102,18 @@ pub fn simplify(
         }
     }
     let last = final_phase(&phases, lod.leaf_count());
-    let scene = |lod| Scene {
-        foliage,
-        lod,
-        views: &last.views,
-        resolution,
+    let areas_of = |lod: &Lod| {
+        let scene = Scene {
+            foliage,
+            lod,
+            views: &last.views,
+            resolution,
+        };
+        areas(rasteriser, &scene)
     };
-    let areas = cpu::areas(&scene(&lod));
+    let areas = areas_of(&lod);
     Ok(VdsOutcome {
-        vmi_original: Vmi::of(&cpu::areas(&scene(&Lod::original(leaf_count))), &table),
+        vmi_original: Vmi::of(&areas_of(&Lod::original(leaf_count)), &table),
         vmi_final: Vmi::of(&areas, &table),
         areas,
         order,
@@ -145,18 +172,18 @@ struct Look {
 }
 
 impl Look {
-    fn at(foliage: &Foliage, lod: &Lod, views: &ViewSet, resolution: u32, table: &LgTable) -> Self {
-        let areas = cpu::areas(&Scene {
-            foliage,
-            lod,
-            views,
-            resolution,
-        });
+    fn at(rasteriser: &impl Rasteriser, scene: &Scene<'_>, table: &LgTable) -> Self {
+        let areas = areas(rasteriser, scene);
         Self {
             vmi: Vmi::of(&areas, table),
             covered_px: covered_px(&areas),
         }
     }
+}
+
+fn areas(rasteriser: &impl Rasteriser, scene: &Scene<'_>) -> AreaTable {
+    let areas = rasteriser.areas(scene);
+    areas.expect("the CPU draws whatever there is memory for")
 }
 
 fn nearest(foliage: &Foliage, lod: &Lod, pruned: LeafId, count: usize) -> Vec<LeafId> {

@@ -29,6 +29,7 @@ fn thinned(foliage: &Foliage, every: usize, area_scale: f64) -> Foliage {
 
 fn of<'a>(original: &'a Foliage, left: &'a Foliage, views: &'a [ViewSet]) -> Fit<'a> {
     Fit {
+        occluders: None,
         original,
         left,
         views,

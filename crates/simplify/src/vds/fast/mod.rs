@@ -61,6 +61,7 @@ use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{Phase, final_phase, phases};
 use super::{VdsOptions, VdsRun};
 use crate::lg::LgTable;
+use crate::select::Begun;
 use crate::vmi::Vmi;
 
 /// The most cores that the loop uses: a step has only so much to do at a time.
@@ -84,6 +85,24 @@ pub fn simplify(
     rasteriser: &dyn Rasteriser,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<VdsOutcome, VdsError> {
+    simplify_from(foliage, job, None, rasteriser, progress)
+}
+
+/// [`simplify`], which goes on from steps that a run of the same options and views made before; the
+/// outcome is that of one run.
+///
+/// # Errors
+/// As [`simplify`].
+///
+/// # Panics
+/// If the steps are of another foliage.
+pub fn simplify_from(
+    foliage: &Foliage,
+    job: &VdsRun,
+    begun: Option<&Begun>,
+    rasteriser: &dyn Rasteriser,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<VdsOutcome, VdsError> {
     let leaf_count = foliage.leaves().len();
     let phases = phases(job, foliage)?;
     let leaves_at_end = job.target.fewest_leaves(foliage).min(leaf_count);
@@ -96,13 +115,25 @@ pub fn simplify(
         max_error_percent: job.target.max_error_percent(),
         rasteriser,
         table: &table,
-        lod: Lod::original(leaf_count),
-        order: RemovalOrder::new(leaf_count as u32),
-        costs_scaled: Vec::new(),
+        lod: match begun {
+            Some(begun) => Lod::after(&begun.order, begun.order.len()),
+            None => Lod::original(leaf_count),
+        },
+        order: match begun {
+            Some(begun) => begun.order.clone(),
+            None => RemovalOrder::new(leaf_count as u32),
+        },
+        costs_scaled: begun.map_or_else(Vec::new, |begun| {
+            begun.costs.iter().map(|cost| cost.0).collect()
+        }),
         steps_at_most: leaf_count - leaves_at_end,
         progress,
     };
     for phase in &phases {
+        let is_behind = phase.leaves_at_end >= run.lod.leaf_count();
+        if begun.is_some() && is_behind && phase.leaves_at_end > leaves_at_end {
+            continue;
+        }
         let mut view_set_loop = ViewSetLoop::new(&run, &phase.views, cores)?;
         let ended = view_set_loop.prune_down_to(&mut run, phase.leaves_at_end)?;
         let is_last = phase.leaves_at_end == leaves_at_end;

@@ -49,7 +49,8 @@ impl<'a> ViewSetLoop<'a> {
         let pixels_per_view = fragments.pixels_per_view();
         // A few for each core, which may be late.
         let slices = if cores > 1 { 2 * cores } else { 1 };
-        let mut slices = ViewSlice::all(fragments, leaf_count, slices);
+        let occlusions = run.rasteriser.occlusions(views, run.resolution);
+        let mut slices = ViewSlice::all(fragments, occlusions.as_deref(), leaf_count, slices);
         let mut counts = Counts::new(&areas_now, pixels_per_view as u32, run.table);
         let areas_original = match run.order.is_empty() {
             true => areas_now,

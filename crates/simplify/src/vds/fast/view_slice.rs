@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use secateur_model::{Foliage, Growth};
 use secateur_raster::abuffer::{ABuffer, Event, Events};
 use secateur_raster::cpu::LeafFragments;
+use secateur_raster::occluders::Occlusion;
 use secateur_raster::{Fragments, ViewSet};
 
 /// Some views in a row, and what draws there.
@@ -19,9 +20,14 @@ pub(super) struct ViewSlice {
 }
 
 impl ViewSlice {
-    /// All views over so many slices. Events lead from nothing but background to
+    /// All views over so many slices, of which `occlusions` says what hides leaves there. Events lead from nothing but background to
     /// what is there.
-    pub(super) fn all(fragments: Fragments, leaf_count: usize, slices: usize) -> Vec<Self> {
+    pub(super) fn all(
+        fragments: Fragments,
+        occlusions: Option<&[Occlusion]>,
+        leaf_count: usize,
+        slices: usize,
+    ) -> Vec<Self> {
         let resolution = fragments.resolution();
         let pixels_per_view = fragments.pixels_per_view() as u32;
         let view_count = fragments.views().len();
@@ -41,7 +47,8 @@ impl ViewSlice {
                 }
             }
             Self {
-                leaf_fragments: LeafFragments::new(resolution),
+                leaf_fragments: LeafFragments::new(resolution)
+                    .among(occlusions.map_or(&[], |all| &all[views.clone()])),
                 views,
                 pixels_per_view,
                 a_buffer,
