@@ -18,7 +18,7 @@ use super::survey::{Group, Survey};
 use super::tree::LeafSource;
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
-use secateur_model::{Budget, Facing, Foliage, LeafTriangle};
+use secateur_model::{Budget, Facing, Foliage, Leaf, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;

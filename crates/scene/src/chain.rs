@@ -254,7 +254,7 @@ struct Maker<'a> {
     plant: WholePlant<'a>,
     options: &'a ChainOptions,
     /// How leaves are simplified, with the memory that the tree leaves for it.
-    leaves: Options,
+    leaf_options: Options,
     engine: &'a OpenEngine,
     /// Triangles of the whole plant.
     all: usize,
@@ -306,7 +306,7 @@ impl<'a> Maker<'a> {
             views: ViewSet::new(views),
             height: high - low,
             picture_share: (high - low) / seen,
-            leaves: Options {
+            leaf_options: Options {
                 memory: tree.items().memory_left(),
                 ..options.leaves.clone()
             },
@@ -322,7 +322,7 @@ impl<'a> Maker<'a> {
         let mut shared = self.shared.borrow_mut();
         let level = self.plant.level(
             triangles,
-            &self.leaves,
+            &self.leaf_options,
             self.engine,
             Some(&mut *shared),
             observer,

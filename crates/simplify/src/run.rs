@@ -479,13 +479,7 @@ impl Run<'_> {
     fn size(&self, draft: &mut Draft, pass: &SizePass, clock: &mut Clock<'_>) -> Result<(), Error> {
         let lod = draft.passes.lod();
         let mut steps = |done, at_most| clock.step(done, at_most);
-        let factors = pass.factors(
-            self.foliage,
-            &lod,
-            self.occluders,
-            self.budget,
-            &mut steps,
-        )?;
+        let factors = pass.factors(self.foliage, &lod, self.occluders, self.budget, &mut steps)?;
         let Some(factors) = factors else {
             return Ok(());
         };

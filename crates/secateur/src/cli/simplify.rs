@@ -34,12 +34,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let subject = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Subject::open(
-            &args.tree,
-            &args.foliage.foliage,
-            mode,
-            args.memory.memory,
-        )
+        Subject::open(&args.tree, &args.foliage.foliage, mode, args.memory.memory)
     })?;
     let tree = subject.tree();
     output::check_spares(tree.document(), &outputs)?;
@@ -81,7 +76,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         output::stage(&mut staged, path, &picture)?;
     }
     if let Some(folder) = &args.debug_images {
-        stage_debug_images(&mut staged, folder, &options, subject.leaves(), result)?;
+        stage_debug_images(&mut staged, folder, &options, &subject, result)?;
     }
     let run = Run {
         input: &args.tree,
@@ -290,10 +285,10 @@ fn stage_debug_images(
     staged: &mut StagedFiles,
     folder: &Path,
     options: &Options,
-    leaves: &Foliage,
+    subject: &Subject,
     result: &Simplified,
 ) -> Result<(), Failure> {
-    let foliage = secateur::as_seen(leaves, options.alpha, options.sides);
+    let foliage = secateur::as_seen(subject.leaves(), options.alpha, options.sides);
     let original = Lod::original(foliage.leaves().len());
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
         let scene = Scene {
@@ -302,7 +297,7 @@ fn stage_debug_images(
             views: &result.views,
             resolution: result.resolution,
         };
-        picture::stage_leaf_ids(staged, tree.document(), folder, name, &scene)?;
+        picture::stage_leaf_ids(staged, subject.tree().document(), folder, name, &scene)?;
     }
     Ok(())
 }
