@@ -27,6 +27,9 @@ mod visibility;
 
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
-pub use measure::{Judging, MeasureError, Measurement, Original, measure, measure_lod};
-pub use pictures::{PictureMeasurement, Pictures};
+pub use measure::{
+    Judging, JudgingViews, MeasureError, Measurement, Original, RigMeasurement, measure,
+    measure_lod,
+};
+pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};

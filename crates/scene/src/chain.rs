@@ -22,8 +22,8 @@ const LEAST_PICTURE_PX: f64 = 48.0;
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
 const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 
-/// Every how many of the held-out views a picture is taken from.
-const VIEW_STEP: usize = 2;
+/// Every how many of the 48 held-out views a picture is taken from: six, of all four sets.
+const VIEW_STEP: usize = 8;
 
 /// The shares of all triangles among which levels for heights are sought.
 const LADDER: [f64; 14] = [
@@ -79,9 +79,9 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Mean FLIP of the whole plant against the original at that height.
     pub flip_mean: f64,
-    /// Outline of the leaves against the original's, by the held-out views.
+    /// Outline of the leaves against the original's, mean of the sets of held-out views.
     pub silhouette_iou: f64,
-    /// VMI error of the leaves by the held-out views, in per cent.
+    /// VMI error of the leaves, mean of the sets of held-out views, in per cent.
     pub vmi_error_percent: f64,
     /// SHA-256 of all that was done to the leaves.
     pub order_sha256: String,
@@ -262,7 +262,8 @@ struct Maker<'a> {
     /// Pictures of that by their side in pixels: most heights need the same.
     originals: RefCell<BTreeMap<u32, Pictures>>,
     judging: Judging,
-    views: ViewSet,
+    /// For pictures: one set of some views of each.
+    views: [ViewSet; 1],
     /// The plant's height, and how much of a picture's height it takes, as shares of the side.
     height: f64,
     picture_share: f64,
@@ -277,7 +278,8 @@ impl<'a> Maker<'a> {
         let plant = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), engine)?;
         let items = tree.items().foliage();
         let judging = Judging::held_out(items)?;
-        let views = judging.views.views().iter().step_by(VIEW_STEP);
+        let views = judging.rigs.iter().flat_map(ViewSet::views);
+        let views = views.step_by(VIEW_STEP);
         let views: Vec<View> = views.map(tight).collect();
         let corners = items.triangles().iter().flat_map(|t| t.corners);
         let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
@@ -290,7 +292,7 @@ impl<'a> Maker<'a> {
             all: plant.triangle_count(),
             original: surfaces(tree.items().document())?,
             originals: RefCell::default(),
-            views: ViewSet::new(views),
+            views: [ViewSet::new(views)],
             height: high - low,
             picture_share: (high - low) / seen,
             tree,

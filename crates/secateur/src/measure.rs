@@ -1,6 +1,6 @@
 //! Judging by views that no simplifier sees.
 
-use secateur_eval::{Judging, Measurement, PictureMeasurement, Pictures};
+use secateur_eval::{JudgingViews, Measurement, PictureMeasurement, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Foliage, Surface};
 
@@ -9,7 +9,7 @@ use secateur_simplify::sphere_of;
 use crate::Error;
 
 /// Measures a simplified foliage against its original from the held-out views:
-/// the 12 vertices of an icosahedron about the original, 512 x 512.
+/// four icosahedra about the original, 512 x 512, each by itself.
 ///
 /// Leaf numbers need not correspond: both are drawn and counted on their own.
 /// [`eval::measure`](secateur_eval::measure()) takes other views.
@@ -17,8 +17,20 @@ use crate::Error;
 /// # Errors
 /// [`Error`] if the original has no leaf or is out of range.
 pub fn measure(original: &Foliage, simplified: &Foliage) -> Result<Measurement, Error> {
+    measure_by(JudgingViews::HeldOut, original, simplified)
+}
+
+/// [`measure`] from views of one's choice.
+///
+/// # Errors
+/// As [`measure`].
+pub fn measure_by(
+    views: JudgingViews,
+    original: &Foliage,
+    simplified: &Foliage,
+) -> Result<Measurement, Error> {
     sphere_of(original)?;
-    let judging = Judging::held_out(original)?;
+    let judging = views.about(original)?;
     Ok(secateur_eval::measure(original, simplified, &judging)?)
 }
 
@@ -29,12 +41,24 @@ pub fn measure(original: &Foliage, simplified: &Foliage) -> Result<Measurement, 
 /// [`Error`] if the original has no leaf or is out of range, or a tree has too
 /// much in it to be drawn.
 pub fn measure_pictures(original: &Tree, simplified: &Tree) -> Result<PictureMeasurement, Error> {
+    measure_pictures_by(JudgingViews::HeldOut, original, simplified)
+}
+
+/// [`measure_pictures`] from views of one's choice.
+///
+/// # Errors
+/// As [`measure_pictures`].
+pub fn measure_pictures_by(
+    views: JudgingViews,
+    original: &Tree,
+    simplified: &Tree,
+) -> Result<PictureMeasurement, Error> {
     sphere_of(original.foliage())?;
-    let judging = Judging::held_out(original.foliage())?;
+    let judging = views.about(original.foliage())?;
     let pictures = |tree: &Tree| -> Result<Pictures, Error> {
         let surfaces = tree.surfaces()?.into_iter().map(|(surface, _)| surface);
         let surfaces: Vec<Surface> = surfaces.collect();
-        Ok(Pictures::of(&surfaces, &judging.views))
+        Ok(Pictures::of(&surfaces, &judging.rigs))
     };
     Ok(pictures(original)?.measure(&pictures(simplified)?))
 }

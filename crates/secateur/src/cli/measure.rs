@@ -4,6 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{Measurement, PictureMeasurement, Tree};
+use secateur_eval::measure::{Scores, VMI_ERROR_PERCENT};
+use secateur_eval::pictures::PictureScores;
 use serde_json::json;
 
 use super::args;
@@ -29,10 +31,11 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     interrupt::check()?;
     let alpha = secateur::Alpha::from(args.alpha);
     let foliages = [&original, &simplified].map(|tree| alpha.apply(tree.foliage()));
-    let measured =
-        secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
+    let views = args.views.into();
+    let measured = secateur::measure_by(views, &foliages[0], &foliages[1])
+        .map_err(Failure::about(&args.original))?;
     interrupt::check()?;
-    let pictured = secateur::measure_pictures(&original, &simplified)
+    let pictured = secateur::measure_pictures_by(views, &original, &simplified)
         .map_err(Failure::about(&args.original))?;
     let total = start.elapsed().as_secs_f64();
     let about = json!({
@@ -47,6 +50,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             "simplified": simplified.triangle_count(),
         },
         "alpha": text(args.alpha),
+        "judged_by": text(args.views),
         "seconds": record::seconds(&[], total),
         "run": record::provenance("measure"),
     });
@@ -66,59 +70,67 @@ fn pretty(
     args: &args::Measure,
     leaves: [u64; 2],
 ) -> String {
-    let picture = |key: &str| format!("{:.4}", pictured.overall.get(key).unwrap_or(f64::NAN));
-    let row = |name: &str, value: String, what: &str| {
-        vec![format!("{name:<14}  {value:>10}"), what.to_owned()]
+    let sets = measured.rigs.len();
+    // The worst of several sets; of one, whose worst is a view, nothing.
+    let line = |name: &str, [mean, worst]: [String; 2], what: &str| match sets {
+        1 => format!("  {name:<14}  {mean:>10}   {what}\n"),
+        _ => format!("  {name:<14}  {mean:>10}  {worst:>10}   {what}\n"),
+    };
+    let of_foliage = |name: &str, key: &str, what: &str| {
+        let text = |scores: &Scores| match scores.get(key).unwrap_or(f64::NAN) {
+            percent if key == VMI_ERROR_PERCENT.key => format!("{percent:.2} %"),
+            value => format!("{value:.4}"),
+        };
+        line(name, [&measured.overall, &measured.worst].map(text), what)
+    };
+    let of_pictures = |name: &str, key: &str, what: &str| {
+        let text = |scores: &PictureScores| format!("{:.4}", scores.get(key).unwrap_or(f64::NAN));
+        line(name, [&pictured.overall, &pictured.worst].map(text), what)
     };
     let [before, after] = leaves.map(grouped);
-    let views = measured.views;
-    let side = measured.resolution;
-    let rows = [
-        row("leaves", after, &format!("of {before}")),
-        row(
+    let (each, side) = (measured.views / sets.max(1), measured.resolution);
+    let views = match sets {
+        1 => format!("{each} views of {side} x {side} pixels"),
+        _ => format!("{sets} sets of {each} views of {side} x {side} pixels: mean and worst set"),
+    };
+    let lines = [
+        line("leaves", [after, String::new()], &format!("of {before}")),
+        of_foliage(
             "VMI error",
-            format!("{:.2} %", measured.vmi_error_percent()),
+            "vmi_error_percent",
             "information lost, less is better",
         ),
-        row(
+        of_foliage(
             "silhouette IoU",
-            format!("{:.4}", measured.silhouette_iou()),
+            "silhouette_iou",
             "overlap of the outlines, 1 is best",
         ),
-        row(
+        of_foliage(
             "precision",
-            format!("{:.4}", measured.precision()),
+            "precision",
             "pixels of the result that the original has too",
         ),
-        row(
+        of_foliage(
             "recall",
-            format!("{:.4}", measured.recall()),
+            "recall",
             "pixels of the original that the result still has",
         ),
-        row(
+        of_foliage(
             "coverage",
-            format!("{:.4}", measured.coverage_ratio()),
+            "coverage_ratio",
             "pixels of the result over those of the original",
         ),
-        row(
-            "SSIM",
-            picture("ssim"),
-            "likeness of shaded pictures, 1 is best",
-        ),
-        row(
+        of_pictures("SSIM", "ssim", "likeness of shaded pictures, 1 is best"),
+        of_pictures(
             "FLIP",
-            picture("flip_mean"),
+            "flip_mean",
             "visible difference of shaded pictures, 0 is best",
         ),
     ];
-    // Explanations to the left, unlike numbers.
-    let lines: String = rows
-        .iter()
-        .map(|cells| format!("  {}   {}\n", cells[0], cells[1]))
-        .collect();
     format!(
-        "{} against {}, from {views} views of {side} x {side} pixels\n{lines}",
+        "{} against {}, from {views}\n{}",
         args.simplified.display(),
         args.original.display(),
+        lines.concat()
     )
 }
