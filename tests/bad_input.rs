@@ -183,6 +183,72 @@ fn extensions_that_are_not_known() {
     );
 }
 
+/// The paper's presets are the paper's in all that they choose; those of this program are where
+/// options begin.
+#[test]
+fn options_that_contradict_a_preset_are_wrong_usage() {
+    let bench = Bench::new();
+    let files = ["simplify", "oak.glb", "-o", "out.glb", "--leaves", "200"];
+    let paper =
+        |preset, more: &[&str]| bench.run(&[&files[..], &["--preset", preset], more].concat());
+    for (option, value) in [
+        ("--resolution", "512"),
+        ("--resolution", "auto"),
+        ("--alpha", "mask"),
+        ("--reference", "previous"),
+        ("--resize", "full"),
+        ("--max-coverage", "1"),
+        ("--neighbours", "4"),
+        ("--ties", "spread"),
+        ("--leaf-triangles", "auto"),
+        ("--views", "92"),
+        ("--method", "fsa"),
+    ] {
+        let says = [option, "contradicts `--preset paper`"];
+        paper("paper", &[option, value]).misused_saying(&says);
+    }
+    paper("paper-none", &["--resize", "literal"])
+        .misused_saying(&["`--resize` contradicts `--preset paper-none`"]);
+    paper("paper", &["--fit=coverage"]).misused_saying(&["--fit", "contradicts"]);
+    assert_eq!(bench.names(), ["oak.glb"]);
+
+    let agreeing = [
+        "--resolution",
+        "256",
+        "--alpha",
+        "ignore",
+        "--resize",
+        "literal",
+        "--fit=none",
+        "--max-coverage",
+        "none",
+        "--views",
+        "20",
+        "--report",
+        "r.json",
+    ];
+    paper("paper", &agreeing).succeeded();
+    let settings = &bench.json("r.json")["settings"];
+    assert_eq!(settings["preset"], "paper");
+    assert_eq!(
+        (&settings["resolution"], &settings["view_count"]),
+        (&256.into(), &20.into())
+    );
+    assert_eq!(
+        (&settings["reference"], &settings["resize"]),
+        (&"original".into(), &"literal".into())
+    );
+    assert!(settings["fit"].is_null() && settings["max_coverage"].is_null());
+    let of_plain = bench.json("r.json")["order_sha256"].clone();
+    paper("paper", &["--overwrite", "--report", "r.json"]).succeeded();
+    assert_eq!(bench.json("r.json")["order_sha256"], of_plain);
+    paper(
+        "information",
+        &["--overwrite", "--resize", "literal", "--resolution", "64"],
+    )
+    .succeeded();
+}
+
 #[test]
 fn numbers_out_of_range_are_wrong_usage() {
     let bench = Bench::new();

@@ -9,11 +9,16 @@ fn number(record: &Value, pointer: &str) -> f64 {
     record.pointer(pointer).and_then(Value::as_f64).unwrap()
 }
 
-const METHODS: [&[&str]; 8] = [
+const METHODS: [&[&str]; 13] = [
     &["chain"],
     &["merge"],
     &["merge", "--cluster-size", "area"],
+    &["chain", "--branch-metric", "children"],
+    &["chain", "--branch-metric", "descendants"],
+    &["chain", "--branch-metric", "longest-path"],
     &["fsa"],
+    &["fsa", "--corners", "furthest"],
+    &["fsa", "--corners", "furthest", "--hausdorff", "surface"],
     &["stochastic"],
     &["meshopt"],
     &["meshopt", "--meshopt-mode", "sloppy"],

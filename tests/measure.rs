@@ -23,8 +23,14 @@ fn a_tree_is_equal_to_itself() {
             assert_eq!(record[of][key], 0.0, "{of} {key}");
         }
         assert_eq!(record["flip_mean"], 0.0);
-        assert_eq!(record["per_view"][11]["flip_mean"], 0.0);
-        assert_eq!(record["views"], 12);
+        assert_eq!(record["per_view"][47]["flip_mean"], 0.0);
+        assert_eq!(record["views"], 48);
+        assert_eq!(record["rigs"].as_array().unwrap().len(), 4);
+        for rig in record["rigs"].as_array().unwrap() {
+            assert_eq!(rig["vmi_error_percent"], 0.0);
+            assert_eq!(rig["worst"]["silhouette_iou"], 1.0);
+            assert_eq!(rig["per_view"].as_array().unwrap().len(), 12);
+        }
         assert_eq!(record["resolution"], 512);
     }
 }
@@ -59,6 +65,97 @@ fn less_is_worse_and_its_silhouette_smaller() {
     // Leaves that only go, and don't grow, add no pixel: those left were there.
     assert_eq!(precision, 1.0);
     assert!((coverage - iou).abs() < 1e-9, "{coverage} {iou}");
+}
+
+/// The four sets by themselves, their mean and the worst; and the paper's one set, whose worst is
+/// a view.
+#[test]
+fn sets_of_views_stand_beside_their_mean_and_the_worst() {
+    let bench = Bench::new();
+    let few = ["oak.glb", "-o", "out.glb", "--leaves", "40"];
+    bench.simplify(&few).succeeded();
+    let record = judged(&bench);
+    let rigs = record["rigs"].as_array().unwrap();
+    for (key, lower_is_better) in [
+        ("vmi_error_percent", true),
+        ("flip_mean", true),
+        ("silhouette_iou", false),
+        ("ssim", false),
+    ] {
+        let values: Vec<f64> = rigs.iter().map(|r| r[key].as_f64().unwrap()).collect();
+        let mean = values.iter().sum::<f64>() / 4.0;
+        assert!(
+            (record[key].as_f64().unwrap() - mean).abs() < 1e-12,
+            "{key}"
+        );
+        let worst = values.iter().copied().reduce(match lower_is_better {
+            true => f64::max,
+            false => f64::min,
+        });
+        assert_eq!(record["worst"][key].as_f64(), worst, "{key}");
+    }
+    let one = [
+        "measure",
+        "oak.glb",
+        "out.glb",
+        "--views",
+        "icosahedron",
+        "--format",
+        "json",
+    ];
+    let one: Value = serde_json::from_str(&bench.run(&one).succeeded().stdout).unwrap();
+    assert_eq!(one["judged_by"], "icosahedron");
+    assert_eq!(
+        (&one["views"], one["rigs"].as_array().unwrap().len()),
+        (&12.into(), 1)
+    );
+    assert_eq!(
+        one["vmi_error_percent"],
+        one["rigs"][0]["vmi_error_percent"]
+    );
+    assert_eq!(one["worst"], one["rigs"][0]["worst"]);
+    let said = bench
+        .run(&["measure", "oak.glb", "out.glb"])
+        .succeeded()
+        .stdout;
+    assert!(
+        said.contains("4 sets of 12 views of 512 x 512 pixels: mean and worst set"),
+        "{said}"
+    );
+}
+
+/// 92 views hold the dual icosahedron: the report says so, and so does what is printed.
+#[test]
+fn a_run_that_knows_its_judges_says_so() {
+    let bench = Bench::new();
+    for (views, count) in [("92", 12), ("icosahedron", 0), ("vnc", 0), ("20", 0)] {
+        let few = [
+            "simplify",
+            "oak.glb",
+            "-o",
+            "out.glb",
+            "--leaves",
+            "20",
+            "--views",
+            views,
+            "--report",
+            "r.json",
+            "--overwrite",
+            "--resolution",
+            "64",
+        ];
+        let said = bench.run(&few).succeeded().stdout;
+        assert_eq!(
+            bench.json("r.json")["settings"]["views_that_judge"],
+            count,
+            "{views}"
+        );
+        assert_eq!(
+            said.contains("judges by 12 of them too"),
+            count > 0,
+            "{views}: {said}"
+        );
+    }
 }
 
 #[test]

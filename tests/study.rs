@@ -39,7 +39,8 @@ fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
     for row in &first {
         assert_eq!(row["leaves_final"], 60);
         assert!(row["values"]["ssim"].as_f64().unwrap() > 0.5);
-        assert_eq!(row["per_view"].as_array().unwrap().len(), 12);
+        assert_eq!(row["rigs"].as_array().unwrap().len(), 4);
+        assert_eq!(row["judged_by"], "held-out");
         assert!(!row["commit"].as_str().unwrap().is_empty());
         let picture = bench.read(&format!("s/{}", row["picture"].as_str().unwrap()));
         assert!(picture.starts_with(&[0xFF, 0xD8]), "a JPEG");
@@ -418,7 +419,13 @@ fn committed_studies_of_several_machines_agree() {
                 Entry::Occupied(other) => {
                     let other = other.get();
                     assert_ne!(row["machine"], other["machine"]);
-                    for key in ["leaves_final", "triangles_final", "values", "per_view"] {
+                    for key in [
+                        "leaves_final",
+                        "triangles_final",
+                        "values",
+                        "rigs",
+                        "per_view",
+                    ] {
                         assert_eq!(row[key], other[key], "{key} of {}", name_of(&row));
                     }
                     compared += 1;

@@ -31,6 +31,9 @@ mod visibility;
 pub use as_drawn::{AsDrawn, AsDrawnMeasurement, measure_as_drawn};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
-pub use measure::{Judging, MeasureError, Measurement, Original, measure, measure_lod};
-pub use pictures::{PictureMeasurement, Pictures};
+pub use measure::{
+    Judging, JudgingViews, MeasureError, Measurement, Original, RigMeasurement, measure,
+    measure_lod,
+};
+pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};

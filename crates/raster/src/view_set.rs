@@ -44,36 +44,49 @@ impl ViewSet {
     /// former and is judged by the latter.
     pub fn turned_dodecahedra(sphere: BoundingSphere) -> [Self; 3] {
         let axes = [(3.0, 2.0, 0.0), (0.0, 3.0, 2.0), (2.0, 0.0, 3.0)];
-        axes.map(|(x, y, z)| {
-            let axis = DVec3::new(x, y, z);
-            let turned = |d: DVec3| 2.0 * axis.dot(d) * axis - axis.length_squared() * d;
-            let directions: Vec<DVec3> = dodecahedron().into_iter().map(turned).collect();
-            Self::around(sphere, &directions)
-        })
+        axes.map(|axis| Self::around(sphere, &half_turned(dodecahedron(), axis)))
     }
 
     /// The 12 vertices of an icosahedron, the paper's judging set (section 4.2,
-    /// Fig. 4b).
+    /// Fig. 4b). Each is 10.8 degrees from one of [`dodecahedron`](Self::dodecahedron), where a
+    /// direction at random is 18.
     pub fn icosahedron(sphere: BoundingSphere) -> Self {
-        let mut directions = Vec::with_capacity(12);
-        for (a, b) in signs2(1.0, GOLDEN) {
-            directions.push(DVec3::new(0.0, a, b));
-            directions.push(DVec3::new(a, b, 0.0));
-            directions.push(DVec3::new(b, 0.0, a));
-        }
-        Self::around(sphere, &directions)
+        Self::around(sphere, &icosahedron())
     }
 
-    /// 92 views: the vertices of another icosahedron, the thirds of its edges and
-    /// the centres of its faces, which are the 20 of
-    /// [`dodecahedron`](Self::dodecahedron). None is among the judging set.
+    /// Four sets of 12 to judge by: the icosahedron dual to
+    /// [`dodecahedron`](Self::dodecahedron), as far from it as a direction can be, 37 degrees, and
+    /// three turned ones.
+    ///
+    /// None of the 48 is nearer than 10 degrees to a view of the dodecahedron,
+    /// [`cube`](Self::cube), [`octahedron`](Self::octahedron),
+    /// [`driving_icosahedron`](Self::driving_icosahedron) and
+    /// [`cuboctahedron`](Self::cuboctahedron), none nearer than 5 to one of
+    /// [`turned_dodecahedra`](Self::turned_dodecahedra), of which there are too many for more.
+    /// [`geodesic`](Self::geodesic) has the dual set among its views.
+    pub fn held_out(sphere: BoundingSphere) -> [Self; 4] {
+        let turned = |axis| half_turned(icosahedron(), axis);
+        [
+            dual_icosahedron(),
+            turned((3.0, 2.0, -3.0)),
+            turned((1.0, -1.0, -1.0)),
+            turned((2.0, -3.0, 3.0)),
+        ]
+        .map(|directions| Self::around(sphere, &directions))
+    }
+
+    /// The 12 vertices of an icosahedron that is not among those that judge, to drive by: half a
+    /// turn about (4, -1, -3) from [`icosahedron`](Self::icosahedron), 24 degrees from it and 12
+    /// from [`dodecahedron`](Self::dodecahedron).
+    pub fn driving_icosahedron(sphere: BoundingSphere) -> Self {
+        Self::around(sphere, &half_turned(icosahedron(), (4.0, -1.0, -3.0)))
+    }
+
+    /// 92 views: the vertices of the icosahedron dual to
+    /// [`dodecahedron`](Self::dodecahedron), which is one of [`held_out`](Self::held_out), the
+    /// thirds of its edges and the centres of its faces, which are the 20 of the dodecahedron.
     pub fn geodesic(sphere: BoundingSphere) -> Self {
-        let mut corners = Vec::with_capacity(12);
-        for (a, b) in signs2(GOLDEN, 1.0) {
-            corners.push(DVec3::new(0.0, a, b));
-            corners.push(DVec3::new(a, b, 0.0));
-            corners.push(DVec3::new(b, 0.0, a));
-        }
+        let corners = dual_icosahedron();
         let edge = |a: DVec3, b: DVec3| a.dot(b) > 0.0;
         let mut directions = corners.clone();
         for (i, &a) in corners.iter().enumerate() {
@@ -174,6 +187,33 @@ impl ViewSet {
     }
 }
 
+/// Directions after half a turn about an axis, with other lengths.
+fn half_turned(directions: Vec<DVec3>, axis: (f64, f64, f64)) -> Vec<DVec3> {
+    let axis = DVec3::from(axis);
+    let turned = |d: DVec3| 2.0 * axis.dot(d) * axis - axis.length_squared() * d;
+    directions.into_iter().map(turned).collect()
+}
+
+fn icosahedron() -> Vec<DVec3> {
+    golden_rectangles(1.0, GOLDEN)
+}
+
+/// Its vertices are the centres of the dodecahedron's faces.
+fn dual_icosahedron() -> Vec<DVec3> {
+    golden_rectangles(GOLDEN, 1.0)
+}
+
+/// The corners of three rectangles of these half sides, each across the next.
+fn golden_rectangles(a: f64, b: f64) -> Vec<DVec3> {
+    let mut corners = Vec::with_capacity(12);
+    for (a, b) in signs2(a, b) {
+        corners.push(DVec3::new(0.0, a, b));
+        corners.push(DVec3::new(a, b, 0.0));
+        corners.push(DVec3::new(b, 0.0, a));
+    }
+    corners
+}
+
 fn dodecahedron() -> Vec<DVec3> {
     let mut directions = cube();
     for (a, b) in signs2(1.0 / GOLDEN, GOLDEN) {
@@ -226,6 +266,7 @@ mod tests {
         let sets = [
             (ViewSet::dodecahedron(SPHERE), 20, 745),
             (ViewSet::icosahedron(SPHERE), 12, 447),
+            (ViewSet::driving_icosahedron(SPHERE), 12, 447),
             (ViewSet::cube(SPHERE), 8, 333),
             (ViewSet::octahedron(SPHERE), 6, 0),
             (ViewSet::cuboctahedron(SPHERE), 12, 500),
@@ -237,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn many_views_hold_the_driving_set_and_spare_the_judging_one() {
+    fn many_views_hold_the_driving_set_and_spare_the_papers_judges() {
         let directions = |set: ViewSet| set.views().iter().map(|v| v.forward()).collect::<Vec<_>>();
         let many = directions(ViewSet::geodesic(SPHERE));
         assert_eq!(many.len(), 92);
@@ -279,6 +320,54 @@ mod tests {
             // 13.5 degrees.
             let next = to_set(solid, turned[(k + 1) % 3].views());
             assert!((next - 0.9724).abs() < 1e-3, "{next}");
+        }
+    }
+
+    /// Degrees between the two nearest views of two sets.
+    fn apart(set: &ViewSet, of: &ViewSet) -> f64 {
+        let cosines = set.views().iter().flat_map(|a| {
+            let cosine = |b: &crate::View| a.forward().dot(b.forward());
+            of.views().iter().map(cosine)
+        });
+        cosines.fold(-1.0, f64::max).min(1.0).acos().to_degrees()
+    }
+
+    /// A judge must not stand where the driver stood.
+    #[test]
+    fn judges_stand_apart_from_drivers() {
+        let rigs = ViewSet::held_out(SPHERE);
+        let driving = [
+            ViewSet::dodecahedron(SPHERE),
+            ViewSet::driving_icosahedron(SPHERE),
+            ViewSet::cube(SPHERE),
+            ViewSet::octahedron(SPHERE),
+            ViewSet::cuboctahedron(SPHERE),
+        ];
+        for rig in &rigs {
+            assert_eq!(nearest_angles(rig), vec![447; 12], "an icosahedron");
+            for set in &driving {
+                assert!(
+                    apart(rig, set) > 10.0,
+                    "{} views: {}",
+                    set.len(),
+                    apart(rig, set)
+                );
+            }
+            for set in ViewSet::turned_dodecahedra(SPHERE) {
+                assert!(apart(rig, &set) > 5.0, "{}", apart(rig, &set));
+            }
+        }
+        // The centres of a dodecahedron's faces are as far from its corners as can be.
+        let from_dual = apart(&rigs[0], &driving[0]);
+        assert!((from_dual - 37.377).abs() < 1e-3, "{from_dual}");
+        for (k, rig) in rigs.iter().enumerate() {
+            for other in &rigs[k + 1..] {
+                assert!(apart(rig, other) > 9.0, "{}", apart(rig, other));
+            }
+        }
+        // Nor is the paper's judge one that drives.
+        for set in &driving {
+            assert!(apart(&ViewSet::icosahedron(SPHERE), set) > 10.0);
         }
     }
 

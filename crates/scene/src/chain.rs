@@ -25,8 +25,8 @@ const LEAST_PICTURE_PX: f64 = 48.0;
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
 const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 
-/// Every how many of the held-out views levels are judged from.
-const VIEW_STEP: usize = 2;
+/// Every how many of the 48 held-out views a level is judged from: six, of all four sets.
+const VIEW_STEP: usize = 8;
 
 /// Heights on the screen for which levels are made where nothing else is asked for.
 pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
@@ -77,7 +77,7 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Mean FLIP of the whole plant against the original at that height.
     pub flip_mean: f64,
-    /// Outline of the leaves against the original's, by half of the held-out views in 256 x 256 pixels.
+    /// Outline of the leaves against the original's, by six of the held-out views in 256 x 256 pixels.
     pub silhouette_iou: f64,
     /// VMI error of the leaves by the same, in per cent.
     pub vmi_error_percent: f64,
@@ -263,7 +263,8 @@ struct Maker<'a> {
     originals: RefCell<BTreeMap<u32, Pictures>>,
     /// The leaves, drawn in the held-out views.
     leaves: Measured<'a>,
-    views: ViewSet,
+    /// For pictures: one set of some views of each.
+    views: [ViewSet; 1],
     /// What levels share of the leaves' simplification.
     shared: RefCell<Shared>,
     /// The plant's height, and how much of a picture's height it takes, as shares of the side.
@@ -279,16 +280,12 @@ impl<'a> Maker<'a> {
     ) -> Result<Self, ChainError> {
         let plant = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), engine)?;
         let items = tree.items().foliage();
-        let held_out = Judging::held_out(items)?.views;
-        let held_out: Vec<View> = held_out
-            .views()
-            .iter()
-            .step_by(VIEW_STEP)
-            .copied()
-            .collect();
+        let held_out = Judging::held_out(items)?;
+        let held_out = held_out.rigs.iter().flat_map(ViewSet::views);
+        let held_out: Vec<View> = held_out.step_by(VIEW_STEP).copied().collect();
         let views = held_out.iter().map(tight).collect();
         let judging = Judging {
-            views: ViewSet::new(held_out),
+            rigs: vec![ViewSet::new(held_out)],
             resolution: MOST_PICTURE_PX as u32,
         };
         let corners = items.triangles().iter().flat_map(|t| t.corners);
@@ -303,7 +300,7 @@ impl<'a> Maker<'a> {
             original: surfaces(tree.items().document())?,
             originals: RefCell::default(),
             shared: RefCell::default(),
-            views: ViewSet::new(views),
+            views: [ViewSet::new(views)],
             height: high - low,
             picture_share: (high - low) / seen,
             leaf_options: Options {

@@ -95,10 +95,12 @@ mod measure;
 
 pub use error::Error;
 #[cfg(feature = "eval")]
-pub use measure::{measure, measure_as_drawn, measure_pictures};
+pub use measure::{measure, measure_as_drawn, measure_by, measure_pictures, measure_pictures_by};
 
 #[cfg(feature = "eval")]
-pub use secateur_eval::{AsDrawnMeasurement, MeasureError, Measurement, PictureMeasurement};
+pub use secateur_eval::{
+    AsDrawnMeasurement, Judging, JudgingViews, MeasureError, Measurement, PictureMeasurement,
+};
 pub use secateur_gltf::{
     CommitError, Detail, Document, FoliageReport, GltfError, Inspection, PreparedLod,
     PrimitiveReport, Problem, Reason, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree,
@@ -119,7 +121,7 @@ pub use secateur_raster::{
 pub use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
 pub use secateur_simplify::coarsen::Coarse;
 pub use secateur_simplify::fit::Objective;
-pub use secateur_simplify::fsa::FsaOptions;
+pub use secateur_simplify::fsa::{Corners, FsaOptions, Hausdorff};
 pub use secateur_simplify::meshopt::{MeshoptOptions, Mode as MeshoptMode};
 pub use secateur_simplify::stochastic::StochasticOptions;
 pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};

@@ -1,6 +1,6 @@
 //! Judging by views that no simplifier sees.
 
-use secateur_eval::{AsDrawnMeasurement, Judging, Measurement, PictureMeasurement, Pictures};
+use secateur_eval::{AsDrawnMeasurement, JudgingViews, Measurement, PictureMeasurement, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Foliage, Surface};
 
@@ -9,7 +9,7 @@ use secateur_simplify::sphere_of;
 use crate::Error;
 
 /// Measures a simplified foliage against its original from the held-out views:
-/// the 12 vertices of an icosahedron about the original, 512 x 512.
+/// four icosahedra about the original, 512 x 512, each by itself.
 ///
 /// Leaf numbers need not correspond: both are drawn and counted on their own.
 /// [`eval::measure`](secateur_eval::measure()) takes other views.
@@ -17,8 +17,20 @@ use crate::Error;
 /// # Errors
 /// [`Error`] if the original has no leaf or is out of range.
 pub fn measure(original: &Foliage, simplified: &Foliage) -> Result<Measurement, Error> {
+    measure_by(JudgingViews::HeldOut, original, simplified)
+}
+
+/// [`measure`] from views of one's choice.
+///
+/// # Errors
+/// As [`measure`].
+pub fn measure_by(
+    views: JudgingViews,
+    original: &Foliage,
+    simplified: &Foliage,
+) -> Result<Measurement, Error> {
     sphere_of(original)?;
-    let judging = Judging::held_out(original)?;
+    let judging = views.about(original)?;
     Ok(secateur_eval::measure(original, simplified, &judging)?)
 }
 
@@ -29,16 +41,28 @@ pub fn measure(original: &Foliage, simplified: &Foliage) -> Result<Measurement, 
 /// [`Error`] if the original has no leaf or is out of range, or a tree has too
 /// much in it to be drawn.
 pub fn measure_pictures(original: &Tree, simplified: &Tree) -> Result<PictureMeasurement, Error> {
+    measure_pictures_by(JudgingViews::HeldOut, original, simplified)
+}
+
+/// [`measure_pictures`] from views of one's choice.
+///
+/// # Errors
+/// As [`measure_pictures`].
+pub fn measure_pictures_by(
+    views: JudgingViews,
+    original: &Tree,
+    simplified: &Tree,
+) -> Result<PictureMeasurement, Error> {
     sphere_of(original.foliage())?;
-    let judging = Judging::held_out(original.foliage())?;
+    let judging = views.about(original.foliage())?;
     let pictures = |tree: &Tree| -> Result<Pictures, Error> {
-        Ok(Pictures::of(&surfaces(tree)?, &judging.views))
+        Ok(Pictures::of(&surfaces(tree)?, &judging.rigs))
     };
     Ok(pictures(original)?.measure(&pictures(simplified)?))
 }
 
 /// Measures what a client draws of a simplified tree, in pictures of `width_px` x `width_px` pixels
-/// from the same held-out views: with mip maps, the alpha test at each pixel's middle, and back
+/// from the first of the held-out sets of views: with mip maps, the alpha test at each pixel's middle, and back
 /// faces culled. The truth is the original with many samples a pixel and without mip maps.
 ///
 /// # Errors
@@ -52,9 +76,9 @@ pub fn measure_as_drawn(
     width_px: u32,
 ) -> Result<AsDrawnMeasurement, Error> {
     sphere_of(original.foliage())?;
-    let judging = Judging::held_out(original.foliage())?;
+    let judging = JudgingViews::HeldOut.about(original.foliage())?;
     let [original, simplified] = [surfaces(original)?, surfaces(simplified)?];
-    let views = &judging.views;
+    let views = &judging.rigs[0];
     Ok(secateur_eval::measure_as_drawn(
         &original,
         &simplified,

@@ -8,11 +8,23 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::select::{Select, Selection, Steps, Task};
 
-/// What can be chosen about the multiresolution chain: nothing yet; branches go by their
-/// branching length.
+/// What can be chosen about the multiresolution chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct ChainOptions {}
+pub struct ChainOptions {
+    /// What says how much a branch matters: those that matter least go first.
+    #[serde(with = "MetricName", default)]
+    pub branch_metric: Metric,
+}
+
+/// How a metric of branches is spelled.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Metric", rename_all = "kebab-case")]
+enum MetricName {
+    Children,
+    Descendants,
+    LongestPath,
+    BranchingLength,
+}
 
 /// What can be chosen about merging.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,7 +50,7 @@ impl Select for ChainOptions {
     fn select(&self, task: &Task<'_>, _: &mut Steps<'_>) -> Result<Selection, Error> {
         let skeleton = checked("chain", task.foliage, task.skeleton)?;
         let leaves = task.target.leaves_to_stop_at(task.foliage);
-        let order = chain_order(task.foliage, skeleton, Metric::BranchingLength, leaves);
+        let order = chain_order(task.foliage, skeleton, self.branch_metric, leaves);
         Ok(Selection::unseen(order))
     }
 }

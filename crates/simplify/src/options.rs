@@ -54,7 +54,7 @@ pub enum Fitting {
     /// [`Resolution::Auto`] as [`Self::Weight`] of
     /// [`DEFAULT_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
     /// triangle of a card shows all of it, and the driving views say so to a 400th of their
-    /// information.
+    /// information. None for the paper's presets.
     #[default]
     Auto,
     /// Sizes stay as the method left them.
@@ -254,10 +254,10 @@ impl Options {
             method: Method::Vds(preset.vds()),
             engine: Engine::default(),
             views: Views::default(),
-            resolution: Resolution::default(),
-            alpha: Alpha::default(),
-            sides: Sides::default(),
-            leaf_triangles: LeafTriangles::default(),
+            resolution: preset.resolution(),
+            alpha: preset.alpha(),
+            sides: preset.sides(),
+            leaf_triangles: preset.leaf_triangles(),
             fit: Fitting::default(),
             skeleton: None,
             memory: Memory::Auto,
@@ -280,6 +280,8 @@ impl Options {
                     && matches!(self.method, Method::Vds(_))
                     && self.resolution == Resolution::Auto)
                     .then_some(information(DEFAULT_OUTLINE_WEIGHT)),
+                // The paper fits nothing.
+                _ => None,
             },
         }
     }
@@ -388,6 +390,47 @@ mod tests {
                 assert_eq!(asked.objective(), Some(Objective::Coverage));
             }
         }
+    }
+
+    /// The paper's settings, each of them, and nothing but the reading of Eq. 5 between them.
+    #[test]
+    fn the_papers_presets_differ_in_eq_5_alone() {
+        let of = |preset| Options::with_preset(preset, Target::leaf_share(0.5));
+        let literal = of(Preset::Paper);
+        let plain = VdsOptions {
+            resize: Resize::Literal,
+            ..VdsOptions::default()
+        };
+        assert_eq!(literal.method, Method::Vds(plain));
+        assert_eq!(literal.views, Views::Dodecahedron);
+        assert_eq!(literal.resolution, Resolution::Pixels(256));
+        assert_eq!(literal.alpha, Alpha::Ignore);
+        assert_eq!(literal.leaf_triangles, LeafTriangles::Keep);
+        let mut readings = Vec::new();
+        for preset in Preset::PAPER {
+            let own = of(preset);
+            assert!(preset.is_paper() && own.levels_share_one_order());
+            for target in [Target::leaf_share(0.5), Target::triangle_share(0.5)] {
+                assert_eq!(Options::with_preset(preset, target).objective(), None);
+            }
+            readings.push(own.method.vds().unwrap().resize);
+            let same = with_vds(&own, |vds| vds.resize = Resize::Literal);
+            assert_eq!(
+                Options {
+                    preset: Preset::Paper,
+                    ..same
+                },
+                literal
+            );
+        }
+        let all = [
+            Resize::Literal,
+            Resize::Normalised,
+            Resize::Full,
+            Resize::Deficit,
+            Resize::None,
+        ];
+        assert_eq!(readings, all);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use secateur_raster::ViewSet;
 
 use serde::{Deserialize, Serialize};
 
-use crate::vds::ViewPlan;
+use crate::vds::{self, ViewPlan};
 
 /// Where the foliage is looked at from while it is simplified. Built-in sets are spelled by their
 /// names; cameras of one's own have none, and do not come back from their spelling.
@@ -16,7 +16,7 @@ pub enum Views {
     /// The 20 vertices of a dodecahedron, at 3 radii from the foliage's centre.
     #[default]
     Dodecahedron,
-    /// The 12 vertices of an icosahedron: also the set that held-out measures judge by.
+    /// The 12 vertices of an icosahedron; not of one that judges.
     Icosahedron,
     /// 92 views all around, those of the dodecahedron among them.
     Geodesic,
@@ -72,12 +72,20 @@ impl Views {
     pub fn around(&self, sphere: BoundingSphere) -> ViewSet {
         match self {
             Self::Dodecahedron | Self::Variable => ViewSet::dodecahedron(sphere),
-            Self::Icosahedron => ViewSet::icosahedron(sphere),
+            Self::Icosahedron => ViewSet::driving_icosahedron(sphere),
             Self::Geodesic => ViewSet::geodesic(sphere),
             Self::Cube => ViewSet::cube(sphere),
             Self::Octahedron => ViewSet::octahedron(sphere),
             Self::Cameras(views) => views.clone(),
             Self::Turned { views, turn } => views.around(sphere).turned(sphere.centre, *turn),
+        }
+    }
+
+    /// All sets that a run looks from, one after the other.
+    pub fn driving(&self, sphere: BoundingSphere) -> Vec<ViewSet> {
+        match self {
+            Self::Variable => vds::variable(sphere).map(|(views, _)| views).into(),
+            fixed => vec![fixed.around(sphere)],
         }
     }
 

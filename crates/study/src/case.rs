@@ -145,11 +145,6 @@ impl Case {
         Ok(options)
     }
 
-    /// Whether the views that drive it are those that judge.
-    pub fn is_driven_by_judging_views(&self) -> bool {
-        self.cameras.is_none() && self.options.views == Views::Icosahedron
-    }
-
     /// Whether one run to the coarsest level gives all finer ones, a leaf a step.
     pub fn has_prefixes(&self) -> bool {
         self.options.levels_share_one_order()

@@ -23,20 +23,24 @@ const COLORS: [&str; 7] = [
 
 /// A chart of one metric at one level: time across (logarithmic), the metric
 /// upwards, a mark for each point, the Pareto frontier joined by a line.
-/// A metric that is best near 1 is drawn as its distance from 1. Points that
-/// are not finite are left out.
+/// A metric that is best near 1 is drawn as its distance from 1. A line leads from each mark to
+/// the mean of the worst sets of views. Points that are not finite are left out.
 pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
     let height_of = |value: f64| match column.direction {
         Direction::NearerToOne => (value - 1.0).abs(),
         _ => value,
     };
+    let heights = |p: &Point| {
+        let worst = Some(height_of(p.mean_of_worst)).filter(|height| height.is_finite());
+        [Some(height_of(p.mean)), worst].into_iter().flatten()
+    };
     let drawn: Vec<&Point> = points.iter().filter(|p| p.mean.is_finite()).collect();
     let (x, y) = (
         LogAxis::of(drawn.iter().map(|p| p.seconds)),
-        Axis::of(drawn.iter().map(|p| height_of(p.mean))),
+        Axis::of(drawn.iter().flat_map(|p| heights(p))),
     );
     let place = |p: &Point| (x.px(p.seconds), y.px(height_of(p.mean)));
-    let lines: usize = drawn.iter().map(|p| wrapped(&p.label).len()).sum();
+    let lines: usize = drawn.iter().map(|p| wrapped(&p.shown()).len()).sum();
     let height = HEIGHT.max(TOP + 14.0 + LEGEND_LINE * lines as f64);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\">\n<title>{0}</title>\n<rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>\n<text x=\"{LEFT}\" y=\"24\" font-size=\"15\" font-weight=\"bold\">{0}</text>\n",
@@ -71,14 +75,16 @@ pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
         let (at_x, at_y) = place(point);
         let _ = writeln!(
             svg,
-            "<g><title>{}: {:.4} after {:.3} s</title>{}</g>",
-            escaped(&point.label),
+            "<g><title>{}: {:.4}, worst set of views {:.4}, after {:.3} s</title>{}{}</g>",
+            escaped(&point.shown()),
             point.mean,
+            point.mean_of_worst,
             point.seconds,
+            whisker(number, at_x, at_y, y.px(height_of(point.mean_of_worst))),
             mark(number, at_x, at_y)
         );
         let legend_y = TOP + 14.0 + LEGEND_LINE * legend_lines as f64;
-        let lines = wrapped(&point.label);
+        let lines = wrapped(&point.shown());
         let _ = writeln!(
             svg,
             "{}",
@@ -96,6 +102,15 @@ pub fn chart(points: &[Point], column: &Column, title: &str) -> String {
         legend_lines += lines.len();
     }
     svg + "</svg>\n"
+}
+
+/// From a mark to its worst.
+fn whisker(number: usize, x: f64, from: f64, to: f64) -> String {
+    if !to.is_finite() || (from - to).abs() < 0.1 {
+        return String::new();
+    }
+    let color = COLORS[number % 7];
+    format!("<path d=\"M{x:.1} {from:.1}V{to:.1}\" stroke=\"{color}\" opacity=\"0.5\"/>")
 }
 
 /// A name in lines that fit, broken between words.

@@ -5,7 +5,7 @@ use crate::{COLUMNS, Column, Row};
 /// Rows as CSV: a line of names, a line each; no per-view values. Text that a spreadsheet would
 /// take for a formula has an apostrophe before it.
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with,max_area_scale".to_owned();
+    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with,max_area_scale,judged_by".to_owned();
     for prefix in ["", "worst_"] {
         for column in COLUMNS.iter() {
             text += &format!(",{prefix}{}", column.key);
@@ -29,6 +29,7 @@ pub fn to_csv(rows: &[Row]) -> String {
             row.kept_overlap.map_or(String::new(), |o| o.to_string()),
             quoted(&row.overlap_with),
             row.max_area_scale.map_or(String::new(), |s| s.to_string()),
+            row.judged_by.name().to_owned(),
         ];
         for values in [&row.values, &row.worst] {
             let cell = |c: &Column| values.get(c.key).copied().flatten();
@@ -81,7 +82,11 @@ mod tests {
         let csv = to_csv(&[row]);
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines.len(), 2);
-        assert!(lines[1].contains(",256,,\"\",,,0.5,"), "{}", lines[1]);
+        assert!(
+            lines[1].contains(",256,,\"\",,held-out,,0.5,"),
+            "{}",
+            lines[1]
+        );
         assert!(lines[1].contains("\"a \"\"machine\"\"\""));
     }
 

@@ -1,7 +1,7 @@
 //! On how many trees a method is dominated: another one is better in VMI error, in the outline, or
 //! in both.
 
-use super::{COLUMNS, Row};
+use super::{COLUMNS, Row, held_out};
 use crate::format::percent;
 use crate::table::Table;
 
@@ -31,7 +31,9 @@ pub(crate) fn dominance(rows: &[Row]) -> Option<Table> {
     let mut table = Table::new(&names);
     for label in labels {
         let mut winners: Vec<String> = Vec::new();
-        let mut cells = vec![label.clone()];
+        let is_own = |row: &&&Row| row.label() == label && row.is_driven_by_judging_views;
+        let is_flattered = rows.iter().any(|row| is_own(&row));
+        let mut cells = vec![held_out::shown(&label, is_flattered)];
         for level in &levels {
             let there = || rows.iter().filter(|row| row.level == *level);
             let (mut in_both, mut in_one, mut cases) = (0, 0, 0);

@@ -1,16 +1,14 @@
 //! How options are written on the command line of `simplify`: what differs from the defaults, in
 //! one order. Rows name their settings by these words, and commands are made of them.
 
-use secateur_plant::ClusterSize;
+use secateur_plant::{ClusterSize, Metric};
 use secateur_raster::Engine;
 use secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT;
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::{MeshoptOptions, Mode};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Ties, VdsOptions};
-use secateur_simplify::{
-    Alpha, Fitting, LeafTriangles, Method, Options, Preset, Resolution, Sides, Views,
-};
+use secateur_simplify::{Fitting, Method, Options, Preset, Views};
 use serde::Serialize;
 
 use crate::LevelOf;
@@ -37,6 +35,8 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
                 own.planarity_weight,
                 usual.planarity_weight,
             );
+            flags.differing("corners", own.corners, usual.corners);
+            flags.differing("hausdorff", own.hausdorff, usual.hausdorff);
         }
         Method::Stochastic(own) => {
             let usual = StochasticOptions::default();
@@ -54,12 +54,18 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
                 flags.push("preserve-area".to_owned());
             }
         }
+        Method::Chain(own) if own.branch_metric != Metric::default() => {
+            flags.push(format!(
+                "branch-metric {}",
+                name_of_metric(own.branch_metric)
+            ));
+        }
         Method::Merge(own) if own.cluster_size == ClusterSize::Area => {
             flags.push("cluster-size area".to_owned());
         }
         _ => {}
     }
-    if options.leaf_triangles != LeafTriangles::default() {
+    if options.leaf_triangles != options.preset.leaf_triangles() {
         flags.push(format!("leaf-triangles {}", options.leaf_triangles));
     }
     match cameras {
@@ -69,14 +75,14 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
         }
         None => {}
     }
-    if options.resolution != Resolution::default() {
+    if options.resolution != options.preset.resolution() {
         flags.push(format!("resolution {}", options.resolution));
     }
     if let Some(own) = options.method.vds() {
         flags.differing("ties", own.ties, Ties::default());
     }
-    flags.differing("alpha", options.alpha, Alpha::default());
-    flags.differing("sides", options.sides, Sides::default());
+    flags.differing("alpha", options.alpha, options.preset.alpha());
+    flags.differing("sides", options.sides, options.preset.sides());
     flags.differing("engine", options.engine, Engine::default());
     match options.fit {
         Fitting::Auto => {}
@@ -136,5 +142,14 @@ fn name_of(views: &Views) -> &'static str {
     match views {
         Views::Icosahedron => "12",
         other => other.name(),
+    }
+}
+
+fn name_of_metric(metric: Metric) -> &'static str {
+    match metric {
+        Metric::Children => "children",
+        Metric::Descendants => "descendants",
+        Metric::LongestPath => "longest-path",
+        Metric::BranchingLength => "branching-length",
     }
 }

@@ -7,7 +7,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur_eval::measure::Scores;
 use secateur_eval::pictures::{PictureScores, Pictures, difference};
-use secateur_eval::{Camera, Judging, Original, RenderOptions, framing, render};
+use secateur_eval::{Camera, Original, RenderOptions, framing, render};
 use secateur_gltf::{Document, Tree};
 use secateur_model::{Lod, Surface};
 use secateur_simplify::sphere_of;
@@ -50,9 +50,13 @@ impl<'a> Judge<'a> {
     ) -> Result<Self, Error> {
         let path = subject.path.as_path();
         let sphere = sphere_of(tree.foliage())?;
-        let mut judging = Judging::held_out(tree.foliage())?;
+        let mut judging = subject.judged_by.about(tree.foliage())?;
         if let Some(radii) = subject.judged_from_radii {
-            judging.views = views_from(&judging.views, sphere, radii);
+            let moved = judging
+                .rigs
+                .iter()
+                .map(|rig| views_from(rig, sphere, radii));
+            judging.rigs = moved.collect();
         }
         let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
         let camera = framing(
@@ -65,7 +69,7 @@ impl<'a> Judge<'a> {
             tree,
             folder,
             host,
-            pictures: Pictures::of(&surfaces, &judging.views),
+            pictures: Pictures::of(&surfaces, &judging.rigs),
             portrait: portrait(&surfaces, &camera),
             camera,
             original: Original::new(tree.foliage(), judging)?,
@@ -84,8 +88,12 @@ impl<'a> Judge<'a> {
         let foliage = self.tree.foliage();
         let measured = self.original.measure_lod(&ran.lod);
         let surfaces = self.surfaces(&ran.lod)?;
-        let views = &self.original.judging().views;
-        let pictured = self.pictures.measure(&Pictures::of(&surfaces, views));
+        let judging = self.original.judging();
+        let pictured = self
+            .pictures
+            .measure(&Pictures::of(&surfaces, &judging.rigs));
+        let centre = sphere_of(foliage)?.centre;
+        let judges_too = |set| judging.views_that_judge(set, centre) > 0;
         let (kept_overlap, overlap_with) = self.overlap(run, ran)?;
         let joined = |counted: &Scores, pictured: &PictureScores| {
             let finite = |value: f64| value.is_finite().then_some(value);
@@ -104,7 +112,8 @@ impl<'a> Judge<'a> {
             seed: seed.unwrap_or(0),
             level: ran.level,
             level_of: case.level_of(),
-            is_driven_by_judging_views: case.is_driven_by_judging_views(),
+            judged_by: self.identity.judged_by,
+            is_driven_by_judging_views: ran.driving.iter().any(judges_too),
             leaves_original: foliage.leaves().len() as u64,
             leaves_final: left.leaves().len() as u64,
             triangles_final: left.triangles().len() as u64,
@@ -116,9 +125,10 @@ impl<'a> Judge<'a> {
             max_area_scale: Some(ran.lod.max_area_scale()),
             values: joined(&measured.overall, &pictured.overall),
             worst: joined(&measured.worst, &pictured.worst),
-            per_view: (measured.per_view.iter().zip(&pictured.per_view))
-                .map(|(counted, pictured)| joined(counted, pictured))
+            rigs: (measured.rigs.iter().zip(&pictured.rigs))
+                .map(|(counted, pictured)| joined(&counted.overall, &pictured.overall))
                 .collect(),
+            per_view: Vec::new(),
             engine: ran.engine.clone(),
             adapter: ran.adapter.clone(),
             version: self.identity.version.clone(),

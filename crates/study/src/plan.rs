@@ -1,8 +1,8 @@
 //! Plans: lists of cases that answer one question each.
 
-use secateur_plant::ClusterSize;
+use secateur_plant::{ClusterSize, Metric};
 use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
-use secateur_simplify::fsa::FsaOptions;
+use secateur_simplify::fsa::{FsaOptions, Hausdorff};
 use secateur_simplify::meshopt::MeshoptOptions;
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Reference, Resize, Ties};
@@ -35,8 +35,27 @@ pub(crate) fn information() -> Case {
     Case::vds(Preset::Information)
 }
 
+/// FSA as it is published, which is what comparisons call by that name.
 pub(crate) fn fsa() -> Case {
+    Case::of(Method::Fsa(FsaOptions::published()))
+}
+
+/// What makes of FSA what this program does unasked: corners that make no slivers.
+fn fsa_without_slivers() -> Case {
     Case::of(Method::Fsa(FsaOptions::default()))
+}
+
+/// FSA by the distances of surfaces.
+fn fsa_of_surfaces() -> Case {
+    Case::of(Method::Fsa(FsaOptions {
+        hausdorff: Hausdorff::Surface,
+        ..FsaOptions::published()
+    }))
+}
+
+/// The paper as it is written, in one reading of its Eq. 5.
+pub(crate) fn paper(preset: Preset) -> Case {
+    Case::vds(preset)
 }
 
 pub(crate) fn stochastic() -> Case {
@@ -87,10 +106,19 @@ pub(crate) fn resized(resize: Resize) -> Case {
 fn by_branches() -> [Case; 3] {
     let merge = |cluster_size| Case::of(Method::Merge(MergeOptions { cluster_size }));
     [
-        Case::of(Method::Chain(ChainOptions::default())),
+        chain(Metric::default()),
         merge(ClusterSize::Paper),
         merge(ClusterSize::Area),
     ]
+}
+
+fn chain(branch_metric: Metric) -> Case {
+    Case::of(Method::Chain(ChainOptions { branch_metric }))
+}
+
+/// The chain by the metrics that its paper does not prefer.
+fn other_chains() -> [Case; 3] {
+    [Metric::Children, Metric::Descendants, Metric::LongestPath].map(chain)
 }
 
 fn methods() -> Vec<Case> {
@@ -106,6 +134,8 @@ fn methods() -> Vec<Case> {
         information().of_triangles(),
         information().of_triangles().unfitted(),
         fsa(),
+        fsa_of_surfaces(),
+        fsa_without_slivers(),
         stochastic(),
         stochastic_of_half_area(),
         meshopt(false),
@@ -170,11 +200,17 @@ pub(crate) fn cases(plans: &[Plan], knows_branches: bool) -> Vec<Case> {
         false => Vec::new(),
     };
     let planned = plans.iter().flat_map(|plan| match plan {
-        Plan::Methods => [methods(), by_branches.clone()].concat(),
+        Plan::Methods => {
+            let chains = match knows_branches {
+                true => other_chains().to_vec(),
+                false => Vec::new(),
+            };
+            [methods(), by_branches.clone(), chains].concat()
+        }
         Plan::Speed => [speed(), by_branches.clone()].concat(),
         Plan::Stability => stability(&by_branches),
         Plan::Failures => Vec::new(),
-        Plan::Paper => [paper::cases().to_vec(), paper::fewer_views().to_vec()].concat(),
+        Plan::Paper => [paper::cases(), paper::fewer_views().to_vec()].concat(),
     });
     each_once(planned)
 }
@@ -215,6 +251,8 @@ mod tests {
             "vds triangles fit=none",
             "vds triangles preset information",
             "vds triangles preset information fit=none",
+            "fsa corners furthest",
+            "fsa corners furthest hausdorff surface",
             "fsa",
             "stochastic",
             "stochastic area-weight 0.5",
@@ -248,6 +286,9 @@ mod tests {
         assert_eq!(settings[9], "vds preset information, views turned 1");
         let labels = by_branches().map(|case| case.label());
         assert_eq!(labels, ["chain", "merge", "merge cluster-size area"]);
+        let labels = other_chains().map(|case| case.setting());
+        let expected = ["children", "descendants", "longest-path"];
+        assert_eq!(labels, expected.map(|m| format!("branch-metric {m}")));
     }
 
     #[test]
@@ -269,7 +310,7 @@ mod tests {
         };
         let methods = by_branches().len();
         for (plan, expected) in [
-            (Plan::Methods, methods),
+            (Plan::Methods, methods + other_chains().len()),
             (Plan::Speed, methods),
             (Plan::Stability, methods * Perturbation::ALL.len()),
         ] {

@@ -1,6 +1,6 @@
 //! Tables that compare a paper's printed figures with those of rows.
 
-use super::Row;
+use super::{Row, held_out};
 use crate::format::{duration, percent};
 use crate::table::Table;
 
@@ -39,6 +39,7 @@ pub struct Paper {
 struct Pair {
     error_percent: f64,
     seconds: f64,
+    is_driven_by_judging_views: bool,
 }
 
 /// All tables of a paper that the rows have figures for, with their titles.
@@ -87,16 +88,18 @@ fn side_by_side(published: &[Published], rows: &[Row], base: &str) -> Option<Tab
         let paper = Pair {
             error_percent: figure.error_percent,
             seconds: figure.seconds,
+            is_driven_by_judging_views: false,
         };
         let paper_base = paper_base.map(|p| Pair {
             error_percent: p.error_percent,
             seconds: p.seconds,
+            is_driven_by_judging_views: false,
         });
         table.push(vec![
             figure.source.clone(),
             figure.model.clone(),
             percent(figure.level),
-            figure.label.clone(),
+            held_out::shown(&figure.label, here.is_driven_by_judging_views),
             format!("{:.2} %", paper.error_percent),
             format!("{:.2} %", here.error_percent),
             times(
@@ -151,7 +154,7 @@ fn multiples(rows: &[Row], labels: &[String]) -> Option<Table> {
             table.push(vec![
                 at.0.to_owned(),
                 percent(at.1),
-                label.to_owned(),
+                held_out::shown(label, pair.is_driven_by_judging_views),
                 format!("{:.2} %", pair.error_percent),
                 times(Some(pair.error_percent / base.error_percent)),
                 duration(pair.seconds),
@@ -168,6 +171,7 @@ fn find(rows: &[Row], tree: &str, label: &str, level: f64) -> Option<Pair> {
     Some(Pair {
         error_percent: row.values.get("vmi_error_percent").copied().flatten()?,
         seconds: row.seconds,
+        is_driven_by_judging_views: row.is_driven_by_judging_views,
     })
 }
 

@@ -33,6 +33,10 @@ pub fn readme(study: &Study<'_>) -> String {
         each(|r| r.commit.clone()),
         each(|r| r.adapter.clone().unwrap_or_else(|| r.engine.clone())),
     );
+    let _ = writeln!(text, "{}\n", held_out::who_judged(study.rows));
+    if let Some(note) = held_out::note_of(study.rows) {
+        let _ = writeln!(text, "**{note}**\n");
+    }
     let plain = study.plain_rows();
     let (given, partial) = study.given_and_partial();
     if let Some(table) = recommend(&given) {
@@ -43,10 +47,7 @@ pub fn readme(study: &Study<'_>) -> String {
     if let Some(note) = note_of(&partial) {
         let _ = writeln!(text, "{note}\n");
     }
-    for note in [shares::note_of(study.rows), held_out::note_of(study.rows)]
-        .iter()
-        .flatten()
-    {
+    if let Some(note) = shares::note_of(study.rows) {
         let _ = writeln!(text, "{note}\n");
     }
     who_is_beaten(&mut text, &given);
@@ -81,6 +82,7 @@ fn means(text: &mut String, plain: &[Row]) {
             .collect();
         let mut head = vec!["method", "trees and seeds", "time", "memory"];
         head.extend(COLUMNS.iter().map(|c| c.title));
+        head.insert(5, "worst");
         let mut table = Table::new(&head);
         let columns: Vec<_> = COLUMNS.iter().map(|c| (c, summarise(&rows, c))).collect();
         let Some((_, points)) = columns.first() else {
@@ -88,12 +90,14 @@ fn means(text: &mut String, plain: &[Row]) {
         };
         for (k, point) in points.iter().enumerate() {
             let mut cells = vec![
-                point.label.clone(),
+                point.shown(),
                 point.rows.to_string(),
                 duration(point.seconds),
                 memory(point.peak_rss_bytes),
             ];
             cells.extend(columns.iter().map(|(c, points)| number(points[k].mean, c)));
+            let (of_error, points) = &columns[0];
+            cells.insert(5, number(points[k].mean_of_worst, of_error));
             table.push(cells);
         }
         let _ = writeln!(

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use secateur_eval::JudgingViews;
 use serde::{Deserialize, Serialize};
 
 use crate::older_rows;
@@ -31,7 +32,10 @@ pub struct Row {
     pub level: f64,
     /// What the level is a share of.
     pub level_of: LevelOf,
-    /// Whether the views that drove the method are those that judge it.
+    /// Which views judged it. Older rows were judged by one icosahedron.
+    #[serde(default = "one_icosahedron")]
+    pub judged_by: JudgingViews,
+    /// Whether some of the views that drove the method are among those that judge it.
     pub is_driven_by_judging_views: bool,
     /// Leaves of the original.
     pub leaves_original: u64,
@@ -57,11 +61,15 @@ pub struct Row {
     /// The largest area of a leaf as a multiple of its original one.
     #[serde(default)]
     pub max_area_scale: Option<f64>,
-    /// The metrics over all judging views.
+    /// The metrics, mean over the sets of judging views.
     pub values: Values,
-    /// Each metric in its worst view.
+    /// Each metric in the worst set; where there is one, in its worst view.
     pub worst: Values,
-    /// The metrics in each view.
+    /// The metrics by each set of judging views.
+    #[serde(default)]
+    pub rigs: Vec<Values>,
+    /// The metrics in each view, of rows that are older.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub per_view: Vec<Values>,
     /// What rasterised leaves: `cpu` or `gpu`.
     pub engine: String,
@@ -82,8 +90,12 @@ pub struct Row {
     pub difference: String,
 }
 
-/// Which tree a row is of, and which program made it. Rows of one name that differ in this can't
-/// stand beside each other.
+fn one_icosahedron() -> JudgingViews {
+    JudgingViews::Icosahedron
+}
+
+/// Which tree a row is of, which program made it and which views judged it. Rows of one name that
+/// differ in this can't stand beside each other.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Identity {
     /// Name of the tree: its file's without the ending.
@@ -92,6 +104,8 @@ pub struct Identity {
     pub tree_sha256: Option<String>,
     /// Version of the program.
     pub version: String,
+    /// Which views judged it.
+    pub judged_by: JudgingViews,
 }
 
 /// The key of a row: rows of one key are the same run.
@@ -113,11 +127,17 @@ pub struct RowKey {
 
 impl Identity {
     /// The identity of a tree whose files are at hand.
-    pub(crate) fn new(tree: &str, tree_sha256: &str, provenance: &Provenance) -> Self {
+    pub(crate) fn new(
+        tree: &str,
+        tree_sha256: &str,
+        provenance: &Provenance,
+        judged_by: JudgingViews,
+    ) -> Self {
         Self {
             tree: tree.to_owned(),
             tree_sha256: Some(tree_sha256.to_owned()),
             version: provenance.version.clone(),
+            judged_by,
         }
     }
 
@@ -151,6 +171,7 @@ impl Row {
             tree: self.tree.clone(),
             tree_sha256: self.tree_sha256.clone(),
             version: self.version.clone(),
+            judged_by: self.judged_by,
         }
     }
 
@@ -251,6 +272,7 @@ pub(crate) mod tests {
             seed: 0,
             level,
             level_of: LevelOf::Leaves,
+            judged_by: JudgingViews::HeldOut,
             is_driven_by_judging_views: false,
             leaves_original: 100,
             leaves_final: (100.0 * level) as u64,
@@ -262,7 +284,8 @@ pub(crate) mod tests {
             overlap_with: String::new(),
             max_area_scale: None,
             worst: values.clone(),
-            per_view: vec![values.clone()],
+            rigs: vec![values.clone()],
+            per_view: Vec::new(),
             values,
             engine: "cpu".into(),
             adapter: None,
@@ -295,6 +318,25 @@ pub(crate) mod tests {
         let mut row = row("a", 0.5, 1.0, 2.0);
         row.values.insert("vmi_error_percent".into(), None);
         assert_eq!(read_rows(&to_line(&row)).unwrap(), [row]);
+    }
+
+    /// What was judged before by other views stays in the file, and is not drawn beside what is
+    /// judged now.
+    #[test]
+    fn rows_of_two_judges_do_not_stand_beside_each_other() {
+        let now = row("vds", 0.5, 1.0, 1.0);
+        let mut old: serde_json::Value = serde_json::from_str(&to_line(&now)).unwrap();
+        let columns = old.as_object_mut().unwrap();
+        for new in ["judged_by", "rigs"] {
+            columns.remove(new).unwrap();
+        }
+        columns.insert("per_view".into(), serde_json::json!([{"ssim": 0.5}]));
+        let text = format!("{old}\n{}", to_line(&now));
+        let rows = read_rows(&text).unwrap();
+        assert_eq!(rows[0].judged_by, JudgingViews::Icosahedron);
+        assert_eq!((rows[0].rigs.len(), rows[0].per_view.len()), (0, 1));
+        assert_eq!(rows[1], now);
+        assert_eq!(current_rows(rows), [now]);
     }
 
     /// Two trees of one name, and two programs: the last row decides, whatever the others are.

@@ -101,7 +101,7 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
         }
         subject.prepare(host)?;
         let sha256 = tree_sha256(&subject.path, options.memory)?;
-        let identity = Identity::new(&subject.name, &sha256, &provenance);
+        let identity = Identity::new(&subject.name, &sha256, &provenance, subject.judged_by);
         todo.push(Todo {
             jobs: jobs(options, subject, &identity, &finished),
             lacks_original_picture: lacks_original_picture(&identity, &finished, &options.folder),

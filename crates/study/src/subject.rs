@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use secateur_eval::JudgingViews;
 use secateur_gltf::{Document, Selector, Tree, plant_to_glb};
 use secateur_model::{BoundingSphere, Memory, Plant};
 use secateur_plant::{GrowOptions, grow};
@@ -21,6 +22,8 @@ pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) path: PathBuf,
     pub(crate) cases: Vec<Case>,
+    /// Which views judge it.
+    pub(crate) judged_by: JudgingViews,
     /// The distance of the judging views in radii, if it is not the usual one.
     pub(crate) judged_from_radii: Option<f64>,
     made: Made,
@@ -39,6 +42,11 @@ enum Made {
 /// [`Error`] if there is nothing to study, or two trees have one name.
 pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
     let mut subjects = Vec::new();
+    // The paper's plan alone is judged as the paper judges.
+    let of_user = match options.cases.is_empty() && options.plans == [Plan::Paper] {
+        true => JudgingViews::Icosahedron,
+        false => JudgingViews::HeldOut,
+    };
     let has = |plan: Plan| options.cases.is_empty() && options.plans.contains(&plan);
     let cases_of = |knows_branches| match options.cases.is_empty() {
         true => plan::cases(&options.plans, knows_branches),
@@ -59,6 +67,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 true => with_branches.clone(),
                 false => cases.clone(),
             },
+            judged_by: of_user,
             judged_from_radii: None,
             made: Made::ByOthers,
         });
@@ -71,6 +80,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 name: scene.name.to_owned(),
                 cases: (scene.cases)(&cameras_beside(&path)),
                 path,
+                judged_by: JudgingViews::HeldOut,
                 judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
                 made: Made::Scene(scene),
             });
@@ -78,7 +88,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
     }
     if has(Plan::Paper) {
         for model in &paper::MODELS {
-            let mut cases = paper::cases().to_vec();
+            let mut cases = paper::cases();
             if model.is_of_fig_5() {
                 cases.extend(paper::fewer_views());
             }
@@ -86,6 +96,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 path: folder.join(format!("{}.glb", model.tree())),
                 name: model.tree(),
                 cases,
+                judged_by: JudgingViews::Icosahedron,
                 judged_from_radii: None,
                 made: Made::Grown(model),
             });
@@ -258,7 +269,10 @@ mod tests {
             (subject.name.as_str(), found)
         });
         let expected = [
-            ("whole", vec!["chain", "merge", "merge"]),
+            (
+                "whole",
+                vec!["chain", "merge", "merge", "chain", "chain", "chain"],
+            ),
             ("bare", vec![]),
             ("damaged", vec![]),
         ];

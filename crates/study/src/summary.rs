@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Column, Row};
+use super::{Column, Row, held_out};
 use crate::rows::millionths;
 
 /// A method with a setting at a level, over trees and seeds.
@@ -16,14 +16,25 @@ pub struct Point {
     pub seconds: f64,
     /// Arithmetic mean of the metric; infinite where one value is.
     pub mean: f64,
-    /// The worst value of any view of any tree and seed.
+    /// The mean of the worst set's values, or of the worst views' where there is one set.
+    pub mean_of_worst: f64,
+    /// The worst value of any set of views of any tree and seed.
     pub worst: f64,
+    /// Whether judging views drove it.
+    pub is_driven_by_judging_views: bool,
     /// The number of rows.
     pub rows: usize,
     /// The most memory of any tree and seed, where a system told.
     pub peak_rss_bytes: Option<u64>,
     /// Mean of the overlaps of kept leaves, where there are any.
     pub kept_overlap: Option<f64>,
+}
+
+impl Point {
+    /// Method and setting as readers see them.
+    pub(crate) fn shown(&self) -> String {
+        held_out::shown(&self.label, self.is_driven_by_judging_views)
+    }
 }
 
 /// A point for each method and setting of rows of one level, in the order of their first rows.
@@ -49,6 +60,8 @@ pub fn summarise(rows: &[&Row], column: &Column) -> Vec<Point> {
             method: rows[0].method.clone(),
             seconds: (logs.sum::<f64>() / count).exp(),
             mean: values.sum::<f64>() / count,
+            mean_of_worst: worst.clone().sum::<f64>() / count,
+            is_driven_by_judging_views: rows.iter().any(|r| r.is_driven_by_judging_views),
             worst: worst
                 .max_by(|a, b| badness(a).total_cmp(&badness(b)))
                 .unwrap_or(f64::NAN),

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use secateur_gltf::Tree;
 use secateur_model::Lod;
+use secateur_raster::ViewSet;
 use secateur_simplify::{Progress, Resolution, Stage, simplify_with};
 
 use crate::job::Job;
@@ -21,6 +22,8 @@ pub(crate) struct Ran {
     pub(crate) peak_rss_bytes: Option<u64>,
     /// Width and height of the driving images in pixels; 0 for methods that see none.
     pub(crate) resolution: u32,
+    /// All sets of views that chose or sized leaves; none for methods that see none.
+    pub(crate) driving: Vec<ViewSet>,
     pub(crate) engine: String,
     pub(crate) adapter: Option<String>,
 }
@@ -103,6 +106,10 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
     } else {
         0.0
     };
+    let driving = match changed.foliage.bounding_sphere() {
+        Some(sphere) if sees_pixels => changed.options.views.driving(sphere),
+        _ => Vec::new(),
+    };
     let fitted = fitting.map_or(0.0, |(from, to)| (to - from).as_secs_f64());
     let whole = Reached {
         seconds: of_stage(Stage::Select),
@@ -117,6 +124,7 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
             seconds: choosing + reached.seconds + fitted,
             peak_rss_bytes: reached.peak_rss_bytes.max(fitting_peak),
             resolution: if sees_pixels { result.resolution } else { 0 },
+            driving: driving.clone(),
             engine: result.engine.to_owned(),
             adapter: result.adapter.clone(),
         }

@@ -11,18 +11,63 @@ pub use metric::{
     COVERAGE_RATIO, Direction, METRICS, Metric, PRECISION, RECALL, SILHOUETTE_IOU,
     VMI_ERROR_PERCENT,
 };
-pub use scores::{Measurement, Scores};
+pub use scores::{Measurement, RigMeasurement, Scores};
 use seen::Drawn;
 pub use seen::SeenView;
 
-use secateur_model::{Foliage, Lod};
-use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, Scene, ViewSet};
+use glam::DVec3;
+use secateur_model::{BoundingSphere, Foliage, Lod};
+use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, Scene, View, ViewSet};
+
+/// The sets of views that are at hand to judge by.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    serde::Serialize,
+    serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum JudgingViews {
+    /// [`Judging::held_out`].
+    #[default]
+    HeldOut,
+    /// [`Judging::icosahedron`].
+    Icosahedron,
+}
+
+impl JudgingViews {
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::HeldOut => "held-out",
+            Self::Icosahedron => "icosahedron",
+        }
+    }
+
+    /// These views about an original.
+    ///
+    /// # Errors
+    /// [`MeasureError::NoFoliage`] if the original has no leaf.
+    pub fn about(self, original: &Foliage) -> Result<Judging, MeasureError> {
+        match self {
+            Self::HeldOut => Judging::held_out(original),
+            Self::Icosahedron => Judging::icosahedron(original),
+        }
+    }
+}
 
 /// From where, and how finely, one judges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judging {
-    /// The cameras, the same for the original and the simplified foliage.
-    pub views: ViewSet,
+    /// Sets of cameras, the same for the original and the simplified foliage. Each is judged by
+    /// itself: VMI is of the views of one set.
+    pub rigs: Vec<ViewSet>,
     /// Image width and height in pixels, 1 to [`MAX_RESOLUTION`].
     pub resolution: u32,
 }
@@ -31,34 +76,75 @@ impl Judging {
     /// Image side of [`held_out`](Self::held_out), in pixels.
     pub const RESOLUTION: u32 = 512;
 
-    /// The held-out views: the 12 vertices of an icosahedron about the
-    /// original's bounding sphere (Entropy 2018, 20, 213, section 4.2) at
-    /// 512 x 512, with exact textures: else a card that is another triangle of the same
-    /// picture would count as another outline.
+    /// The held-out views: four icosahedra about the original's bounding sphere
+    /// ([`ViewSet::held_out`]) at 512 x 512, with exact textures: else a card that is another
+    /// triangle of the same picture would count as another outline.
     ///
     /// # Errors
     /// [`MeasureError::NoFoliage`] if the original has no leaf.
     pub fn held_out(original: &Foliage) -> Result<Self, MeasureError> {
-        let sphere = original.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
-        Ok(Self {
-            views: ViewSet::icosahedron(sphere).with_exact_textures(),
+        Ok(Self::usual(ViewSet::held_out(sphere_of(original)?).into()))
+    }
+
+    /// The paper's way (Entropy 2018, 20, 213, section 4.2): one icosahedron, near the views
+    /// that drive; else as [`held_out`](Self::held_out).
+    ///
+    /// # Errors
+    /// [`MeasureError::NoFoliage`] if the original has no leaf.
+    pub fn icosahedron(original: &Foliage) -> Result<Self, MeasureError> {
+        Ok(Self::usual(vec![ViewSet::icosahedron(sphere_of(
+            original,
+        )?)]))
+    }
+
+    fn usual(rigs: Vec<ViewSet>) -> Self {
+        let exact = rigs.into_iter().map(ViewSet::with_exact_textures);
+        Self {
+            rigs: exact.collect(),
             resolution: Self::RESOLUTION,
-        })
+        }
+    }
+
+    /// How many of these views, all about one centre, one of the judging views stands beside: in
+    /// a direction from that centre less than half a degree away, however far off.
+    pub fn views_that_judge(&self, driving: &ViewSet, centre: DVec3) -> usize {
+        let direction = |view: &View| (view.eye() - centre).normalize_or_zero();
+        let judges: Vec<DVec3> = self
+            .rigs
+            .iter()
+            .flat_map(ViewSet::views)
+            .map(direction)
+            .collect();
+        let is_judge = |view: &&View| {
+            let own = direction(view);
+            judges
+                .iter()
+                .any(|judge| own.dot(*judge) > COSINE_OF_THE_SAME)
+        };
+        driving.views().iter().filter(is_judge).count()
     }
 
     fn check(&self) -> Result<(), MeasureError> {
-        if self.views.is_empty() {
+        if self.rigs.is_empty() || self.rigs.iter().any(ViewSet::is_empty) {
             return Err(MeasureError::NoView);
         }
         if !(1..=MAX_RESOLUTION).contains(&self.resolution) {
             return Err(MeasureError::Resolution(self.resolution));
         }
-        let pixels = u64::from(self.resolution).pow(2) * self.views.len() as u64;
+        let most_views = self.rigs.iter().map(ViewSet::len).max().unwrap_or(0);
+        let pixels = u64::from(self.resolution).pow(2) * most_views as u64;
         if pixels > MAX_TOTAL_PIXELS {
             return Err(MeasureError::TooManyPixels(pixels));
         }
         Ok(())
     }
+}
+
+/// The cosine of half a degree: views nearer than that are one.
+const COSINE_OF_THE_SAME: f64 = 0.999_962;
+
+fn sphere_of(original: &Foliage) -> Result<BoundingSphere, MeasureError> {
+    original.bounding_sphere().ok_or(MeasureError::NoFoliage)
 }
 
 /// Why nothing can be measured.
@@ -74,7 +160,7 @@ pub enum MeasureError {
     /// An image side out of range.
     #[error("resolution {0} is not in 1 to {MAX_RESOLUTION}")]
     Resolution(u32),
-    /// More pixels over all views than can be counted.
+    /// More pixels over all views of a set than can be counted.
     #[error("the views have {0} pixels, at most {MAX_TOTAL_PIXELS}: choose a lower resolution")]
     TooManyPixels(u64),
 }
@@ -84,7 +170,8 @@ pub enum MeasureError {
 pub struct Original<'f> {
     foliage: &'f Foliage,
     judging: Judging,
-    drawn: Drawn,
+    /// For each set of views.
+    drawn: Vec<Drawn>,
 }
 
 impl<'f> Original<'f> {
@@ -96,7 +183,8 @@ impl<'f> Original<'f> {
     pub fn new(foliage: &'f Foliage, judging: Judging) -> Result<Self, MeasureError> {
         judging.check()?;
         let all = Lod::original(foliage.leaves().len());
-        let drawn = seen::draw(&scene(foliage, &all, &judging));
+        let drawn = scenes(foliage, &all, &judging);
+        let drawn = drawn.map(|scene| seen::draw(&scene)).collect();
         Ok(Self {
             foliage,
             judging,
@@ -128,19 +216,27 @@ impl<'f> Original<'f> {
     }
 
     fn measure_scene(&self, foliage: &Foliage, lod: &Lod) -> Measurement {
-        let drawn = seen::draw(&scene(foliage, lod, &self.judging));
-        let seen = seen::compare(&self.drawn, &drawn);
+        let scenes = scenes(foliage, lod, &self.judging);
+        let seen = self.drawn.iter().zip(scenes);
+        let seen: Vec<Vec<SeenView>> = seen
+            .map(|(original, scene)| seen::compare(original, &seen::draw(&scene)))
+            .collect();
         Measurement::of(&seen, self.judging.resolution)
     }
 }
 
-fn scene<'a>(foliage: &'a Foliage, lod: &'a Lod, judging: &'a Judging) -> Scene<'a> {
-    Scene {
+/// A scene for each set of views.
+fn scenes<'a>(
+    foliage: &'a Foliage,
+    lod: &'a Lod,
+    judging: &'a Judging,
+) -> impl Iterator<Item = Scene<'a>> {
+    judging.rigs.iter().map(move |views| Scene {
         foliage,
         lod,
-        views: &judging.views,
+        views,
         resolution: judging.resolution,
-    }
+    })
 }
 
 /// [`Original::measure`] for one measurement alone.

@@ -17,14 +17,23 @@ impl Scores {
     }
 
     /// The worst of each metric.
-    fn worst(per_view: &[Scores]) -> Self {
+    fn worst<'s>(several: impl Iterator<Item = &'s Self> + Clone) -> Self {
         let worst_of = |(index, metric): (usize, &Metric)| {
             let badness = |value: &f64| metric.direction.badness(*value);
-            let values = per_view.iter().map(|scores| scores.0[index]);
+            let values = several.clone().map(|scores| scores.0[index]);
             let worst = values.max_by(|a, b| badness(a).total_cmp(&badness(b)));
             worst.expect("at least one view was judged")
         };
         Self(METRICS.iter().enumerate().map(worst_of).collect())
+    }
+
+    /// The mean of each metric.
+    fn mean<'s>(several: impl ExactSizeIterator<Item = &'s Self> + Clone) -> Self {
+        let mean_of = |index: usize| {
+            let values = several.clone().map(|scores| scores.0[index]);
+            values.sum::<f64>() / several.len() as f64
+        };
+        Self((0..METRICS.len()).map(mean_of).collect())
     }
 
     /// The value of the metric with this key, if there is such a metric.
@@ -49,37 +58,72 @@ impl Serialize for Scores {
     }
 }
 
-/// How far a simplified foliage is from its original. Serialises with the
+/// How far a simplified foliage is from its original by one set of views. Serialises with the
 /// overall scores at the top level.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Measurement {
-    /// The metrics over all views together.
+pub struct RigMeasurement {
+    /// The metrics over all views of the set together.
     #[serde(flatten)]
     pub overall: Scores,
     /// The worst view's value of each metric (not always the same view's).
     pub worst: Scores,
     /// Of each view alone, in the order of the view set.
     pub per_view: Vec<Scores>,
-    /// How many views were judged.
+}
+
+/// How far a simplified foliage is from its original. Serialises with the
+/// overall scores at the top level.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Measurement {
+    /// The mean over the sets of views.
+    #[serde(flatten)]
+    pub overall: Scores,
+    /// The worst set's value of each metric (not always the same set's); of one set alone its
+    /// worst view's.
+    pub worst: Scores,
+    /// Of each view alone, set by set.
+    pub per_view: Vec<Scores>,
+    /// How many views were judged, of all sets.
     pub views: usize,
     /// Image width and height in pixels.
     pub resolution: u32,
+    /// Each set by itself.
+    pub rigs: Vec<RigMeasurement>,
 }
 
-impl Measurement {
-    pub(super) fn of(seen: &[SeenView], resolution: u32) -> Self {
+impl RigMeasurement {
+    fn of(seen: &[SeenView]) -> Self {
         let alone = |view: &SeenView| Scores::of(std::slice::from_ref(view));
         let per_view: Vec<Scores> = seen.iter().map(alone).collect();
         Self {
             overall: Scores::of(seen),
-            worst: Scores::worst(&per_view),
+            worst: Scores::worst(per_view.iter()),
             per_view,
-            views: seen.len(),
+        }
+    }
+}
+
+impl Measurement {
+    /// Of what the views of each set have seen.
+    pub(super) fn of(seen: &[Vec<SeenView>], resolution: u32) -> Self {
+        let rigs: Vec<RigMeasurement> = seen.iter().map(|seen| RigMeasurement::of(seen)).collect();
+        let per_view: Vec<Scores> = (rigs.iter())
+            .flat_map(|rig| rig.per_view.iter().cloned())
+            .collect();
+        Self {
+            overall: Scores::mean(rigs.iter().map(|rig| &rig.overall)),
+            worst: match &rigs[..] {
+                [alone] => alone.worst.clone(),
+                rigs => Scores::worst(rigs.iter().map(|rig| &rig.overall)),
+            },
+            views: per_view.len(),
+            per_view,
             resolution,
+            rigs,
         }
     }
 
-    /// [`VMI_ERROR_PERCENT`] over all views.
+    /// [`VMI_ERROR_PERCENT`], mean over the sets of views.
     pub fn vmi_error_percent(&self) -> f64 {
         self.value(&VMI_ERROR_PERCENT)
     }

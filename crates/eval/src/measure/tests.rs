@@ -32,7 +32,7 @@ const ALL: [f64; 2] = [-1.0, 1.0];
 fn towards_and_away() -> Judging {
     let look = |z| View::look_at(DVec3::Z * 2.0, DVec3::Z * z, DVec3::Y, 0.5, 0.1).unwrap();
     Judging {
-        views: ViewSet::new(vec![look(0.0), look(4.0)]),
+        rigs: vec![ViewSet::new(vec![look(0.0), look(4.0)])],
         resolution: 4,
     }
 }
@@ -73,6 +73,79 @@ fn half_of_a_full_picture_removed() {
     lod.remove(LeafId::new(2).unwrap());
     let level = measure_lod(&original, &lod, &towards_and_away()).unwrap();
     assert_eq!(level, found);
+}
+
+/// The view that sees, and the one that looks away, each a set by itself. In a set of one view I
+/// is the entropy of nothing: 1 view tells nothing about which view it is, so both VMI are 0, no
+/// error. The outline is that of the sets' mean, half of .5 and 1, and the worst set has .5.
+#[test]
+fn sets_of_views_are_judged_one_by_one() {
+    let original = foliage(&[rectangle(LEFT, ALL), rectangle(RIGHT, ALL)]);
+    let simplified = foliage(&[rectangle(LEFT, ALL)]);
+    let together = towards_and_away();
+    let alone = together.rigs[0].views().iter();
+    let apart = Judging {
+        rigs: alone.map(|view| ViewSet::new(vec![*view])).collect(),
+        resolution: 4,
+    };
+    let found = measure(&original, &simplified, &apart).unwrap();
+    assert_close(&found.overall, [0.0, 0.75, 1.0, 0.75, 0.75]);
+    assert_close(&found.worst, [0.0, 0.5, 1.0, 0.5, 0.5]);
+    assert_eq!((found.rigs.len(), found.views), (2, 2));
+    assert_eq!(found.per_view[1], found.rigs[1].per_view[0]);
+
+    // A set judges as it does alone, whatever stands beside it.
+    let twice = Judging {
+        rigs: [together.rigs.clone(), apart.rigs].concat(),
+        resolution: 4,
+    };
+    let beside = measure(&original, &simplified, &twice).unwrap();
+    let own = measure(&original, &simplified, &together).unwrap();
+    assert_eq!(beside.rigs[0], own.rigs[0]);
+    assert_eq!(
+        (&own.overall, &own.worst),
+        (&own.rigs[0].overall, &own.rigs[0].worst)
+    );
+    let error = own.vmi_error_percent();
+    assert!((beside.vmi_error_percent() - error / 3.0).abs() < 1e-9);
+    assert_eq!(beside.worst.get("vmi_error_percent"), Some(error));
+}
+
+/// A camera in a judge's direction is one that judges, however far off it stands.
+#[test]
+fn views_beside_judges_are_counted() {
+    let tree = foliage(&[rectangle(ALL, ALL)]);
+    let sphere = tree.bounding_sphere().unwrap();
+    let centre = sphere.centre;
+    let judging = Judging::held_out(&tree).unwrap();
+    assert_eq!(
+        judging.rigs.iter().map(ViewSet::len).collect::<Vec<_>>(),
+        [12; 4]
+    );
+    let count = |views: &ViewSet| judging.views_that_judge(views, centre);
+    for set in [
+        ViewSet::dodecahedron(sphere),
+        ViewSet::driving_icosahedron(sphere),
+        ViewSet::icosahedron(sphere),
+    ] {
+        assert_eq!(count(&set), 0);
+    }
+    assert_eq!(count(&ViewSet::geodesic(sphere)), 12);
+    let judge = &judging.rigs[2].views()[5];
+    let nearer = View::look_at(
+        centre - 0.5 * sphere.radius * judge.forward(),
+        centre,
+        judge.up(),
+        0.5,
+        0.1,
+    );
+    assert_eq!(count(&ViewSet::new(vec![nearer.unwrap()])), 1);
+    let paper = Judging::icosahedron(&tree).unwrap();
+    assert_eq!(paper.rigs.len(), 1);
+    assert_eq!(
+        paper.views_that_judge(&ViewSet::icosahedron(sphere), centre),
+        12
+    );
 }
 
 /// Original: the left half, 8 pixels. Simplified: the lower three quarters, 12
@@ -125,14 +198,20 @@ fn what_cannot_be_judged_is_an_error() {
     let empty = Foliage::default();
     assert_eq!(Judging::held_out(&empty), Err(MeasureError::NoFoliage));
     let refused = |views: usize, resolution| {
-        let view = towards_and_away().views.views()[0];
-        let views = ViewSet::new(vec![view; views]);
-        let judging = Judging { views, resolution };
+        let view = towards_and_away().rigs[0].views()[0];
+        let rigs = vec![ViewSet::new(vec![view; views])];
+        let judging = Judging { rigs, resolution };
         measure(&empty, &empty, &judging).unwrap_err()
     };
     assert_eq!(refused(0, 4), MeasureError::NoView);
     assert_eq!(refused(1, 0), MeasureError::Resolution(0));
     assert_eq!(refused(1, 2049), MeasureError::Resolution(2049));
+    let none = Judging {
+        rigs: Vec::new(),
+        resolution: 4,
+    };
+    let refused_too = measure(&empty, &empty, &none);
+    assert_eq!(refused_too.unwrap_err(), MeasureError::NoView);
     // 2048 * 2048 * 129 is one view more than 2^29.
     assert_eq!(refused(129, 2048), MeasureError::TooManyPixels(541_065_216));
 }
@@ -157,7 +236,8 @@ proptest! {
         let judging = Judging { resolution: 32, ..Judging::held_out(&original).unwrap() };
         let found = measure(&original, &original, &judging).unwrap();
         prop_assert_eq!(values(&found.overall), [0.0, 1.0, 1.0, 1.0, 1.0]);
-        prop_assert_eq!(found.worst, found.overall);
+        prop_assert_eq!(&found.worst, &found.overall);
+        prop_assert_eq!(found.rigs.len(), 4);
     }
 
     #[test]

@@ -89,12 +89,32 @@ pub fn difference(original: &RgbaImage, other: &RgbaImage) -> RgbImage {
 pub struct PictureScores(Vec<f64>);
 
 impl PictureScores {
-    fn pooled(per_view: &[Self], pool: impl Fn(&PictureMetric, &[f64]) -> f64) -> Self {
+    fn pooled<'s>(
+        several: impl Iterator<Item = &'s Self> + Clone,
+        pool: impl Fn(&PictureMetric, &[f64]) -> f64,
+    ) -> Self {
         let of = |(index, metric): (usize, &PictureMetric)| {
-            let values: Vec<f64> = per_view.iter().map(|scores| scores.0[index]).collect();
+            let values: Vec<f64> = several.clone().map(|scores| scores.0[index]).collect();
             pool(metric, &values)
         };
         Self(PICTURE_METRICS.iter().enumerate().map(of).collect())
+    }
+
+    fn mean<'s>(several: impl Iterator<Item = &'s Self> + Clone) -> Self {
+        Self::pooled(several, |_, values| {
+            values.iter().sum::<f64>() / values.len() as f64
+        })
+    }
+
+    fn worst<'s>(several: impl Iterator<Item = &'s Self> + Clone) -> Self {
+        Self::pooled(several, |metric, values| {
+            let badness = |v: &f64| metric.direction.badness(*v);
+            let worst = values
+                .iter()
+                .copied()
+                .max_by(|a, b| badness(a).total_cmp(&badness(b)));
+            worst.expect("at least one view")
+        })
     }
 
     /// Every metric with its value, in the order of [`PICTURE_METRICS`].
@@ -119,11 +139,11 @@ impl Serialize for PictureScores {
     }
 }
 
-/// How far a simplified tree looks from its original. Serialises with the
+/// How far a simplified tree looks from its original by one set of views. Serialises with the
 /// overall scores at the top level.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct PictureMeasurement {
-    /// Mean over the views.
+pub struct PictureRigMeasurement {
+    /// Mean over the views of the set.
     #[serde(flatten)]
     pub overall: PictureScores,
     /// The worst view's value of each metric (not always the same view's).
@@ -132,24 +152,62 @@ pub struct PictureMeasurement {
     pub per_view: Vec<PictureScores>,
 }
 
-/// The pictures of one tree from the views that judge.
+/// How far a simplified tree looks from its original. Serialises with the
+/// overall scores at the top level.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct PictureMeasurement {
+    /// Mean over the sets of views.
+    #[serde(flatten)]
+    pub overall: PictureScores,
+    /// The worst set's value of each metric (not always the same set's); of one set alone its
+    /// worst view's.
+    pub worst: PictureScores,
+    /// Of each view alone, set by set.
+    pub per_view: Vec<PictureScores>,
+    /// Each set by itself.
+    pub rigs: Vec<PictureRigMeasurement>,
+}
+
+impl PictureMeasurement {
+    /// Of the scores of each view of each set.
+    fn of(scores: Vec<Vec<PictureScores>>) -> Self {
+        let per_view = scores.concat();
+        let rig = |per_view: Vec<PictureScores>| PictureRigMeasurement {
+            overall: PictureScores::mean(per_view.iter()),
+            worst: PictureScores::worst(per_view.iter()),
+            per_view,
+        };
+        let rigs: Vec<PictureRigMeasurement> = scores.into_iter().map(rig).collect();
+        Self {
+            overall: PictureScores::mean(rigs.iter().map(|rig| &rig.overall)),
+            worst: match &rigs[..] {
+                [alone] => alone.worst.clone(),
+                rigs => PictureScores::worst(rigs.iter().map(|rig| &rig.overall)),
+            },
+            per_view,
+            rigs,
+        }
+    }
+}
+
+/// The pictures of one tree from the views that judge, set by set.
 #[derive(Clone, Debug)]
-pub struct Pictures(Vec<RgbaImage>);
+pub struct Pictures(Vec<Vec<RgbaImage>>);
 
 impl Pictures {
     /// Image side in pixels, each the mean of 2 x 2 samples: the samples of
     /// [`Judging::RESOLUTION`](crate::Judging::RESOLUTION).
     pub const RESOLUTION: u32 = 256;
 
-    /// Draws everything, wood and leaves, from every view, without shadows.
-    pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet) -> Self {
-        Self::of_size(surfaces, views, Self::RESOLUTION)
+    /// Draws everything, wood and leaves, from every view of every set, without shadows.
+    pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], rigs: &[ViewSet]) -> Self {
+        Self::of_size(surfaces, rigs, Self::RESOLUTION)
     }
 
     /// As [`Self::of`], of another number of pixels a side.
     pub fn of_size<S: Borrow<Surface> + Sync>(
         surfaces: &[S],
-        views: &ViewSet,
+        rigs: &[ViewSet],
         resolution: u32,
     ) -> Self {
         let options = RenderOptions {
@@ -159,45 +217,28 @@ impl Pictures {
             shadows: false,
         };
         let picture = |view: &View| render(surfaces, &camera_of(view), &options);
-        Self(views.views().iter().map(picture).collect())
-    }
-
-    /// The pictures, one for each view.
-    pub fn images(&self) -> &[RgbaImage] {
-        &self.0
+        // Parallel over the views, as each has parts that are not.
+        let of_rig = |rig: &ViewSet| rig.views().par_iter().map(picture).collect();
+        Self(rigs.iter().map(of_rig).collect())
     }
 
     /// Measures pictures of a simplified tree against these of its original.
     ///
     /// # Panics
-    /// If the views differ in number or there is none.
+    /// If the views differ in number or a set has none.
     pub fn measure(&self, simplified: &Self) -> PictureMeasurement {
-        assert_eq!(self.0.len(), simplified.0.len(), "the same views");
-        assert!(!self.0.is_empty(), "at least one view");
-        let pairs = self.0.par_iter().zip(&simplified.0);
-        let scores = |(a, b): (&RgbaImage, &RgbaImage)| {
-            PictureScores(
-                PICTURE_METRICS
-                    .iter()
-                    .map(|metric| (metric.of)(a, b))
-                    .collect(),
-            )
+        assert_eq!(self.0.len(), simplified.0.len(), "the same sets of views");
+        assert!(!self.0.is_empty(), "at least one set");
+        let of_pair = |(a, b): (&RgbaImage, &RgbaImage)| {
+            let scores = PICTURE_METRICS.iter().map(|metric| (metric.of)(a, b));
+            PictureScores(scores.collect())
         };
-        let per_view: Vec<PictureScores> = pairs.map(scores).collect();
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let worst = |metric: &PictureMetric, values: &[f64]| {
-            let badness = |v: &f64| metric.direction.badness(*v);
-            let worst = values
-                .iter()
-                .copied()
-                .max_by(|a, b| badness(a).total_cmp(&badness(b)));
-            worst.expect("at least one view")
+        let of_rig = |(a, b): (&Vec<RgbaImage>, &Vec<RgbaImage>)| {
+            assert_eq!(a.len(), b.len(), "the same views");
+            assert!(!a.is_empty(), "at least one view");
+            a.par_iter().zip(b).map(of_pair).collect()
         };
-        PictureMeasurement {
-            overall: PictureScores::pooled(&per_view, |_, values| mean(values)),
-            worst: PictureScores::pooled(&per_view, worst),
-            per_view,
-        }
+        PictureMeasurement::of(self.0.iter().zip(&simplified.0).map(of_rig).collect())
     }
 }
 
@@ -262,8 +303,8 @@ mod tests {
     #[test]
     fn the_worst_view_stands_beside_the_mean() {
         let grey = |v| flat([v; 3]);
-        let original = Pictures(vec![grey(100), grey(100)]);
-        let simplified = Pictures(vec![grey(100), grey(200)]);
+        let original = Pictures(vec![vec![grey(100), grey(100)]]);
+        let simplified = Pictures(vec![vec![grey(100), grey(200)]]);
         let found = original.measure(&simplified);
         let ssim = |scores: &PictureScores| scores.get("ssim").unwrap();
         assert!((ssim(&found.worst) - 0.800_026).abs() < 1e-5);
@@ -271,6 +312,24 @@ mod tests {
         assert_eq!(found.per_view[0].get("flip_mean"), Some(0.0));
         let json = serde_json::to_value(&found).unwrap();
         assert_eq!(json["per_view"][0]["ssim"], 1.0);
+    }
+
+    /// One set looks the same, of the other one view of two: the mean is of the sets' means, the
+    /// worst is a set, and each set has its own worst view.
+    #[test]
+    fn sets_of_views_are_judged_one_by_one() {
+        let grey = |v| flat([v; 3]);
+        let original = Pictures(vec![vec![grey(100)], vec![grey(100), grey(100)]]);
+        let simplified = Pictures(vec![vec![grey(100)], vec![grey(100), grey(200)]]);
+        let found = original.measure(&simplified);
+        let ssim = |scores: &PictureScores| scores.get("ssim").unwrap();
+        assert!((ssim(&found.overall) - 0.95).abs() < 1e-3);
+        assert_eq!(found.worst, found.rigs[1].overall);
+        assert!((ssim(&found.rigs[1].worst) - 0.8).abs() < 1e-3);
+        assert_eq!(found.per_view.len(), 3);
+        let json = serde_json::to_value(&found).unwrap();
+        assert_eq!(json["rigs"][0]["flip_mean"], 0.0);
+        assert_eq!(json["rigs"][1]["per_view"][0]["ssim"], 1.0);
     }
 
     /// The middle of the view is the middle of the picture, and a surface at an

@@ -8,7 +8,8 @@ use secateur_plant::{MAX_LEAVES, Scheme};
 
 use super::grow_lod::Amount;
 use super::names::{
-    AlphaName, ClusterSizeName, EngineName, MeshoptModeName, MethodName, PresetName, ReferenceName,
+    AlphaName, ChainPresetName, ClusterSizeName, CornersName, EngineName, HausdorffName,
+    JudgingViewsName, MeshoptModeName, MethodName, MetricName, PresetName, ReferenceName,
     ResizeName, SidesName, TiesName, WoodName,
 };
 
@@ -37,8 +38,8 @@ pub(crate) enum Command {
     Simplify(Box<Simplify>),
     /// Make a chain of levels of detail for an engine, wood and leaves alike.
     Lods(Box<Lods>),
-    /// Judge a simplified tree against its original, from 12 views; by default the simplifier sees
-    /// none of them.
+    /// Judge a simplified tree against its original, from four sets of 12 views, none of them near
+    /// one that drives by default.
     Measure(Measure),
     /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
     Study(Study),
@@ -121,6 +122,9 @@ pub(crate) struct Measure {
     /// The simplified tree, .glb or .gltf.
     #[arg(value_name = "SIMPLIFIED.glb")]
     pub(crate) simplified: PathBuf,
+    /// Where to judge from.
+    #[arg(long, value_enum, default_value_t = JudgingViewsName::HeldOut)]
+    pub(crate) views: JudgingViewsName,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]
@@ -293,29 +297,29 @@ pub(crate) struct Simplify {
     pub(crate) foliage: Foliage,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
-    /// Whether holes of leaf textures count.
-    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
-    pub(crate) alpha: AlphaName,
-    /// From which sides leaves are seen.
-    #[arg(long, value_enum, default_value_t = SidesName::Material)]
-    pub(crate) sides: SidesName,
+    /// Whether holes of leaf textures count [default: mask; ignore for the paper's presets].
+    #[arg(long, value_enum)]
+    pub(crate) alpha: Option<AlphaName>,
+    /// From which sides leaves are seen [default: material; both for the paper's presets].
+    #[arg(long, value_enum)]
+    pub(crate) sides: Option<SidesName>,
     /// How leaves are chosen.
     #[arg(long, value_enum, default_value_t = MethodName::Vds)]
     pub(crate) method: MethodName,
     /// Where to rasterise; results are the same.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
-    /// Where to look from: dodecahedron (20 views), icosahedron (12, those that `measure`
-    /// judges by), 92, 8, 6, vnc (20 views,
+    /// Where to look from: dodecahedron (20 views), icosahedron (12), 92, 8, 6, vnc (20 views,
     /// later 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
     /// "fov_y_degrees", "near"}]}.
     #[arg(long, value_name = "VIEWS", default_value = "dodecahedron")]
     pub(crate) views: String,
     /// Width and height of the images in pixels: 1 to 2048, or auto: 256, more where the leaves
-    /// need it.
-    #[arg(long, value_name = "auto|N", default_value = "auto")]
-    pub(crate) resolution: Resolution,
-    /// What the result is for; the options below override what it sets.
+    /// need it [default: auto; 256 for the paper's presets].
+    #[arg(long, value_name = "auto|N")]
+    pub(crate) resolution: Option<Resolution>,
+    /// What the result is for; other options override what look and information set, and
+    /// contradict the paper's.
     #[arg(long, value_enum, default_value_t = PresetName::Look)]
     pub(crate) preset: PresetName,
     /// Whether to fit the sizes of the remaining leaves to the original at the end, in other
@@ -354,9 +358,9 @@ pub(crate) struct Simplify {
     pub(crate) ties: TiesName,
     /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
     /// `--triangles` fewer, so that as many leaves as possible stay, but of one with holes those
-    /// that show the same, or two; else all.
-    #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N", default_value = "auto")]
-    pub(crate) leaf_triangles: LeafTriangles,
+    /// that show the same, or two; else all [default: auto; keep for the paper's presets].
+    #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N")]
+    pub(crate) leaf_triangles: Option<LeafTriangles>,
     /// For methods that draw lots: which of them.
     #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -387,12 +391,21 @@ pub(crate) struct Simplify {
         value_parser = from_zero
     )]
     pub(crate) planarity_weight: f64,
+    /// fsa: which two corners each of two leaves gives to the one that takes their place.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = CornersName::Spread)]
+    pub(crate) corners: CornersName,
+    /// fsa: between what the distance of two leaves (of Hausdorff) is taken.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = HausdorffName::Corners)]
+    pub(crate) hausdorff: HausdorffName,
     /// meshopt: which of its simplifiers.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptModeName::Prune)]
     pub(crate) meshopt_mode: MeshoptModeName,
     /// meshopt: move the borders of what is left outwards, to give back lost area.
     #[arg(long, help_heading = OF_OTHERS)]
     pub(crate) preserve_area: bool,
+    /// chain: by what branches go, those with the least first.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MetricName::BranchingLength)]
+    pub(crate) branch_metric: MetricName,
     /// merge: how large clusters of leaves are.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = ClusterSizeName::Paper)]
     pub(crate) cluster_size: ClusterSizeName,
@@ -452,8 +465,8 @@ pub(crate) struct Lods {
     #[arg(long, value_enum, default_value_t = SidesName::Material)]
     pub(crate) sides: SidesName,
     /// What the leaves are simplified for.
-    #[arg(long, value_enum, default_value_t = PresetName::Look)]
-    pub(crate) preset: PresetName,
+    #[arg(long, value_enum, default_value_t = ChainPresetName::Look)]
+    pub(crate) preset: ChainPresetName,
     /// Where to rasterise; results are the same.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,

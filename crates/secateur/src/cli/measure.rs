@@ -4,6 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{AsDrawnMeasurement, Measurement, PictureMeasurement, Tree};
+use secateur_eval::measure::{Scores, VMI_ERROR_PERCENT};
+use secateur_eval::pictures::PictureScores;
 use serde_json::json;
 
 use super::args;
@@ -30,10 +32,11 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let (alpha, sides) = (args.alpha.into(), secateur::Sides::from(args.sides));
     let foliages =
         [&original, &simplified].map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
-    let measured =
-        secateur::measure(&foliages[0], &foliages[1]).map_err(Failure::about(&args.original))?;
+    let views = args.views.into();
+    let measured = secateur::measure_by(views, &foliages[0], &foliages[1])
+        .map_err(Failure::about(&args.original))?;
     interrupt::check()?;
-    let pictured = secateur::measure_pictures(&original, &simplified)
+    let pictured = secateur::measure_pictures_by(views, &original, &simplified)
         .map_err(Failure::about(&args.original))?;
     let drawn = match args.as_drawn {
         Some(width_px) => {
@@ -57,6 +60,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         "as_drawn": drawn,
         "alpha": text(args.alpha),
         "sides": text(args.sides),
+        "judged_by": text(args.views),
         "seconds": record::seconds(&[], total),
         "run": record::provenance("measure"),
     });
@@ -77,88 +81,97 @@ fn pretty(
     args: &args::Measure,
     leaves: [u64; 2],
 ) -> String {
-    let picture = |key: &str| format!("{:.4}", pictured.overall.get(key).unwrap_or(f64::NAN));
-    let row = |name: &str, value: String, what: &str| {
-        vec![format!("{name:<14}  {value:>10}"), what.to_owned()]
+    let sets = measured.rigs.len();
+    // The worst of several sets; of one, whose worst is a view, nothing.
+    let line = |name: &str, [mean, worst]: [String; 2], what: &str| match sets {
+        1 => format!("  {name:<14}  {mean:>10}   {what}\n"),
+        _ => format!("  {name:<14}  {mean:>10}  {worst:>10}   {what}\n"),
+    };
+    let of_foliage = |name: &str, key: &str, what: &str| {
+        let text = |scores: &Scores| match scores.get(key).unwrap_or(f64::NAN) {
+            percent if key == VMI_ERROR_PERCENT.key => format!("{percent:.2} %"),
+            value => format!("{value:.4}"),
+        };
+        line(name, [&measured.overall, &measured.worst].map(text), what)
+    };
+    let of_pictures = |name: &str, key: &str, what: &str| {
+        let text = |scores: &PictureScores| format!("{:.4}", scores.get(key).unwrap_or(f64::NAN));
+        line(name, [&pictured.overall, &pictured.worst].map(text), what)
     };
     let [before, after] = leaves.map(grouped);
-    let views = measured.views;
-    let side = measured.resolution;
-    let mut rows = vec![
-        row("leaves", after, &format!("of {before}")),
-        row(
+    let (each, side) = (measured.views / sets.max(1), measured.resolution);
+    let views = match sets {
+        1 => format!("{each} views of {side} x {side} pixels"),
+        _ => format!("{sets} sets of {each} views of {side} x {side} pixels: mean and worst set"),
+    };
+    let mut lines = vec![
+        line("leaves", [after, String::new()], &format!("of {before}")),
+        of_foliage(
             "VMI error",
-            format!("{:.2} %", measured.vmi_error_percent()),
+            "vmi_error_percent",
             "information lost, less is better",
         ),
-        row(
+        of_foliage(
             "silhouette IoU",
-            format!("{:.4}", measured.silhouette_iou()),
+            "silhouette_iou",
             "overlap of the outlines, 1 is best",
         ),
-        row(
+        of_foliage(
             "precision",
-            format!("{:.4}", measured.precision()),
+            "precision",
             "pixels of the result that the original has too",
         ),
-        row(
+        of_foliage(
             "recall",
-            format!("{:.4}", measured.recall()),
+            "recall",
             "pixels of the original that the result still has",
         ),
-        row(
+        of_foliage(
             "coverage",
-            format!("{:.4}", measured.coverage_ratio()),
+            "coverage_ratio",
             "pixels of the result over those of the original",
         ),
-        row(
-            "SSIM",
-            picture("ssim"),
-            "likeness of shaded pictures, 1 is best",
-        ),
-        row(
+        of_pictures("SSIM", "ssim", "likeness of shaded pictures, 1 is best"),
+        of_pictures(
             "FLIP",
-            picture("flip_mean"),
+            "flip_mean",
             "visible difference of shaded pictures, 0 is best",
         ),
     ];
     if let Some(drawn) = drawn {
         let at = format!("as clients draw it {} pixels wide", drawn.width_px);
-        rows.extend([
-            row(
-                "drawn coverage",
-                format!("{:.4}", drawn.coverage_over_truth),
-                &format!(
-                    "{at}, over the original's true coverage; the original itself: {:.4}",
-                    drawn.original_coverage_over_truth
-                ),
+        let mut row = |name: &str, value: String, what: String| {
+            lines.push(line(name, [value, String::new()], &what));
+        };
+        row(
+            "drawn coverage",
+            format!("{:.4}", drawn.coverage_over_truth),
+            format!(
+                "{at}, over the original's true coverage; the original itself: {:.4}",
+                drawn.original_coverage_over_truth
             ),
-            row(
-                "specks",
-                format!("{:.1}", drawn.specks_per_view),
-                &format!(
-                    "islands of up to 3 pixels in a view {at}; the original: {:.1}",
-                    drawn.original_specks_per_view
-                ),
+        );
+        row(
+            "specks",
+            format!("{:.1}", drawn.specks_per_view),
+            format!(
+                "islands of up to 3 pixels in a view {at}; the original: {:.1}",
+                drawn.original_specks_per_view
             ),
-            row(
-                "drawn FLIP",
-                format!("{:.4}", drawn.flip_mean),
-                &format!(
-                    "visible difference {at} from the truth; the original: {:.4}",
-                    drawn.original_flip_mean
-                ),
+        );
+        row(
+            "drawn FLIP",
+            format!("{:.4}", drawn.flip_mean),
+            format!(
+                "visible difference {at} from the truth; the original: {:.4}",
+                drawn.original_flip_mean
             ),
-        ]);
+        );
     }
-    // Explanations to the left, unlike numbers.
-    let lines: String = rows
-        .iter()
-        .map(|cells| format!("  {}   {}\n", cells[0], cells[1]))
-        .collect();
     format!(
-        "{} against {}, from {views} views of {side} x {side} pixels\n{lines}",
+        "{} against {}, from {views}\n{}",
         args.simplified.display(),
         args.original.display(),
+        lines.concat()
     )
 }

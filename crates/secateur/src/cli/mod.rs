@@ -1,6 +1,7 @@
 //! The command line: arguments in, an exit code out.
 
 mod args;
+mod contradiction;
 mod demo;
 mod escape;
 mod failure;
@@ -25,7 +26,7 @@ mod summary;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use args::{Cli, Command, Common};
 use failure::Failure;
@@ -33,7 +34,7 @@ use print::Printed;
 
 /// Runs the command that the process was called with.
 pub(crate) fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse().and_then(without_contradiction) {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version come this way too, with code 0.
@@ -48,6 +49,20 @@ pub(crate) fn main() -> ExitCode {
             log::error(&failure);
             ExitCode::from(1)
         }
+    }
+}
+
+/// What the parser can't see: options that are right alone, and wrong beside each other.
+fn without_contradiction(cli: Cli) -> Result<Cli, clap::Error> {
+    let sentence = match &cli.command {
+        Command::Simplify(args) => contradiction::contradiction(args),
+        _ => None,
+    };
+    match sentence {
+        Some(sentence) => {
+            Err(Cli::command().error(clap::error::ErrorKind::ArgumentConflict, sentence))
+        }
+        None => Ok(cli),
     }
 }
 

@@ -1,8 +1,9 @@
 //! Names on the command line for values of the library.
 
 use clap::ValueEnum;
-use secateur::{Alpha, Engine, Preset, Reference, Resize, Sides, Ties, WoodMode};
-use secateur_plant::ClusterSize;
+use secateur::{Alpha, Engine, JudgingViews, Preset, Reference, Resize, Sides, Ties, WoodMode};
+use secateur_plant::{ClusterSize, Metric};
+use secateur_simplify::fsa::{Corners, Hausdorff};
 use secateur_simplify::meshopt::Mode;
 
 /// An enum of names, each with what it says in `--help`, and the values they stand for.
@@ -62,6 +63,54 @@ names!(PresetName => Preset {
     Look,
     /// The least VMI error, at the price of a crown that gets too dense
     Information,
+    /// The paper as it is written: 20 views of 256 x 256, solid leaves, costs against the original,
+    /// growth by the cost in bits; options that say otherwise are refused
+    Paper,
+    /// The same where a leaf's growth is its cost over the largest of the step
+    PaperNormalised,
+    /// The same where a neighbour takes over all of the area
+    PaperFull,
+    /// The same where it does while the views have lost information
+    PaperDeficit,
+    /// The same where no leaf grows
+    PaperNone,
+});
+names!(
+/// What a chain for an engine can be for.
+ChainPresetName => Preset {
+    /// Pictures that look like the original: the crown stays as dense as it was
+    Look,
+    /// The least VMI error, at the price of a crown that gets too dense
+    Information,
+});
+names!(JudgingViewsName => JudgingViews {
+    /// Four sets of 12, none near a view that drives: the mean over the four, and the worst
+    HeldOut,
+    /// The paper's one set of 12, each 11 degrees from a view that drives
+    Icosahedron,
+});
+names!(CornersName => Corners {
+    /// Of the larger leaf those furthest from the middle of the other, of that those furthest from
+    /// these: no slivers
+    Spread,
+    /// Of both those furthest from the other leaf, as it is published
+    Furthest,
+});
+names!(HausdorffName => Hausdorff {
+    /// Of their corners
+    Corners,
+    /// Of their surfaces
+    Surface,
+});
+names!(MetricName => Metric {
+    /// How many branches grow from it
+    Children,
+    /// How many grow from it, from those, and so on
+    Descendants,
+    /// The longest way from its start to a tip
+    LongestPath,
+    /// Its length and that of all its descendants
+    BranchingLength,
 });
 names!(EngineName => Engine {
     /// A hardware GPU if there is one and the tree is large, else the CPU

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::{Inspection, Measurement, Objective, Options, StagedFiles, TakenFor, Written};
+use secateur::{
+    Inspection, Judging, Measurement, Objective, Options, StagedFiles, TakenFor, Written,
+};
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -106,6 +108,7 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
     let about = json!({
         "views": args.views,
         "view_count": result.views.len(),
+        "views_that_judge": driving_views_that_judge(run),
         "resolution": result.resolution,
         "resolution_reason": result.resolution_reason,
         "preset": options.preset,
@@ -122,6 +125,21 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
     let method = json!(options.method);
     let of_method = method.as_object().and_then(|named| named.values().next());
     joined(about, of_method.cloned().unwrap_or_default())
+}
+
+/// How many of the views that leaves were chosen or sized from are held-out views, by which
+/// `measure` judges.
+pub(crate) fn driving_views_that_judge(run: &Run<'_>) -> usize {
+    let options = run.options;
+    let is_driven = options.method.vds().is_some() || options.objective().is_some();
+    let foliage = run.subject.leaves();
+    let about = (foliage.bounding_sphere(), Judging::held_out(foliage));
+    let (Some(sphere), Ok(judging)) = about else {
+        return 0;
+    };
+    let sets = options.views.driving(sphere);
+    let counts = (sets.iter()).map(|set| judging.views_that_judge(set, sphere.centre));
+    if is_driven { counts.sum() } else { 0 }
 }
 
 /// `coverage`, or the weight of the outline.

@@ -127,10 +127,10 @@ pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
         method: method(args),
         engine: args.engine.into(),
         views: views(&args.views)?,
-        resolution: args.resolution,
-        alpha: args.alpha.into(),
-        sides: args.sides.into(),
-        leaf_triangles: args.leaf_triangles,
+        resolution: args.resolution.unwrap_or(options.resolution),
+        alpha: args.alpha.map_or(options.alpha, Into::into),
+        sides: args.sides.map_or(options.sides, Into::into),
+        leaf_triangles: args.leaf_triangles.unwrap_or(options.leaf_triangles),
         fit: args.fit,
         audit: args.audit || (options.audit && !args.no_audit),
         ..options
@@ -144,6 +144,8 @@ fn method(args: &args::Simplify) -> Method {
         MethodName::Fsa => Method::Fsa(FsaOptions {
             distance_weight: args.distance_weight,
             planarity_weight: args.planarity_weight,
+            corners: args.corners.into(),
+            hausdorff: args.hausdorff.into(),
         }),
         MethodName::Stochastic => Method::Stochastic(StochasticOptions {
             seed: args.seed,
@@ -153,7 +155,9 @@ fn method(args: &args::Simplify) -> Method {
             mode: args.meshopt_mode.into(),
             preserve_area: args.preserve_area,
         }),
-        MethodName::Chain => Method::Chain(ChainOptions::default()),
+        MethodName::Chain => Method::Chain(ChainOptions {
+            branch_metric: args.branch_metric.into(),
+        }),
         MethodName::Merge => Method::Merge(MergeOptions {
             cluster_size: args.cluster_size.into(),
         }),
@@ -313,6 +317,16 @@ fn fitted_to(objective: Objective) -> String {
     }
 }
 
+/// Whether `measure` looks from elsewhere than what drove the run.
+fn who_judges(run: &Run<'_>) -> String {
+    match record::driving_views_that_judge(run) {
+        0 => "`secateur measure` judges by others".to_owned(),
+        count => {
+            format!("`secateur measure` judges by {count} of them too, which flatters the result")
+        }
+    }
+}
+
 fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     let (result, written): (&Simplified, &Written) = (&run.outcome.result, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
@@ -365,7 +379,7 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     );
     let (views, side) = (result.views.len(), result.resolution);
     say("views", format!("{views} of {side} x {side} pixels"));
-    if args.resolution == Resolution::Auto {
+    if run.options.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }
     if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
@@ -374,8 +388,9 @@ fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
     say(
         "loss",
         format!(
-            "VMI error {} on these views; `secateur measure` judges by others",
-            percent(result.driving_error_percent())
+            "VMI error {} on these views; {}",
+            percent(result.driving_error_percent()),
+            who_judges(run)
         ),
     );
     say(

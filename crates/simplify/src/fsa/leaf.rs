@@ -5,6 +5,8 @@ use glam::DVec3;
 use secateur_model::{CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, NewLeaf, Place};
 use smallvec::SmallVec;
 
+use super::{Corners, Hausdorff};
+
 /// A corner of the foliage and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vertex {
@@ -24,6 +26,8 @@ struct Outline {
 pub(super) struct ActiveLeaf {
     /// Its corners, each place once.
     pub(super) vertices: SmallVec<[Vertex; 4]>,
+    /// Its triangles, where distances are to them.
+    surface: Vec<[DVec3; 3]>,
     /// Of length 1, or 0 where the leaf has no area. Either side.
     pub(super) normal: DVec3,
     pub(super) low: DVec3,
@@ -35,14 +39,16 @@ pub(super) struct ActiveLeaf {
     outline: Outline,
 }
 
-/// What the cost of a pair depends on: where the vertices are and the normal,
-/// either side. Leaves that have it in common cost the same to the last bit with
+/// What the cost of a pair depends on: where the vertices are, the normal,
+/// either side, and the surface where distances are to it. Leaves that have it in common cost the same to the last bit with
 /// any third leaf.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Shape {
     /// Bits, ascending, each place once.
     places: SmallVec<[[u64; 3]; 4]>,
     normal: [u64; 3],
+    /// Bits of its triangles, where distances are to them.
+    surface: Vec<[[u64; 3]; 3]>,
 }
 
 /// Leaves of more corners are compared by the outermost in 26 directions: that
@@ -50,7 +56,7 @@ pub(super) struct Shape {
 const MAX_VERTICES: usize = 26;
 
 impl ActiveLeaf {
-    pub(super) fn original(foliage: &Foliage, leaf: LeafId) -> Self {
+    pub(super) fn original(foliage: &Foliage, leaf: LeafId, hausdorff: Hausdorff) -> Self {
         let triangles = foliage.triangles_of(leaf);
         let vertices = outermost(distinct_corners(leaf, triangles));
         let normal = normal(triangles);
@@ -64,6 +70,10 @@ impl ActiveLeaf {
             area: foliage.leaf(leaf).area(),
             donor: leaf,
             facing: facing.unwrap_or(DVec3::ZERO),
+            surface: match hausdorff {
+                Hausdorff::Corners => Vec::new(),
+                Hausdorff::Surface => triangles.iter().map(|t| t.corners).collect(),
+            },
             outline,
             vertices,
         }
@@ -77,6 +87,7 @@ impl ActiveLeaf {
         Shape {
             places,
             normal: bits(self.normal).min(bits(-self.normal)),
+            surface: self.surface.iter().map(|t| t.map(bits)).collect(),
         }
     }
 
@@ -84,19 +95,40 @@ impl ActiveLeaf {
         0.5 * self.low + 0.5 * self.high
     }
 
-    /// The new leaf that takes the place of two: of each the two vertices that
-    /// are furthest from the other, in the order that encloses most. The larger
-    /// gives those furthest from the middle of the other, which gives those
-    /// furthest from these two: leaves that nearly coincide do not become a
-    /// sliver. It looks like the larger; of equals, the first.
-    pub(super) fn collapse(a: &Self, b: &Self) -> Self {
+    /// From a point to the nearest place of the leaf, squared.
+    pub(super) fn distance_squared(&self, point: DVec3, hausdorff: Hausdorff) -> f64 {
+        let distances: &mut dyn Iterator<Item = f64> = match hausdorff {
+            Hausdorff::Corners => &mut self
+                .vertices
+                .iter()
+                .map(|v| v.position.distance_squared(point)),
+            Hausdorff::Surface => &mut self
+                .surface
+                .iter()
+                .map(|triangle| point.distance_squared(nearest_in(triangle, point))),
+        };
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The new leaf that takes the place of two: of each two vertices, as `corners` says, in the
+    /// order that encloses most. It looks like the larger; of equals, the first.
+    pub(super) fn collapse(a: &Self, b: &Self, corners: Corners, hausdorff: Hausdorff) -> Self {
         let (own, other) = if b.area > a.area { (b, a) } else { (a, b) };
-        let middle = other.middle();
-        let [p, q] = furthest_two(own, |v| v.distance_squared(middle));
-        let [r, s] = furthest_two(other, |v| {
-            v.distance_squared(p.position)
-                .min(v.distance_squared(q.position))
-        });
+        let ([p, q], [r, s]) = match corners {
+            Corners::Spread => {
+                let middle = other.middle();
+                let [p, q] = furthest_two(own, |v| v.distance_squared(middle));
+                let of_other = furthest_two(other, |v| {
+                    v.distance_squared(p.position)
+                        .min(v.distance_squared(q.position))
+                });
+                ([p, q], of_other)
+            }
+            Corners::Furthest => (
+                furthest_two(own, |v| other.distance_squared(v, hausdorff)),
+                furthest_two(other, |v| own.distance_squared(v, hausdorff)),
+            ),
+        };
         let mut corners = [p, q, r, s];
         for turned in [[p, q, s, r], [p, r, q, s]] {
             if twice_area_of(&turned).length_squared() > twice_area_of(&corners).length_squared() {
@@ -111,6 +143,13 @@ impl ActiveLeaf {
             low,
             high,
             area: 0.5 * twice.length(),
+            surface: match hausdorff {
+                Hausdorff::Corners => Vec::new(),
+                Hausdorff::Surface => {
+                    let [a, b, c, d] = corners.map(|v| v.position);
+                    vec![[a, b, c], [a, c, d]]
+                }
+            },
             donor: own.donor,
             facing: own.facing,
             outline: Outline {
@@ -266,11 +305,35 @@ fn furthest_two(leaf: &ActiveLeaf, distance: impl Fn(DVec3) -> f64) -> [Vertex; 
     [first, by_distance.get(1).map_or(first, |v| v.1)]
 }
 
-/// From a point to the nearest vertex of a leaf, squared.
-pub(super) fn distance_squared(point: DVec3, leaf: &ActiveLeaf) -> f64 {
-    let distances = leaf
-        .vertices
-        .iter()
-        .map(|v| v.position.distance_squared(point));
-    distances.fold(f64::INFINITY, f64::min)
+/// The point of a triangle that is nearest to another: within it, on an edge or a corner. A
+/// triangle without area is its edges.
+fn nearest_in([a, b, c]: &[DVec3; 3], point: DVec3) -> DVec3 {
+    let normal = (b - a).cross(c - a);
+    let size = normal.length_squared();
+    if size > 0.0 {
+        let foot = point - normal * ((point - a).dot(normal) / size);
+        let is_inside =
+            |from: &DVec3, to: &DVec3| (*to - *from).cross(foot - *from).dot(normal) >= 0.0;
+        if is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
+            return foot;
+        }
+    }
+    let on_edges = [(a, b), (b, c), (c, a)].map(|(from, to)| nearest_on(*from, *to, point));
+    let [first, others @ ..] = on_edges;
+    others.into_iter().fold(first, |best, next| {
+        match next.distance_squared(point) < best.distance_squared(point) {
+            true => next,
+            false => best,
+        }
+    })
+}
+
+fn nearest_on(from: DVec3, to: DVec3, point: DVec3) -> DVec3 {
+    let along = to - from;
+    let length = along.length_squared();
+    if length > 0.0 {
+        from + along * ((point - from).dot(along) / length).clamp(0.0, 1.0)
+    } else {
+        from
+    }
 }

@@ -12,10 +12,12 @@
 //! cost(a, b) = w_d H(a, b) / L + w_p (1 - |n_a . n_b|)
 //! ```
 //!
-//! with H the Hausdorff distance of the two sets of vertices, L the square root
-//! of the mean area of an original leaf, and n unit normals (the second term is
-//! 1 where a leaf has no area). No vertex is new; the new leaf has the look of
-//! the larger of the two, all of its texture on the new outline.
+//! with H the Hausdorff distance of the two sets of vertices or of the two surfaces
+//! ([`Hausdorff`]), L the square root of the mean area of an original leaf, and n unit normals
+//! (the second term is 1 where a leaf has no area). No vertex is new: each leaf gives two, those
+//! furthest from the other leaf by the rule that the tool for LOD models of Ripolles et al.
+//! prints ([`Corners`] has another). The new leaf has the look of the larger of the two, all of
+//! its texture on the new outline.
 
 mod leaf;
 mod pairs;
@@ -28,8 +30,32 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::select::{Select, Selection, Steps, Task, refuse};
 
-use leaf::{ActiveLeaf, distance_squared};
+use leaf::{ActiveLeaf, Vertex};
 use pairs::Pairs;
+
+/// Which two corners a leaf gives to the new one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Corners {
+    /// The larger leaf those furthest from the middle of the other, the other those furthest from
+    /// these two: leaves that nearly coincide do not become a sliver.
+    #[default]
+    Spread,
+    /// Both those furthest from the other leaf, as it is published.
+    Furthest,
+}
+
+/// Between what the Hausdorff distance of two leaves is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hausdorff {
+    /// Their corners.
+    #[default]
+    Corners,
+    /// Their surfaces: from the corners of one to the triangles of the other, which is exact for
+    /// flat, convex leaves. A leaf through another's middle is near it, whatever its corners.
+    Surface,
+}
 
 /// What can be chosen about leaf collapse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,6 +64,22 @@ pub struct FsaOptions {
     pub distance_weight: f64,
     /// w_p: 0 or more and finite.
     pub planarity_weight: f64,
+    /// Which corners the new leaf has.
+    #[serde(default)]
+    pub corners: Corners,
+    /// What H is the distance of.
+    #[serde(default)]
+    pub hausdorff: Hausdorff,
+}
+
+impl FsaOptions {
+    /// With the corners that are published: those furthest from the other leaf.
+    pub fn published() -> Self {
+        Self {
+            corners: Corners::Furthest,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for FsaOptions {
@@ -45,6 +87,8 @@ impl Default for FsaOptions {
         Self {
             distance_weight: 1.0,
             planarity_weight: 1.0,
+            corners: Corners::default(),
+            hausdorff: Hausdorff::default(),
         }
     }
 }
@@ -90,7 +134,7 @@ pub fn simplify(
 ) -> Option<RemovalOrder> {
     let cost = Cost::new(foliage, options);
     let count = foliage.leaves().len();
-    let mut pairs = Pairs::new(foliage, cost);
+    let mut pairs = Pairs::new(foliage, cost, options.corners);
     let mut order = RemovalOrder::new(count as u32);
     while count - order.len() > leaves {
         let Some(pair) = pairs.cheapest() else {
@@ -118,6 +162,7 @@ pub fn simplify(
 struct Cost {
     per_distance: f64,
     planarity_weight: f64,
+    hausdorff: Hausdorff,
 }
 
 impl Cost {
@@ -137,6 +182,7 @@ impl Cost {
         Self {
             per_distance: distance / unit,
             planarity_weight: planarity,
+            hausdorff: options.hausdorff,
         }
     }
 
@@ -159,8 +205,8 @@ impl Cost {
 
     fn of(&self, a: &ActiveLeaf, b: &ActiveLeaf) -> f64 {
         let from = |a: &ActiveLeaf, b: &ActiveLeaf| {
-            let distances = a.vertices.iter().map(|v| distance_squared(v.position, b));
-            distances.fold(0.0, f64::max)
+            let distance = |v: &Vertex| b.distance_squared(v.position, self.hausdorff);
+            a.vertices.iter().map(distance).fold(0.0, f64::max)
         };
         self.of_distance(from(a, b).max(from(b, a))) + self.of_planes(a, b)
     }

@@ -9,7 +9,7 @@ use rstar::primitives::GeomWithData;
 use secateur_model::{Foliage, LeafId, NewLeaf};
 
 use super::leaf::{ActiveLeaf, Shape};
-use super::{Cost, SLACK};
+use super::{Corners, Cost, SLACK};
 
 /// A pair as the heap sorts it: cost bits (costs are not negative, so they sort
 /// as numbers do), lower and higher leaf index. The last is the group whose
@@ -50,6 +50,7 @@ type Site = GeomWithData<[f64; 3], u32>;
 /// newer leaf's group is for that pair.
 pub(super) struct Pairs {
     cost: Cost,
+    corners: Corners,
     leaves: Vec<Option<ActiveLeaf>>,
     group_of: Vec<u32>,
     groups: Vec<Group>,
@@ -60,15 +61,19 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    pub(super) fn new(foliage: &Foliage, cost: Cost) -> Self {
+    pub(super) fn new(foliage: &Foliage, cost: Cost, corners: Corners) -> Self {
         let count = foliage.leaves().len();
         let leaves: Vec<Option<ActiveLeaf>> = (0..count)
             .into_par_iter()
-            .map(|k| Some(ActiveLeaf::original(foliage, LeafId::from_index(k))))
+            .map(|k| {
+                let leaf = LeafId::from_index(k);
+                Some(ActiveLeaf::original(foliage, leaf, cost.hausdorff))
+            })
             .collect();
         let shapes: Vec<Shape> = leaves.par_iter().flatten().map(ActiveLeaf::shape).collect();
         let mut pairs = Self {
             cost,
+            corners,
             leaves,
             group_of: Vec::with_capacity(count),
             groups: Vec::new(),
@@ -122,7 +127,7 @@ impl Pairs {
     /// Puts the new leaf in the place of the two.
     pub(super) fn collapse(&mut self, pair: Pair) -> NewLeaf {
         let [first, second] = [pair.a, pair.b].map(|k| self.take(k));
-        let new = ActiveLeaf::collapse(&first, &second);
+        let new = ActiveLeaf::collapse(&first, &second, self.corners, self.cost.hausdorff);
         let made = new.new_leaf();
         self.insert(new);
         self.look_again(pair.owner);

@@ -35,7 +35,10 @@ fn by_all_pairs(foliage: &Foliage, leaves: usize, options: &FsaOptions) -> Remov
     let cost = Cost::new(foliage, options);
     let count = foliage.leaves().len();
     let mut active: Vec<Option<ActiveLeaf>> = (0..count)
-        .map(|k| Some(ActiveLeaf::original(foliage, LeafId::from_index(k))))
+        .map(|k| {
+            let leaf = LeafId::from_index(k);
+            Some(ActiveLeaf::original(foliage, leaf, options.hausdorff))
+        })
         .collect();
     let mut order = RemovalOrder::new(count as u32);
     while count - order.len() > leaves.max(1) {
@@ -50,7 +53,7 @@ fn by_all_pairs(foliage: &Foliage, leaves: usize, options: &FsaOptions) -> Remov
             }
         }
         let [a, b] = [best.1, best.2].map(|k| active[k].take().unwrap());
-        let new = ActiveLeaf::collapse(&a, &b);
+        let new = ActiveLeaf::collapse(&a, &b, options.corners, options.hausdorff);
         order.push_step(Step {
             removed: &[best.1, best.2].map(LeafId::from_index),
             grown: &[],
@@ -115,6 +118,90 @@ fn leaves_that_nearly_coincide_become_a_leaf_of_their_size() {
     let left = Lod::after(&order, 1).foliage(&foliage);
     let area = left.leaves()[0].area();
     assert!((area - 1.01).abs() < 1e-3, "{area}");
+}
+
+/// The same two by the published rule: in a view along z all four corners of each are as far from
+/// the other leaf as its nearest corner, the two on the left of the left one .01 from the other's
+/// left edge and those on the right of the right one likewise. So each gives its first two, which
+/// lie beside each other, and a sliver is what is left.
+#[test]
+fn the_published_rule_makes_slivers_of_leaves_that_nearly_coincide() {
+    let step = DVec3::new(0.01, 0.0, 0.001);
+    let foliage = foliage(&[unit_square(DVec3::ZERO), unit_square(step)]);
+    let order = run(&foliage, 1, &FsaOptions::published());
+    let left = Lod::after(&order, 1).foliage(&foliage);
+    let area = left.leaves()[0].area();
+    assert!(area < 0.02, "{area}");
+}
+
+/// A square of side 1, and one of side 3 beneath it whose left edge is under the square's. From
+/// the other's middle (1.5 to the right) the square's left corners are furthest; from the other's
+/// corners the right ones are, which are 2 from its right edge and no less than 1 from its left.
+#[test]
+fn furthest_is_from_the_other_leaf_and_not_from_its_middle() {
+    let large =
+        quad([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]].map(|[x, y]| DVec3::new(x, y, -0.1)));
+    let foliage = foliage(&[unit_square(DVec3::ZERO), large]);
+    let places = |corners| {
+        let options = FsaOptions {
+            corners,
+            ..FsaOptions::default()
+        };
+        let order = run(&foliage, 1, &options);
+        let made = order.steps().next().unwrap().made[0].clone();
+        let of_square = made
+            .triangles
+            .iter()
+            .flatten()
+            .filter_map(|c| match c.place {
+                Place::Of(at) if at.leaf.get() == 1 => Some(at),
+                _ => None,
+            });
+        let at = |c: secateur_model::CornerRef| {
+            let triangles = foliage.triangles_of(c.leaf);
+            triangles[c.corner as usize / 3].corners[c.corner as usize % 3]
+        };
+        let mut places: Vec<[i32; 2]> = of_square
+            .map(at)
+            .map(|p| [p.x as i32, p.y as i32])
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    };
+    // (1, 1) is the square root of 2 from the corner at 0, 0; (1, 0) and (0, 1) are 1 from it.
+    assert_eq!(places(Corners::Furthest), [[1, 0], [1, 1]]);
+    assert_ne!(places(Corners::Spread), places(Corners::Furthest));
+}
+
+/// A unit square .1 above the middle of one of side 9: no corner of the large one is near, but its
+/// surface is. From the square's corners it is .1 away, from the large one's it is
+/// sqrt(4^2 + 4^2 + .1^2) either way; from the square's corners to the large one's corners
+/// sqrt(5^2 + 4^2 + .1^2) at most and sqrt(4^2 + 4^2 + .1^2) at least.
+#[test]
+fn a_surface_is_near_where_its_corners_are_not() {
+    let large = quad(
+        [[-4.0, -4.0], [5.0, -4.0], [5.0, 5.0], [-4.0, 5.0]].map(|[x, y]| DVec3::new(x, y, -0.1)),
+    );
+    let leaf = |triangles: [LeafTriangle; 2]| {
+        let foliage = foliage(&[triangles]);
+        ActiveLeaf::original(&foliage, LeafId::from_index(0), Hausdorff::Surface)
+    };
+    let (square, large) = (leaf(unit_square(DVec3::ZERO)), leaf(large));
+    let corner = DVec3::ZERO;
+    let squared = |of, hausdorff| ActiveLeaf::distance_squared(of, corner, hausdorff);
+    assert!((squared(&large, Hausdorff::Surface) - 0.01).abs() < 1e-12);
+    assert!((squared(&large, Hausdorff::Corners) - 32.01).abs() < 1e-12);
+    // Over an edge, beyond a corner, and in the middle of the other triangle.
+    for (point, nearest) in [
+        ([0.5, -2.0, 0.0], 2.0),
+        ([4.0, 5.0, 0.0], 5.0),
+        ([0.25, 0.75, -3.0], 3.0),
+    ] {
+        let point = DVec3::from(point);
+        let found = square.distance_squared(point, Hausdorff::Surface).sqrt();
+        assert!((found - nearest).abs() < 1e-12, "{point}: {found}");
+    }
 }
 
 /// Two squares in one plane, 2 apart, against two that are 1 apart at right
@@ -219,16 +306,26 @@ proptest! {
     fn it_is_the_greedy_choice_among_all_pairs(
         foliage in any_foliage(),
         planarity_weight in prop::sample::select(vec![0.0, 1.0, 5.0]),
+        corners in prop::sample::select(vec![Corners::Spread, Corners::Furthest]),
+        hausdorff in prop::sample::select(vec![Hausdorff::Corners, Hausdorff::Surface]),
     ) {
-        let options = FsaOptions { planarity_weight, ..FsaOptions::default() };
+        let options = FsaOptions {
+            planarity_weight,
+            corners,
+            hausdorff,
+            ..FsaOptions::default()
+        };
         prop_assert_eq!(run(&foliage, 1, &options), by_all_pairs(&foliage, 1, &options));
     }
 
     #[test]
-    fn bounds_are_bounds(foliage in any_foliage()) {
-        let cost = Cost::new(&foliage, &FsaOptions::default());
+    fn bounds_are_bounds(
+        foliage in any_foliage(),
+        hausdorff in prop::sample::select(vec![Hausdorff::Corners, Hausdorff::Surface]),
+    ) {
+        let cost = Cost::new(&foliage, &FsaOptions { hausdorff, ..FsaOptions::default() });
         let leaves: Vec<ActiveLeaf> = (0..foliage.leaves().len())
-            .map(|k| ActiveLeaf::original(&foliage, LeafId::from_index(k)))
+            .map(|k| ActiveLeaf::original(&foliage, LeafId::from_index(k), hausdorff))
             .collect();
         for (a, b) in leaves.iter().flat_map(|a| leaves.iter().map(move |b| (a, b))) {
             prop_assert!(cost.at_least(a, b) <= cost.of(a, b));
@@ -241,7 +338,7 @@ proptest! {
     /// No vertex is new, and every corner names one.
     #[test]
     fn corners_are_corners_of_the_foliage(foliage in any_foliage()) {
-        let order = run(&foliage, 1, &FsaOptions::default());
+        let order = run(&foliage, 1, &FsaOptions::published());
         for made in order.steps().flat_map(|step| step.made) {
             let references = made.triangles.iter().flatten();
             prop_assert!(references.clone().all(|c| matches!(c.place, Place::Of(_))));

@@ -17,4 +17,4 @@ mod ties;
 pub use methods::{Fast, Literal};
 pub use options::{Reference, Resize, Ties, VdsOptions, VdsRun, ViewPlan};
 pub use outcome::{Progress, VdsError, VdsOutcome};
-pub(crate) use phases::final_views;
+pub(crate) use phases::{final_views, variable};

@@ -1,6 +1,6 @@
 //! The view sets that a run goes through.
 
-use secateur_model::Foliage;
+use secateur_model::{BoundingSphere, Foliage};
 use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, ViewSet};
 
 use super::{VdsError, VdsOptions, VdsRun, ViewPlan};
@@ -18,6 +18,17 @@ pub(crate) fn phases(run: &VdsRun, foliage: &Foliage) -> Result<Vec<Phase>, VdsE
     check_options(&run.options)?;
     let fewest = run.target.fewest_leaves(foliage);
     phases_down_to(&run.views, run.resolution, foliage.leaves().len(), fewest)
+}
+
+/// The paper's variable number of views, and the per cent of the leaves that are gone when each
+/// set ends. Its icosahedron is one that judges nothing.
+pub(crate) fn variable(sphere: BoundingSphere) -> [(ViewSet, usize); 4] {
+    [
+        (ViewSet::dodecahedron(sphere), 10),
+        (ViewSet::driving_icosahedron(sphere), 30),
+        (ViewSet::cube(sphere), 50),
+        (ViewSet::octahedron(sphere), 100),
+    ]
 }
 
 fn check_options(options: &VdsOptions) -> Result<(), VdsError> {
@@ -44,14 +55,8 @@ fn phases_down_to(
             leaves_at_end: target,
         }],
         ViewPlan::Variable(sphere) => {
-            let stretches = [
-                (ViewSet::dodecahedron(*sphere), 10),
-                (ViewSet::icosahedron(*sphere), 30),
-                (ViewSet::cube(*sphere), 50),
-                (ViewSet::octahedron(*sphere), 100),
-            ];
             let mut phases: Vec<Phase> = Vec::new();
-            for (views, percent) in stretches {
+            for (views, percent) in variable(*sphere) {
                 let leaves_at_end = (leaf_count - leaf_count * percent / 100).max(target);
                 phases.push(Phase {
                     views,
@@ -112,7 +117,6 @@ fn check(views: &ViewSet, resolution: u32) -> Result<(), VdsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur_model::BoundingSphere;
 
     #[test]
     fn the_variable_plan_has_the_papers_ranges() {

@@ -77,6 +77,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Foliage simplification study</title>\n<style>\n{}</style>\n</head>\n<body>\n<h1>Foliage simplification study</h1>\n",
         include_str!("page.css")
     );
+    page.who_judged(&mut html);
     if !given.is_empty() {
         page.summary(&mut html);
         page.who_is_beaten(&mut html);
@@ -89,7 +90,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     page.failures(&mut html);
     page.paper(&mut html);
     page.trees(&mut html);
-    page.per_view(&mut html);
+    page.per_set(&mut html);
     page.provenance(&mut html);
     let _ = write!(
         html,
@@ -150,10 +151,22 @@ impl Page<'_> {
         labels
     }
 
+    /// Above all figures: which views they are from, and which methods knew them.
+    fn who_judged(&self, html: &mut String) {
+        let rows = self.study.rows;
+        if rows.is_empty() {
+            return;
+        }
+        let _ = writeln!(html, "<p>{}</p>", escaped(&held_out::who_judged(rows)));
+        if let Some(note) = held_out::note_of(rows) {
+            let _ = writeln!(html, "<p><strong>{}</strong></p>", escaped(&note));
+        }
+    }
+
     fn summary(&self, html: &mut String) {
         let _ = write!(
             html,
-            "<h2>Summary</h2>\n<p>Means over {} ({}) from the 12 judging views; the best of each column is marked. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
+            "<h2>Summary</h2>\n<p>Means over {} ({}) ; the best of each column is marked, and the worst set of judging views stands beside it in small. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
             trees(trees_of(self.given).len()),
             escaped(&trees_of(self.given).join(", "))
         );
@@ -164,12 +177,8 @@ impl Page<'_> {
                 table.html()
             );
         }
-        let rows = self.study.rows;
-        for note in [shares::note_of(rows), held_out::note_of(rows)]
-            .iter()
-            .flatten()
-        {
-            let _ = writeln!(html, "<p>{}</p>", escaped(note));
+        if let Some(note) = shares::note_of(self.study.rows) {
+            let _ = writeln!(html, "<p>{}</p>", escaped(&note));
         }
         for level in levels(self.given) {
             let rows = self.at(level);
@@ -203,7 +212,7 @@ impl Page<'_> {
                 let _ = write!(
                     html,
                     "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
-                    escaped(&point.label),
+                    escaped(&point.shown()),
                     duration(point.seconds),
                     memory(point.peak_rss_bytes),
                     overlap_of(point.kept_overlap)
@@ -214,11 +223,12 @@ impl Page<'_> {
                     } else {
                         ""
                     };
-                    let worst = number(points[k].worst, column);
+                    let point = &points[k];
+                    let [mean, beside, worst] = [point.mean, point.mean_of_worst, point.worst]
+                        .map(|value| number(value, column));
                     let _ = write!(
                         html,
-                        "<td{class} title=\"worst view {worst}\">{}</td>",
-                        number(points[k].mean, column)
+                        "<td{class} title=\"worst of any tree {worst}\">{mean} <small>{beside}</small></td>",
                     );
                 }
                 *html += "</tr>\n";
@@ -254,12 +264,12 @@ impl Page<'_> {
         }
     }
 
-    fn per_view(&self, html: &mut String) {
-        *html += "<h2>Each view</h2>\n";
+    fn per_set(&self, html: &mut String) {
+        *html += "<h2>Each set of views</h2>\n";
         for tree in self.trees_of() {
             let _ = write!(
                 html,
-                "<details><summary>{}</summary>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>leaves</th><th>view</th>",
+                "<details><summary>{}</summary>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>leaves</th><th>set</th>",
                 escaped(tree)
             );
             for column in COLUMNS.iter() {
@@ -271,7 +281,11 @@ impl Page<'_> {
                 .iter()
                 .filter(|row| row.tree == tree && row.change.is_empty())
             {
-                for (values, view) in row.per_view.iter().zip(1..) {
+                let sets = match row.rigs.is_empty() {
+                    true => std::slice::from_ref(&row.values),
+                    false => &row.rigs[..],
+                };
+                for (values, view) in sets.iter().zip(1..) {
                     let _ = write!(
                         html,
                         "<tr><td>{}</td><td>{}</td><td>{view}</td>",
@@ -301,7 +315,7 @@ impl Page<'_> {
         };
         let _ = write!(
             html,
-            "<p>secateur {}, commit {}, on {}; leaves drawn by: {}.</p>\n<p>Views that judge: the 12 vertices of an icosahedron about the original, 512 x 512 for counts, 256 x 256 of four samples a pixel for shaded pictures.</p>\n<details><summary>Commands</summary><pre>",
+            "<p>secateur {}, commit {}, on {}; leaves drawn by: {}.</p>\n<p>Pictures for SSIM and FLIP are 256 x 256 of four samples a pixel, from the judging views.</p>\n<details><summary>Commands</summary><pre>",
             of(|row| row.version.clone()),
             of(|row| row.commit.clone()),
             of(|row| row.machine.clone()),

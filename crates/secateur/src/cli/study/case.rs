@@ -8,6 +8,7 @@ use secateur::{Memory, Views};
 use secateur_study::{Case, LevelOf};
 
 use super::super::args::{self, Cli, Command};
+use super::super::contradiction::contradiction;
 use super::super::failure::Failure;
 use super::super::simplify;
 
@@ -47,6 +48,9 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
     };
     if let Some(option) = option_of_the_study(&args, &cli.common) {
         return Err(is_no_case(&format!("`{option}` is not for cases")));
+    }
+    if let Some(sentence) = contradiction(&args) {
+        return Err(is_no_case(&sentence));
     }
     let options = simplify::options(&args).map_err(|e| is_no_case(&e))?;
     let case = Case::new(options.clone(), level_of);
@@ -99,6 +103,10 @@ mod tests {
             "vds --max-coverage none --neighbours 4 --ties spread --views icosahedron",
             "vds-reference --views 92 --resolution 64 --engine cpu --alpha ignore",
             "fsa --distance-weight 0.25 --planarity-weight 0 --views 20",
+            "fsa --corners furthest --hausdorff surface",
+            "vds --preset paper --views vnc",
+            "vds --preset paper-normalised --resolution 256 --engine cpu",
+            "chain --branch-metric longest-path",
             "stochastic --seed 7 --area-weight 0.5",
             "meshopt --meshopt-mode sloppy --preserve-area --fit=coverage",
             "merge --cluster-size area",
@@ -132,6 +140,12 @@ mod tests {
             ),
             ("meshopt --fit --preserve-area", "preserve-area fit"),
             ("merge --cluster-size area", "cluster-size area"),
+            ("fsa --hausdorff surface", "hausdorff surface"),
+            ("chain --branch-metric children", "branch-metric children"),
+            (
+                "vds --preset paper --alpha ignore --resolution 256 --resize literal",
+                "preset paper",
+            ),
         ] {
             assert_eq!(parse(text).unwrap().setting(), setting, "{text}");
         }
@@ -160,6 +174,8 @@ mod tests {
             "vds --memory 1G",
             "vds --views no.json",
             "vds -q",
+            "vds --preset paper --resolution 512",
+            "fsa --preset paper",
         ] {
             let failure = parse(text).unwrap_err().to_string();
             assert!(!failure.contains('\n'), "{failure}");

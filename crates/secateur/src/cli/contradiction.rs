@@ -1,0 +1,59 @@
+//! Options that contradict the preset they stand beside.
+
+use secateur::{Fitting, LeafTriangles, Preset, Resolution, Views};
+
+use super::args::{MaxCoverage, Simplify};
+use super::names::{AlphaName, MethodName, ReferenceName, TiesName, text};
+
+/// Why a paper's preset can't be what it says, a sentence; nothing where all agrees. Other presets
+/// are where options begin, and may be changed.
+pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
+    let preset = Preset::from(args.preset);
+    if !preset.is_paper() {
+        return None;
+    }
+    let resize = args.resize.map(secateur::Resize::from);
+    let is_vds = matches!(args.method, MethodName::Vds | MethodName::VdsReference);
+    // The paper itself compares these three.
+    let views = Views::by_name(&args.views);
+    let is_papers = matches!(
+        views,
+        Some(Views::Dodecahedron | Views::Icosahedron | Views::Variable)
+    );
+    let others = [
+        ("--method", !is_vds),
+        ("--views", !is_papers),
+        (
+            "--resolution",
+            args.resolution
+                .is_some_and(|r| r != Resolution::Pixels(256)),
+        ),
+        ("--alpha", args.alpha == Some(AlphaName::Mask)),
+        (
+            "--reference",
+            args.reference == Some(ReferenceName::Previous),
+        ),
+        (
+            "--resize",
+            resize.is_some_and(|resize| resize != preset.vds().resize),
+        ),
+        ("--neighbours", args.neighbours != 1),
+        (
+            "--max-coverage",
+            matches!(args.max_coverage, Some(MaxCoverage(Some(_)))),
+        ),
+        ("--ties", args.ties == TiesName::Spread),
+        (
+            "--leaf-triangles",
+            args.leaf_triangles
+                .is_some_and(|t| t != LeafTriangles::Keep),
+        ),
+        ("--fit", !matches!(args.fit, Fitting::Auto | Fitting::None)),
+    ];
+    let (option, _) = others.into_iter().find(|(_, is_other)| *is_other)?;
+    let name = text(args.preset);
+    Some(format!(
+        "`{option}` contradicts `--preset {name}`, which is the paper's in all that it chooses: \
+         leave one of them out"
+    ))
+}
