@@ -65,6 +65,8 @@
 //! # Rules of the reader
 //! - Every number of the file is checked before it is used, and nothing is
 //!   allocated that the file's own size (or a stated limit) doesn't cover.
+//! - What the file and its images take is reckoned before it is taken, and keeps
+//!   to the memory that the file was opened with.
 //! - World positions are f64: the file's f32 (or dequantised) position times
 //!   the product of the node matrices. Where that product is the identity they
 //!   are the file's own numbers.
