@@ -145,14 +145,14 @@ fn the_look_is_the_default_and_information_a_preset() {
         &["--triangles", "0.1", "--wood", "ignore"][..],
         &["--ratio", "0.1"],
     ] {
-        let default = run(&bench, "default.glb", &target);
+        let default = run(&bench, "default.glb", target);
         let look = run(
             &bench,
             "look.glb",
-            &[&target[..], &["--preset", "look"]].concat(),
+            &[target, &["--preset", "look"]].concat(),
         );
         let information = ["--preset", "information"];
-        let other = run(&bench, "other.glb", &[&target[..], &information].concat());
+        let other = run(&bench, "other.glb", &[target, &information].concat());
         for key in ["order_sha256", "areas_sha256", "settings"] {
             assert_eq!(default[key], look[key], "{key}");
         }

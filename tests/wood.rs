@@ -89,7 +89,8 @@ fn targets_of_leaves_leave_the_wood_alone_unless_it_is_said() {
         assert_eq!(counts(&auto, "leaves"), [OAK_LEAVES, OAK_LEAVES / 4]);
         let wood = counts(&auto, "wood_triangles");
         assert!(wood[1] > 0 && 4 * wood[1] < wood[0], "{wood:?}");
-        assert_eq!(auto["order_sha256"], ignored["order_sha256"]);
+        // Wood hides leaves where it is looked at.
+        assert_ne!(auto["order_sha256"], ignored["order_sha256"]);
     }
 }
 
