@@ -20,6 +20,17 @@ fn triangles_of(path: &Path) -> u64 {
     Tree::open(path, &[]).unwrap().triangle_count()
 }
 
+/// Of all that is drawn.
+fn height_of(path: &Path) -> f64 {
+    let surfaces = Document::open(path).unwrap().surfaces(&[]).unwrap();
+    let ys = || {
+        surfaces
+            .iter()
+            .flat_map(|(s, _)| s.positions.iter().map(|p| p.y))
+    };
+    ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min)
+}
+
 #[test]
 fn a_chain_has_the_triangles_that_were_asked_for_wood_and_leaves_alike() {
     let bench = Bench::new();
@@ -111,6 +122,62 @@ fn the_default_chain_keeps_the_difference_where_it_can() {
 }
 
 #[test]
+fn each_distance_gets_the_fewest_triangles_within_the_difference_at_its_height() {
+    let bench = Bench::new();
+    let height = height_of(&bench.path("oak.glb"));
+    let lods = [
+        "lods",
+        "oak.glb",
+        "-o",
+        "chain",
+        "--distances",
+        "5,20,21,80",
+        "--fov",
+        "60",
+        "--screen-height",
+        "1080",
+        "--max-flip",
+        "0.05",
+        "--report",
+        "r.json",
+        "--preview",
+        "oak.html",
+    ];
+    bench.run(&lods).succeeded();
+    let record = bench.json("r.json");
+    let made = levels(&record);
+    let asked = [5.0, 20.0, 21.0, 80.0];
+    let mut before = f64::INFINITY;
+    for level in made {
+        let number = |key: &str| level[key].as_f64().unwrap();
+        assert!(asked.iter().any(|d| (d - number("distance")).abs() < 1e-9));
+        // 1080 pixels see 2 tan(30 degrees) of the distance.
+        let pixels = 1080.0 * height / (2.0 * number("distance") * 30f64.to_radians().tan());
+        assert!(
+            (number("pixels_high") / pixels - 1.0).abs() < 1e-6,
+            "{level}"
+        );
+        assert!(number("flip_mean") <= 0.05, "{level}");
+        let triangles = number("triangles");
+        assert!(triangles <= before * 2.0 / 3.0, "saves a third: {level}");
+        before = triangles;
+    }
+    // 21 m is too near 20 m for a level of its own, which is said.
+    let notes = record["notes"].as_array().unwrap();
+    let says = |note: &Value| note.as_str().unwrap().contains("no level begins at 21 m");
+    assert!(notes.iter().any(says), "{notes:?}");
+    let left_out = notes
+        .iter()
+        .filter(|note| note.as_str().unwrap().starts_with("no level begins"));
+    assert_eq!(made.len() + left_out.count(), asked.len(), "{notes:?}");
+    // Each is drawn down to where the next begins.
+    for pair in made.windows(2) {
+        let next = pair[1]["pixels_high"].as_f64().unwrap() / 1080.0;
+        assert!((pair[0]["screen_coverage"].as_f64().unwrap() - next).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn levels_of_msft_have_falling_coverages() {
     let bench = Bench::new();
     let lods = [
@@ -167,6 +234,13 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     lods(&["--levels", "1.5"]).misused_saying(&["from 0 to 1"]);
     lods(&["--levels", "0.5", "--triangles", "9"]).misused_saying(&["cannot be used with"]);
     lods(&["--max-flip", "0"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "20,5"]).misused_saying(&["distances must rise"]);
+    lods(&["--distances", "5,5"]).misused_saying(&["distances must rise"]);
+    lods(&["--distances", "0,5"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "-5"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "5,inf"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "5", "--levels", "0.5"]).misused_saying(&["cannot be used with"]);
+    lods(&["--screen-height", "0"]).misused_saying(&["above 0"]);
     lods(&["--fov", "180"]).misused_saying(&["from 1 to 179"]);
     let into_file = ["lods", "oak.glb", "-o", "x.glb", "--layout", "files"];
     bench

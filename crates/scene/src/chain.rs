@@ -25,10 +25,15 @@ const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 /// Every how many of the held-out views a picture is taken from.
 const VIEW_STEP: usize = 2;
 
-/// The shares of all triangles among which levels for heights are sought.
-const LADDER: [f64; 14] = [
-    0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03, 0.022, 0.015, 0.011, 0.0075,
+/// The shares of all triangles among which levels for heights are sought. The first is the tree as
+/// it is, for heights at which nothing less will do.
+const LADDER: [f64; 15] = [
+    1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03, 0.022, 0.015, 0.011, 0.0075,
 ];
+
+/// A level that is sought has at most this share of the triangles of the one before it: to switch
+/// for less would not pay.
+const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
 
 /// Heights on the screen for which levels are made where nothing else is asked for.
 pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
@@ -44,6 +49,8 @@ pub enum Wanted {
     /// For each of these heights on the screen in pixels, the largest first, the fewest triangles
     /// within the difference.
     Heights(Vec<f64>),
+    /// The same for these distances in units of the file (metres), the nearest first.
+    Distances(Vec<f64>),
 }
 
 /// How a chain is made.
@@ -143,12 +150,31 @@ impl ChainOptions {
                 )
             }
             Wanted::Heights(heights) => (heights.len(), heights.windows(2).all(|w| w[0] > w[1])),
+            Wanted::Distances(distances) => {
+                (distances.len(), distances.windows(2).all(|w| w[0] < w[1]))
+            }
         };
+        let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
+        if let Wanted::Heights(all) | Wanted::Distances(all) = &self.wanted
+            && !all.iter().all(|x| is_above_zero(*x))
+        {
+            return refused("heights and distances of levels must be above 0");
+        }
+        if !is_above_zero(self.screen.height_px) {
+            return refused("a screen must be higher than 0 pixels");
+        }
+        let degrees = self.screen.field_of_view_degrees;
+        if !(is_above_zero(degrees) && degrees < 180.0) {
+            return refused("a field of view must be above 0 and below 180 degrees");
+        }
         match (count, falls) {
             (0, _) => refused("a chain needs at least one level"),
             (count, _) if count > MAX_LEVELS => Err(ChainError::Wanted(format!(
                 "{count} levels were asked for: a chain has at most {MAX_LEVELS}"
             ))),
+            (_, false) if matches!(self.wanted, Wanted::Distances(_)) => {
+                refused("distances must rise: each level is farther off than the one before")
+            }
             (_, false) => {
                 refused("levels go from fine to coarse: each must be less than the one before")
             }
@@ -190,17 +216,21 @@ pub fn chain(
                 made.push((level, height, flip));
             }
         }
-        Wanted::Heights(heights) => {
+        Wanted::Heights(_) | Wanted::Distances(_) => {
             let mut known: Vec<Option<Made>> = vec![None; LADDER.len()];
             let mut first = 0;
-            for &height in heights {
+            for (height, place) in maker.heights() {
                 let rung = maker.rung_for(height, first, &mut known, observer)?;
                 let level = known[rung]
                     .clone()
                     .unwrap_or_else(|| unreachable!("it was judged"));
-                if is_no_less(&level, made.last().map(|(level, ..)| level), maker.all) {
+                if let Some((before, ..)) = made.last()
+                    && level.triangles() as f64 > MOST_OF_BEFORE * before.triangles() as f64
+                {
                     notes.push(format!(
-                        "no level begins at {height} pixels: the one before is the lightest within the difference"
+                        "no level begins at {place}: the lightest within the difference has {} triangles, which saves less than a third of the {} before",
+                        level.triangles(),
+                        before.triangles()
                     ));
                     continue;
                 }
@@ -316,6 +346,25 @@ impl<'a> Maker<'a> {
             level,
             lod,
         })
+    }
+
+    /// The heights that levels are sought for, and where each is, in words.
+    fn heights(&self) -> Vec<(f64, String)> {
+        match &self.options.wanted {
+            Wanted::Triangles(_) => Vec::new(),
+            Wanted::Heights(heights) => {
+                let words = |height: &f64| (*height, format!("{height} pixels"));
+                heights.iter().map(words).collect()
+            }
+            Wanted::Distances(distances) => {
+                let screen = self.options.screen;
+                let words = |distance: &f64| {
+                    let pixels_high = screen.pixels_high(self.height, *distance);
+                    (pixels_high, format!("{distance} m"))
+                };
+                distances.iter().map(words).collect()
+            }
+        }
     }
 
     /// Mean FLIP of a level when the screen shows the plant so many pixels high.

@@ -146,6 +146,10 @@ impl Pictures {
         Self::of_size(surfaces, views, Self::RESOLUTION)
     }
 
+    /// Samples along a side: of smaller pictures each pixel is the mean of more, as far as the
+    /// rasteriser goes. What is far off would else be judged by which leaf a sample happens to hit.
+    const SAMPLES: u32 = 2 * Self::RESOLUTION;
+
     /// As [`Self::of`], of another number of pixels a side.
     pub fn of_size<S: Borrow<Surface> + Sync>(
         surfaces: &[S],
@@ -155,11 +159,24 @@ impl Pictures {
         let options = RenderOptions {
             width: resolution,
             height: resolution,
-            samples: 2,
+            samples: (Self::SAMPLES / resolution.max(1)).clamp(2, 8),
             shadows: false,
         };
         let picture = |view: &View| render(surfaces, &camera_of(view), &options);
         Self(views.views().iter().map(picture).collect())
+    }
+
+    /// As [`Self::of_size`] of what turns to the viewer: `surfaces` makes what each view sees.
+    pub fn of_turning(
+        surfaces: impl Fn(&View) -> Vec<Surface>,
+        views: &ViewSet,
+        resolution: u32,
+    ) -> Self {
+        let of_view = |view: &View| {
+            let seen = Self::of_size(&surfaces(view), &ViewSet::new(vec![*view]), resolution);
+            seen.0.into_iter().next().expect("a picture for each view")
+        };
+        Self(views.views().iter().map(of_view).collect())
     }
 
     /// The pictures, one for each view.

@@ -392,6 +392,10 @@ pub(crate) struct Lods {
     /// The levels as numbers of triangles, the finest first, such as 20000,5000,1000.
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = leaves)]
     pub(crate) triangles: Vec<u64>,
+    /// The distances in metres from which levels are seen, the nearest first, such as 5,20,80: for
+    /// each the lightest level within `--max-flip` at the height that the screen shows there.
+    #[arg(long, value_name = "M,M,...", value_parser = distances, allow_negative_numbers = true, conflicts_with_all = ["triangles", "levels"])]
+    pub(crate) distances: Option<Distances>,
     /// How the levels lie in files [default: files in a folder, siblings in one file].
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutName>,
@@ -483,6 +487,19 @@ fn from_zero(text: &str) -> Result<f64, String> {
 
 fn above_zero(text: &str) -> Result<f64, String> {
     number(text, |n| n.is_finite() && n > 0.0, "above 0")
+}
+
+/// Distances of levels, rising.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Distances(pub(crate) Vec<f64>);
+
+fn distances(text: &str) -> Result<Distances, String> {
+    let all: Result<Vec<f64>, String> = text.split(',').map(|d| above_zero(d.trim())).collect();
+    let all = all.map_err(|_| "write distances above 0, such as 5,20,80".to_owned())?;
+    match all.windows(2).all(|w| w[0] < w[1]) {
+        true => Ok(Distances(all)),
+        false => Err("distances must rise, such as 5,20,80".to_owned()),
+    }
 }
 
 fn flip(text: &str) -> Result<f64, String> {

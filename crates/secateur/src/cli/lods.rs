@@ -162,13 +162,14 @@ fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), Failure> {
 }
 
 fn options(args: &args::Lods) -> ChainOptions {
-    let wanted = match (&args.levels[..], &args.triangles[..]) {
-        ([], []) => {
+    let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
+        (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
+        ([], [], None) => {
             let screen = args.screen_height / HEIGHTS_PX[0];
             Wanted::Heights(HEIGHTS_PX.map(|height| height * screen).to_vec())
         }
-        ([], counts) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
-        (shares, _) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
+        ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
+        (shares, ..) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
     };
     let mut leaves = Options::with_preset(args.preset.into(), Target::triangle_share(1.0));
     leaves.alpha = args.alpha.into();
