@@ -8,6 +8,8 @@
 //! - [`render`]: textured triangles to a picture, on the CPU.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
+//! - [`seen_along`]: colour, coverage and normals along parallel rays, which impostors are baked
+//!   from.
 //! - [`contact_sheet`]: pictures side by side, with captions.
 //!
 //! Nothing here knows how a tree was simplified: only geometry and images.
@@ -18,6 +20,7 @@ mod contact_sheet;
 mod lens;
 mod light_depth;
 pub mod measure;
+mod parallel;
 pub mod pictures;
 mod render;
 mod screen_triangle;
@@ -28,5 +31,6 @@ mod visibility;
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
 pub use measure::{Judging, MeasureError, Measurement, Original, measure, measure_lod};
+pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, Pictures};
 pub use render::{RenderOptions, render};

@@ -25,6 +25,9 @@ pub struct RenderOptions {
     /// Whether surfaces shade each other and the ground. Costs two more, smaller
     /// pictures.
     pub shadows: bool,
+    /// Whether the normals of double-sided materials are turned around where the back is seen, as
+    /// glTF asks clients to.
+    pub turns_normals: bool,
 }
 
 impl RenderOptions {
@@ -35,6 +38,7 @@ impl RenderOptions {
             height,
             samples: 2,
             shadows: true,
+            turns_normals: false,
         }
     }
 }
@@ -69,6 +73,7 @@ pub fn render<S: Borrow<Surface> + Sync>(
         surfaces,
         seen: visibility(surfaces, &lens),
         lighting: Lighting::new(surfaces, lens.axes, options.shadows),
+        turns_normals: options.turns_normals,
         lens,
     };
     let mut image = RgbaImage::new(options.width, options.height);
@@ -89,6 +94,7 @@ struct Scene<'a, S> {
     surfaces: &'a [S],
     seen: Visibility,
     lighting: Lighting,
+    turns_normals: bool,
     lens: Lens,
 }
 
@@ -109,7 +115,10 @@ impl<S: Borrow<Surface>> Scene<'_, S> {
                 None => *background.get_or_insert_with(|| self.lighting.background(&self.lens, at)),
                 Some(spot) => {
                     if lit.0 != index {
-                        lit = (index, spot.light(&self.lens, &self.lighting));
+                        lit = (
+                            index,
+                            spot.light(&self.lens, &self.lighting, self.turns_normals),
+                        );
                     }
                     tone(spot.base_color() * lit.1)
                 }
@@ -200,6 +209,7 @@ mod tests {
             height: 8,
             samples: 2,
             shadows: false,
+            turns_normals: false,
         };
         render(surfaces, &camera(), &options)
     }
@@ -288,6 +298,7 @@ mod tests {
             height: 8,
             samples: 1,
             shadows: true,
+            turns_normals: false,
         };
         let lid = |y: f64| {
             let mut surface = quad(0.0, RED);

@@ -156,27 +156,35 @@ impl Pictures {
         views: &ViewSet,
         resolution: u32,
     ) -> Self {
-        let options = RenderOptions {
-            width: resolution,
-            height: resolution,
-            samples: (Self::SAMPLES / resolution.max(1)).clamp(2, 8),
-            shadows: false,
-        };
+        let options = Self::options(resolution);
         let picture = |view: &View| render(surfaces, &camera_of(view), &options);
         Self(views.views().iter().map(picture).collect())
     }
 
-    /// As [`Self::of_size`] of what turns to the viewer: `surfaces` makes what each view sees.
-    pub fn of_turning(
-        surfaces: impl Fn(&View) -> Vec<Surface>,
+    /// As [`Self::of_size`], of surfaces that may be others for each view, with the normals of
+    /// double-sided materials turned to the viewer as glTF asks clients to: the judge of impostors,
+    /// whose normals are those that a client would see.
+    pub fn of_seen<S: Borrow<Surface> + Sync>(
+        surfaces: impl Fn(&View) -> Vec<S>,
         views: &ViewSet,
         resolution: u32,
     ) -> Self {
-        let of_view = |view: &View| {
-            let seen = Self::of_size(&surfaces(view), &ViewSet::new(vec![*view]), resolution);
-            seen.0.into_iter().next().expect("a picture for each view")
+        let options = RenderOptions {
+            turns_normals: true,
+            ..Self::options(resolution)
         };
-        Self(views.views().iter().map(of_view).collect())
+        let picture = |view: &View| render(&surfaces(view), &camera_of(view), &options);
+        Self(views.views().iter().map(picture).collect())
+    }
+
+    fn options(resolution: u32) -> RenderOptions {
+        RenderOptions {
+            width: resolution,
+            height: resolution,
+            samples: (Self::SAMPLES / resolution.max(1)).clamp(2, 8),
+            shadows: false,
+            turns_normals: false,
+        }
     }
 
     /// The pictures, one for each view.
