@@ -9,7 +9,7 @@ use secateur_model::Surface;
 use super::coverage::alpha_that_keeps_coverage;
 
 /// Samples along a side of a cell, at least: finer cells have fewer a texel.
-const SAMPLES: u32 = 1024;
+const SAMPLES: u32 = 384;
 
 /// A baked view.
 pub(super) struct Cell {
