@@ -1,11 +1,13 @@
 //! Chains of levels of whole plants.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use secateur::{Document, Tree};
 use serde_json::Value;
 
 use crate::program::Bench;
+use crate::tab::{DESKTOP, Tab};
+use crate::validator;
 
 /// The levels of a record, finest first.
 fn levels(record: &Value) -> &Vec<Value> {
@@ -18,6 +20,17 @@ fn count(value: &Value) -> u64 {
 
 fn triangles_of(path: &Path) -> u64 {
     Tree::open(path, &[]).unwrap().triangle_count()
+}
+
+/// Of all that is drawn.
+fn height_of(path: &Path) -> f64 {
+    let surfaces = Document::open(path).unwrap().surfaces(&[]).unwrap();
+    let ys = || {
+        surfaces
+            .iter()
+            .flat_map(|(s, _)| s.positions.iter().map(|p| p.y))
+    };
+    ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min)
 }
 
 #[test]
@@ -111,6 +124,62 @@ fn the_default_chain_keeps_the_difference_where_it_can() {
 }
 
 #[test]
+fn each_distance_gets_the_fewest_triangles_within_the_difference_at_its_height() {
+    let bench = Bench::new();
+    let height = height_of(&bench.path("oak.glb"));
+    let lods = [
+        "lods",
+        "oak.glb",
+        "-o",
+        "chain",
+        "--distances",
+        "5,20,21,80",
+        "--fov",
+        "60",
+        "--screen-height",
+        "1080",
+        "--max-flip",
+        "0.05",
+        "--report",
+        "r.json",
+        "--preview",
+        "oak.html",
+    ];
+    bench.run(&lods).succeeded();
+    let record = bench.json("r.json");
+    let made = levels(&record);
+    let asked = [5.0, 20.0, 21.0, 80.0];
+    let mut before = f64::INFINITY;
+    for level in made {
+        let number = |key: &str| level[key].as_f64().unwrap();
+        assert!(asked.iter().any(|d| (d - number("distance")).abs() < 1e-9));
+        // 1080 pixels see 2 tan(30 degrees) of the distance.
+        let pixels = 1080.0 * height / (2.0 * number("distance") * 30f64.to_radians().tan());
+        assert!(
+            (number("pixels_high") / pixels - 1.0).abs() < 1e-6,
+            "{level}"
+        );
+        assert!(number("flip_mean") <= 0.05, "{level}");
+        let triangles = number("triangles");
+        assert!(triangles <= before * 2.0 / 3.0, "saves a third: {level}");
+        before = triangles;
+    }
+    // 21 m is too near 20 m for a level of its own, which is said.
+    let notes = record["notes"].as_array().unwrap();
+    let says = |note: &Value| note.as_str().unwrap().contains("no level begins at 21 m");
+    assert!(notes.iter().any(says), "{notes:?}");
+    let left_out = notes
+        .iter()
+        .filter(|note| note.as_str().unwrap().starts_with("no level begins"));
+    assert_eq!(made.len() + left_out.count(), asked.len(), "{notes:?}");
+    // Each is drawn down to where the next begins.
+    for pair in made.windows(2) {
+        let next = pair[1]["pixels_high"].as_f64().unwrap() / 1080.0;
+        assert!((pair[0]["screen_coverage"].as_f64().unwrap() - next).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn levels_of_msft_have_falling_coverages() {
     let bench = Bench::new();
     let lods = [
@@ -162,11 +231,22 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     let lods = |more: &[&str]| bench.run(&[&["lods", "oak.glb", "-o", "chain"], more].concat());
     let nine = "0.9,0.8,0.7,0.6,0.5,0.4,0.3,0.2,0.1";
     lods(&["--levels", nine]).failed_saying(&["9 levels", "at most 8"]);
+    let eight = "0.9,0.8,0.7,0.6,0.5,0.4,0.3,0.2";
+    lods(&["--levels", eight, "--impostor", "crossed"]).failed_saying(&["one too many"]);
     lods(&["--levels", "0.1,0.5"]).failed_saying(&["from fine to coarse"]);
     lods(&["--triangles", "500,500"]).failed_saying(&["from fine to coarse"]);
     lods(&["--levels", "1.5"]).misused_saying(&["from 0 to 1"]);
     lods(&["--levels", "0.5", "--triangles", "9"]).misused_saying(&["cannot be used with"]);
     lods(&["--max-flip", "0"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "20,5"]).misused_saying(&["distances must rise"]);
+    lods(&["--distances", "5,5"]).misused_saying(&["distances must rise"]);
+    lods(&["--distances", "0,5"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "-5"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "5,inf"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "5", "--levels", "0.5"]).misused_saying(&["cannot be used with"]);
+    lods(&["--max-pop", "0"]).misused_saying(&["above 0"]);
+    lods(&["--impostor", "cloud"]).misused_saying(&["invalid value"]);
+    lods(&["--screen-height", "0"]).misused_saying(&["above 0"]);
     lods(&["--fov", "180"]).misused_saying(&["from 1 to 179"]);
     let into_file = ["lods", "oak.glb", "-o", "x.glb", "--layout", "files"];
     bench
@@ -224,4 +304,233 @@ fn levels_of_another_run_are_not_replaced_unasked() {
     bench
         .run(&[&lods[..], &["--overwrite"]].concat())
         .succeeded();
+}
+
+/// The files of a run's record, in its folder.
+fn files(bench: &Bench, record: &Value) -> Vec<PathBuf> {
+    let files = record["files"].as_array().unwrap();
+    let path = |file: &Value| bench.path(file.as_str().unwrap());
+    files.iter().map(path).collect()
+}
+
+#[test]
+fn crossed_planes_end_a_chain_in_every_layout() {
+    let bench = Bench::new();
+    for (layout, output) in [("files", "c"), ("siblings", "s.glb"), ("msft", "m.glb")] {
+        let lods = [
+            "lods",
+            "oak.glb",
+            "-o",
+            output,
+            "--layout",
+            layout,
+            "--levels",
+            "0.3,0.1",
+            "--impostor",
+            "crossed",
+            "--report",
+            "r.json",
+            "--preview",
+            "oak.html",
+        ];
+        bench.run(&lods).succeeded();
+        let record = bench.json("r.json");
+        let made = levels(&record);
+        let kinds: Vec<&str> = made.iter().map(|l| l["kind"].as_str().unwrap()).collect();
+        assert_eq!(kinds, ["mesh", "mesh", "impostor"]);
+        let last = &made[2];
+        assert!((4..=8).contains(&count(&last["triangles"])), "{last}");
+        assert_eq!(last["leaves"], 0);
+        assert_eq!(last["silhouette_iou"], Value::Null);
+        for figure in [&last["flip_mean"], &last["impostor"]["mesh_flip_mean"]] {
+            assert!((0.0..1.0).contains(&figure.as_f64().unwrap()), "{last}");
+        }
+        assert!(last["distance"].as_f64() > made[1]["distance"].as_f64());
+        let written = files(&bench, &record);
+        validator::assert_valid(&written);
+        let document = Document::open(written.last().unwrap()).unwrap();
+        let nodes = document.json()["nodes"].as_array().unwrap();
+        let node = nodes.iter().find(|n| n["name"] == "oak_LOD2").unwrap();
+        assert_eq!(node["extras"]["kind"], "impostor");
+        assert_eq!(node["extras"]["impostor"]["layout"], "crossed");
+        let mesh = node["mesh"].as_u64().unwrap() as usize;
+        let primitive = &document.json()["meshes"][mesh]["primitives"][0];
+        let material = primitive["material"].as_u64().unwrap() as usize;
+        assert_eq!(document.json()["materials"][material]["alphaMode"], "MASK");
+        // Any client draws it, about as large as the tree; of MSFT_lod only one that knows it.
+        if layout != "msft" {
+            let all = document.surfaces(&[]).unwrap();
+            let is_it = |s: &secateur::Surface| s.material.name == "oak_LOD2";
+            let (picture, _) = all.iter().find(|(s, _)| is_it(s)).unwrap();
+            let top = picture.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+            let height = height_of(&bench.path("oak.glb"));
+            assert!((top / height - 1.0).abs() < 0.1, "{top} of {height}");
+        }
+        let page = String::from_utf8(bench.read("oak.html")).unwrap();
+        assert!(page.contains("LOD2"));
+    }
+}
+
+#[test]
+fn octahedral_views_say_how_they_lie() {
+    let bench = Bench::new();
+    let lods = [
+        "lods",
+        "oak.glb",
+        "-o",
+        "o.glb",
+        "--distances",
+        "20,200",
+        "--impostor",
+        "octahedral",
+        "--report",
+        "r.json",
+    ];
+    bench.run(&lods).succeeded();
+    let record = bench.json("r.json");
+    let last = levels(&record).last().unwrap();
+    assert_eq!(last["kind"], "impostor");
+    assert!((last["distance"].as_f64().unwrap() - 200.0).abs() < 1e-6);
+    assert_eq!(
+        last["triangles"], 4,
+        "two planes for clients without a sampler"
+    );
+    let document = Document::open(&bench.path("o.glb")).unwrap();
+    let nodes = document.json()["nodes"].as_array().unwrap();
+    let named = |n: &&Value| n["name"] == last["node"];
+    let said = &nodes.iter().find(named).unwrap()["extras"]["impostor"];
+    assert_eq!((&said["frames"], &said["cells"]), (&7.into(), &8.into()));
+    let cell = said["cell"].as_u64().unwrap();
+    assert_eq!(said["atlas"], serde_json::json!([8 * cell, 8 * cell]));
+    let height = height_of(&bench.path("oak.glb"));
+    assert!(said["radius"].as_f64().unwrap() >= height / 2.0);
+    validator::assert_valid(&[bench.path("o.glb")]);
+}
+
+#[test]
+fn an_impostor_is_taken_unasked_only_where_it_looks_no_worse() {
+    let bench = Bench::new();
+    for (max_flip, is_taken) in [("0.9", true), ("0.01", false)] {
+        let lods = [
+            "lods",
+            "oak.glb",
+            "-o",
+            "c",
+            "--distances",
+            "200",
+            "--max-flip",
+            max_flip,
+            "--report",
+            "r.json",
+            "--overwrite",
+        ];
+        bench.run(&lods).succeeded();
+        let record = bench.json("r.json");
+        let last = levels(&record).last().unwrap();
+        assert_eq!(last["kind"] == "impostor", is_taken, "{last}");
+        let notes = record["notes"].as_array().unwrap();
+        let says = |note: &Value| note.as_str().unwrap().starts_with("no impostor at 200 m");
+        assert_eq!(notes.iter().any(says), !is_taken, "{notes:?}");
+    }
+}
+
+#[test]
+fn shadows_are_cast_by_coarser_levels() {
+    let bench = Bench::new();
+    for (steps, expected) in [("0", [0, 1, 2]), ("1", [1, 2, 2]), ("2", [2, 2, 2])] {
+        let lods = [
+            "lods",
+            "oak.glb",
+            "-o",
+            "s.glb",
+            "--levels",
+            "0.5,0.2,0.08",
+            "--shadow-steps",
+            steps,
+            "--report",
+            "r.json",
+            "--overwrite",
+        ];
+        bench.run(&lods).succeeded();
+        let record = bench.json("r.json");
+        let document = Document::open(&bench.path("s.glb")).unwrap();
+        let nodes = document.json()["nodes"].as_array().unwrap();
+        for (k, level) in levels(&record).iter().enumerate() {
+            let shadow = format!("oak_LOD{}", expected[k]);
+            assert_eq!(level["shadow"]["node"], shadow);
+            let node = nodes.iter().find(|n| n["name"] == level["node"]).unwrap();
+            assert_eq!(node["extras"]["shadow"], shadow);
+            assert!(nodes.iter().any(|n| n["name"] == shadow));
+        }
+    }
+    bench
+        .run(&["lods", "oak.glb", "-o", "t.glb", "--shadow-steps", "3"])
+        .misused_saying(&["0..=2"]);
+}
+
+#[test]
+fn what_a_switch_shows_is_measured_and_bounded() {
+    let bench = Bench::new();
+    let lods = |max_pop: &str| {
+        let lods = [
+            "lods",
+            "oak.glb",
+            "-o",
+            "c",
+            "--levels",
+            "0.5,0.3,0.02",
+            "--max-pop",
+            max_pop,
+            "--report",
+            "r.json",
+            "--overwrite",
+        ];
+        bench.run(&lods).succeeded();
+        bench.json("r.json")
+    };
+    let free = lods("1");
+    let pops: Vec<Option<f64>> = levels(&free)
+        .iter()
+        .map(|l| l["pop_flip"].as_f64())
+        .collect();
+    assert_eq!(
+        (pops.len(), pops[0]),
+        (3, None),
+        "nothing comes before the first"
+    );
+    let [small, large] = [pops[1].unwrap(), pops[2].unwrap()];
+    assert!(small > 0.0 && small < large, "{pops:?}");
+    assert_eq!(free["largest_pop"].as_f64(), Some(large));
+    let bounded = lods(&format!("{}", (small + large) / 2.0));
+    assert_eq!(levels(&bounded).len(), 2);
+    assert_eq!(bounded["largest_pop"].as_f64(), Some(small));
+    let notes = bounded["notes"].as_array().unwrap();
+    let says = |note: &Value| note.as_str().unwrap().contains("to switch to it");
+    assert!(notes.iter().any(says), "{notes:?}");
+    assert_eq!(
+        levels(&bounded)[1]["screen_coverage"],
+        0.0,
+        "the last is drawn on"
+    );
+}
+
+/// A browser compiles the GLSL sampler of the manual.
+#[test]
+fn the_glsl_sampler_compiles() {
+    let Some(mut tab) = Tab::open(DESKTOP) else {
+        return;
+    };
+    let manual = include_str!("../docs/impostors.md");
+    let (_, rest) = manual.split_once("```glsl\n").unwrap();
+    let (shader, _) = rest.split_once("\n```").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let html = "<!DOCTYPE html><link rel=\"icon\" href=\"data:,\"><canvas></canvas><script>document.documentElement.dataset.ready = 1</script>";
+    std::fs::write(&page, html).unwrap();
+    tab.visit(&page);
+    let shader = Value::from(shader);
+    let log = tab.ask(&format!(
+        "(() => {{ const gl = document.querySelector('canvas').getContext('webgl2'); const s = gl.createShader(gl.FRAGMENT_SHADER); gl.shaderSource(s, {shader}); gl.compileShader(s); return gl.getShaderParameter(s, gl.COMPILE_STATUS) ? 'compiled' : gl.getShaderInfoLog(s); }})()"
+    ));
+    assert_eq!(log, "compiled");
 }

@@ -55,6 +55,7 @@ fn page_of(trees: &[&[u8]]) -> String {
             pixels_high,
             flip_mean: (k > 0).then_some(0.0123),
             silhouette_iou: (k > 0).then_some(0.987),
+            pop_flip: (k > 1).then_some(0.0456),
         };
         Level { surfaces, facts }
     });
@@ -377,6 +378,28 @@ fn spinning_shows_frames_per_second_and_everything_has_a_name() {
     for (role, name) in &controls {
         assert!(!name.is_empty(), "a {role} has a name: {controls:?}");
     }
+    check_manners(&mut tab);
+}
+
+/// Away from the tree, through all levels; whoever chooses a level stops it.
+#[test]
+fn a_walk_plays_through_the_levels() {
+    let Some((mut tab, _folder)) = opened(DESKTOP) else {
+        return;
+    };
+    tab.press("#distance", "Home");
+    tab.click("#walk");
+    let reached = "new Promise((done) => { const seen = new Set(); const look = () => { seen.add(preview.state.level); preview.state.isGoingAway && seen.size < 3 ? setTimeout(look, 20) : done([...seen]); }; look(); })";
+    assert_eq!(tab.ask(reached), json!([0, 1, 2]), "level after level");
+    tab.press("#level", "Home");
+    assert_eq!(tab.ask("preview.state.isWalking"), false);
+    let distance = |tab: &mut Tab| tab.ask("preview.state.distance").as_f64().unwrap();
+    let stood = distance(&mut tab);
+    tab.ask("new Promise((done) => setTimeout(() => done(0), 200))");
+    assert_eq!(distance(&mut tab), stood, "it stands still again");
+    tab.press("#level", "End");
+    let text = tab.ask("document.querySelector('#switch').innerText");
+    assert!(text.as_str().unwrap().contains(".046"), "{text}");
     check_manners(&mut tab);
 }
 

@@ -162,6 +162,7 @@ fn options(width_px: u32, samples: u32) -> RenderOptions {
         height: width_px,
         samples,
         shadows: false,
+        turns_normals: false,
     }
 }
 

@@ -54,6 +54,23 @@ impl Lens {
         }
     }
 
+    /// A raster of any size, seen along parallel rays.
+    pub(crate) fn parallel_along(
+        axes: ViewAxes,
+        centre: DVec3,
+        [width, height]: [u32; 2],
+        samples_per_unit: f64,
+    ) -> Self {
+        Self {
+            axes,
+            origin: centre,
+            width,
+            height,
+            samples_per_unit,
+            near: None,
+        }
+    }
+
     /// A world-space point along right, up and forward from the eye.
     pub(crate) fn to_view(self, world: DVec3) -> DVec3 {
         self.axes.parts(world - self.origin)

@@ -9,6 +9,8 @@
 //! - [`render`]: textured triangles to a picture, on the CPU.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
+//! - [`seen_along`]: colour, coverage and normals along parallel rays, which impostors are baked
+//!   from.
 //! - [`contact_sheet`]: pictures side by side, with captions.
 //!
 //! Nothing here knows how a tree was simplified: only geometry and images.
@@ -21,6 +23,7 @@ mod lens;
 mod light_depth;
 pub mod measure;
 mod mips;
+mod parallel;
 pub mod pictures;
 mod render;
 mod screen_triangle;
@@ -35,5 +38,6 @@ pub use measure::{
     Judging, JudgingViews, MeasureError, Measurement, Original, RigMeasurement, measure,
     measure_lod,
 };
+pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};

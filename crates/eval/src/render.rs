@@ -26,6 +26,9 @@ pub struct RenderOptions {
     /// Whether surfaces shade each other and the ground. Costs two more, smaller
     /// pictures.
     pub shadows: bool,
+    /// Whether the normals of double-sided materials are turned around where the back is seen, as
+    /// glTF asks clients to.
+    pub turns_normals: bool,
 }
 
 impl RenderOptions {
@@ -36,6 +39,7 @@ impl RenderOptions {
             height,
             samples: 2,
             shadows: true,
+            turns_normals: false,
         }
     }
 }
@@ -88,6 +92,7 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
         seen: visibility(surfaces, &lens, Culling::Material, mips),
         mips,
         lighting: Lighting::new(surfaces, lens.axes, options.shadows),
+        turns_normals: options.turns_normals,
         lens,
     };
     let mut image = RgbaImage::new(options.width, options.height);
@@ -113,6 +118,7 @@ struct Scene<'a, S> {
     seen: Visibility,
     mips: Option<&'a MipChains>,
     lighting: Lighting,
+    turns_normals: bool,
     lens: Lens,
 }
 
@@ -133,7 +139,10 @@ impl<S: Borrow<Surface>> Scene<'_, S> {
                 None => *background.get_or_insert_with(|| self.lighting.background(&self.lens, at)),
                 Some(spot) => {
                     if lit.0 != index {
-                        lit = (index, spot.light(&self.lens, &self.lighting));
+                        lit = (
+                            index,
+                            spot.light(&self.lens, &self.lighting, self.turns_normals),
+                        );
                     }
                     tone(spot.base_color(self.mips_at(index)) * lit.1)
                 }
@@ -230,6 +239,7 @@ mod tests {
             height: 8,
             samples: 2,
             shadows: false,
+            turns_normals: false,
         };
         render(surfaces, &camera(), &options)
     }
@@ -330,6 +340,7 @@ mod tests {
             height: 8,
             samples: 1,
             shadows: true,
+            turns_normals: false,
         };
         let lid = |y: f64| {
             let mut surface = quad(0.0, RED);

@@ -3,14 +3,14 @@
 use std::borrow::Borrow;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use secateur_model::{BoundingSphere, Surface};
+use secateur_model::{BoundingSphere, NormalMap, Surface};
 
 use crate::camera::ViewAxes;
 use crate::lens::Lens;
 use crate::light_depth::LightDepth;
 use crate::mips::{MipChain, uv_steps};
 use crate::screen_triangle::ScreenTriangle;
-use crate::texel::sample;
+use crate::texel::{sample, sample_plain};
 use crate::visibility::{Place, face_weights};
 
 const SUN: Vec3 = Vec3::new(2.15, 2.0, 1.7);
@@ -167,11 +167,54 @@ impl<'a> Spot<'a> {
     }
 
     /// The light that it sends on, as a factor of its base colour.
-    pub(crate) fn light(&self, lens: &Lens, lighting: &Lighting) -> Vec3 {
+    pub(crate) fn light(&self, lens: &Lens, lighting: &Lighting, turns_normals: bool) -> Vec3 {
         let positions = self.corners.map(|c| self.surface.positions[c]);
         let world = weights_of(self.weights.map(f64::from), positions);
-        let normal = self.normal(world - lens.origin);
+        let sight = world - lens.origin;
+        let normal = match &self.surface.material.finish.normal_map {
+            Some(map) => self.bent_normal(map, sight),
+            None if turns_normals => self.normal_of_seen_side(sight),
+            None => self.normal(sight),
+        };
         light_on(normal, self.surface.material.double_sided, world, lighting)
+    }
+
+    /// The shading normal; that of a double-sided material turned around where its back is seen, as
+    /// glTF has it.
+    pub(crate) fn normal_of_seen_side(&self, sight: DVec3) -> Vec3 {
+        let normal = self.normal(sight);
+        match self.surface.material.double_sided && self.is_seen_from_behind(sight) {
+            // A normal of the face's own is turned to the viewer already.
+            true if !self.surface.normals.is_empty() => -normal,
+            _ => normal,
+        }
+    }
+
+    fn is_seen_from_behind(&self, sight: DVec3) -> bool {
+        let [a, b, c] = self.corners.map(|c| self.surface.positions[c]);
+        (b - a).cross(c - a).dot(sight) > 0.0
+    }
+
+    /// The shading normal that a normal map bends, on the side that is seen.
+    fn bent_normal(&self, map: &NormalMap, sight: DVec3) -> Vec3 {
+        let uvs = self
+            .corners
+            .map(|c| self.surface.uvs.get(c).copied().unwrap_or_default());
+        let [a, b, c] = self.corners.map(|c| self.surface.positions[c]);
+        let (ab, ac) = ((b - a).as_vec3(), (c - a).as_vec3());
+        let (du, dv) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
+        // How the place changes along u, and against v, for green points up.
+        let side = du.perp_dot(dv).signum();
+        let tangent = (ab * dv.y - ac * du.y) * side;
+        let up = (ab * dv.x - ac * du.x) * side;
+        let normal = self.normal_of_seen_side(sight);
+        let turned = match self.surface.material.double_sided && self.is_seen_from_behind(sight) {
+            true => -1.0,
+            false => 1.0,
+        };
+        let [x, y, z] = sample_plain(&map.texture, weights_of(self.weights, uvs)).to_array();
+        let bend = |axis: Vec3, amount: f32| axis.normalize_or_zero() * amount * map.scale * turned;
+        (bend(tangent, x) + bend(up, y) + normal * z).normalize_or(normal)
     }
 
     /// The shading normal, or the face's own, turned to the viewer, where there

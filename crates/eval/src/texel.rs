@@ -63,6 +63,14 @@ pub(crate) fn sample_alpha(texture: Option<&Texture>, uv: Vec2) -> f32 {
     })
 }
 
+/// Red, green and blue of a texture that holds directions, from -1 to 1.
+pub(crate) fn sample_plain(texture: &Texture, uv: Vec2) -> Vec3 {
+    blend_texels(Some(texture), uv, Vec3::Z, |texture, index| {
+        let [r, g, b]: [u8; 3] = std::array::from_fn(|i| texture.rgba[index + i]);
+        Vec3::new(r.into(), g.into(), b.into()) / 127.5 - 1.0
+    })
+}
+
 /// The texel that these coordinates lie in, of a texture that [is whole](is_whole).
 pub(crate) fn nearest_texel<T>(
     texture: &Texture,

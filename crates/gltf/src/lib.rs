@@ -141,6 +141,7 @@ pub mod chain {
     //! [`Tree::chain_to_bytes`](crate::Tree::chain_to_bytes) and
     //! [`Tree::write_chain`](crate::Tree::write_chain) make one of [`Level`]s.
 
+    pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
         Chain, ChainFile, ChainProblem, Layout, Level, MAX_LEVELS, PreparedChain, WrittenChain,
     };

@@ -85,6 +85,7 @@ fn facts(k: usize, surfaces: &[(Surface, bool)], at: Option<(f64, f64)>) -> Fact
         pixels_high: at.map(|(_, pixels)| pixels),
         flip_mean: None,
         silhouette_iou: None,
+        pop_flip: None,
     }
 }
 

@@ -13,6 +13,8 @@ use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options, Share
 mod ladder;
 
 use crate::Screen;
+use crate::impostor::judge::{Judge, best_crossed, flip, largest_flip};
+use crate::impostor::{Choice, Impostor};
 use ladder::Ladder;
 
 /// Pictures that levels are judged by have at most this many pixels a side, those of `measure`: to
@@ -28,6 +30,10 @@ const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 /// Every how many of the 48 held-out views a level is judged from: six, of all four sets.
 const VIEW_STEP: usize = 8;
 
+/// A level that is sought has at most this share of the triangles of the one before it: to switch
+/// for less would not pay.
+const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
+
 /// Heights on the screen for which levels are made where nothing else is asked for.
 pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
 
@@ -42,6 +48,8 @@ pub enum Wanted {
     /// For each of these heights on the screen in pixels, the largest first, the fewest triangles
     /// within the difference.
     Heights(Vec<f64>),
+    /// The same for these distances in units of the file (metres), the nearest first.
+    Distances(Vec<f64>),
 }
 
 /// How a chain is made.
@@ -55,13 +63,20 @@ pub struct ChainOptions {
     pub max_flip: f64,
     /// How leaves are simplified; its target is not looked at.
     pub leaves: Options,
+    /// Which impostor the chain ends in.
+    pub impostor: Choice,
+    /// How many levels coarser what casts a level's shadow is, 0 to 2.
+    pub shadow_steps: usize,
+    /// The largest FLIP in any view between a level and the next where they switch; a level that
+    /// would differ more from the one before it is left out.
+    pub max_pop: Option<f64>,
 }
 
 /// A level of a chain, and from where it is to be seen.
 #[derive(Clone, Debug)]
 pub struct ChainLevel {
-    /// What is left of [`WholeTree::items`], leaves and wood together.
-    pub lod: Lod,
+    /// What is drawn.
+    pub shape: Shape,
     /// Leaves that are left.
     pub leaves: u64,
     /// Triangles that leaves have in this level.
@@ -77,18 +92,47 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Mean FLIP of the whole plant against the original at that height.
     pub flip_mean: f64,
-    /// Outline of the leaves against the original's, by six of the held-out views in 256 x 256 pixels.
-    pub silhouette_iou: f64,
-    /// VMI error of the leaves by the same, in per cent.
-    pub vmi_error_percent: f64,
-    /// SHA-256 of all that was done to the leaves.
-    pub order_sha256: String,
+    /// The largest FLIP of any view between it and the level before where they switch; none for
+    /// the first.
+    pub pop_flip: Option<f64>,
+    /// The level that casts its shadow, counted from 0.
+    pub shadow: usize,
+    /// Outline of the leaves against the original's, by six of the held-out views in 256 x 256
+    /// pixels; none for impostors.
+    pub silhouette_iou: Option<f64>,
+    /// VMI error of the leaves by the same, in per cent; none for impostors.
+    pub vmi_error_percent: Option<f64>,
+    /// SHA-256 of all that was done to the leaves; none for impostors.
+    pub order_sha256: Option<String>,
+}
+
+/// What a level is.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// The plant with fewer triangles: a LOD of [`WholeTree::items`].
+    Mesh(Lod),
+    /// A picture of it.
+    Impostor(Box<ImpostorLevel>),
+}
+
+/// An impostor, and what it was chosen against.
+#[derive(Clone, Debug)]
+pub struct ImpostorLevel {
+    /// What is drawn.
+    pub impostor: Impostor,
+    /// Triangles of the mesh that would be drawn there instead.
+    pub mesh_triangles: u64,
+    /// That mesh's FLIP by the judge of the impostor, who stands as far off as it is seen from.
+    pub mesh_flip_mean: f64,
 }
 
 impl ChainLevel {
     /// Triangles of the whole plant.
     pub fn triangles(&self) -> u64 {
-        self.foliage_triangles + self.wood_triangles
+        match &self.shape {
+            Shape::Mesh(_) => self.foliage_triangles + self.wood_triangles,
+            Shape::Impostor(level) => level.impostor.surface.triangles.len() as u64,
+        }
     }
 }
 
@@ -141,14 +185,47 @@ impl ChainOptions {
                 )
             }
             Wanted::Heights(heights) => (heights.len(), heights.windows(2).all(|w| w[0] > w[1])),
+            Wanted::Distances(distances) => {
+                (distances.len(), distances.windows(2).all(|w| w[0] < w[1]))
+            }
         };
+        let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
+        if let Wanted::Heights(all) | Wanted::Distances(all) = &self.wanted
+            && !all.iter().all(|x| is_above_zero(*x))
+        {
+            return refused("heights and distances of levels must be above 0");
+        }
+        if !is_above_zero(self.screen.height_px) {
+            return refused("a screen must be higher than 0 pixels");
+        }
+        let degrees = self.screen.field_of_view_degrees;
+        if !(is_above_zero(degrees) && degrees < 180.0) {
+            return refused("a field of view must be above 0 and below 180 degrees");
+        }
         match (count, falls) {
             (0, _) => refused("a chain needs at least one level"),
             (count, _) if count > MAX_LEVELS => Err(ChainError::Wanted(format!(
                 "{count} levels were asked for: a chain has at most {MAX_LEVELS}"
             ))),
+            // After numbers of triangles an impostor is a level more.
+            (MAX_LEVELS, _)
+                if self.impostor != Choice::None && matches!(self.wanted, Wanted::Triangles(_)) =>
+            {
+                Err(ChainError::Wanted(format!(
+                    "an impostor after {MAX_LEVELS} levels is one too many: a chain has at most {MAX_LEVELS}"
+                )))
+            }
+            (_, false) if matches!(self.wanted, Wanted::Distances(_)) => {
+                refused("distances must rise: each level is farther off than the one before")
+            }
             (_, false) => {
                 refused("levels go from fine to coarse: each must be less than the one before")
+            }
+            _ if self.shadow_steps > 2 => {
+                refused("what casts a shadow is at most two levels coarser")
+            }
+            _ if self.max_pop.is_some_and(|pop| !(pop > 0.0 && pop <= 1.0)) => {
+                refused("the FLIP that a switch may show must be above 0 and at most 1")
             }
             _ if !(self.max_flip > 0.0 && self.max_flip <= 1.0) => {
                 refused("the FLIP that a level may have must be above 0 and at most 1")
@@ -188,15 +265,19 @@ pub fn chain(
                 made.push((level, height, flip));
             }
         }
-        Wanted::Heights(heights) => {
+        Wanted::Heights(_) | Wanted::Distances(_) => {
             let mut ladder = Ladder::new(&maker);
             let mut first = 0;
-            for &height in heights {
+            for (height, place) in maker.heights() {
                 let rung = ladder.lightest(height, first, observer)?;
                 let level = ladder.level(rung, observer)?;
-                if is_no_less(level, made.last().map(|(level, ..)| level), maker.all) {
+                if let Some((before, ..)) = made.last()
+                    && level.triangles() as f64 > MOST_OF_BEFORE * before.triangles() as f64
+                {
                     notes.push(format!(
-                        "no level begins at {height} pixels: the one before is the lightest within the difference"
+                        "no level begins at {place}: the lightest within the difference has {} triangles, which saves less than a third of the {} before",
+                        level.triangles(),
+                        before.triangles()
                     ));
                     continue;
                 }
@@ -206,21 +287,57 @@ pub fn chain(
             }
         }
     }
-    let ends: Vec<f64> = made.iter().skip(1).map(|(_, height, _)| *height).collect();
-    let levels = made
-        .into_iter()
-        .enumerate()
-        .map(|(index, (level, height, flip))| {
-            let end = ends.get(index).copied().unwrap_or(0.0);
-            maker.finished(level, height, end, flip)
-        });
-    let levels: Vec<ChainLevel> = levels.collect::<Result<_, _>>()?;
+    let impostor = maker.impostor(&made, &mut notes)?;
+    if let Some((_, height, _)) = &impostor {
+        made.retain(|(_, begins, _)| begins > height);
+    }
+    let mut levels = Vec::new();
+    for (level, height, flip) in made {
+        let pictured = Pictured::Mesh(level.surfaces.clone());
+        levels.push((pictured, maker.finished(level, height, flip)?));
+    }
+    if let Some((level, height, flip)) = impostor {
+        let pictured = Pictured::Impostor(level.impostor.clone());
+        levels.push((pictured, maker.finished_impostor(level, height, flip)));
+    }
+    let mut levels = maker.without_pops(levels, &mut notes)?;
+    let ends: Vec<f64> = levels
+        .iter()
+        .skip(1)
+        .map(|level| level.pixels_high)
+        .collect();
+    let is_mesh = |level: &ChainLevel| matches!(level.shape, Shape::Mesh(_));
+    let last_mesh = levels.iter().rposition(is_mesh).unwrap_or(0);
+    for (index, level) in levels.iter_mut().enumerate() {
+        let end = ends.get(index).copied().unwrap_or(0.0);
+        level.screen_coverage = end / options.screen.height_px;
+        // A picture casts the shadow of a picture.
+        level.shadow = match level.shape {
+            Shape::Mesh(_) => (index + options.shadow_steps).min(last_mesh),
+            Shape::Impostor(_) => index,
+        };
+    }
     if levels.is_empty() {
         return Err(ChainError::Wanted(
             "no level would have fewer triangles than the tree has".to_owned(),
         ));
     }
     Ok(Chain { levels, notes })
+}
+
+/// What of a level a picture is drawn of.
+enum Pictured {
+    Mesh(Vec<Surface>),
+    Impostor(Impostor),
+}
+
+impl Pictured {
+    fn pictures(&self, judge: &Judge) -> Pictures {
+        match self {
+            Self::Mesh(surfaces) => judge.of_surfaces(surfaces),
+            Self::Impostor(impostor) => judge.of_impostor(impostor),
+        }
+    }
 }
 
 fn is_no_less(level: &Made, before: Option<&Made>, all: usize) -> bool {
@@ -340,6 +457,25 @@ impl<'a> Maker<'a> {
         })
     }
 
+    /// The heights that levels are sought for, and where each is, in words.
+    fn heights(&self) -> Vec<(f64, String)> {
+        match &self.options.wanted {
+            Wanted::Triangles(_) => Vec::new(),
+            Wanted::Heights(heights) => {
+                let words = |height: &f64| (*height, format!("{height} pixels"));
+                heights.iter().map(words).collect()
+            }
+            Wanted::Distances(distances) => {
+                let screen = self.options.screen;
+                let words = |distance: &f64| {
+                    let pixels_high = screen.pixels_high(self.height, *distance);
+                    (pixels_high, format!("{distance} m"))
+                };
+                distances.iter().map(words).collect()
+            }
+        }
+    }
+
     /// Mean FLIP of a level where the screen shows the plant at this height in pixels.
     fn flip(&self, level: &Made, pixels_high: f64) -> Result<f64, ChainError> {
         let side = (pixels_high / self.picture_share).clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX);
@@ -370,13 +506,111 @@ impl<'a> Maker<'a> {
         }
     }
 
-    fn finished(
+    fn judge(&self, pixels_high: f64) -> Result<Judge, ChainError> {
+        let sphere = self.tree.items().foliage().bounding_sphere();
+        let sphere = sphere.ok_or(secateur_eval::MeasureError::NoFoliage)?;
+        let screen = self.options.screen;
+        Ok(Judge::new(
+            &self.views[0],
+            sphere,
+            self.height,
+            screen,
+            pixels_high,
+        ))
+    }
+
+    /// The impostor that a chain ends in, from which height on, and its FLIP there.
+    fn impostor(
         &self,
-        made: Made,
-        height: f64,
-        end: f64,
-        flip_mean: f64,
-    ) -> Result<ChainLevel, ChainError> {
+        made: &[(Made, f64, f64)],
+        notes: &mut Vec<String>,
+    ) -> Result<Option<(ImpostorLevel, f64, f64)>, ChainError> {
+        let choice = self.options.impostor;
+        let Some((mesh, begins, _)) = made.last().filter(|_| choice != Choice::None) else {
+            return Ok(None);
+        };
+        // Where heights are asked for, the last of them; else where the last level is half as high.
+        let (height, place) = self.heights().pop().unwrap_or_else(|| {
+            let height = begins / 2.0;
+            (height, format!("{height} pixels"))
+        });
+        let judge = self.judge(height)?;
+        let original = judge.of_surfaces(&self.original);
+        let of_mesh = flip(&original, &judge.of_surfaces(&mesh.surfaces));
+        let found = match choice {
+            Choice::Octahedral => Impostor::octahedral(&self.original, height).map(|made| {
+                let flip = flip(&original, &judge.of_impostor(&made));
+                (made, flip)
+            }),
+            _ => best_crossed(&self.original, &original, &judge, height),
+        };
+        let Some((impostor, flip)) = found else {
+            return Ok(None);
+        };
+        let is_lighter = impostor.surface.triangles.len() < mesh.triangles();
+        let is_near = flip <= self.options.max_flip || flip <= of_mesh;
+        if choice == Choice::Auto && !(is_lighter && is_near) {
+            notes.push(format!(
+                "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, the mesh of {} triangles {of_mesh:.3}",
+                mesh.triangles()
+            ));
+            return Ok(None);
+        }
+        let level = ImpostorLevel {
+            impostor,
+            mesh_triangles: mesh.triangles() as u64,
+            mesh_flip_mean: of_mesh,
+        };
+        Ok(Some((level, height, flip)))
+    }
+
+    /// The levels with what switching to each shows, but for those that show more than is wanted.
+    fn without_pops(
+        &self,
+        levels: Vec<(Pictured, ChainLevel)>,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<ChainLevel>, ChainError> {
+        let mut before: Option<Pictured> = None;
+        let mut kept = Vec::new();
+        for (pictured, mut level) in levels {
+            if let Some(before) = &before {
+                let judge = self.judge(level.pixels_high)?;
+                let pop = largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
+                if self.options.max_pop.is_some_and(|most| pop > most) {
+                    notes.push(format!(
+                        "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a FLIP of {pop:.3}",
+                        level.triangles(),
+                        level.pixels_high
+                    ));
+                    continue;
+                }
+                level.pop_flip = Some(pop);
+            }
+            before = Some(pictured);
+            kept.push(level);
+        }
+        Ok(kept)
+    }
+
+    fn finished_impostor(&self, level: ImpostorLevel, height: f64, flip_mean: f64) -> ChainLevel {
+        ChainLevel {
+            shape: Shape::Impostor(Box::new(level)),
+            leaves: 0,
+            foliage_triangles: 0,
+            wood_triangles: 0,
+            distance: self.options.screen.distance(self.height, height),
+            pixels_high: height,
+            screen_coverage: 0.0,
+            flip_mean,
+            pop_flip: None,
+            shadow: 0,
+            silhouette_iou: None,
+            vmi_error_percent: None,
+            order_sha256: None,
+        }
+    }
+
+    fn finished(&self, made: Made, height: f64, flip_mean: f64) -> Result<ChainLevel, ChainError> {
         let leaves = self.tree.leaves();
         let left = made.level.leaves.lod.foliage(leaves);
         let seen = self.leaves.measure(&left);
@@ -387,12 +621,14 @@ impl<'a> Maker<'a> {
             wood_triangles: made.level.wood_triangles as u64,
             distance: screen.distance(self.height, height),
             pixels_high: height,
-            screen_coverage: end / screen.height_px,
+            screen_coverage: 0.0,
             flip_mean,
-            silhouette_iou: seen.silhouette_iou(),
-            vmi_error_percent: seen.vmi_error_percent(),
-            order_sha256: made.level.leaves.passes.in_one_order().sha256(),
-            lod: made.lod,
+            pop_flip: None,
+            shadow: 0,
+            silhouette_iou: Some(seen.silhouette_iou()),
+            vmi_error_percent: Some(seen.vmi_error_percent()),
+            order_sha256: Some(made.level.leaves.passes.in_one_order().sha256()),
+            shape: Shape::Mesh(made.lod),
         })
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
+//! - [`impostor`]: pictures that stand for a plant far off.
 //! - [`order_file`]: removal orders as files, for any level later.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
 pub mod chain;
+pub mod impostor;
 pub mod order_file;
 pub mod preview;
 mod screen;

@@ -204,22 +204,52 @@ impl Pictures {
         Self::of_size(surfaces, rigs, Self::RESOLUTION)
     }
 
+    /// Samples along a side: of smaller pictures each pixel is the mean of more, as far as the
+    /// rasteriser goes. What is far off would else be judged by which leaf a sample happens to hit.
+    const SAMPLES: u32 = 2 * Self::RESOLUTION;
+
     /// As [`Self::of`], of another number of pixels a side.
     pub fn of_size<S: Borrow<Surface> + Sync>(
         surfaces: &[S],
         rigs: &[ViewSet],
         resolution: u32,
     ) -> Self {
-        let options = RenderOptions {
-            width: resolution,
-            height: resolution,
-            samples: 2,
-            shadows: false,
-        };
+        let options = Self::options(resolution);
         let picture = |view: &View| render(surfaces, &camera_of(view), &options);
         // Parallel over the views, as each has parts that are not.
         let of_rig = |rig: &ViewSet| rig.views().par_iter().map(picture).collect();
         Self(rigs.iter().map(of_rig).collect())
+    }
+
+    /// As [`Self::of_size`], of surfaces that may be others for each view, with the normals of
+    /// double-sided materials turned to the viewer as glTF asks clients to: the judge of impostors,
+    /// whose normals are those that a client would see.
+    pub fn of_seen<S: Borrow<Surface> + Sync>(
+        surfaces: impl Fn(&View) -> Vec<S>,
+        views: &ViewSet,
+        resolution: u32,
+    ) -> Self {
+        let options = RenderOptions {
+            turns_normals: true,
+            ..Self::options(resolution)
+        };
+        let picture = |view: &View| render(&surfaces(view), &camera_of(view), &options);
+        Self(vec![views.views().iter().map(picture).collect()])
+    }
+
+    fn options(resolution: u32) -> RenderOptions {
+        RenderOptions {
+            width: resolution,
+            height: resolution,
+            samples: (Self::SAMPLES / resolution.max(1)).clamp(2, 8),
+            shadows: false,
+            turns_normals: false,
+        }
+    }
+
+    /// The pictures, set after set.
+    pub fn images(&self) -> impl Iterator<Item = &RgbaImage> {
+        self.0.iter().flatten()
     }
 
     /// Measures pictures of a simplified tree against these of its original.

@@ -20,6 +20,8 @@ pub(super) enum Role {
     Vertex,
     Index,
     Instance,
+    /// The bytes of an image, which no accessor names.
+    Image,
 }
 
 /// Elements of an accessor that is not in the input.
@@ -182,6 +184,12 @@ impl<'d> Draft<'d> {
         })
     }
 
+    /// Adds a view with the bytes of an image.
+    pub(super) fn push_image(&mut self, bytes: Vec<u8>) -> usize {
+        let length = bytes.len();
+        self.push_view(None, bytes, length, Role::Image)
+    }
+
     /// The accessor of the document that an accessor is, or stands for.
     pub(super) fn origin_of(&self, accessor: usize) -> Option<usize> {
         match accessor.checked_sub(len(&self.document.root, "accessors")) {
@@ -216,7 +224,7 @@ impl<'d> Draft<'d> {
         match role {
             Role::Vertex => view["target"] = ARRAY_BUFFER.into(),
             Role::Index => view["target"] = ELEMENT_ARRAY_BUFFER.into(),
-            Role::Instance => {}
+            Role::Instance | Role::Image => {}
         }
         self.view_origins.push(origin);
         let number = self.push("bufferViews", view);

@@ -21,8 +21,8 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-const LINEAR: u32 = 9729;
-const LINEAR_MIPMAP_LINEAR: u32 = 9987;
+pub(super) const LINEAR: u32 = 9729;
+pub(super) const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 
 /// A grown plant as the bytes of a GLB file: a scene named after the plant, its
 /// node "Tree" with the children "Branches" and "Leaves", a mesh and a material
@@ -388,7 +388,7 @@ fn named(name: &str, fields: Value) -> Value {
     all
 }
 
-fn wrap_code(wrap: Wrap) -> u32 {
+pub(super) fn wrap_code(wrap: Wrap) -> u32 {
     match wrap {
         Wrap::Repeat => 10497,
         Wrap::ClampToEdge => 33071,
@@ -396,7 +396,7 @@ fn wrap_code(wrap: Wrap) -> u32 {
     }
 }
 
-fn png_bytes(texture: &Texture) -> Vec<u8> {
+pub(super) fn png_bytes(texture: &Texture) -> Vec<u8> {
     let mut png = Cursor::new(Vec::new());
     PngEncoder::new(&mut png)
         .write_image(

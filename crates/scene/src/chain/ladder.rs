@@ -5,15 +5,13 @@ use secateur_simplify::Observer;
 use super::{ChainError, Made, Maker};
 
 /// How many shares of all triangles levels for heights are sought among, each the fourth root of a
-/// half of the one before: the last has .78 % of all.
-const RUNGS: usize = 27;
-
-/// The share of the finest.
-const FINEST: f64 = 0.7;
+/// half of the one before. The first is the tree as it is, for heights at which nothing less will
+/// do; the last has .78 % of all.
+const RUNGS: usize = 29;
 
 /// The rung that is tried first, of an eighth of all triangles: levels at which pictures of 256
 /// pixels differ by .05 have a tenth to a quarter on the trees that it was tried with.
-const FIRST: usize = 10;
+const FIRST: usize = 12;
 
 /// By how much the logarithm of FLIP rises from rung to rung, until two rungs tell.
 const USUAL_SLOPE: f64 = 0.1;
@@ -52,7 +50,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(match made.take() {
             Some(level) => made.insert(level),
             None => {
-                let share = FINEST * (-0.25 * rung as f64).exp2();
+                let share = (-0.25 * rung as f64).exp2();
                 let triangles = (share * self.maker.all as f64).round() as usize;
                 made.insert(self.maker.level(triangles, observer)?)
             }

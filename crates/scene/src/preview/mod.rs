@@ -60,6 +60,8 @@ pub struct Facts {
     pub flip_mean: Option<f64>,
     /// How much of the outline is the original's, 0 to 1.
     pub silhouette_iou: Option<f64>,
+    /// The largest FLIP of any view between it and the level before where they switch.
+    pub pop_flip: Option<f64>,
 }
 
 /// Why there is no page.

@@ -222,6 +222,7 @@ mod tests {
             pixels_high: None,
             flip_mean: None,
             silhouette_iou: None,
+            pop_flip: None,
         }
     }
 

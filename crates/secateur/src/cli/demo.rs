@@ -183,6 +183,7 @@ fn preview(tree: &Tree, levels: &[Level]) -> Result<String, Failure> {
         pixels_high: None,
         flip_mean: None,
         silhouette_iou: None,
+        pop_flip: None,
     }];
     let mut pixels_high = screen.height_px;
     for level in levels {
@@ -198,6 +199,7 @@ fn preview(tree: &Tree, levels: &[Level]) -> Result<String, Failure> {
             pixels_high: Some(pixels_high),
             flip_mean: None,
             silhouette_iou: Some(level.measured.silhouette_iou()),
+            pop_flip: None,
         });
         pixels_high /= 2.0;
     }

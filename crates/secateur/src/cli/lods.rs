@@ -10,7 +10,8 @@ use secateur_gltf::{Detail, Document, StagedFiles, WholeTree, WriteOptions};
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
-use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, HEIGHTS_PX, Wanted, chain};
+use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, HEIGHTS_PX, Shape, Wanted, chain};
+use secateur_scene::impostor::Choice;
 use secateur_scene::preview::{Facts, Level as Shown, Preview, page};
 use serde_json::{Map, Value, json};
 
@@ -170,21 +171,30 @@ fn places(job: &Job<'_>) -> Vec<PathBuf> {
 }
 
 fn options(args: &args::Lods) -> ChainOptions {
-    let wanted = match (&args.levels[..], &args.triangles[..]) {
-        ([], []) => {
+    let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
+        (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
+        ([], [], None) => {
             let screen = args.screen_height / HEIGHTS_PX[0];
             Wanted::Heights(HEIGHTS_PX.map(|height| height * screen).to_vec())
         }
-        ([], counts) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
-        (shares, _) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
+        ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
+        (shares, ..) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
     };
     let mut leaves = Options::with_preset(args.preset.into(), Target::triangle_share(1.0));
     leaves.alpha = args.alpha.into();
     leaves.sides = args.sides.into();
     leaves.engine = args.engine.into();
     leaves.audit = false;
+    let impostor = match (args.impostor, &wanted) {
+        (Some(name), _) => name.into(),
+        (None, Wanted::Triangles(_)) => Choice::None,
+        (None, _) => Choice::Auto,
+    };
     ChainOptions {
         wanted,
+        impostor,
+        shadow_steps: usize::from(args.shadow_steps),
+        max_pop: args.max_pop,
         screen: Screen {
             height_px: args.screen_height,
             field_of_view_degrees: args.fov,
@@ -247,11 +257,13 @@ fn make(
         "wood_triangles": { "original": tree.wood().triangles().len() },
         "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
         "max_flip": options.max_flip,
+        "max_pop": options.max_pop,
+        "largest_pop": made.levels.iter().filter_map(|level| level.pop_flip).reduce(f64::max),
         "preset": options.leaves.preset,
         "engine": engine.name(),
         "adapter": engine.adapter(),
         "levels": rows,
-        "order_sha256": made.levels.last().map(|level| level.order_sha256.clone()),
+        "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
         "seconds": record::seconds(&[], seconds),
         "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
         "warnings": warnings,
@@ -280,7 +292,15 @@ fn write(
 ) -> Result<PreparedChain, Failure> {
     let levels = made.levels.iter().enumerate();
     let levels: Vec<Level<'_>> = levels
-        .map(|(k, level)| Level::new(&job.name, k, &level.lod, facts(level)))
+        .map(|(k, level)| {
+            let facts = facts(job, level);
+            match &level.shape {
+                Shape::Mesh(lod) => Level::new(&job.name, k, lod, facts),
+                Shape::Impostor(made) => {
+                    Level::of_surface(&job.name, k, &made.impostor.surface, facts)
+                }
+            }
+        })
         .collect();
     let options = WriteOptions::default().overwrite(args.overwrite);
     Ok(tree
@@ -289,18 +309,32 @@ fn write(
 }
 
 /// What the node of a level says in its extras.
-fn facts(level: &ChainLevel) -> Map<String, Value> {
-    let facts = json!({
-        "distance": level.distance,
-        "pixels_high": level.pixels_high,
-        "screen_coverage": level.screen_coverage,
-        "triangles": level.triangles(),
-        "flip": level.flip_mean,
-        "order_sha256": level.order_sha256,
-    });
-    match facts {
-        Value::Object(facts) => facts,
-        _ => Map::new(),
+fn facts(job: &Job<'_>, level: &ChainLevel) -> Map<String, Value> {
+    let mut facts = Map::new();
+    let mut say = |name: &str, value: Value| facts.insert(name.to_owned(), value);
+    say("kind", kind(level).into());
+    say("distance", level.distance.into());
+    say("pixels_high", level.pixels_high.into());
+    say("screen_coverage", level.screen_coverage.into());
+    say("triangles", level.triangles().into());
+    say("flip", level.flip_mean.into());
+    say("shadow", format!("{}_LOD{}", job.name, level.shadow).into());
+    if let Some(pop) = level.pop_flip {
+        say("pop_flip", pop.into());
+    }
+    if let Some(sha256) = &level.order_sha256 {
+        say("order_sha256", sha256.clone().into());
+    }
+    if let Shape::Impostor(made) = &level.shape {
+        say("impostor", made.impostor.facts());
+    }
+    facts
+}
+
+fn kind(level: &ChainLevel) -> &'static str {
+    match level.shape {
+        Shape::Mesh(_) => "mesh",
+        Shape::Impostor(_) => "impostor",
     }
 }
 
@@ -315,12 +349,14 @@ fn layout_name(layout: Layout) -> &'static str {
 fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<Value> {
     let levels = made.levels.iter().enumerate();
     let row = |(k, level): (usize, &ChainLevel)| {
-        let place = match job.layout {
+        let place = |k: usize| match job.layout {
             Layout::Files => json!({ "file": written.files[k].display().to_string() }),
             _ => json!({ "node": format!("{}_LOD{k}", job.name) }),
         };
-        let figures = json!({
-            "kind": "mesh",
+        let mut figures = json!({
+            "kind": kind(level),
+            "shadow": place(level.shadow),
+            "pop_flip": level.pop_flip,
             "leaves": level.leaves,
             "triangles": level.triangles(),
             "foliage_triangles": level.foliage_triangles,
@@ -333,7 +369,14 @@ fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<Value> {
             "vmi_error_percent": level.vmi_error_percent,
             "order_sha256": level.order_sha256,
         });
-        record::joined(place, figures)
+        if let Shape::Impostor(made) = &level.shape {
+            let against = json!({
+                "mesh_triangles": made.mesh_triangles,
+                "mesh_flip_mean": made.mesh_flip_mean,
+            });
+            figures["impostor"] = record::joined(made.impostor.facts(), against);
+        }
+        record::joined(place(k), figures)
     };
     levels.map(row).collect()
 }
@@ -351,7 +394,14 @@ fn preview(
     let memory = original.memory();
     let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![draw(original)?];
     for level in &made.levels {
-        let bytes = items.lod_to_bytes(&level.lod)?;
+        let lod = match &level.shape {
+            Shape::Mesh(lod) => lod,
+            Shape::Impostor(made) => {
+                surfaces.push(vec![(made.impostor.surface.clone(), true)]);
+                continue;
+            }
+        };
+        let bytes = items.lod_to_bytes(lod)?;
         let document =
             Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
         surfaces.push(draw(&document)?);
@@ -366,17 +416,19 @@ fn preview(
         pixels_high: None,
         flip_mean: None,
         silhouette_iou: None,
+        pop_flip: None,
     };
     let rest = made.levels.iter().enumerate().map(|(k, level)| Facts {
         name: format!("LOD{k}"),
-        leaves: Some(level.leaves),
+        leaves: matches!(level.shape, Shape::Mesh(_)).then_some(level.leaves),
         triangles: level.triangles(),
         foliage_triangles: level.foliage_triangles,
         wood_triangles: level.wood_triangles,
         distance: level.distance,
         pixels_high: Some(level.pixels_high),
         flip_mean: Some(level.flip_mean),
-        silhouette_iou: Some(level.silhouette_iou),
+        silhouette_iou: level.silhouette_iou,
+        pop_flip: level.pop_flip,
     });
     let facts: Vec<Facts> = std::iter::once(first).chain(rest).collect();
     let levels: Vec<Shown<'_>> = surfaces

@@ -4,6 +4,7 @@
 //! the same number in every copy, so that levels share it: materials, textures,
 //! images, skins, and vertices that they have in common.
 
+mod made;
 mod merged;
 mod node_trees;
 mod on_disk;
@@ -29,7 +30,7 @@ use super::skeleton::{drop_skeleton, rewrite_skeleton};
 use crate::container::glb_bytes;
 use crate::error::{Fault, GltfError, Problem};
 use crate::tree::Tree;
-use secateur_model::Lod;
+use secateur_model::{Lod, Surface};
 
 /// How the levels of a chain lie in files. Engines exclude each other here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,11 +46,22 @@ pub enum Layout {
     Msft,
 }
 
+/// What a level shows.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum LevelContent<'a> {
+    /// The tree with the leaves of a LOD.
+    Tree(&'a Lod),
+    /// Something else that stands for the tree, in world space: an impostor. Textures become PNG
+    /// images in the file.
+    Surface(&'a Surface),
+}
+
 /// A level of a chain.
 #[derive(Clone, Debug)]
 pub struct Level<'a> {
-    /// The leaves that it has.
-    pub lod: &'a Lod,
+    /// What it shows.
+    pub content: LevelContent<'a>,
     /// What its node, its mesh and, in the layout of files, its file are called.
     pub name: String,
     /// Plain facts for the `extras` of its node.
@@ -66,7 +78,21 @@ impl<'a> Level<'a> {
     /// it: `oak_LOD0`.
     pub fn new(chain: &str, number: usize, lod: &'a Lod, facts: Map<String, Value>) -> Self {
         Self {
-            lod,
+            content: LevelContent::Tree(lod),
+            name: format!("{chain}_LOD{number}"),
+            facts,
+        }
+    }
+
+    /// As [`Level::new`], of a surface that stands for the tree.
+    pub fn of_surface(
+        chain: &str,
+        number: usize,
+        surface: &'a Surface,
+        facts: Map<String, Value>,
+    ) -> Self {
+        Self {
+            content: LevelContent::Surface(surface),
             name: format!("{chain}_LOD{number}"),
             facts,
         }
@@ -154,8 +180,12 @@ impl Tree {
             notes: Vec::new(),
         };
         for level in levels {
-            let triangles = count_triangles(self, &LeafEdits::new(self, level.lod));
-            chain.triangles.push(triangles.map_err(failed)?);
+            chain.triangles.push(match level.content {
+                LevelContent::Tree(lod) => {
+                    count_triangles(self, &LeafEdits::new(self, lod)).map_err(failed)?
+                }
+                LevelContent::Surface(surface) => surface.triangles.len() as u64,
+            });
         }
         let of_files: Vec<(&str, &[Level])> = match layout {
             Layout::Files => levels
@@ -209,11 +239,19 @@ fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProble
 /// The content of one file.
 fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<Content, Fault> {
     for level in levels {
+        let LevelContent::Tree(lod) = level.content else {
+            continue;
+        };
         assert_eq!(
-            level.lod.area_scales().len(),
+            lod.area_scales().len(),
             tree.foliage.leaves().len(),
             "a LOD knows every leaf of its tree"
         );
+    }
+    if let [level] = levels
+        && let LevelContent::Surface(surface) = level.content
+    {
+        return made::alone(&tree.document, level, surface);
     }
     let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);
@@ -231,7 +269,10 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
     match layout {
         // All levels are in the scene: the leaves of a reader are those of all.
         Layout::Siblings if levels.len() > 1 => drop_skeleton(&mut draft),
-        _ => rewrite_skeleton(&mut draft, tree, levels[0].lod)?,
+        _ => match levels[0].content {
+            LevelContent::Tree(lod) => rewrite_skeleton(&mut draft, tree, lod)?,
+            LevelContent::Surface(_) => drop_skeleton(&mut draft),
+        },
     }
     tidy::tidy(&mut draft);
     let mut content = finished(draft, &before, 0)?;

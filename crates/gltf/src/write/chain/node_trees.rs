@@ -10,8 +10,8 @@ use super::super::leaf_edits::LeafEdits;
 use super::super::meshes::rewrite_meshes;
 use super::super::references::{as_index, items, len};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
-use super::Level;
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
+use super::{Level, LevelContent, made};
 use crate::error::Fault;
 use crate::tree::Tree;
 
@@ -30,7 +30,17 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
     let mut lists: Option<[Value; 2]> = None;
     let mut level_nodes = Vec::new();
     for level in levels {
-        let edits = LeafEdits::new(tree, level.lod);
+        let lod = match level.content {
+            LevelContent::Tree(lod) => lod,
+            LevelContent::Surface(surface) => {
+                level_nodes.push(made::push_node(draft, level, surface));
+                if let Some(lists) = &mut lists {
+                    *lists = ["nodes", "meshes"].map(|list| draft.root[list].clone());
+                }
+                continue;
+            }
+        };
+        let edits = LeafEdits::new(tree, lod);
         let finest = lists.take();
         if finest.is_some() {
             for list in ["nodes", "meshes"] {

@@ -12,11 +12,11 @@ use super::super::meshes::take_mesh_away;
 use super::super::primitive::rewrite_primitive;
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
-use super::Level;
 use super::merged::{LevelPrimitive, merged};
 use super::plan::OneMesh;
 use super::scene::{LevelNodes, children, holds_any, scene_roots, unlink};
 use super::vertices::Baker;
+use super::{Level, LevelContent, made};
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
 use crate::tree::Tree;
@@ -29,15 +29,22 @@ pub(super) fn build(
     levels: &[Level],
     plan: &OneMesh,
 ) -> Result<LevelNodes, Fault> {
-    let edits: Vec<LeafEdits> = levels
+    let edits: Vec<Option<LeafEdits>> = levels
         .iter()
-        .map(|level| LeafEdits::new(tree, level.lod))
+        .map(|level| match level.content {
+            LevelContent::Tree(lod) => Some(LeafEdits::new(tree, lod)),
+            LevelContent::Surface(_) => None,
+        })
         .collect();
     let shrunk = lists_that_shrink(tree, &edits);
     let kept_extras = extras_of_nodes(tree, plan);
     let mut baker = Baker::default();
     let mut meshes = Vec::new();
     for (level, edits) in levels.iter().zip(&edits) {
+        let Some(edits) = edits else {
+            meshes.push(None);
+            continue;
+        };
         let mut primitives = Vec::new();
         for (number, part) in tree.parts.iter().enumerate() {
             let place = tree.document.primitive_place(part.mesh, part.primitive);
@@ -73,6 +80,10 @@ pub(super) fn build(
 
     let mut nodes = Vec::new();
     for (level, mesh) in levels.iter().zip(meshes) {
+        if let LevelContent::Surface(surface) = level.content {
+            nodes.push(made::push_node(draft, level, surface));
+            continue;
+        }
         let mut node = json!({"name": level.name});
         if let Some(mesh) = mesh {
             node["mesh"] = draft.push("meshes", mesh).into();
@@ -114,8 +125,11 @@ fn position_of(primitive: &Value) -> Option<usize> {
 
 /// Accessors of positions of which every level loses some: what still shares
 /// them needs lists of its own.
-fn lists_that_shrink(tree: &Tree, edits: &[LeafEdits]) -> HashSet<usize> {
-    let shrinks = |&number: &usize| edits.iter().all(|edits| edits.is_changed(number));
+fn lists_that_shrink(tree: &Tree, edits: &[Option<LeafEdits>]) -> HashSet<usize> {
+    let shrinks = |&number: &usize| {
+        let mut of_trees = edits.iter().flatten();
+        of_trees.all(|edits| edits.is_changed(number))
+    };
     let position = |number: usize| {
         let part = &tree.parts[number];
         let primitive = tree.document.primitive(part.mesh, part.primitive).ok()?;

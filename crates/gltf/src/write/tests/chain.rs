@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, Vec2, Vec3};
 use serde_json::{Map, Value, json};
 
 use super::encodings;
@@ -14,7 +15,9 @@ use super::validator::assert_valid;
 use crate::chain::{Chain, ChainProblem, Layout, Level};
 use crate::error::Problem;
 use crate::{Document, Tree, WriteOptions};
-use secateur_model::{Foliage, LeafId, Lod};
+use secateur_model::{
+    AlphaMode, Filters, Finish, Foliage, LeafId, Lod, Material, NormalMap, Surface, Texture, Wrap,
+};
 
 const LAYOUTS: [Layout; 3] = [Layout::Files, Layout::Siblings, Layout::Msft];
 
@@ -721,6 +724,97 @@ fn a_chain_of_files_is_all_there_or_not_at_all() {
     assert_eq!(names(folder.path()), ["in.glb"]);
 }
 
+/// A picture of two colours on a quad of its own, with a hole at the upper left and a normal map.
+fn picture() -> Surface {
+    let texture = |rgba: Vec<u8>| {
+        Arc::new(Texture {
+            width: 2,
+            height: 2,
+            rgba,
+            wrap: [Wrap::ClampToEdge; 2],
+            filters: Filters::default(),
+        })
+    };
+    let [green, brown] = [[60, 140, 40, 255], [120, 80, 40, 255]];
+    let hole = [60, 140, 40, 0];
+    let map = NormalMap {
+        texture: texture([128, 128, 255, 255].repeat(4)),
+        scale: 1.0,
+    };
+    Surface {
+        positions: [[0.0, 7.0], [0.0, 0.0], [8.0, 0.0], [8.0, 7.0]]
+            .map(|[x, y]| DVec3::new(x, y, 0.5))
+            .into(),
+        normals: vec![Vec3::Z; 4],
+        uvs: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
+            .map(Vec2::from_array)
+            .into(),
+        colors: Vec::new(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material: Arc::new(Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            texture: Some(texture([hole, green, brown, green].concat())),
+            alpha_mode: AlphaMode::Mask(0.5),
+            double_sided: true,
+            finish: Finish {
+                normal_map: Some(map),
+                ..Finish::default()
+            },
+        }),
+    }
+}
+
+#[test]
+fn a_picture_is_the_last_level_in_every_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = picture();
+    let mut files = Vec::new();
+    for (name, fixture) in all() {
+        let tree = fixture.tree();
+        let lods = lods(&tree);
+        for layout in LAYOUTS {
+            let what = format!("{name}, {layout:?}");
+            let mut levels = levels(&lods[..2]);
+            levels.push(Level::of_surface("oak", 2, &picture, facts(2)));
+            let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+            assert_eq!(chain.triangles[2], 2, "{what}");
+            let is_alone = layout == Layout::Files;
+            let last = document(&chain, if is_alone { 2 } else { 0 });
+            let node = node_named(&last.root, "oak_LOD2");
+            assert_eq!(triangles_below(&last, node), 2, "{what}");
+            assert_eq!(last.root["nodes"][node]["extras"]["distance"], 20, "{what}");
+            let mesh = last.root["nodes"][node]["mesh"].as_u64().unwrap() as usize;
+            let primitive = &last.root["meshes"][mesh]["primitives"][0];
+            // Along u is along x; the top of the picture is up.
+            let tangents = primitive["attributes"]["TANGENT"].as_u64().unwrap();
+            let tangents = last.elements(tangents as usize).unwrap();
+            let tangents: Vec<[f64; 4]> = tangents.vectors::<4>().collect();
+            assert_eq!(tangents, [[1.0, 0.0, 0.0, 1.0]; 4], "{what}");
+            let material = primitive["material"].as_u64().unwrap() as usize;
+            let material = &last.root["materials"][material];
+            assert_eq!(material["alphaMode"], "MASK", "{what}");
+            assert_eq!(material["doubleSided"], true, "{what}");
+            if is_alone {
+                let count = |list: &str| last.root[list].as_array().map_or(0, Vec::len);
+                let counts = ["nodes", "meshes", "materials", "textures", "images"].map(count);
+                assert_eq!(counts, [1, 1, 1, 2, 2], "{what}: nothing of the tree");
+            }
+            for file in &chain.files {
+                let path = folder
+                    .path()
+                    .join(format!("{name}-{layout:?}-{}", file.name));
+                std::fs::write(&path, &file.bytes).unwrap();
+                files.push(path);
+            }
+        }
+    }
+    assert_valid(&files);
+    let mut warnings = warnings(&files);
+    warnings.retain(|code| code != "NODE_SKINNED_MESH_NON_ROOT");
+    assert_eq!(warnings, [""; 0]);
+}
+
 #[test]
 fn real_trees_make_chains() {
     let folder = tempfile::tempdir().unwrap();
@@ -842,6 +936,7 @@ fn shown() -> Vec<(&'static str, Fixture)> {
 #[test]
 fn three_js_and_babylon_js_draw_every_level() {
     let folder = tempfile::tempdir().unwrap();
+    let picture = picture();
     let mut jobs = Vec::new();
     let mut triangles = std::collections::HashMap::new();
     for (name, fixture) in shown() {
@@ -862,14 +957,19 @@ fn three_js_and_babylon_js_draw_every_level() {
         std::fs::write(folder.path().join(&input), fixture.glb()).unwrap();
         let mut layouts = Vec::new();
         for layout in LAYOUTS {
-            let chain = tree.chain_to_bytes("oak", &levels(&lods), layout).unwrap();
+            let mut levels = levels(&lods);
+            levels[2].facts["screen_coverage"] = json!(0.1);
+            let facts = json!({"screen_coverage": 0.0});
+            let facts = facts.as_object().unwrap().clone();
+            levels.push(Level::of_surface("oak", 3, &picture, facts));
+            let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
             let mut files = Vec::new();
             for file in &chain.files {
                 let path = format!("{name}-{layout:?}-{}", file.name);
                 std::fs::write(folder.path().join(&path), &file.bytes).unwrap();
                 files.push(format!("/{path}"));
             }
-            let names = ["oak_LOD0", "oak_LOD1", "oak_LOD2"];
+            let names = ["oak_LOD0", "oak_LOD1", "oak_LOD2", "oak_LOD3"];
             layouts.push(json!({"layout": format!("{layout:?}"), "files": files, "names": names}));
             triangles.insert(name, chain.triangles);
         }
@@ -915,7 +1015,7 @@ fn three_js_and_babylon_js_draw_every_level() {
                 .iter()
                 .map(|c| c.as_f64().unwrap())
                 .collect();
-            assert_eq!(coverage, [0.5, 0.2, 0.0], "{chain}");
+            assert_eq!(coverage, [0.5, 0.2, 0.1, 0.0], "{chain}");
         }
     }
 }

@@ -20,6 +20,9 @@ const state = {
   show: { leaves: true, wood: true, wire: false },
   isTrueSize: false,
   isSpinning: false,
+  isWalking: false,
+  // Of the walk: away from the tree, or back.
+  isGoingAway: true,
 };
 
 let renderer = null;
@@ -101,12 +104,13 @@ const frame = (now) => {
     $("fps").textContent = `${rate < 10 ? rate.toFixed(1) : Math.round(rate)} fps`;
     Object.assign(pace, { since: now, frames: 0 });
   }
-  pace.isSteady = state.isSpinning;
+  pace.isSteady = state.isSpinning || state.isWalking;
   const step = Math.min(now - pace.last, 100);
   pace.last = now;
   if (state.isSpinning) orbit.turn(0.0006 * step, 0);
+  if (state.isWalking) walk(step);
   draw();
-  if (state.isSpinning) ask();
+  if (state.isSpinning || state.isWalking) ask();
 };
 
 const say = () => {
@@ -134,6 +138,8 @@ const say = () => {
   $("level").value = state.level;
   $("level").setAttribute("aria-valuetext", facts.name);
   $("level-text").textContent = facts.name;
+  const pop = facts.pop_flip === null ? "" : facts.pop_flip.toFixed(3).replace(/^0/, "");
+  $("switch").textContent = pop && `The switch to ${facts.name} shows a difference (FLIP) of at most ${pop} in any view.`;
   const pressed = {
     auto: state.isAutomatic,
     leaves: state.show.leaves,
@@ -141,6 +147,7 @@ const say = () => {
     wire: state.show.wire,
     "true-size": state.isTrueSize,
     spin: state.isSpinning,
+    walk: state.isWalking,
   };
   for (const [id, is] of Object.entries(pressed)) $(id).setAttribute("aria-pressed", is);
   document.querySelectorAll("#levels tr").forEach((row, k) => row.classList.toggle("current", k === state.level));
@@ -157,7 +164,16 @@ const goTo = (distance) => {
 const choose = (level) => {
   state.level = clamp(level, 0, levels - 1);
   state.isAutomatic = false;
+  state.isWalking = false;
   say();
+};
+// A walk takes as long for each doubling of the distance: what is seen shrinks evenly.
+const WALK_MS = 12000;
+const walk = (step) => {
+  const share = chain.share(state.distance) + ((state.isGoingAway ? 1 : -1) * step) / WALK_MS;
+  if (share >= 1) state.isGoingAway = false;
+  if (share <= 0) state.isGoingAway = true;
+  goTo(chain.distanceAt(clamp(share, 0, 1)));
 };
 // Automatic again.
 const follow = () => {
@@ -177,9 +193,10 @@ const actions = {
   wire: flip(state.show, "wire"),
   "true-size": flip(state, "isTrueSize"),
   spin: flip(state, "isSpinning"),
+  walk: flip(state, "isWalking"),
   reset: () => orbit.reset(),
 };
-const keys = { a: "auto", l: "leaves", w: "wood", f: "wire", t: "true-size", s: "spin", r: "reset" };
+const keys = { a: "auto", l: "leaves", w: "wood", f: "wire", t: "true-size", s: "spin", r: "reset", g: "walk" };
 
 const fillTable = () => {
   const isKnown = (key) => chain.facts.some((f) => f[key] !== null);
@@ -228,7 +245,10 @@ const fillTable = () => {
 
 const listen = () => {
   $("level").max = levels - 1;
-  $("distance").addEventListener("input", (e) => goTo(chain.distanceAt(e.target.value / 1000)));
+  $("distance").addEventListener("input", (e) => {
+    state.isWalking = false;
+    goTo(chain.distanceAt(e.target.value / 1000));
+  });
   $("level").addEventListener("input", (e) => choose(Number(e.target.value)));
   for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
   addEventListener("keydown", (e) => {

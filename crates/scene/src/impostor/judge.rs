@@ -1,0 +1,98 @@
+//! How plants and impostors look from as far off as they are seen from.
+
+use std::borrow::Borrow;
+
+use secateur_eval::Pictures;
+use secateur_model::{BoundingSphere, Surface};
+use secateur_raster::{View, ViewSet};
+
+use super::Impostor;
+use super::crossed::Planes;
+use crate::Screen;
+
+/// Views stand at least this many radii off: nearer ones look between the planes of an impostor.
+const LEAST_RADII: f64 = 3.0;
+
+/// Pictures have from so many to so many pixels a side.
+const PICTURE_PX: [f64; 2] = [48.0, 256.0];
+
+/// Views from one distance.
+pub struct Judge {
+    views: ViewSet,
+    side: u32,
+}
+
+impl Judge {
+    /// Views along the same directions as these, from where the screen shows a plant of this height
+    /// so many pixels high.
+    pub fn new(
+        directions: &ViewSet,
+        sphere: BoundingSphere,
+        plant_height: f64,
+        screen: Screen,
+        pixels_high: f64,
+    ) -> Self {
+        let distance = screen
+            .distance(plant_height, pixels_high)
+            .max(LEAST_RADII * sphere.radius);
+        let aside = (distance * distance - sphere.radius * sphere.radius).sqrt();
+        let tangent = sphere.radius / aside;
+        let from_afar = |view: &View| {
+            let eye = sphere.centre - view.forward() * distance;
+            let near = 0.5 * (distance - sphere.radius);
+            View::look_at(eye, sphere.centre, view.up(), tangent, near).unwrap_or(*view)
+        };
+        let share = plant_height / (2.0 * distance * tangent);
+        let side = (pixels_high / share).clamp(PICTURE_PX[0], PICTURE_PX[1]);
+        Self {
+            views: ViewSet::new(directions.views().iter().map(from_afar).collect()),
+            side: side.round() as u32,
+        }
+    }
+
+    /// Pictures of what is the same from everywhere.
+    pub fn of_surfaces(&self, surfaces: &[Surface]) -> Pictures {
+        let all = |_: &View| surfaces.iter().collect::<Vec<&Surface>>();
+        Pictures::of_seen(all, &self.views, self.side)
+    }
+
+    /// Pictures of an impostor.
+    pub fn of_impostor(&self, impostor: &Impostor) -> Pictures {
+        let seen = |view: &View| vec![impostor.seen_from(view.eye())];
+        Pictures::of_seen(seen, &self.views, self.side)
+    }
+}
+
+/// Mean FLIP of pictures against others, over all views.
+pub fn flip(a: &Pictures, b: &Pictures) -> f64 {
+    let found = a.measure(b);
+    found.overall.get("flip_mean").unwrap_or(f64::NAN)
+}
+
+/// That of the view in which it is largest.
+pub fn largest_flip(a: &Pictures, b: &Pictures) -> f64 {
+    let found = a.measure(b);
+    found.worst.get("flip_mean").unwrap_or(f64::NAN)
+}
+
+/// The crossed planes that look most like the plant, lit by baked normals or flat, and their FLIP.
+pub fn best_crossed<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    original: &Pictures,
+    judge: &Judge,
+    pixels_high: f64,
+) -> Option<(Impostor, f64)> {
+    let of = |made: Impostor| {
+        let flip = flip(original, &judge.of_impostor(&made));
+        (made, flip)
+    };
+    let made = Planes::ALL
+        .iter()
+        .filter_map(|planes| Impostor::crossed(surfaces, *planes, pixels_high));
+    let (best, flip) = made.map(of).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let flat = of(best.flat());
+    Some(match flat.1 <= flip {
+        true => flat,
+        false => (best, flip),
+    })
+}

@@ -1,0 +1,169 @@
+//! Impostors: pictures of a plant that stand for it far off.
+//!
+//! [`crossed`] planes are a few quads that any client draws; [`octahedral`] views are more pictures,
+//! of which a sampler blends those that are nearest to where the eye is. Both are baked from the
+//! original with colour, alpha and normals: `cell` makes the picture of one view, `coverage` its
+//! alpha, and `atlas` puts them side by side. [`judge`] says how far they look from the plant.
+
+mod atlas;
+mod cell;
+mod coverage;
+pub mod crossed;
+pub mod judge;
+pub mod octahedral;
+mod quads;
+
+use std::borrow::Borrow;
+use std::sync::Arc;
+
+use glam::DVec3;
+use secateur_model::Surface;
+use serde_json::{Value, json};
+
+use atlas::{Atlas, BORDER};
+use crossed::Planes;
+use octahedral::{CELLS, FRAMES, Octahedral};
+
+/// Which impostor a chain ends in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Choice {
+    /// None.
+    #[default]
+    None,
+    /// Crossed planes.
+    Crossed,
+    /// Octahedral views.
+    Octahedral,
+    /// Crossed planes where they look no worse than what they take the place of.
+    Auto,
+}
+
+/// The least and the largest texels a side of a cell.
+const CELL: [u32; 2] = [32, 512];
+
+/// The same of octahedral views, of which there are many.
+const VIEW_CELL: [u32; 2] = [32, 128];
+
+/// An impostor of a plant.
+#[derive(Clone, Debug)]
+pub struct Impostor {
+    /// What any client draws: quads with a texture of their own, in world space.
+    pub surface: Surface,
+    look: Look,
+}
+
+#[derive(Clone, Debug)]
+enum Look {
+    Crossed(Planes, u32),
+    Octahedral(Octahedral),
+}
+
+impl Impostor {
+    /// Crossed planes for a height on the screen, `None` of a plant of which nothing can be seen.
+    pub fn crossed<S: Borrow<Surface> + Sync>(
+        surfaces: &[S],
+        wanted: Planes,
+        pixels_high: f64,
+    ) -> Option<Self> {
+        let planes = crossed::planes(surfaces, wanted)?;
+        let cell = cell_for(pixels_high, CELL);
+        let across = 2;
+        let down = wanted.count().div_ceil(across);
+        let places: Vec<[u32; 2]> = (0..wanted.count())
+            .map(|k| [k % across, k / across])
+            .collect();
+        let mut atlas = Atlas::new(cell, [across, down]);
+        let quads = crossed::quads(surfaces, &planes, &places, &mut atlas);
+        Some(Self {
+            surface: quads.surface(atlas.material()),
+            look: Look::Crossed(wanted, cell),
+        })
+    }
+
+    /// Octahedral views for a height on the screen, and two crossed planes for clients without a
+    /// sampler; `None` of a plant of which nothing can be seen.
+    pub fn octahedral<S: Borrow<Surface> + Sync>(surfaces: &[S], pixels_high: f64) -> Option<Self> {
+        let planes = crossed::planes(surfaces, Planes::ALL[0])?;
+        let (centre, radius) = sphere_of(surfaces)?;
+        let cell = cell_for(pixels_high, VIEW_CELL);
+        let mut atlas = Atlas::new(cell, [CELLS; 2]);
+        octahedral::bake_views(surfaces, centre, radius, &mut atlas);
+        let places = [[0, FRAMES], [1, FRAMES]];
+        let quads = crossed::quads(surfaces, &planes, &places, &mut atlas);
+        Some(Self {
+            surface: quads.surface(atlas.material()),
+            look: Look::Octahedral(Octahedral::new(centre, radius, atlas)),
+        })
+    }
+
+    /// The same without its normals: each quad is lit as the plane that it is.
+    pub fn flat(&self) -> Self {
+        let mut flat = self.clone();
+        Arc::make_mut(&mut flat.surface.material).finish.normal_map = None;
+        flat
+    }
+
+    /// What an eye sees of it: octahedral views as their sampler shows them.
+    pub fn seen_from(&self, eye: DVec3) -> Surface {
+        match &self.look {
+            Look::Crossed(..) => self.surface.clone(),
+            Look::Octahedral(views) => {
+                let mut facing = views.facing(eye - views.centre);
+                if self.surface.material.finish.normal_map.is_none() {
+                    Arc::make_mut(&mut facing.material).finish.normal_map = None;
+                }
+                facing
+            }
+        }
+    }
+
+    /// What samplers and reports need to know.
+    pub fn facts(&self) -> Value {
+        let texture = self.surface.material.texture.as_ref();
+        let size = texture.map(|texture| [texture.width, texture.height]);
+        match &self.look {
+            Look::Crossed(planes, cell) => json!({
+                "layout": "crossed",
+                "planes": planes.count(),
+                "normal_map": self.surface.material.finish.normal_map.is_some(),
+                "atlas": size,
+                "cell": cell,
+            }),
+            Look::Octahedral(views) => json!({
+                "layout": "octahedral",
+                "hemisphere": "upper",
+                "frames": FRAMES,
+                "cells": CELLS,
+                "atlas": size,
+                "cell": views.cell,
+                "border": BORDER,
+                "centre": views.centre.to_array(),
+                "radius": views.radius,
+            }),
+        }
+    }
+}
+
+/// Texels a side: as many as pixels show the plant, up to a power of two.
+fn cell_for(pixels_high: f64, [least, most]: [u32; 2]) -> u32 {
+    let pixels = pixels_high.ceil().clamp(f64::from(least), f64::from(most));
+    (pixels as u32).next_power_of_two()
+}
+
+/// The middle of the box about all that is drawn, and the distance of the farthest corner from it.
+fn sphere_of<S: Borrow<Surface>>(surfaces: &[S]) -> Option<(DVec3, f64)> {
+    let corners = || {
+        surfaces.iter().flat_map(|surface| {
+            let surface = surface.borrow();
+            let corners = surface.triangles.iter().flatten();
+            corners.map(|corner| surface.positions[*corner as usize])
+        })
+    };
+    let finite = || corners().filter(|corner| corner.is_finite());
+    let (low, high) = finite().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), c| {
+        (low.min(c), high.max(c))
+    });
+    let centre = (low + high) / 2.0;
+    let radius = finite().map(|c| c.distance(centre)).fold(0.0, f64::max);
+    (radius > 0.0).then_some((centre, radius))
+}
