@@ -3,11 +3,13 @@
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`order_file`]: removal orders as files, for any level later.
+//! - [`view_dependent`]: parts of a crown in full detail, others coarse, as a view asks for it.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
 pub mod chain;
 pub mod order_file;
 pub mod preview;
 mod screen;
+pub mod view_dependent;
 
 pub use screen::Screen;

@@ -75,6 +75,7 @@
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`View`] |
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
+//! | all levels of an order | [`LodModel`], [`UniformLevel`], [`Forest`] |
 //! | judging | `measure`, `measure_pictures` |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`Options::skeleton`] |
 //! | trees without files | `plant` |
@@ -105,10 +106,11 @@ pub use secateur_gltf::{
     WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
-    AlphaMode, BoundingSphere, CornerRef, Cutout, Filters, Finish, Foliage, FoliageError, Growth,
-    Leaf, LeafId, LeafTriangle, Lod, Material, Mips, NewCorner, NewLeaf, NormalMap, Place, Plant,
+    AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Filters, Finish, Foliage,
+    FoliageError, Forest, Growth, Heirs, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material, Mips,
+    NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, Place, Plant,
     PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface, Texture,
-    Wrap,
+    UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

@@ -79,7 +79,9 @@ fn every_level_is_reached_from_every_other() {
             let names = 1..=order.name_count();
             let own = |level: &UniformLevel<'_>| {
                 let names = names.clone().map(leaf);
-                names.map(|leaf| level.own_area_scale(leaf)).collect::<Vec<_>>()
+                names
+                    .map(|leaf| level.own_area_scale(leaf))
+                    .collect::<Vec<_>>()
             };
             let before = own(&level);
             level.go_to(steps);

@@ -19,7 +19,7 @@ use super::print::Printed;
 use super::record::{self, Run};
 use super::summary::{columns, grouped, percent, size};
 use super::watch::Watch;
-use super::{interrupt, machine, output};
+use super::{interrupt, machine, order, output};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let mut options = options(args)?;
     let mut stages = Vec::new();
 
-    let tree = timed(&mut stages, "load", || {
+    let mut tree = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
         Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
     })?;
@@ -66,6 +66,10 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if let (Some(path), Some(picture)) = (&args.picture, picture) {
         output::stage(&mut staged, path, &picture)?;
     }
+    if let Some(path) = &args.order {
+        let order = result.passes.in_one_order();
+        order::stage(&mut staged, path, order, &mut tree, write_options(args))?;
+    }
     if let Some(folder) = &args.debug_images {
         stage_debug_images(&mut staged, folder, &options, &tree, &result)?;
     }
@@ -94,6 +98,10 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;
+        outputs.push(file);
+    }
+    if let Some(file) = &args.order {
+        order::check(file, &inputs, write_options(args))?;
         outputs.push(file);
     }
     if let Some(file) = &args.picture {
