@@ -28,11 +28,14 @@ use secateur_simplify::fsa::{self, FsaOptions};
 /// The leaves of the paper's tree, of two triangles each.
 const LEAVES: u32 = 20_376;
 
+/// The leaves of its coarsest level shown, of 472 polygons (Fig. 10).
+const FEWEST_LEAVES: usize = 236;
+
 /// The triangles of its Figures 11 and 12, as shares of all leaves' triangles.
 const SPHERE: [f64; 2] = [27_136.0 / 40_752.0, 13_680.0 / 40_752.0];
 const PLANE: [f64; 2] = [24_768.0 / 40_752.0, 18_406.0 / 40_752.0];
 
-const PANEL_PX: [u32; 2] = [420, 480];
+const PANEL_PX: [u32; 2] = [250, 286];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -109,7 +112,7 @@ fn draw(output: &str, given: Option<(&str, &str)>) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
-/// An oak with as many leaves as the paper's tree, and the order of leaf collapse to its end.
+/// An oak with as many leaves as the paper's tree, and the order of leaf collapse.
 fn collapsed_oak() -> Result<(Tree, LodModel), Box<dyn Error>> {
     let oak = grow(
         Species::Oak,
@@ -120,7 +123,7 @@ fn collapsed_oak() -> Result<(Tree, LodModel), Box<dyn Error>> {
     )?;
     let tree = Document::from_bytes("oak.glb", plant_to_glb(&oak), None)?.into_tree(&[])?;
     let go_on = &mut |_| ControlFlow::Continue(());
-    let order = fsa::simplify(tree.foliage(), 1, &FsaOptions::default(), go_on);
+    let order = fsa::simplify(tree.foliage(), FEWEST_LEAVES, &FsaOptions::default(), go_on);
     let order = order.ok_or("broken off")?;
     let model = LodModel::new(order, tree.foliage())?;
     Ok((tree, model))
