@@ -1,7 +1,7 @@
 //! The WGSL sources of secateur's GPU stages.
 //!
-//! A shader has the name of its stage; `secateur-raster` and `secateur-simplify`
-//! run them beside a twin in Rust. All of them compute with integers only.
+//! A shader has the name of its stage; `secateur-raster` runs them beside a twin in Rust, but for
+//! `leaf_sizes`, which is for renderers: its twin is in `secateur-scene`. All of them compute with integers only.
 
 /// Embeds the named shaders of this folder.
 macro_rules! shaders {
@@ -24,6 +24,8 @@ shaders! {
     HISTOGRAM = "histogram.wgsl";
     /// The front leaf of each pixel, from its list.
     LEAF_IDS = "leaf_ids.wgsl";
+    /// The sizes of leaves at a level of a removal order.
+    LEAF_SIZES = "leaf_sizes.wgsl";
     /// Counts to a bound that some drivers never reach.
     PROBE = "probe.wgsl";
     /// Snapped triangles to pixels.

@@ -7,7 +7,7 @@ const COMMON: [&str; 5] = ["--format", "--threads", "--quiet", "--verbose", "--h
 #[test]
 fn help_names_every_flag() {
     let bench = Bench::new();
-    let commands: [(&str, &[&str]); 7] = [
+    let commands: [(&str, &[&str]); 8] = [
         (
             "grow",
             &[
@@ -38,6 +38,20 @@ fn help_names_every_flag() {
                 "--memory",
                 "--preset",
                 "--preview",
+                "--overwrite",
+                "--report",
+            ],
+        ),
+        (
+            "lod",
+            &[
+                "TREE.glb",
+                "--output",
+                "--order",
+                "--leaves",
+                "--ratio",
+                "--steps",
+                "--foliage",
                 "--overwrite",
                 "--report",
             ],
@@ -74,6 +88,7 @@ fn help_names_every_flag() {
                 "--no-audit",
                 "--report",
                 "--picture",
+                "--order",
                 "--debug-images",
                 "vds-reference",
                 "normalised",

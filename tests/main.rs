@@ -11,6 +11,7 @@ mod fit;
 mod formats;
 mod grow;
 mod help;
+mod lod;
 mod lods;
 mod main_job;
 mod measure;

@@ -118,6 +118,7 @@ mod material;
 mod meshopt;
 mod name_evidence;
 mod node;
+mod order_extras;
 mod parts;
 mod picture;
 mod primitive;

@@ -53,6 +53,11 @@ impl WholeTree {
         &self.tree
     }
 
+    /// [`Self::items`], to change what it is written with.
+    pub fn items_mut(&mut self) -> &mut Tree {
+        &mut self.tree
+    }
+
     /// The skeleton of the plant, if the file has one: see [`Tree::skeleton`].
     ///
     /// # Errors

@@ -6,6 +6,7 @@
 //! - [`RemovalOrder`]: what a simplification method decided, step by step.
 //! - [`Lod`]: which leaves are left, and how large, after some of those steps.
 //! - [`LodModel`]: all levels of a removal order, each reached from any other.
+//! - [`Forest`]: the same order as collapses that depend on each other, for parts of a foliage.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, and its [`PlantSkeleton`].
 //! - [`Memory`]: how much memory a run may take; [`Budget`]: what is left of it.
@@ -15,6 +16,7 @@
 
 mod cutout;
 mod foliage;
+mod forest;
 mod leaf_id;
 mod lod;
 mod lod_model;
@@ -29,6 +31,7 @@ mod surface;
 
 pub use cutout::{Cutout, Wrap};
 pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle};
+pub use forest::{CollapseIndex, Forest, Heirs, NoHeirs, Node, NodeIndex};
 pub use leaf_id::LeafId;
 pub use lod::Lod;
 pub use lod_model::{LodModel, UniformLevel};

@@ -52,6 +52,22 @@ impl Lod {
         lod
     }
 
+    /// A level of these leaves of an order, made ones included, with their area scales; not
+    /// necessarily one that any of its prefixes is.
+    ///
+    /// # Panics
+    /// If no leaf ever has such a name.
+    pub fn of_leaves(
+        order: &RemovalOrder,
+        leaves: impl IntoIterator<Item = (LeafId, f64)>,
+    ) -> Self {
+        let mut scales = vec![0.0; order.name_count()];
+        for (leaf, area_scale) in leaves {
+            scales[leaf.index()] = area_scale;
+        }
+        Self::from_own_scales(order.leaf_count() as usize, &scales, order.made(), 1.0)
+    }
+
     /// A level of the leaves that have an own scale, originals and made ones by their names; no
     /// scale is 0.
     pub(crate) fn from_own_scales(

@@ -203,7 +203,10 @@ mod tests {
         }
     }
 
-    fn why(steps: &[(&[u32], &[(u32, f64)], &[NewLeaf])]) -> String {
+    /// What a step removes, grows and makes.
+    type Content<'a> = (&'a [u32], &'a [(u32, f64)], &'a [NewLeaf]);
+
+    fn why(steps: &[Content<'_>]) -> String {
         let mut order = RemovalOrder::new(3);
         // What is not there yet may be named only by orders that were read.
         for (removed, grown, made) in steps {
@@ -227,7 +230,7 @@ mod tests {
 
     #[test]
     fn an_order_that_can_be_followed_is_one() {
-        let steps: [(&[u32], &[(u32, f64)], &[NewLeaf]); 3] = [
+        let steps: [Content<'_>; 3] = [
             (&[1], &[(2, 2.0)], &[]),
             (&[2, 3], &[], &[made(3, 2)]),
             (&[4], &[], &[]),
@@ -237,15 +240,14 @@ mod tests {
 
     #[test]
     fn what_cannot_be_followed_is_named() {
-        let twice: [(&[u32], &[(u32, f64)], &[NewLeaf]); 2] = [(&[1], &[], &[]), (&[1], &[], &[])];
+        let twice: [Content<'_>; 2] = [(&[1], &[], &[]), (&[1], &[], &[])];
         assert_eq!(
             why(&twice),
             "step 2 of the order names leaf 1, which is gone"
         );
-        let later: [(&[u32], &[(u32, f64)], &[NewLeaf]); 2] =
-            [(&[4], &[], &[]), (&[1], &[], &[made(1, 0)])];
+        let later: [Content<'_>; 2] = [(&[4], &[], &[]), (&[1], &[], &[made(1, 0)])];
         assert!(why(&later).ends_with("the order runs in a circle"));
-        let itself: [(&[u32], &[(u32, f64)], &[NewLeaf]); 1] = [(&[4], &[], &[made(1, 0)])];
+        let itself: [Content<'_>; 1] = [(&[4], &[], &[made(1, 0)])];
         assert!(why(&itself).ends_with("the order runs in a circle"));
         assert!(why(&[(&[9], &[], &[])]).contains("leaf 9, which there never is"));
         assert!(why(&[(&[1], &[(1, 2.0)], &[])]).contains("is gone"));

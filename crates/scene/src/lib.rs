@@ -4,12 +4,16 @@
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`impostor`]: pictures that stand for a plant far off.
 //! - [`order_file`]: removal orders as files, for any level later.
+//! - [`view_dependent`]: parts of a crown in full detail, others coarse, as a view asks for it.
+//! - [`prefix_buffers`]: a removal order on a GPU, every level a prefix of one index buffer.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
 pub mod chain;
 pub mod impostor;
 pub mod order_file;
+pub mod prefix_buffers;
 pub mod preview;
 mod screen;
+pub mod view_dependent;
 
 pub use screen::Screen;

@@ -75,6 +75,7 @@
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`View`] |
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
+//! | all levels of an order | [`LodModel`], [`UniformLevel`], [`Forest`] |
 //! | judging | `measure`, `measure_pictures`, `measure_as_drawn` |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`Options::skeleton`] |
 //! | trees without files | `plant` |
@@ -107,10 +108,11 @@ pub use secateur_gltf::{
     WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
-    AlphaMode, BoundingSphere, CornerRef, Cutout, Facing, Filters, Finish, Foliage, FoliageError,
-    Growth, Leaf, LeafId, LeafTriangle, Lod, Material, Memory, Mips, NewCorner, NewLeaf, NormalMap,
-    OverMemory, Place, Plant, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError,
-    Step, Surface, Texture, Wrap,
+    AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
+    FoliageError, Forest, Growth, Heirs, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
+    Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
+    Place, Plant, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface,
+    Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

@@ -18,6 +18,7 @@ use super::skeleton::rewrite_skeleton;
 use crate::Document;
 use crate::buffer::{Buffer, BufferSource};
 use crate::error::{At, Fault, Problem};
+use crate::order_extras::ORDER_EXTRAS_NAME;
 use crate::tree::Tree;
 use secateur_model::Lod;
 
@@ -50,9 +51,25 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     let empty = rewrite_meshes(&mut draft, tree, &edits)?;
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
+    drop_order(&mut draft, tree, lod);
     drop_unused_vertices(&mut draft, &before)?;
     let triangles = count_triangles(tree, &edits)?;
     finished(draft, &before, triangles)
+}
+
+/// Leaves out the removal order of all leaves, where some are gone or others.
+fn drop_order(draft: &mut Draft, tree: &Tree, lod: &Lod) {
+    if *lod == Lod::original(tree.foliage.leaves().len()) {
+        return;
+    }
+    let extras = draft.root.get_mut("extras").and_then(Value::as_object_mut);
+    let Some(extras) = extras.filter(|extras| extras.contains_key(ORDER_EXTRAS_NAME)) else {
+        return;
+    };
+    extras.shift_remove(ORDER_EXTRAS_NAME);
+    if extras.is_empty() {
+        remove_field(&mut draft.root, "extras");
+    }
 }
 
 /// The content of a draft: what nothing names any more is gone, and the rest of

@@ -37,7 +37,11 @@ mod bits;
 mod read;
 mod write;
 
-use secateur_model::{CornerRef, LeafId, NewLeaf, OrderError, Place, RemovalOrder};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use secateur_model::{
+    CornerRef, Foliage, LeafId, LodModel, NewLeaf, OrderError, Place, RemovalOrder,
+};
 
 pub use read::read_order;
 pub use write::write_order;
@@ -52,6 +56,9 @@ pub enum OrderFileError {
     /// The first bytes are others.
     #[error("this is no removal order: it does not start with \"secateur lod\"")]
     NoOrder,
+    /// A text that is no base64.
+    #[error("the removal order is no base64")]
+    NoBase64,
     /// Another version of the form.
     #[error("the removal order is of version {0}; this program reads version 1")]
     Version(u32),
@@ -93,6 +100,20 @@ pub enum OrderFileError {
     Order(#[from] OrderError),
 }
 
+/// [`write_order`] as a text, for the extras of a glTF.
+pub fn order_to_base64(model: &LodModel, foliage: &Foliage) -> String {
+    STANDARD.encode(write_order(model, foliage))
+}
+
+/// [`read_order`] of a text.
+///
+/// # Errors
+/// As [`read_order`], and [`OrderFileError::NoBase64`].
+pub fn order_from_base64(text: &str, foliage: &Foliage) -> Result<LodModel, OrderFileError> {
+    let bytes = STANDARD.decode(text);
+    read_order(&bytes.map_err(|_| OrderFileError::NoBase64)?, foliage)
+}
+
 /// How many bits hold any number up to this one.
 fn width(largest: usize) -> u32 {
     usize::BITS - largest.leading_zeros()
@@ -118,17 +139,23 @@ fn corner_of(order: &RemovalOrder, leaf: LeafId, corner: u32) -> Option<CornerRe
     }
 }
 
-/// Whether a leaf is made of its donor alone, which may have as many triangles.
-fn is_of_donor_alone(made: &NewLeaf) -> bool {
-    made.triangles
+/// Whether a leaf has the form of a shape: made of its donor alone, of at most as many triangles, so
+/// that a few bits do not make many.
+fn is_shape(made: &NewLeaf, foliage: &Foliage) -> bool {
+    let of_donor = foliage.triangles_of(made.donor).len();
+    let is_of_donor = made
+        .triangles
         .iter()
         .flatten()
         .all(|corner| match corner.place {
             Place::Of(at) => at.leaf == made.donor,
             Place::InPlaneOf { .. } => true,
             Place::At(_) => false,
-        })
+        });
+    is_of_donor && made.triangles.len() <= of_donor
 }
 
+#[cfg(test)]
+mod seeds;
 #[cfg(test)]
 mod tests;

@@ -204,12 +204,11 @@ impl Reader<'_> {
         })
     }
 
-    /// A shape has at most as many triangles as what it is made of, or two: a few bits must not make
-    /// many.
+    /// A shape has at most as many triangles as what it is made of: a few bits must not make many.
     fn of_shape(&self, number: usize, donor: LeafId) -> Result<NewLeaf, Why> {
         let shape = known(self.shapes.get(number))?;
         let leaves = self.foliage.leaves().len();
-        if donor.index() >= leaves || shape.len() > self.foliage.triangles_of(donor).len().max(2) {
+        if donor.index() >= leaves || shape.len() > self.foliage.triangles_of(donor).len() {
             return Err(Why::NoSuchThing);
         }
         let placed = |corner: ShapeCorner| match corner {

@@ -70,17 +70,19 @@ fn orders_of_every_method_come_back() {
     let foliage = crown();
     for (name, order) in orders(&foliage) {
         let model = LodModel::new(order, &foliage).unwrap();
-        let bytes = write_order(&model);
+        let bytes = write_order(&model, &foliage);
         let read = read_order(&bytes, &foliage);
         assert_eq!(read.as_ref(), Ok(&model), "{name}");
-        assert_eq!(write_order(&model), bytes, "{name}");
+        assert_eq!(write_order(&model, &foliage), bytes, "{name}");
+        let text = order_to_base64(&model, &foliage);
+        assert_eq!(order_from_base64(&text, &foliage).as_ref(), Ok(&model));
     }
 }
 
 #[test]
 fn a_leaf_takes_less_than_16_bytes() {
     let foliage = ellipsoid_crown(3000, 7, &EllipsoidCrown::default()).unwrap();
-    let bytes = |order| write_order(&LodModel::new(order, &foliage).unwrap()).len();
+    let bytes = |order| write_order(&LodModel::new(order, &foliage).unwrap(), &foliage).len();
     let full = |options: &mut Options| {
         // Every leaf that goes lets another grow.
         if let Method::Vds(vds) = &mut options.method {
@@ -115,7 +117,7 @@ fn small() -> (Foliage, Vec<u8>) {
         made: &[],
         survivors_area_scale: 1.5,
     });
-    let bytes = write_order(&LodModel::new(order, &foliage).unwrap());
+    let bytes = write_order(&LodModel::new(order, &foliage).unwrap(), &foliage);
     (foliage, bytes)
 }
 

@@ -3,20 +3,20 @@
 use std::collections::HashMap;
 
 use secateur_model::{
-    CornerRef, Growth, LeafId, LodModel, NewCorner, NewLeaf, Place, RemovalOrder,
+    CornerRef, Foliage, Growth, LeafId, LodModel, NewCorner, NewLeaf, Place, RemovalOrder,
 };
 
 use super::bits::BitWriter;
-use super::{HEADER_BYTES, MAGIC, VERSION, corner_of, donor_of, is_of_donor_alone, width};
+use super::{HEADER_BYTES, MAGIC, VERSION, corner_of, donor_of, is_shape, width};
 
 /// A corner by its bits, so that equal ones are found.
 type CornerKey = (u32, u32, [u64; 3], u32);
 
 /// The bytes of a model's order, which [`read_order`](super::read_order) takes: equal models give
-/// equal bytes.
-pub fn write_order(model: &LodModel) -> Vec<u8> {
+/// equal bytes. `foliage` is that of the model.
+pub fn write_order(model: &LodModel, foliage: &Foliage) -> Vec<u8> {
     let order = model.order();
-    let shapes = Shapes::of(order);
+    let shapes = Shapes::of(order, foliage);
     let mut writer = Writer {
         order,
         name_bits: width(order.name_count()),
@@ -48,15 +48,17 @@ pub fn write_order(model: &LodModel) -> Vec<u8> {
 struct Shapes<'a> {
     all: Vec<&'a NewLeaf>,
     number_of: HashMap<Vec<CornerKey>, usize>,
+    foliage: &'a Foliage,
 }
 
 impl<'a> Shapes<'a> {
-    fn of(order: &'a RemovalOrder) -> Self {
+    fn of(order: &'a RemovalOrder, foliage: &'a Foliage) -> Self {
         let mut shapes = Self {
             all: Vec::new(),
             number_of: HashMap::new(),
+            foliage,
         };
-        for made in order.made().iter().filter(|made| is_of_donor_alone(made)) {
+        for made in order.made().iter().filter(|made| is_shape(made, foliage)) {
             shapes.number_of.entry(key_of(made)).or_insert_with(|| {
                 shapes.all.push(made);
                 shapes.all.len() - 1
@@ -66,7 +68,7 @@ impl<'a> Shapes<'a> {
     }
 
     fn number(&self, made: &NewLeaf) -> Option<usize> {
-        match is_of_donor_alone(made) {
+        match is_shape(made, self.foliage) {
             true => self.number_of.get(&key_of(made)).copied(),
             false => None,
         }

@@ -9,11 +9,13 @@ mod grow;
 mod grow_lod;
 mod inspect;
 mod interrupt;
+mod lod;
 mod lods;
 mod log;
 mod machine;
 mod measure;
 mod names;
+mod order;
 mod output;
 mod picture;
 mod print;
@@ -73,6 +75,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Demo(args) => demo::run(args, &cli.common)?,
         Command::Inspect(args) => inspect::run(args)?,
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
+        Command::Lod(args) => lod::run(args)?,
         Command::Lods(args) => lods::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
         Command::Study(args) => study::run(args, &cli.common)?,

@@ -19,7 +19,7 @@ use super::progress_bar::RunProgress;
 use super::record::{self, Run};
 use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
-use super::{interrupt, machine, output};
+use super::{interrupt, machine, order, output};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         Some(wood) => wood.into(),
         None => usual_mode(options.target),
     };
-    let subject = timed(&mut stages, "load", || {
+    let mut subject = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
         Subject::open(&args.tree, &args.foliage.foliage, mode, args.memory.memory)
     })?;
@@ -75,6 +75,10 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if let (Some(path), Some(picture)) = (&args.picture, picture) {
         output::stage(&mut staged, path, &picture)?;
     }
+    if let Some(path) = &args.order {
+        let order = result.passes.in_one_order();
+        order::stage(&mut staged, path, order, &mut subject, write_options(args))?;
+    }
     if let Some(folder) = &args.debug_images {
         stage_debug_images(&mut staged, folder, &options, &subject, result)?;
     }
@@ -103,6 +107,10 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;
+        outputs.push(file);
+    }
+    if let Some(file) = &args.order {
+        order::check(file, &inputs, write_options(args))?;
         outputs.push(file);
     }
     if let Some(file) = &args.picture {

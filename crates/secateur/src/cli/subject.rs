@@ -62,6 +62,14 @@ impl Subject {
         }
     }
 
+    /// The same, to be changed.
+    pub(crate) fn tree_mut(&mut self) -> &mut Tree {
+        match self {
+            Self::Leaves(tree) => tree,
+            Self::Whole(tree, _) => tree.items_mut(),
+        }
+    }
+
     pub(crate) fn leaves(&self) -> &Foliage {
         match self {
             Self::Leaves(tree) => tree.foliage(),

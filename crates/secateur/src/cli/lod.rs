@@ -1,0 +1,122 @@
+//! `secateur lod`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use secateur::{LodModel, Tree, WriteOptions};
+use serde_json::json;
+
+use super::args::{self, LevelArgs};
+use super::failure::Failure;
+use super::print::Printed;
+use super::simplify::{share, timed, warn_all};
+use super::summary::{columns, grouped};
+use super::{interrupt, machine, order, output, record};
+
+/// Reads a tree and an order, writes one level.
+pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    let write_options = WriteOptions::default().overwrite(args.overwrite);
+    let mut inputs = vec![args.tree.as_path()];
+    inputs.extend(args.order.as_deref());
+    output::check_tree(&args.output, &inputs, write_options)?;
+    let mut outputs: Vec<&Path> = vec![&args.output];
+    if let Some(file) = &args.report {
+        output::check_file(file, &inputs)?;
+        outputs.push(file);
+    }
+    output::check_distinct(&outputs)?;
+
+    let mut stages = Vec::new();
+    let tree = timed(&mut stages, "load", || {
+        Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
+    })?;
+    output::check_spares(tree.document(), &outputs)?;
+    warn_all(&tree.inspection().warnings);
+    let model = timed(&mut stages, "order", || {
+        order::read(args.order.as_deref(), &tree)
+    })?;
+    let steps = steps(&model, args.level).map_err(|why| {
+        let of = args.order.as_ref().unwrap_or(&args.tree);
+        Failure(format!("{}: {why}", of.display()))
+    })?;
+    let lod = model.lod_after(steps);
+    interrupt::writing()?;
+    let prepared = timed(&mut stages, "write", || {
+        tree.prepare_lod(&lod, &args.output, write_options)
+            .map_err(Failure::from)
+    })?;
+    let (written, mut staged) = prepared.into_files();
+
+    let mut prefix = model.order().clone();
+    prefix.truncate(steps);
+    let triangles_left = lod.foliage(tree.foliage()).triangles().len();
+    let record = json!({
+        "input": args.tree.display().to_string(),
+        "output": written.files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),
+        "bytes": { "original": record::bytes_of(&args.tree), "final": written.bytes },
+        "leaves": { "original": model.most_leaves(), "final": lod.leaf_count() },
+        "triangles": { "original": tree.triangle_count(), "final": written.triangles },
+        "foliage_triangles": {
+            "original": tree.foliage().triangles().len(),
+            "final": triangles_left,
+        },
+        "steps": { "original": model.order().len(), "final": steps },
+        "order_sha256": prefix.sha256(),
+        "max_area_scale": lod.max_area_scale(),
+        "seconds": record::seconds(&stages, start.elapsed().as_secs_f64()),
+        "peak_rss_bytes": machine::peak_rss_bytes(),
+        "notes": written.notes,
+        "run": record::provenance("lod"),
+    });
+    record::stage(&mut staged, args.report.as_deref(), &record)?;
+    staged.commit()?;
+
+    let mut text = format!("{} -> {}\n", args.tree.display(), args.output.display());
+    let row = |name: &str, before: u64, after: u64| {
+        let share = share(after as usize, before as usize);
+        vec![name.to_owned(), grouped(before), grouped(after), share]
+    };
+    text += &columns(&[
+        ["", "original", "level", ""].map(str::to_owned).to_vec(),
+        row(
+            "leaves",
+            model.most_leaves() as u64,
+            lod.leaf_count() as u64,
+        ),
+        row("triangles", tree.triangle_count(), written.triangles),
+    ]);
+    let (made, all) = (grouped(steps as u64), grouped(model.order().len() as u64));
+    text += &format!("  steps      {made} of the order's {all}\n");
+    for note in &written.notes {
+        text += &format!("  note       {note}\n");
+    }
+    Ok(Printed::single(text, record))
+}
+
+/// How many steps lead to the level that is asked for, or why none does.
+fn steps(model: &LodModel, level: LevelArgs) -> Result<usize, String> {
+    let (all, fewest) = (model.order().len(), model.fewest_leaves());
+    if let Some(steps) = level.steps {
+        let steps = usize::try_from(steps).unwrap_or(usize::MAX);
+        return match steps <= all {
+            true => Ok(steps),
+            false => Err(format!(
+                "the removal order has {all} steps; {steps} are more"
+            )),
+        };
+    }
+    let most = model.most_leaves();
+    let share = |ratio: f64| (ratio * most as f64).round() as usize;
+    let leaves = match level.leaves {
+        Some(leaves) => usize::try_from(leaves).unwrap_or(usize::MAX),
+        None => share(level.ratio.unwrap_or(1.0)),
+    };
+    if leaves < fewest {
+        let more = "simplify further with `--order`";
+        return Err(format!(
+            "the removal order ends at {fewest} leaves; {leaves} are fewer: {more}"
+        ));
+    }
+    Ok(model.steps_to(leaves))
+}

@@ -1,0 +1,75 @@
+//! Removal orders in files of their own, and in the extras of trees.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use secateur::{Lod, LodModel, RemovalOrder, StagedFiles, Tree, WriteOptions};
+use secateur_scene::order_file;
+
+use super::failure::Failure;
+use super::output;
+use super::subject::Subject;
+
+/// Whether an order is asked for in the extras of a tree.
+fn is_tree(path: &Path) -> bool {
+    let extension = path.extension().and_then(OsStr::to_str);
+    extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()))
+}
+
+/// Refuses a place for an order that could not be written at the end.
+pub(crate) fn check(path: &Path, inputs: &[&Path], options: WriteOptions) -> Result<(), Failure> {
+    match is_tree(path) {
+        true => output::check_tree(path, inputs, options),
+        false => output::check_file(path, inputs),
+    }
+}
+
+/// Writes an order that appears with the others of `staged`; into the tree's extras where the name
+/// is that of a tree.
+pub(crate) fn stage(
+    staged: &mut StagedFiles,
+    path: &Path,
+    order: RemovalOrder,
+    subject: &mut Subject,
+    options: WriteOptions,
+) -> Result<(), Failure> {
+    let leaves = subject.leaves();
+    let model = LodModel::new(order, leaves)
+        .map_err(|error| Failure(format!("{}: {error}", path.display())))?;
+    if !is_tree(path) {
+        return output::stage(staged, path, &order_file::write_order(&model, leaves));
+    }
+    let text = order_file::order_to_base64(&model, leaves);
+    let tree = subject.tree_mut();
+    if !tree.set_order_base64(&text) {
+        let name = tree.document().name();
+        let why = "its `extras` are no object, so no order can be put into them";
+        return Err(Failure(format!("{name}: {why}")));
+    }
+    let original = Lod::original(tree.foliage().leaves().len());
+    let (_, files) = tree.prepare_lod(&original, path, options)?.into_files();
+    staged.append(files);
+    Ok(())
+}
+
+/// The model of a tree: from a file, or from the tree's extras.
+pub(crate) fn read(file: Option<&Path>, tree: &Tree) -> Result<LodModel, Failure> {
+    let name = match file {
+        Some(path) => path.display().to_string(),
+        None => tree.document().name().to_owned(),
+    };
+    let read = match file {
+        Some(path) => {
+            let bytes = std::fs::read(path);
+            let bytes = bytes.map_err(|e| Failure::of_file(path, "cannot be read", &e))?;
+            order_file::read_order(&bytes, tree.foliage())
+        }
+        None => {
+            let none = "it has no removal order in its extras: name a file of one by `--order`";
+            let text = tree.order_base64();
+            let text = text.ok_or_else(|| Failure(format!("{name}: {none}")))?;
+            order_file::order_from_base64(text, tree.foliage())
+        }
+    };
+    read.map_err(|error| Failure(format!("{name}: {error}")))
+}
