@@ -158,6 +158,8 @@ fn a_run_that_fails_leaves_none_of_its_files() {
     for output in ["o.gltf", "o.glb"] {
         let arguments = ["tree.gltf", "-o", output, "--leaves", "1", "--fit=none"];
         let more = [
+            "--sides",
+            "both",
             "--picture",
             "p.png",
             "--report",
@@ -184,6 +186,8 @@ fn debug_images_do_not_replace_images_of_the_input() {
         "--leaves",
         "1",
         "--fit=none",
+        "--sides",
+        "both",
     ];
     bench
         .simplify(&[&arguments[..], &["--debug-images", "in"]].concat())

@@ -63,6 +63,8 @@ fn leaves_behind_each_other_are_counted_before_they_take_memory() {
         "9",
         "--memory",
         "6M",
+        "--sides",
+        "both",
     ];
     let mut answers = Vec::new();
     for threads in ["1", "3"] {

@@ -179,7 +179,10 @@ pub fn simplify_sharing(
     }
     let mut budget = Budget::new(options.memory);
     let views = options.views.around(sphere);
-    take_run(&mut budget, &foliage, options, &views, resolution)?;
+    // More pixels than can be counted are refused later, in words that no memory helps.
+    if u64::from(resolution).pow(2) * views.len() as u64 <= MAX_TOTAL_PIXELS {
+        take_run(&mut budget, &foliage, options, &views, resolution)?;
+    }
     let within = Within { engine, budget };
     let occluders = options
         .occluders
