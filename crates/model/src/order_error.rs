@@ -156,7 +156,8 @@ fn is_made_of(foliage: &Foliage, made: &NewLeaf) -> bool {
     let is_there = |corner: &NewCorner| {
         let place = match corner.place {
             Place::Of(at) => u64::from(at.corner) < 3 * triangles_of(at.leaf),
-            Place::At(position) => position.abs().max_element() <= MAX_COORDINATE,
+            // One by one: the largest element passes over what is no number.
+            Place::At(at) => at.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE),
             Place::InPlaneOf { triangle, weights } => {
                 u64::from(triangle) < of_donor && weights.iter().all(|w| w.abs() <= MAX_WEIGHT)
             }
@@ -256,6 +257,18 @@ mod tests {
         }
         assert!(why(&[(&[1], &[], &[made(1, 3)])]).contains("corners that are not there"));
         assert!(why(&[(&[1], &[], &[made(1, 0), made(1, 0)])]).contains("more leaves"));
+        for (x, y) in [(f64::NAN, 0.0), (0.0, f64::INFINITY), (1e41, 0.0)] {
+            let at = Place::At(DVec3::new(x, y, 0.0));
+            let mut far = made(1, 0);
+            far.triangles[0][1].place = at;
+            assert!(why(&[(&[1], &[], &[far])]).contains("corners that are not there"));
+            let mut heavy = made(1, 0);
+            heavy.triangles[0][2].place = Place::InPlaneOf {
+                triangle: 0,
+                weights: [x, 0.0, y],
+            };
+            assert!(why(&[(&[1], &[], &[heavy])]).contains("corners that are not there"));
+        }
         let none = NewLeaf {
             donor: leaf(1),
             triangles: Vec::new(),

@@ -7,8 +7,8 @@
 //! cargo run --release --package secateur-scene --example view_dependent -- OUT.png TREE.glb ORDER
 //! ```
 //!
-//! The radius and the place of the plane are those at which as many triangles are left as in the
-//! paper, in proportion to the tree's.
+//! The radius of the sphere and the place of the plane, in radii of the crown, are those at which
+//! as many triangles are left as in the paper, in proportion to the tree's.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -80,7 +80,7 @@ fn draw(output: &str, given: Option<(&str, &str)>) -> Result<(), Box<dyn Error>>
         // More is coarse in a larger sphere.
         let found = found_at(share, &mut cut, &model, &tree, &criterion);
         let surfaces = surfaces_of(&tree, &cut.lod(&model))?;
-        let title = format!("sphere {:.2} r", 2.0 * found.0);
+        let title = format!("sphere {:.2}", 2.0 * found.0);
         panels.push(panels_of(&title, &surfaces, &camera, &cut, found.1));
     }
     for share in PLANE {
@@ -90,7 +90,7 @@ fn draw(output: &str, given: Option<(&str, &str)>) -> Result<(), Box<dyn Error>>
         };
         let found = found_at(share, &mut cut, &model, &tree, &criterion);
         let surfaces = surfaces_of(&tree, &cut.lod(&model))?;
-        let title = format!("plane {:.2} r", 2.0 * found.0 - 1.0);
+        let title = format!("plane {:.2}", 2.0 * found.0 - 1.0);
         panels.push(panels_of(&title, &surfaces, &camera, &cut, found.1));
     }
     // From outside, and cut open along the middle.
