@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::ops::{Add, Mul};
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec4};
 use secateur_model::{Mips, Surface, Texture};
 
 use crate::screen_triangle::ScreenTriangle;
@@ -144,7 +144,7 @@ fn half(texture: &Texture) -> Texture {
                 }
             }
             let mean = sum / total;
-            rgba.extend(Vec3::from(mean.truncate()).to_array().map(srgb_byte));
+            rgba.extend(mean.truncate().to_array().map(srgb_byte));
             rgba.push((mean.w * 255.0 + 0.5) as u8);
         }
     }
