@@ -296,7 +296,11 @@ pub(crate) fn triangles_of_all(document: &Document) -> Result<Foliage, Fault> {
     }
     let mut budget = document.budget;
     let survey = document.survey(&parts, &mut budget)?;
-    if survey.groups.iter().all(|group| group.geometry.triangles.is_empty()) {
+    if survey
+        .groups
+        .iter()
+        .all(|group| group.geometry.triangles.is_empty())
+    {
         return Ok(Foliage::default());
     }
     let mut pictures = Pictures::new(document, budget);

@@ -125,13 +125,11 @@ fn lens(camera: &Value) -> Result<(f64, f64), Problem> {
     let perspective = camera
         .get("perspective")
         .ok_or(Problem::Missing("perspective"))?;
-    let number = |name, expected, is_right: fn(f64) -> bool| match property::number(
-        perspective,
-        name,
-    )? {
-        Some(number) if !is_right(number) => Err(bad(name, expected, &perspective[name])),
-        found => Ok(found),
-    };
+    let number =
+        |name, expected, is_right: fn(f64) -> bool| match property::number(perspective, name)? {
+            Some(number) if !is_right(number) => Err(bad(name, expected, &perspective[name])),
+            found => Ok(found),
+        };
     let is_above_zero = |x: f64| x > 0.0;
     let is_angle = |x: f64| x > 0.0 && x < std::f64::consts::PI;
     let angle = number("yfov", "an angle above 0 and below pi radians", is_angle)?;
@@ -279,7 +277,10 @@ mod tests {
         }
         let many: Vec<Value> = vec![json!({ "camera": 0, "extras": { "weight": 16 } }); 65];
         let says = with(json!(many), lens(1.0, 0.1)).cameras().unwrap_err();
-        assert!(says.to_string().contains("more than 1024 cameras"), "{says}");
+        assert!(
+            says.to_string().contains("more than 1024 cameras"),
+            "{says}"
+        );
     }
 
     #[test]
