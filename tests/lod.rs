@@ -67,7 +67,14 @@ fn the_end_of_an_order_is_the_run_that_made_it_whatever_passes_ran() {
     let runs: [&[&str]; 5] = [
         &["--ratio", "0.2", "--fit=coverage"],
         &["--ratio", "0.2", "--preset", "information", "--fit=2"],
-        &["--triangles", "0.2", "--leaf-triangles", "1", "--wood", "ignore"],
+        &[
+            "--triangles",
+            "0.2",
+            "--leaf-triangles",
+            "1",
+            "--wood",
+            "ignore",
+        ],
         &["--max-error", "5", "--fit=none"],
         &["--ratio", "0.2", "--method", "meshopt"],
     ];

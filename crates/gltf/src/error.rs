@@ -290,6 +290,18 @@ pub enum Problem {
         /// What there is to select.
         known: Vec<String>,
     },
+    /// Cameras are asked for, and the scene has none.
+    #[error("has no camera in its scene to look from")]
+    NoCamera,
+    /// A camera of parallel rays.
+    #[error("is orthographic; only perspective cameras can be looked through")]
+    Orthographic,
+    /// A camera's node turns it into nothing.
+    #[error("its transform leaves its camera no direction to look in")]
+    NoView,
+    /// What should hide leaves has no triangle.
+    #[error("has no triangle that could hide a leaf")]
+    NoOccluder,
     /// The foliage has no triangle.
     #[error("its foliage has no triangle")]
     EmptyFoliage,

@@ -288,6 +288,26 @@ impl Document {
     }
 }
 
+/// Everything that is drawn, piece by piece as if it were foliage.
+pub(crate) fn triangles_of_all(document: &Document) -> Result<Foliage, Fault> {
+    let mut parts = document.parts()?;
+    for part in &mut parts {
+        part.is_foliage = true;
+    }
+    let mut budget = document.budget;
+    let survey = document.survey(&parts, &mut budget)?;
+    if survey
+        .groups
+        .iter()
+        .all(|group| group.geometry.triangles.is_empty())
+    {
+        return Ok(Foliage::default());
+    }
+    let mut pictures = Pictures::new(document, budget);
+    let found = document.collect(&survey, &parts, &mut pictures, &mut Vec::new())?;
+    Ok(found.foliage)
+}
+
 /// What a group's leaves look like.
 struct Skin {
     /// One per position, or none.

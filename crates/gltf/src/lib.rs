@@ -95,6 +95,7 @@
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
 //! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
+//! | cameras of a scene, and what hides leaves | `scene.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
 //! | chains of levels | `write/chain/` |
@@ -124,6 +125,7 @@ mod picture;
 mod primitive;
 mod property;
 mod report;
+mod scene;
 mod selector;
 mod shape_evidence;
 mod skeleton;
@@ -152,6 +154,7 @@ pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
+pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use selector::{Selector, SelectorError};
 pub use surfaces::Detail;
 pub use tree::Tree;

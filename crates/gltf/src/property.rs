@@ -4,7 +4,8 @@ use serde_json::Value;
 
 use super::error::{Problem, shortened};
 
-fn bad(property: &'static str, expected: &'static str, found: &Value) -> Problem {
+/// A property that is not what it should be.
+pub(crate) fn bad(property: &'static str, expected: &'static str, found: &Value) -> Problem {
     Problem::BadProperty {
         property,
         expected,

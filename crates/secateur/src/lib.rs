@@ -73,6 +73,7 @@
 //! | the look or the information | [`Preset`] |
 //! | methods and their options | [`Method`], [`VdsOptions`], [`FsaOptions`], [`StochasticOptions`], [`MeshoptOptions`] |
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`View`] |
+//! | a scene's cameras, and what hides leaves | [`Document::cameras`], [`scene_views`], [`Document::occluders`], [`Options::occluders`] |
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
 //! | all levels of an order | [`LodModel`], [`UniformLevel`], [`Forest`] |
@@ -93,10 +94,12 @@
 mod error;
 #[cfg(feature = "eval")]
 mod measure;
+mod scene;
 
 pub use error::Error;
 #[cfg(feature = "eval")]
 pub use measure::{measure, measure_as_drawn, measure_by, measure_pictures, measure_pictures_by};
+pub use scene::scene_views;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
@@ -104,8 +107,8 @@ pub use secateur_eval::{
 };
 pub use secateur_gltf::{
     CommitError, Detail, Document, FoliageReport, GltfError, Inspection, PreparedLod,
-    PrimitiveReport, Problem, Reason, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree,
-    WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
+    PrimitiveReport, Problem, Reason, SceneCamera, Selector, SelectorError, Spread, StagedFiles,
+    TakenFor, Tree, WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,

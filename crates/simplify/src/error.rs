@@ -1,6 +1,6 @@
 //! What can keep a run from its end, in one sentence each.
 
-use secateur_model::{OverMemory, SkeletonError};
+use secateur_model::{FoliageError, OverMemory, SkeletonError};
 
 use crate::vds::VdsError;
 
@@ -35,6 +35,17 @@ pub enum Error {
         /// Triangles of the wood.
         least: usize,
     },
+    /// What hides leaves hides all, or the views look elsewhere.
+    #[error(
+        "no leaf is seen in any of the {views} views: all are hidden, or out of sight; move what stands before them, or the cameras"
+    )]
+    NothingSeen {
+        /// Number of views.
+        views: usize,
+    },
+    /// Leaves and what hides them are together too many.
+    #[error(transparent)]
+    Foliage(#[from] FoliageError),
     /// A method that follows branches, and a plant whose branches are not known.
     #[error("the method {method} needs a tree with a skeleton, which this one has not")]
     NoSkeleton {

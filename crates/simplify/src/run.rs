@@ -208,6 +208,10 @@ pub fn simplify_sharing(
         budget,
     };
     let mut draft = run.select(shared, &mut clock)?;
+    if options.occluders.is_some() && run.shows_nothing(&draft.shown)? {
+        let views = draft.shown.views.len();
+        return Err(Error::NothingSeen { views });
+    }
     let unfitted_percent = draft.shown.error_percent();
     if let Some(objective) = options.objective()
         && !is_fit_spared(
@@ -475,6 +479,24 @@ impl Run<'_> {
             areas,
             views,
         })
+    }
+
+    /// Whether no leaf of the original is seen in these views.
+    fn shows_nothing(&self, shown: &Shown) -> Result<bool, Error> {
+        // Where nothing is seen there is no information: else nothing needs to be drawn for it.
+        if shown.vmi_original.scaled().iter().any(|bits| *bits != 0) {
+            return Ok(false);
+        }
+        let original = Lod::original(self.foliage.leaves().len());
+        let areas = observe(
+            self.foliage,
+            &original,
+            &shown.views,
+            self.resolution,
+            self.rasteriser,
+        )?;
+        let shows_none = |row: &[u32]| row[1..].iter().all(|area_px| *area_px == 0);
+        Ok(areas.rows().all(shows_none))
     }
 
     /// Fits the sizes of what is left, where that changes anything and keeps to the error that is

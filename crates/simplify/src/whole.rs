@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use secateur_model::{Foliage, Lod};
-use secateur_raster::{OpenEngine, ViewSet};
+use secateur_raster::occluders::Occluded;
+use secateur_raster::{OpenEngine, Rasteriser, ViewSet};
 use serde::{Deserialize, Serialize};
 
 use crate::observe::observe;
 use crate::stage::Observer;
 use crate::wood::Wood;
-use crate::{Error, Options, Shared, Simplified, Target, simplify_on, simplify_sharing, sphere_of};
+use crate::{
+    Error, Options, Shared, Simplified, Target, Views, simplify_on, simplify_sharing, sphere_of,
+};
 
 /// Views of this many pixels a side say how much of each piece of wood is seen: enough for what
 /// shows at all at the heights at which coarse levels are seen.
@@ -80,12 +83,42 @@ impl<'a> WholePlant<'a> {
         wood: &'a Foliage,
         engine: &OpenEngine,
     ) -> Result<Self, Error> {
+        let usual = Options::to(Target::triangle_share(1.0));
+        Self::within(items, leaves, wood, &usual, engine)
+    }
+
+    /// As [`Self::new`]; but where the options have [`Options::occluders`] it is looked at among these,
+    /// and from cameras that the caller has placed, if there are any. So wood that they hide goes
+    /// first too.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn within(
+        items: &Foliage,
+        leaves: &'a Foliage,
+        wood: &'a Foliage,
+        options: &Options,
+        engine: &OpenEngine,
+    ) -> Result<Self, Error> {
         sphere_of(leaves)?;
         let sphere = sphere_of(items)?;
-        let views = ViewSet::dodecahedron(sphere);
+        let occluders = options.occluders.as_deref();
+        let views = match (&options.views, occluders) {
+            (Views::Cameras(views), Some(_)) => views.clone(),
+            _ => ViewSet::dodecahedron(sphere),
+        };
+        let occluders = occluders.filter(|occluders| !occluders.leaves().is_empty());
+        let occluded = occluders.map(|occluders| Occluded {
+            rasteriser: engine,
+            occluders,
+        });
+        let rasteriser: &dyn Rasteriser = match &occluded {
+            Some(occluded) => occluded,
+            None => engine,
+        };
         let px = |foliage: &Foliage| -> Result<Vec<f64>, Error> {
             let all = Lod::original(foliage.leaves().len());
-            let areas = observe(foliage, &all, &views, SEEN_RESOLUTION, engine)?;
+            let areas = observe(foliage, &all, &views, SEEN_RESOLUTION, rasteriser)?;
             let mut px = vec![0.0; foliage.leaves().len()];
             for row in areas.rows() {
                 for (sum, area_px) in px.iter_mut().zip(&row[1..]) {
@@ -250,9 +283,13 @@ pub fn simplify_keeping_wood(
         }
         other => other,
     };
+    let occluders = match &options.occluders {
+        Some(others) => wood.followed_by(others)?,
+        None => wood.clone(),
+    };
     let options = Options {
         target,
-        occluders: Some(Arc::new(wood.clone())),
+        occluders: Some(Arc::new(occluders)),
         ..options.clone()
     };
     Ok(WholeLevel {

@@ -278,6 +278,18 @@ pub(crate) struct MemoryArg {
     pub(crate) memory: Memory,
 }
 
+#[derive(Args, Debug, Default)]
+pub(crate) struct SceneArgs {
+    /// A glTF scene in the tree's world space: its perspective cameras are where to look from
+    /// (`extras.weight`, 1 to 16, says how often one counts), all its meshes hide leaves.
+    #[arg(long, value_name = "SCENE.glb")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Something else that hides leaves, in the tree's world space: a fence, a wall, terrain; can
+    /// be given several times.
+    #[arg(long, value_name = "FILE.glb")]
+    pub(crate) occluder: Vec<PathBuf>,
+}
+
 #[derive(Args, Debug)]
 pub(crate) struct Simplify {
     /// The tree, .glb or .gltf.
@@ -314,8 +326,15 @@ pub(crate) struct Simplify {
     /// Where to look from: dodecahedron (20 views), icosahedron (12), 92, 8, 6, vnc (20 views,
     /// later 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
     /// "fov_y_degrees", "near"}]}.
-    #[arg(long, value_name = "VIEWS", default_value = "dodecahedron")]
+    #[arg(
+        long,
+        value_name = "VIEWS",
+        default_value = "dodecahedron",
+        conflicts_with = "scene"
+    )]
     pub(crate) views: String,
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
     /// Width and height of the images in pixels: 1 to 2048, or auto: 256, more where the leaves
     /// need it [default: auto; 256 for the paper's presets].
     #[arg(long, value_name = "auto|N")]
@@ -513,6 +532,8 @@ pub(crate) struct Lods {
     /// The vertical field of view of the camera that they are seen by, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = field_of_view)]
     pub(crate) fov: f64,
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]

@@ -26,6 +26,7 @@ impl Failure {
             )),
             error @ secateur::Error::Simplify(
                 SimplifyError::NoLeaf
+                | SimplifyError::NothingSeen { .. }
                 | SimplifyError::TooDeep(_)
                 | SimplifyError::OutOfRange { .. },
             ) => Self(format!("{}: {error}", path.display())),

@@ -20,6 +20,7 @@ use super::failure::Failure;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::summary::{columns, grouped, size};
+use super::surroundings::Surroundings;
 use super::{interrupt, machine, output, record};
 
 /// A tree to be done, and where its levels go.
@@ -44,11 +45,14 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
     options(args).check().map_err(|e| Failure(e.to_string()))?;
+    let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
+    let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+    let surroundings = args.scene.read(args.memory.memory, &outputs)?;
     let mut trees = Vec::new();
     // All files are written before the first appears: what fails leaves nothing.
     let mut staged = StagedFiles::new();
     for job in &jobs {
-        trees.push(make(args, common, job, &mut staged)?);
+        trees.push(make(args, common, job, &surroundings, &mut staged)?);
     }
     let total = start.elapsed().as_secs_f64();
     let mut record = match &mut trees[..] {
@@ -130,7 +134,8 @@ fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
 }
 
 fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), Failure> {
-    let inputs: Vec<&Path> = args.trees.iter().map(PathBuf::as_path).collect();
+    let trees = args.trees.iter().map(PathBuf::as_path);
+    let inputs: Vec<&Path> = trees.chain(args.scene.files()).collect();
     let is_folder = jobs
         .iter()
         .all(|job| job.place != args.output || job.layout == Layout::Files);
@@ -168,6 +173,13 @@ fn places(job: &Job<'_>) -> Vec<PathBuf> {
         Layout::Files => (0..secateur_scene::chain::MAX_LEVELS).map(level).collect(),
         _ => vec![job.place.clone()],
     }
+}
+
+/// All files that may come of a tree.
+fn outputs(args: &args::Lods, job: &Job<'_>) -> Vec<PathBuf> {
+    let mut outputs = places(job);
+    outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
+    outputs
 }
 
 fn options(args: &args::Lods) -> ChainOptions {
@@ -208,14 +220,15 @@ fn make(
     args: &args::Lods,
     common: &Common,
     job: &Job<'_>,
+    surroundings: &Surroundings,
     staged: &mut StagedFiles,
 ) -> Result<Done, Failure> {
     let start = Instant::now();
-    let options = options(args);
+    let mut options = options(args);
+    surroundings.apply(&mut options.leaves);
     tracing::info!("reading {}", job.tree.display());
     let tree = WholeTree::open_within(job.tree, &args.foliage.foliage, args.memory.memory)?;
-    let mut outputs = places(job);
-    outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
+    let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     output::check_spares(tree.items().document(), &outputs)?;
     let warnings = tree.items().inspection().warnings.clone();
@@ -255,6 +268,7 @@ fn make(
         "triangles": { "original": tree.items().foliage().triangles().len() },
         "foliage_triangles": { "original": tree.leaves().triangles().len() },
         "wood_triangles": { "original": tree.wood().triangles().len() },
+        "surroundings": surroundings.record(&args.scene),
         "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
         "max_flip": options.max_flip,
         "max_pop": options.max_pop,

@@ -25,6 +25,7 @@ mod simplify;
 mod study;
 mod subject;
 mod summary;
+mod surroundings;
 
 use std::process::ExitCode;
 

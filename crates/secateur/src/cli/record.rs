@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use secateur::{
-    Inspection, Judging, Measurement, Objective, Options, StagedFiles, TakenFor, Written,
+    Inspection, Judging, Measurement, Objective, Options, StagedFiles, TakenFor, Views, Written,
 };
 use serde_json::{Map, Value, json};
 
 use super::args;
 use super::machine;
 use super::subject::{Outcome, Subject};
+use super::surroundings::Surroundings;
 use super::{failure::Failure, output};
 
 /// What was run, on what.
@@ -53,6 +54,7 @@ pub(crate) struct Run<'a> {
     pub(crate) outcome: &'a Outcome,
     pub(crate) options: &'a Options,
     pub(crate) written: &'a Written,
+    pub(crate) surroundings: &'a Surroundings,
     pub(crate) stages: &'a [(&'static str, f64)],
     pub(crate) total_seconds: f64,
     pub(crate) warnings: &'a [String],
@@ -106,7 +108,10 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
     let (result, options) = (&run.outcome.result, run.options);
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     let about = json!({
-        "views": args.views,
+        "views": match options.views {
+            Views::Cameras(_) => args.scene.scene.as_ref().map_or(args.views.clone(), |_| "scene".to_owned()),
+            _ => args.views.clone(),
+        },
         "view_count": result.views.len(),
         "views_that_judge": driving_views_that_judge(run),
         "resolution": result.resolution,
@@ -122,6 +127,7 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
         "seed": args.seed,
         "foliage": selectors.collect::<Vec<_>>(),
     });
+    let about = joined(about, run.surroundings.record(&args.scene));
     let method = json!(options.method);
     let of_method = method.as_object().and_then(|named| named.values().next());
     joined(about, of_method.cloned().unwrap_or_default())

@@ -28,6 +28,10 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let mut options = options(args)?;
     let mut stages = Vec::new();
 
+    let surroundings = timed(&mut stages, "scene", || {
+        args.scene.read(args.memory.memory, &outputs)
+    })?;
+    surroundings.apply(&mut options);
     let mode = match args.wood {
         Some(wood) => wood.into(),
         None => usual_mode(options.target),
@@ -45,7 +49,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if options.method.needs_skeleton() {
         options.skeleton = subject.skeleton()?;
     }
-    options.memory = tree.memory_left();
+    options.memory = surroundings.left_of(tree.memory_left());
     let outcome = simplified(&subject, &options, args, common)?;
     let result = &outcome.result;
     let of_run = sentences(result);
@@ -88,6 +92,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         outcome: &outcome,
         options: &options,
         written: &written,
+        surroundings: &surroundings,
         stages: &stages,
         total_seconds: start.elapsed().as_secs_f64(),
         warnings: &warnings,
@@ -103,6 +108,7 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
     let cameras = Path::new(&args.views);
     inputs.push(cameras);
+    inputs.extend(args.scene.files());
     output::check_tree(&args.output, &inputs, write_options(args))?;
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {

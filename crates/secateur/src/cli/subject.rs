@@ -128,7 +128,7 @@ impl Subject {
         let (leaves, wood) = (tree.leaves(), tree.wood());
         let level = match mode {
             WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
-            _ => WholePlant::new(tree.items().foliage(), leaves, wood, &engine)?
+            _ => WholePlant::within(tree.items().foliage(), leaves, wood, options, &engine)?
                 .simplified(options, &engine, observer)?,
         };
         Ok(Outcome {

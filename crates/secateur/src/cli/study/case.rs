@@ -64,6 +64,8 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
 fn option_of_the_study(args: &args::Simplify, common: &args::Common) -> Option<&'static str> {
     let given = [
         ("--wood", args.wood.is_some()),
+        ("--scene", args.scene.scene.is_some()),
+        ("--occluder", !args.scene.occluder.is_empty()),
         ("--foliage", !args.foliage.foliage.is_empty()),
         ("--report", args.report.is_some()),
         ("--picture", args.picture.is_some()),

@@ -1,0 +1,93 @@
+//! `--scene` and `--occluder`: from where a plant is seen, and what stands before it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use secateur::{
+    Document, Foliage, Leaf, LeafTriangle, Memory, Options, Problem, Views, scene_views,
+};
+use serde_json::{Value, json};
+
+use super::args::SceneArgs;
+use super::failure::Failure;
+use super::output;
+
+/// What a scene and further files hold.
+#[derive(Default)]
+pub(crate) struct Surroundings {
+    views: Option<Views>,
+    occluders: Option<Arc<Foliage>>,
+}
+
+impl SceneArgs {
+    /// The files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = self.scene.iter().chain(&self.occluder);
+        files.map(PathBuf::as_path)
+    }
+
+    /// Reads them; none of the outputs may be in the way of a buffer or an image of theirs.
+    pub(crate) fn read(&self, memory: Memory, outputs: &[&Path]) -> Result<Surroundings, Failure> {
+        let mut views = None;
+        let mut all: Option<Foliage> = None;
+        for path in self.files() {
+            tracing::info!("reading {}", path.display());
+            let document = Document::open_within(path, memory)?;
+            output::check_spares(&document, outputs)?;
+            let is_scene = self.scene.as_deref() == Some(path);
+            if is_scene && views.is_none() {
+                let of_scene = scene_views(&document.cameras()?);
+                let of_scene = of_scene.map_err(|e| Failure(format!("{}: {e}", path.display())))?;
+                views = Some(Views::Cameras(of_scene));
+            }
+            let occluders = document.occluders()?;
+            if !is_scene && occluders.leaves().is_empty() {
+                let nothing = Problem::NoOccluder;
+                return Err(Failure(format!("{}: {nothing}", path.display())));
+            }
+            all = Some(match all {
+                None => occluders,
+                Some(all) => all
+                    .followed_by(&occluders)
+                    .map_err(|e| Failure(format!("{}: {e}", path.display())))?,
+            });
+        }
+        Ok(Surroundings {
+            views,
+            occluders: all.map(Arc::new),
+        })
+    }
+}
+
+impl Surroundings {
+    /// The options of a run within them.
+    pub(crate) fn apply(&self, options: &mut Options) {
+        if let Some(views) = &self.views {
+            options.views = views.clone();
+        }
+        options.occluders.clone_from(&self.occluders);
+    }
+
+    /// What they leave of the memory of a run.
+    pub(crate) fn left_of(&self, memory: Memory) -> Memory {
+        let Some(occluders) = &self.occluders else {
+            return memory;
+        };
+        let triangles = occluders.triangles().len() * size_of::<LeafTriangle>();
+        let pieces = occluders.leaves().len() * size_of::<Leaf>();
+        // The run has a copy of its own where holes or sides do not count.
+        let held = 2 * (triangles + pieces) as u64;
+        Memory::Bytes(memory.bytes().saturating_sub(held))
+    }
+
+    /// What a record says of them.
+    pub(crate) fn record(&self, args: &SceneArgs) -> Value {
+        let occluders = self.occluders.as_ref();
+        let files = args.occluder.iter().map(|file| file.display().to_string());
+        json!({
+            "scene": args.scene.as_ref().map(|file| file.display().to_string()),
+            "occluders": files.collect::<Vec<_>>(),
+            "occluder_triangles": occluders.map_or(0, |all| all.triangles().len()),
+        })
+    }
+}
