@@ -1,0 +1,60 @@
+//! The options of `secateur grow`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use secateur_plant::{MAX_LEAVES, Scheme};
+
+use super::super::grow_lod::Amount;
+use super::super::names::ClusterSizeName;
+
+#[derive(Args, Debug)]
+pub(crate) struct Grow {
+    /// What to grow: oak, carya, birch, alder, maple, rowan, pine, palmetto, willow, bush; or a
+    /// rule file of your own, FILE.lsys.
+    #[arg(value_name = "SPECIES")]
+    pub(crate) species: String,
+    /// The result, .glb.
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// How many leaves it has, exactly [default: as many as suit the species].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_LEAVES)))]
+    pub(crate) leaves: Option<u32>,
+    /// Which sibling; equal seeds grow equal plants.
+    #[arg(long, value_name = "S", default_value_t = 3)]
+    pub(crate) seed: u64,
+    /// Only a level of detail of the plant: K for the first K paths of its chain of branches, or
+    /// a share of the leaves such as 0.25 for as many paths as bear no more; with `--lod-method
+    /// merge`, K for level K of the scheme.
+    #[arg(long, value_name = "K|R", allow_negative_numbers = true)]
+    pub(crate) lod: Option<Amount>,
+    /// How levels of detail are made.
+    #[arg(long, value_enum, default_value_t = LodMethod::Chain, requires = "lod")]
+    pub(crate) lod_method: LodMethod,
+    /// merge: which share of the sticks each level takes away, in per cent.
+    #[arg(
+        long,
+        value_name = "P-P-...",
+        default_value = "50-25-12.5-12.5",
+        requires = "lod"
+    )]
+    pub(crate) scheme: Scheme,
+    /// merge: how large clusters of leaves are.
+    #[arg(long, value_enum, default_value_t = ClusterSizeName::Paper, requires = "lod")]
+    pub(crate) cluster_size: ClusterSizeName,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write a picture of the plant.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) picture: Option<PathBuf>,
+}
+
+/// How `grow` makes levels of detail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LodMethod {
+    /// Paths of branches, the longest branching first; every prefix is a plant
+    Chain,
+    /// Sticks and leaf clusters merged from the twigs down, by a scheme
+    Merge,
+}

@@ -1,0 +1,141 @@
+//! The options of `secateur lods`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::super::names::{AlphaName, ChainPresetName, EngineName, SidesName};
+use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, above_zero, leaves, number, share};
+
+#[derive(Args, Debug)]
+pub(crate) struct Lods {
+    /// The trees, .glb or .gltf.
+    #[arg(value_name = "TREE.glb", required = true)]
+    pub(crate) trees: Vec<PathBuf>,
+    /// The folder for the levels, made if it is not there; or, for one tree, a file that holds all
+    /// of them.
+    #[arg(short, long, value_name = "DIR|OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: the
+    /// lightest levels for heights on the screen of 1080, 540, 270 and 135 pixels].
+    #[arg(long, value_name = "R,R,...", value_delimiter = ',', value_parser = share, conflicts_with = "triangles")]
+    pub(crate) levels: Vec<f64>,
+    /// The levels as numbers of triangles, the finest first, such as 20000,5000,1000.
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = leaves)]
+    pub(crate) triangles: Vec<u64>,
+    /// The distances in metres from which levels are seen, the nearest first, such as 5,20,80: for
+    /// each the lightest level within `--max-flip` at the height that the screen shows there.
+    #[arg(long, value_name = "M,M,...", value_parser = distances, allow_negative_numbers = true, conflicts_with_all = ["triangles", "levels"])]
+    pub(crate) distances: Option<Distances>,
+    /// How the levels lie in files [default: files in a folder, siblings in one file].
+    #[arg(long, value_enum)]
+    pub(crate) layout: Option<LayoutName>,
+    /// The largest difference (mean FLIP) that a level may have where it begins to be seen.
+    #[arg(long, value_name = "F", default_value_t = secateur_scene::chain::MAX_FLIP, value_parser = flip)]
+    pub(crate) max_flip: f64,
+    /// The picture that the chain ends in: crossed planes, octahedral views (docs/impostors.md has
+    /// their sampler; other clients draw two crossed planes), none, or crossed planes where they
+    /// look no worse than the lightest mesh [default: auto, none with --levels and --triangles].
+    #[arg(long, value_enum)]
+    pub(crate) impostor: Option<ImpostorName>,
+    /// How many levels coarser the level that casts a level's shadow is, 0 to 2.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub(crate) shadow_steps: u8,
+    /// The largest difference (mean FLIP of a view) that a switch from a level to the next may
+    /// show; levels that would show more are left out.
+    #[arg(long, value_name = "F", value_parser = flip)]
+    pub(crate) max_pop: Option<f64>,
+    /// The height of the screen that the levels are for, in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = above_zero)]
+    pub(crate) screen_height: f64,
+    /// The vertical field of view of the camera that they are seen by, in degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = field_of_view)]
+    pub(crate) fov: f64,
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
+    /// Whether holes of leaf textures count.
+    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
+    pub(crate) alpha: AlphaName,
+    /// From which sides leaves are seen.
+    #[arg(long, value_enum, default_value_t = SidesName::Material)]
+    pub(crate) sides: SidesName,
+    /// What the leaves are simplified for.
+    #[arg(long, value_enum, default_value_t = ChainPresetName::Look)]
+    pub(crate) preset: ChainPresetName,
+    /// Where to rasterise; results are the same.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+    /// Write a page to look at the original and the chain side by side; it needs nothing else.
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) preview: Option<PathBuf>,
+    /// Replace levels of other runs that have the same names.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// Which impostor a chain ends in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ImpostorName {
+    /// No impostor
+    None,
+    /// Crossed planes
+    Crossed,
+    /// Octahedral views
+    Octahedral,
+    /// Crossed planes where they look no worse
+    Auto,
+}
+
+impl From<ImpostorName> for secateur_scene::impostor::Choice {
+    fn from(name: ImpostorName) -> Self {
+        match name {
+            ImpostorName::None => Self::None,
+            ImpostorName::Crossed => Self::Crossed,
+            ImpostorName::Octahedral => Self::Octahedral,
+            ImpostorName::Auto => Self::Auto,
+        }
+    }
+}
+
+/// How levels lie in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayoutName {
+    /// A file for each level: NAME_LOD0.glb, NAME_LOD1.glb, ...
+    Files,
+    /// One file with a node for each level under one parent, as Unity and Unreal import it
+    Siblings,
+    /// One file with the extension MSFT_lod, as Babylon.js reads it
+    Msft,
+}
+
+/// Distances of levels, rising.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Distances(pub(crate) Vec<f64>);
+
+fn distances(text: &str) -> Result<Distances, String> {
+    let all: Result<Vec<f64>, String> = text.split(',').map(|d| above_zero(d.trim())).collect();
+    let all = all.map_err(|_| "write distances above 0, such as 5,20,80".to_owned())?;
+    match all.windows(2).all(|w| w[0] < w[1]) {
+        true => Ok(Distances(all)),
+        false => Err("distances must rise, such as 5,20,80".to_owned()),
+    }
+}
+
+fn flip(text: &str) -> Result<f64, String> {
+    number(text, |n| n > 0.0 && n <= 1.0, "above 0 and at most 1")
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    number(
+        text,
+        |n| (1.0..179.0).contains(&n),
+        "of degrees from 1 to 179",
+    )
+}

@@ -1,0 +1,242 @@
+//! What can be written on the command line; the commands with many options have a file each.
+
+mod grow;
+mod lod;
+mod lods;
+mod simplify;
+mod study;
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use secateur::{Memory, Selector};
+
+use super::names::{AlphaName, EngineName, JudgingViewsName, SidesName};
+
+pub(crate) use grow::{Grow, LodMethod};
+pub(crate) use lod::{LevelArgs, Lod};
+pub(crate) use lods::{LayoutName, Lods};
+pub(crate) use simplify::{MaxCoverage, Simplify};
+pub(crate) use study::{PlanName, Study};
+
+/// Makes the foliage of plants and trees light enough for real-time scenes.
+#[derive(Debug, Parser)]
+#[command(
+    name = "secateur",
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done; 1 the input or the machine does not allow it; 2 wrong usage."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Grow a tree, simplify it, write LODs, a report and a picture: no input needed.
+    Demo(Demo),
+    /// Show what is in a tree: leaves, wood, materials; what was taken for foliage and why.
+    Inspect(Inspect),
+    /// Make the foliage of a tree lighter and write the result.
+    Simplify(Box<Simplify>),
+    /// Write any level along the removal order of an earlier `simplify`, without simplifying again.
+    Lod(Lod),
+    /// Make a chain of levels of detail for an engine, wood and leaves alike.
+    Lods(Box<Lods>),
+    /// Judge a simplified tree against its original, from four sets of 12 views, none of them near
+    /// one that drives by default.
+    Measure(Measure),
+    /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
+    Study(Study),
+    /// Grow a plant from rules: a species, or a file of your own.
+    Grow(Grow),
+}
+
+/// Headings that part the many options of `simplify`, and those of all commands.
+const OF_VDS: &str = "Of vds";
+const OF_OTHERS: &str = "Of other methods";
+const OF_RECORDS: &str = "Checks and records";
+const OF_ALL: &str = "Of every command";
+
+#[derive(Args, Debug)]
+#[command(next_help_heading = OF_ALL)]
+pub(crate) struct Common {
+    /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Pretty, global = true)]
+    pub(crate) format: Format,
+    /// Threads to use [default: as many as there are cores].
+    #[arg(long, value_name = "N", global = true, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    /// Print nothing but errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say what is being done; twice: in detail.
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub(crate) verbose: u8,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// Lines for a reader.
+    Pretty,
+    /// The same record as in reports.
+    Json,
+    /// A line of names and lines of values.
+    Csv,
+    /// A Markdown table.
+    Md,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Demo {
+    /// The folder for the results; made if it is not there.
+    #[arg(short, long, value_name = "DIR", default_value = "secateur-demo")]
+    pub(crate) output: PathBuf,
+    /// How many leaves to grow.
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(10..=100_000))]
+    pub(crate) leaves: u32,
+    /// Which of the trees to grow.
+    #[arg(long, value_name = "S", default_value_t = 3)]
+    pub(crate) seed: u64,
+    /// Where images are drawn; the result is the same, bit for bit.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Inspect {
+    /// The tree, .glb or .gltf.
+    #[arg(value_name = "TREE.glb")]
+    pub(crate) tree: PathBuf,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
+    /// Write the record to this file too.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Measure {
+    /// The original tree, .glb or .gltf.
+    #[arg(value_name = "ORIGINAL.glb")]
+    pub(crate) original: PathBuf,
+    /// The simplified tree, .glb or .gltf.
+    #[arg(value_name = "SIMPLIFIED.glb")]
+    pub(crate) simplified: PathBuf,
+    /// Where to judge from.
+    #[arg(long, value_enum, default_value_t = JudgingViewsName::HeldOut)]
+    pub(crate) views: JudgingViewsName,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
+    /// Whether holes of leaf textures count.
+    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
+    pub(crate) alpha: AlphaName,
+    /// From which sides leaves are seen.
+    #[arg(long, value_enum, default_value_t = SidesName::Material)]
+    pub(crate) sides: SidesName,
+    /// Also draw pictures this many pixels wide as clients do (mip maps, alpha test, culling), and
+    /// compare them with the original as it truly looks.
+    #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u32).range(8..=2048))]
+    pub(crate) as_drawn: Option<u32>,
+    /// Write the record to this file too.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Foliage {
+    /// What is foliage: material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, #N for
+    /// numbers; can be given several times [default: what the evidence shows, see `inspect`].
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) foliage: Vec<Selector>,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct MemoryArg {
+    /// How much memory to take at most, such as 2G or 800M: what takes more is refused before it
+    /// is taken [default: half of what the machine has].
+    #[arg(
+        long,
+        value_name = "SIZE",
+        default_value = "auto",
+        hide_default_value = true
+    )]
+    pub(crate) memory: Memory,
+}
+
+#[derive(Args, Debug, Default)]
+pub(crate) struct SceneArgs {
+    /// A glTF scene in the tree's world space: its perspective cameras are where to look from
+    /// (`extras.weight`, 1 to 16, says how often one counts), all its meshes hide leaves.
+    #[arg(long, value_name = "SCENE.glb")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Something else that hides leaves, in the tree's world space: a fence, a wall, terrain; can
+    /// be given several times.
+    #[arg(long, value_name = "FILE.glb")]
+    pub(crate) occluder: Vec<PathBuf>,
+}
+
+/// A number that passes a test, or what to write instead.
+fn number(text: &str, is_right: fn(f64) -> bool, what: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| is_right(*number));
+    number.ok_or_else(|| format!("write a number {what}"))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    number(text, |n| (0.0..=1.0).contains(&n), "from 0 to 1")
+}
+
+fn from_zero(text: &str) -> Result<f64, String> {
+    number(text, |n| n.is_finite() && n >= 0.0, "from 0 upwards")
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    number(text, |n| n.is_finite() && n > 0.0, "above 0")
+}
+
+fn leaves(text: &str) -> Result<u64, String> {
+    let wrong = |_| "write a whole number from 0 upwards".to_owned();
+    text.parse().map_err(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+    use secateur::Fitting;
+
+    #[test]
+    fn the_interface_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_weight_that_is_left_out_is_the_default() {
+        let parse = |fit: &[&str]| {
+            let words = [
+                "secateur", "simplify", "a.glb", "-o", "b.glb", "--leaves", "9",
+            ];
+            let cli = Cli::try_parse_from([&words[..], fit].concat()).unwrap();
+            match cli.command {
+                Command::Simplify(args) => args.fit,
+                _ => unreachable!("it is simplify"),
+            }
+        };
+        let usual = Fitting::Weight(secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT);
+        assert_eq!(parse(&["--fit"]), usual);
+        assert_eq!(parse(&[]), Fitting::Auto);
+        assert_eq!(parse(&["--fit=auto"]), Fitting::Auto);
+        assert_eq!(parse(&["--fit=none"]), Fitting::None);
+        assert_eq!(parse(&["--fit=coverage"]), Fitting::Coverage);
+        assert_eq!(parse(&["--fit=0.25"]), Fitting::Weight(0.25));
+    }
+}

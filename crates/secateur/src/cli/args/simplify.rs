@@ -1,0 +1,245 @@
+//! The options of `secateur simplify`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use secateur::{Fitting, LeafTriangles, Resolution, Target};
+
+use super::super::names::{
+    AlphaName, ClusterSizeName, CornersName, EngineName, HausdorffName, MeshoptModeName,
+    MethodName, MetricName, PresetName, ReferenceName, ResizeName, SidesName, TiesName, WoodName,
+};
+use super::{
+    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, above_zero, from_zero, leaves,
+    share,
+};
+
+#[derive(Args, Debug)]
+pub(crate) struct Simplify {
+    /// The tree, .glb or .gltf.
+    #[arg(value_name = "TREE.glb")]
+    pub(crate) tree: PathBuf,
+    /// The result, .glb or .gltf.
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// Let the buffer of a .gltf replace a file beside it that is not its own.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    #[command(flatten)]
+    pub(crate) target: TargetArgs,
+    /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole
+    /// plant; else ignore].
+    #[arg(long, value_enum)]
+    pub(crate) wood: Option<WoodName>,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
+    /// Whether holes of leaf textures count [default: mask; ignore for the paper's presets].
+    #[arg(long, value_enum)]
+    pub(crate) alpha: Option<AlphaName>,
+    /// From which sides leaves are seen [default: material; both for the paper's presets].
+    #[arg(long, value_enum)]
+    pub(crate) sides: Option<SidesName>,
+    /// How leaves are chosen.
+    #[arg(long, value_enum, default_value_t = MethodName::Vds)]
+    pub(crate) method: MethodName,
+    /// Where to rasterise; results are the same.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+    /// Where to look from: dodecahedron (20 views), icosahedron (12), 92, 8, 6, vnc (20 views,
+    /// later 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
+    /// "fov_y_degrees", "near"}]}.
+    #[arg(
+        long,
+        value_name = "VIEWS",
+        default_value = "dodecahedron",
+        conflicts_with = "scene"
+    )]
+    pub(crate) views: String,
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Width and height of the images in pixels: 1 to 2048, or auto: 256, more where the leaves
+    /// need it [default: auto; 256 for the paper's presets].
+    #[arg(long, value_name = "auto|N")]
+    pub(crate) resolution: Option<Resolution>,
+    /// What the result is for; other options override what look and information set, and
+    /// contradict the paper's.
+    #[arg(long, value_enum, default_value_t = PresetName::Look)]
+    pub(crate) preset: PresetName,
+    /// Whether to fit the sizes of the remaining leaves to the original at the end, in other
+    /// views than those they were chosen in (with your own cameras, in these). coverage: each part of the crown as dense as it
+    /// was. A weight W: the outline pixel by pixel and the information, where a pixel of outline
+    /// counts W (0 to 100; 0.95 after --fit alone). auto: as the preset has it, for vds where
+    /// --resize and --max-coverage are the preset's.
+    #[arg(
+        long,
+        value_name = "auto|none|coverage|W",
+        num_args = 0..=1,
+        require_equals = true,
+        default_value = "auto",
+        default_missing_value = "0.95",
+        allow_negative_numbers = true
+    )]
+    pub(crate) fit: Fitting,
+    /// What the cost of a leaf is measured against [default: previous for the look, original for
+    /// information].
+    #[arg(long, help_heading = OF_VDS, value_enum)]
+    pub(crate) reference: Option<ReferenceName>,
+    /// The share of a pruned leaf's area that its neighbours gain [default: full for the look,
+    /// normalised for information].
+    #[arg(long, help_heading = OF_VDS, value_enum)]
+    pub(crate) resize: Option<ResizeName>,
+    /// How many nearest neighbours share it.
+    #[arg(long, help_heading = OF_VDS, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) neighbours: u32,
+    /// Let no leaf grow while the views show C times as much foliage as at first or more: keeps
+    /// gaps open and the outline, at the cost of more VMI error [default: 1 for the look, none
+    /// for information].
+    #[arg(long, help_heading = OF_VDS, value_name = "C|none", allow_negative_numbers = true, value_parser = max_coverage)]
+    pub(crate) max_coverage: Option<MaxCoverage>,
+    /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
+    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
+    pub(crate) ties: TiesName,
+    /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
+    /// `--triangles` fewer, so that as many leaves as possible stay, but of one with holes those
+    /// that show the same, or two; else all [default: auto; keep for the paper's presets].
+    #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N")]
+    pub(crate) leaf_triangles: Option<LeafTriangles>,
+    /// For methods that draw lots: which of them.
+    #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
+    #[arg(
+        long, help_heading = OF_OTHERS,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true,
+        value_parser = share
+    )]
+    pub(crate) area_weight: f64,
+    /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
+    #[arg(
+        long, help_heading = OF_OTHERS,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true,
+        value_parser = above_zero
+    )]
+    pub(crate) distance_weight: f64,
+    /// fsa: how much it counts that two leaves are not in one plane.
+    #[arg(
+        long, help_heading = OF_OTHERS,
+        value_name = "W",
+        default_value_t = 1.0,
+        allow_negative_numbers = true,
+        value_parser = from_zero
+    )]
+    pub(crate) planarity_weight: f64,
+    /// fsa: which two corners each of two leaves gives to the one that takes their place.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = CornersName::Spread)]
+    pub(crate) corners: CornersName,
+    /// fsa: between what the distance of two leaves (of Hausdorff) is taken.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = HausdorffName::Corners)]
+    pub(crate) hausdorff: HausdorffName,
+    /// meshopt: which of its simplifiers.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptModeName::Prune)]
+    pub(crate) meshopt_mode: MeshoptModeName,
+    /// meshopt: move the borders of what is left outwards, to give back lost area.
+    #[arg(long, help_heading = OF_OTHERS)]
+    pub(crate) preserve_area: bool,
+    /// chain: by what branches go, those with the least first.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MetricName::BranchingLength)]
+    pub(crate) branch_metric: MetricName,
+    /// merge: how large clusters of leaves are.
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = ClusterSizeName::Paper)]
+    pub(crate) cluster_size: ClusterSizeName,
+    /// Rasterise the result from scratch another way and compare [default: in debug builds].
+    #[arg(long, help_heading = OF_RECORDS, overrides_with = "no_audit")]
+    pub(crate) audit: bool,
+    /// Do not rasterise the result again.
+    #[arg(long, help_heading = OF_RECORDS, overrides_with = "audit")]
+    pub(crate) no_audit: bool,
+    /// Write the machine-readable record of the run to this file.
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write the removal order to this file: `lod` makes any level along it later. To a name that
+    /// ends in .glb or .gltf: the tree as it is, with the order in its extras.
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE")]
+    pub(crate) order: Option<PathBuf>,
+    /// Write a picture of the original and the result side by side.
+    #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.png")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Write what the views see before and after, a colour for each leaf, into this folder.
+    #[arg(long, help_heading = OF_RECORDS, value_name = "DIR")]
+    pub(crate) debug_images: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+#[group(required = true, multiple = false)]
+pub(crate) struct TargetArgs {
+    /// Stop at N leaves.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = leaves)]
+    leaves: Option<u64>,
+    /// Stop at this share of the leaves, 0 to 1 (rounded to the nearest number of leaves).
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = share)]
+    ratio: Option<f64>,
+    /// Stop before the VMI error on the driving views exceeds this many per cent.
+    #[arg(long, value_name = "PCT", allow_negative_numbers = true, value_parser = from_zero)]
+    max_error: Option<f64>,
+    /// Stop at N triangles of the whole plant, wood and leaves, or at a share of them such as 0.25;
+    /// with `--wood ignore` of the foliage. See `--leaf-triangles`.
+    #[arg(long, value_name = "N|R", allow_negative_numbers = true, value_parser = triangles)]
+    triangles: Option<Target>,
+}
+
+impl TargetArgs {
+    /// The one target that is given.
+    pub(crate) fn target(self) -> Target {
+        match (self.leaves, self.ratio, self.triangles) {
+            (Some(leaves), ..) => Target::leaves(leaves),
+            (_, Some(ratio), _) => Target::leaf_share(ratio),
+            (.., Some(triangles)) => triangles,
+            _ => Target::MaxErrorPercent(self.max_error.unwrap_or(0.0)),
+        }
+    }
+}
+
+/// A limit of coverage, or that there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MaxCoverage(pub(crate) Option<f64>);
+
+fn max_coverage(text: &str) -> Result<MaxCoverage, String> {
+    match (text, from_zero(text)) {
+        ("none", _) => Ok(MaxCoverage(None)),
+        (_, Ok(limit)) => Ok(MaxCoverage(Some(limit))),
+        _ => Err("write none or a number from 0 upwards, such as 1".to_owned()),
+    }
+}
+
+fn triangles(text: &str) -> Result<Target, String> {
+    match (text.parse(), share(text)) {
+        (Ok(count), _) => Ok(Target::triangles(count)),
+        (_, Ok(share)) => Ok(Target::triangle_share(share)),
+        _ => Err(
+            "write a whole number of triangles from 0 upwards, or a share of them from 0 to 1 such \
+             as 0.25"
+                .to_owned(),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_are_triangles_and_others_shares() {
+        assert_eq!(triangles("1"), Ok(Target::triangles(1)));
+        assert_eq!(triangles("1.0"), Ok(Target::triangle_share(1.0)));
+        for wrong in ["-3", "1.5", "NaN", "many"] {
+            let says = triangles(wrong).unwrap_err();
+            assert!(says.contains("number of triangles"), "{wrong}: {says}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! The options of `secateur study`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{Foliage, MemoryArg};
+
+#[derive(Args, Debug)]
+pub(crate) struct Study {
+    /// The trees, .glb or .gltf; the plans failures and paper make their own too.
+    #[arg(
+        value_name = "TREE.glb",
+        required_unless_present_any = ["redraw", "plan"],
+        conflicts_with = "redraw"
+    )]
+    pub(crate) trees: Vec<PathBuf>,
+    /// The folder of rows, charts and report. Rows that are in it already are kept and not run
+    /// again.
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
+    /// What is run; several with commas between them.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "methods")]
+    pub(crate) plan: Vec<PlanName>,
+    /// Instead of plans: a method and options of `simplify`, such as 'vds --views 8'; can be given
+    /// several times. With `--triangles`, without a number, its levels are shares of the triangles.
+    #[arg(long, value_name = "CASE")]
+    pub(crate) case: Vec<String>,
+    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1].
+    #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
+    pub(crate) levels: Vec<f64>,
+    /// Of all these trees, study only the one of this name; can be given several times.
+    #[arg(long, value_name = "NAME", conflicts_with = "redraw")]
+    pub(crate) only: Vec<String>,
+    /// How many seeds of methods that draw lots.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) seeds: u32,
+    /// Run nothing: draw charts and report from the rows again.
+    #[arg(long)]
+    pub(crate) redraw: bool,
+}
+
+/// What a study runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanName {
+    /// Every method, one setting each, and variants that explain them
+    Methods,
+    /// vds from fewer views and at other resolutions, beside the other methods
+    Speed,
+    /// Methods under turned views, jittered corners, shuffled leaves and other settings
+    Stability,
+    /// Small scenes made for one failure each, and what to do about it
+    Failures,
+    /// The paper's studies: its figures beside those of plants with as many leaves
+    Paper,
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(level) if (0.0..=1.0).contains(&level) => Ok(level),
+        _ => Err("write shares from 0 to 1 with commas between them".to_owned()),
+    }
+}
