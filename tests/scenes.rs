@@ -203,7 +203,7 @@ fn chains_are_made_for_scenes_too() {
     put(&bench, "scene.gltf", &scene(&nodes));
     put(&bench, "bare.gltf", &scene(&cameras()));
     let order = |scene: &str, folder: &str| {
-        let lods = ["lods", "oak.glb", "--levels", "0.02", "--report", "r.json"];
+        let lods = ["lods", "oak.glb", "--levels", "0.01", "--report", "r.json"];
         let own = ["--scene", scene, "-o", folder];
         bench.run(&[&lods[..], &own].concat()).succeeded();
         let record = bench.json("r.json");
