@@ -24,7 +24,7 @@ fn cameras() -> Vec<Value> {
 }
 
 /// A scene with these nodes, in which mesh 0 is a quad of sides 2 across z, and camera 0 sees
-/// 60 degrees.
+/// an angle of a radian.
 fn scene(nodes: &[Value]) -> Value {
     let corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
     let floats = corners.map(|[x, y]| [x as f32, y as f32, 0.0]);
@@ -40,7 +40,7 @@ fn scene(nodes: &[Value]) -> Value {
         "scene": 0,
         "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
         "nodes": nodes,
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0472, "znear": 0.1 } }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }],
         "materials": [{ "doubleSided": true }],
         "meshes": [{ "primitives": [
             { "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }
