@@ -20,6 +20,7 @@ mod odd_trees;
 mod preview_page;
 mod program;
 mod report_page;
+mod scenes;
 mod shared_trees;
 mod small_files;
 mod study;

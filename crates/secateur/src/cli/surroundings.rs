@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use secateur::{
-    Document, Foliage, Leaf, LeafTriangle, Memory, Options, Problem, Views, scene_views,
-};
+use secateur::{Document, Foliage, Memory, Options, Problem, Views, scene_views};
 use serde_json::{Value, json};
 
 use super::args::SceneArgs;
@@ -73,8 +71,8 @@ impl Surroundings {
         let Some(occluders) = &self.occluders else {
             return memory;
         };
-        let triangles = occluders.triangles().len() * size_of::<LeafTriangle>();
-        let pieces = occluders.leaves().len() * size_of::<Leaf>();
+        let triangles = size_of_val(occluders.triangles());
+        let pieces = size_of_val(occluders.leaves());
         // The run has a copy of its own where holes or sides do not count.
         let held = 2 * (triangles + pieces) as u64;
         Memory::Bytes(memory.bytes().saturating_sub(held))
