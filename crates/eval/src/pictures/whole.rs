@@ -124,7 +124,7 @@ mod tests {
             }
         });
         let nothing = WholePictures::of(&[] as &[Surface], &rigs);
-        assert_eq!(large.measure(&nothing).outline_iou, [0.0]);
+        assert_eq!(large.measure(&nothing).outline_iou, [0.2]);
         assert_eq!(nothing.measure(&nothing).outline_iou, [1.0]);
     }
 }
