@@ -74,6 +74,17 @@ impl Bench {
         Ran::of(arguments, output)
     }
 
+    /// The same where the system finds other programs in these folders alone.
+    pub(crate) fn run_on_path(&self, folders: &[PathBuf], arguments: &[&str]) -> Ran {
+        let output = Command::new(env!("CARGO_BIN_EXE_secateur"))
+            .args(arguments)
+            .env("PATH", std::env::join_paths(folders).unwrap())
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap();
+        Ran::of(arguments, output)
+    }
+
     /// `secateur simplify` with few, small views, for speed.
     pub(crate) fn simplify(&self, arguments: &[&str]) -> Ran {
         let few = ["--views", "6", "--resolution", "64"];

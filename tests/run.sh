@@ -3,7 +3,8 @@
 # computes correctly, installs lavapipe, a software one, through the system's
 # package manager, and Chromium likewise where there is no browser to open
 # pages with; where npm is there, fetches the Khronos glTF validator, three.js, which the
-# preview's pictures are compared with, and Babylon.js, which chains of levels are shown to.
+# preview's pictures are compared with, Babylon.js, which chains of levels are shown to, and
+# gltfpack, which whole plants are held against.
 # Further arguments go to `cargo test --workspace`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -113,5 +114,15 @@ if [ ! -d tests/clients/node_modules ]; then
   fi
 fi
 if [ -d tests/clients/node_modules ]; then export SECATEUR_REQUIRE_CLIENTS=1; fi
+
+if [ ! -d tests/gltfpack/node_modules ]; then
+  if command -v npm > /dev/null; then
+    say "fetching gltfpack"
+    npm ci --silent --no-audit --no-fund --ignore-scripts --prefix tests/gltfpack
+  else
+    say "no npm: the test that holds whole plants against gltfpack will say that it skips"
+  fi
+fi
+if [ -d tests/gltfpack/node_modules ]; then export SECATEUR_REQUIRE_GLTFPACK=1; fi
 
 exec cargo test --workspace "$@"

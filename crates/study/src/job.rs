@@ -93,7 +93,7 @@ pub(crate) fn lacks_original_picture(
     has_rows && !folder.join(identity.original_picture()).is_file()
 }
 
-fn lacks_pictures(row: &Row, folder: &Path) -> bool {
+pub(crate) fn lacks_pictures(row: &Row, folder: &Path) -> bool {
     let mut pictures = [&row.picture, &row.difference].into_iter();
     pictures.any(|path| is_picture(path) && !folder.join(path).is_file())
 }

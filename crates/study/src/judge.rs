@@ -1,7 +1,7 @@
 //! Judges a level of a tree against the original: makes its row and its pictures.
 
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
@@ -59,10 +59,7 @@ impl<'a> Judge<'a> {
             judging.rigs = moved.collect();
         }
         let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
-        let camera = framing(
-            &surfaces,
-            f64::from(PICTURE_WIDTH) / f64::from(PICTURE_HEIGHT),
-        );
+        let camera = camera(&surfaces);
         let judge = Self {
             identity,
             path,
@@ -77,8 +74,8 @@ impl<'a> Judge<'a> {
         for subfolder in ["pictures", "kept"] {
             make_folder(&folder.join(subfolder))?;
         }
-        let path = identity.original_picture();
-        judge.write_picture(opaque(&judge.portrait), JPEG_QUALITY, &path)?;
+        let original = PictureFile::picture(identity.original_picture());
+        original.write(opaque(&judge.portrait), folder, host)?;
         Ok(judge)
     }
 
@@ -87,7 +84,7 @@ impl<'a> Judge<'a> {
         let Run { case, seed, .. } = run;
         let foliage = self.tree.foliage();
         let measured = self.original.measure_lod(&ran.lod);
-        let surfaces = self.surfaces(&ran.lod)?;
+        let surfaces = surfaces_of(self.tree, self.path, &ran.lod)?;
         let judging = self.original.judging();
         let pictured = self
             .pictures
@@ -117,6 +114,7 @@ impl<'a> Judge<'a> {
             leaves_original: foliage.leaves().len() as u64,
             leaves_final: left.leaves().len() as u64,
             triangles_final: left.triangles().len() as u64,
+            whole: None,
             seconds: ran.seconds,
             peak_rss_bytes: ran.peak_rss_bytes,
             resolution: ran.resolution,
@@ -134,7 +132,7 @@ impl<'a> Judge<'a> {
             version: self.identity.version.clone(),
             commit: provenance.commit,
             machine: provenance.machine,
-            command: self.in_folder(&case.command(self.path, ran.level, seed)),
+            command: in_folder(&case.command(self.path, ran.level, seed), self.folder),
             picture: String::new(),
             difference: String::new(),
         };
@@ -144,21 +142,16 @@ impl<'a> Judge<'a> {
             row.seed,
             row.level,
         );
-        row.picture = format!("pictures/{name}.jpg");
-        row.difference = format!("pictures/{name}-difference.jpg");
+        let files = [
+            PictureFile::picture(format!("pictures/{name}.jpg")),
+            PictureFile::difference(format!("pictures/{name}-difference.jpg")),
+        ];
         let picture = portrait(&surfaces, &self.camera);
         let difference = difference(&self.portrait, &picture);
-        self.write_picture(opaque(&picture), JPEG_QUALITY, &row.picture)?;
-        self.write_picture(difference, DIFFERENCE_QUALITY, &row.difference)?;
+        files[0].write(opaque(&picture), self.folder, self.host)?;
+        files[1].write(difference, self.folder, self.host)?;
+        [row.picture, row.difference] = files.map(|file| file.path);
         Ok(row)
-    }
-
-    /// A command with paths as they are seen from the study's folder, which lies elsewhere on
-    /// other machines.
-    fn in_folder(&self, command: &str) -> String {
-        let folder = format!("{}/", self.folder.display());
-        let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
-        command.split(' ').map(within).collect::<Vec<_>>().join(" ")
     }
 
     /// The overlap of a level's survivors with those of the reference run, and the label of that
@@ -176,25 +169,62 @@ impl<'a> Judge<'a> {
         let label = overlap.map_or(String::new(), |_| label);
         Ok((overlap, label))
     }
+}
 
-    fn surfaces(&self, lod: &Lod) -> Result<Vec<Surface>, Error> {
-        let bytes = self.tree.lod_to_bytes(lod)?;
-        // As `Document::open` does: where the file itself is, not a link to it.
-        let path = self.path.canonicalize();
-        let path = path.as_deref().unwrap_or(self.path);
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new("."));
-        let name = self.path.display().to_string();
-        let memory = self.tree.document().memory();
-        let document = Document::from_bytes_within(&name, bytes, Some(folder), memory)?;
-        // No leaf may be left to select.
-        let surfaces = document.surfaces(&[])?;
-        Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
+/// A command with paths as they are seen from the study's folder, which lies elsewhere on
+/// other machines.
+pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
+    let folder = format!("{}/", folder.display());
+    let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
+    command.split(' ').map(within).collect::<Vec<_>>().join(" ")
+}
+
+/// All that is drawn of a level of the tree in this file.
+pub(crate) fn surfaces_of(tree: &Tree, path: &Path, lod: &Lod) -> Result<Vec<Surface>, Error> {
+    let bytes = tree.lod_to_bytes(lod)?;
+    let name = path.display().to_string();
+    // As `Document::open` does: where the file itself is, not a link to it.
+    let place = path.canonicalize();
+    let place = place.as_deref().unwrap_or(path);
+    let folder = place.parent().filter(|p| !p.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let memory = tree.document().memory();
+    let document = Document::from_bytes_within(&name, bytes, Some(folder), memory)?;
+    // No leaf may be left to select.
+    let surfaces = document.surfaces(&[])?;
+    Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
+}
+
+/// A file of a picture in a study's folder.
+pub(crate) struct PictureFile {
+    /// From the study's folder.
+    pub(crate) path: String,
+    quality: u8,
+}
+
+impl PictureFile {
+    pub(crate) fn picture(path: String) -> Self {
+        Self {
+            path,
+            quality: JPEG_QUALITY,
+        }
     }
 
-    fn write_picture(&self, picture: RgbImage, quality: u8, path: &str) -> Result<(), Error> {
+    pub(crate) fn difference(path: String) -> Self {
+        Self {
+            path,
+            quality: DIFFERENCE_QUALITY,
+        }
+    }
+
+    pub(crate) fn write(
+        &self,
+        picture: RgbImage,
+        folder: &Path,
+        host: &dyn Host,
+    ) -> Result<(), Error> {
         let mut bytes = Cursor::new(Vec::new());
-        JpegEncoder::new_with_quality(&mut bytes, quality)
+        JpegEncoder::new_with_quality(&mut bytes, self.quality)
             .write_image(
                 picture.as_raw(),
                 picture.width(),
@@ -202,13 +232,19 @@ impl<'a> Judge<'a> {
                 image::ExtendedColorType::Rgb8,
             )
             .map_err(|e| Error::Refused(format!("the picture cannot be encoded: {e}")))?;
-        let path: PathBuf = self.folder.join(path);
+        let path = folder.join(&self.path);
         let bytes = bytes.into_inner();
-        self.host.write_file(&path, &bytes).map_err(Error::Refused)
+        host.write_file(&path, &bytes).map_err(Error::Refused)
     }
 }
 
-fn portrait(surfaces: &[Surface], camera: &Camera) -> RgbaImage {
+/// The camera of all portraits of a tree.
+pub(crate) fn camera(surfaces: &[Surface]) -> Camera {
+    let aspect = f64::from(PICTURE_WIDTH) / f64::from(PICTURE_HEIGHT);
+    framing(surfaces, aspect)
+}
+
+pub(crate) fn portrait(surfaces: &[Surface], camera: &Camera) -> RgbaImage {
     // Shadows would cost more than all of the judging.
     let options = RenderOptions {
         shadows: false,
@@ -217,12 +253,12 @@ fn portrait(surfaces: &[Surface], camera: &Camera) -> RgbaImage {
     render(surfaces, camera, &options)
 }
 
-fn opaque(picture: &RgbaImage) -> RgbImage {
+pub(crate) fn opaque(picture: &RgbaImage) -> RgbImage {
     DynamicImage::from(picture.clone()).to_rgb8()
 }
 
 /// A file name of all that tells a row apart; `stem` stands for the tree and the program.
-fn file_name(stem: &str, label: &str, seed: u64, level: f64) -> String {
+pub(crate) fn file_name(stem: &str, label: &str, seed: u64, level: f64) -> String {
     let plain = |c: char| match c.is_ascii_alphanumeric() || c == '.' {
         true => c,
         false => '-',

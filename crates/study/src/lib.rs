@@ -47,6 +47,7 @@ mod survivor_bits;
 mod table;
 mod timed;
 mod tree_hash;
+mod whole;
 
 pub use case::{Case, LevelOf};
 pub use chart::chart;
@@ -64,3 +65,4 @@ pub use report::{Picture, Study, report};
 pub use rows::{Identity, Row, RowKey, Values, current_rows, read_rows, to_line};
 pub use run::{StudyOptions, redraw, run};
 pub use summary::{Group, Point, Spread, groups, overlap, pareto, spread, summarise};
+pub use whole::WholeCounts;

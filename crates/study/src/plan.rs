@@ -23,6 +23,8 @@ pub enum Plan {
     Failures,
     /// The paper's studies: plants with as many leaves as its models, and its cases.
     Paper,
+    /// Whole plants under one budget, beside leaves alone and gltfpack on the whole file.
+    Whole,
 }
 
 /// The default of the program: a result that looks like the original.
@@ -209,7 +211,8 @@ pub(crate) fn cases(plans: &[Plan], knows_branches: bool) -> Vec<Case> {
         }
         Plan::Speed => [speed(), by_branches.clone()].concat(),
         Plan::Stability => stability(&by_branches),
-        Plan::Failures => Vec::new(),
+        // Neither is of cases on leaves.
+        Plan::Failures | Plan::Whole => Vec::new(),
         Plan::Paper => [paper::cases(), paper::fewer_views().to_vec()].concat(),
     });
     each_once(planned)

@@ -11,6 +11,7 @@ use crate::format::{duration, memory, number, percent, trees};
 use crate::published::beside;
 use crate::recommend::{WHAT_IS_LISTED, recommend};
 use crate::table::Table;
+use crate::whole::{WHAT_IS_COMPARED, tables};
 
 /// The same study as [`report`](super::report()) without pictures: what ran on
 /// what, means of every method and level, what fails where, the paper's figures.
@@ -52,6 +53,7 @@ pub fn readme(study: &Study<'_>) -> String {
     }
     who_is_beaten(&mut text, &given);
     stability(&mut text, &plain);
+    whole(&mut text, study.rows);
     if let Some(table) = overview(study.failure_cases, study.rows) {
         let _ = write!(
             text,
@@ -113,6 +115,16 @@ fn who_is_beaten(text: &mut String, given: &[Row]) {
     if let Some(table) = dominance(given) {
         let table = table.markdown();
         let _ = writeln!(text, "## Who is beaten\n\n{WHAT_IS_COUNTED}\n\n{table}");
+    }
+}
+
+fn whole(text: &mut String, rows: &[Row]) {
+    let tables = tables(rows);
+    if !tables.is_empty() {
+        let _ = writeln!(text, "## Whole plants\n\n{WHAT_IS_COMPARED}\n");
+    }
+    for (title, table) in tables {
+        let _ = writeln!(text, "### {title}\n\n{}", table.markdown());
     }
 }
 

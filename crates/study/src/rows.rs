@@ -6,7 +6,7 @@ use secateur_eval::JudgingViews;
 use serde::{Deserialize, Serialize};
 
 use crate::older_rows;
-use crate::{LevelOf, Provenance};
+use crate::{LevelOf, Provenance, WholeCounts};
 
 /// Values by the keys of [`COLUMNS`](crate::COLUMNS); nothing where one is infinite.
 pub type Values = BTreeMap<String, Option<f64>>;
@@ -30,7 +30,7 @@ pub struct Row {
     pub seed: u64,
     /// The share that was asked for, 0 to 1.
     pub level: f64,
-    /// What the level is a share of.
+    /// What the level is a share of; of a whole plant all its triangles.
     pub level_of: LevelOf,
     /// Which views judged it. Older rows were judged by one icosahedron.
     #[serde(default = "one_icosahedron")]
@@ -39,10 +39,14 @@ pub struct Row {
     pub is_driven_by_judging_views: bool,
     /// Leaves of the original.
     pub leaves_original: u64,
-    /// Leaves that are left.
+    /// Leaves that are left; 0 of a whole plant that another program made, which knows none.
     pub leaves_final: u64,
-    /// Triangles of the leaves that are left.
+    /// Triangles of the leaves that are left; of a whole plant all that are left.
     pub triangles_final: u64,
+    /// What is counted of a whole plant beside; nothing of rows of leaves. Outlines are the whole
+    /// plant's then too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whole: Option<WholeCounts>,
     /// Wall time of the method alone to this level.
     pub seconds: f64,
     /// The largest resident set of the process while the method ran to this
@@ -277,6 +281,7 @@ pub(crate) mod tests {
             leaves_original: 100,
             leaves_final: (100.0 * level) as u64,
             triangles_final: 7,
+            whole: None,
             seconds,
             peak_rss_bytes: Some(50 << 20),
             resolution: 256,

@@ -14,6 +14,7 @@ use crate::row_file::{self, RowFile};
 use crate::subject::{Subject, subjects};
 use crate::timed::runs;
 use crate::tree_hash::tree_sha256;
+use crate::whole::{self, Gltfpack, WholeJob};
 use crate::{Case, Error, Host, Identity, Plan, Row, current_rows};
 
 /// What a study is asked to do.
@@ -81,12 +82,13 @@ struct Todo<'a> {
     subject: &'a Subject,
     identity: Identity,
     jobs: Vec<Job<'a>>,
+    whole_jobs: Vec<WholeJob>,
     lacks_original_picture: bool,
 }
 
 impl Todo<'_> {
     fn is_nothing(&self) -> bool {
-        self.jobs.is_empty() && !self.lacks_original_picture
+        self.jobs.is_empty() && self.whole_jobs.is_empty() && !self.lacks_original_picture
     }
 }
 
@@ -94,6 +96,7 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
     let provenance = host.provenance();
     let rows = row_file::read(&options.folder)?;
     let finished: Finished = rows.iter().map(|row| (row.key(), row)).collect();
+    let gltfpack = gltfpack(subjects);
     let mut todo = Vec::new();
     for subject in subjects {
         if host.is_stop_asked() {
@@ -104,6 +107,7 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
         let identity = Identity::new(&subject.name, &sha256, &provenance, subject.judged_by);
         todo.push(Todo {
             jobs: jobs(options, subject, &identity, &finished),
+            whole_jobs: whole::jobs(options, subject, &identity, &finished, gltfpack.is_some()),
             lacks_original_picture: lacks_original_picture(&identity, &finished, &options.folder),
             subject,
             identity,
@@ -114,14 +118,44 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
     }
     let studied: BTreeSet<Identity> = todo.iter().map(|t| t.identity.clone()).collect();
     let mut file = RowFile::after(&rows, &studied, &options.folder, host)?;
-    let jobs = todo.iter().flat_map(|of_tree| &of_tree.jobs);
-    host.begin(jobs.map(|job| job.levels.len()).sum());
+    let levels = |of_tree: &Todo<'_>| -> usize {
+        let of_jobs = of_tree.jobs.iter().map(|job| job.levels.len());
+        of_jobs.sum::<usize>() + of_tree.whole_jobs.len()
+    };
+    host.begin(todo.iter().map(levels).sum());
+    let bench = whole::Bench {
+        options,
+        gltfpack: gltfpack.as_ref(),
+        finished: &finished,
+        host,
+    };
     for of_tree in todo.iter().filter(|of_tree| !of_tree.is_nothing()) {
         let path = &of_tree.subject.path;
         run_tree(options, of_tree, &finished, &mut file, host).map_err(|e| e.about(path))?;
+        let whole = bench.run(
+            of_tree.subject,
+            &of_tree.identity,
+            &of_tree.whole_jobs,
+            &mut file,
+        );
+        whole.map_err(|e| e.about(path))?;
     }
     host.end();
     Ok(())
+}
+
+/// gltfpack, if a plan wants it; without it the plan goes on.
+fn gltfpack(subjects: &[Subject]) -> Option<Gltfpack> {
+    if !subjects.iter().any(|subject| subject.is_seen_whole) {
+        return None;
+    }
+    let found = Gltfpack::find();
+    if found.is_none() {
+        tracing::warn!(
+            "no gltfpack is on the PATH, so whole plants are not held against it: `npm install -g gltfpack` fetches it"
+        );
+    }
+    found
 }
 
 fn run_tree(
@@ -131,6 +165,10 @@ fn run_tree(
     file: &mut RowFile,
     host: &dyn Host,
 ) -> Result<(), Error> {
+    if todo.jobs.is_empty() && !todo.whole_jobs.is_empty() {
+        // The original is drawn with the whole plants.
+        return Ok(());
+    }
     let selectors = todo.subject.selectors(&options.selectors);
     let tree = Tree::open_within(&todo.subject.path, selectors, options.memory)?;
     let judge = Judge::new(todo.subject, &tree, &todo.identity, &options.folder, host)?;

@@ -26,6 +26,8 @@ pub(crate) struct Subject {
     pub(crate) judged_by: JudgingViews,
     /// The distance of the judging views in radii, if it is not the usual one.
     pub(crate) judged_from_radii: Option<f64>,
+    /// Whether it is studied as a whole plant too.
+    pub(crate) is_seen_whole: bool,
     made: Made,
 }
 
@@ -53,9 +55,9 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
         false => plan::each_once(options.cases.iter().cloned()),
     };
     let (cases, with_branches) = (cases_of(false), cases_of(true));
-    if cases.is_empty() && !options.trees.is_empty() {
+    if cases.is_empty() && !has(Plan::Whole) && !options.trees.is_empty() {
         return Err(Error::Refused(
-            "no plan for trees of one's own was asked for: add methods, speed, stability or paper to --plan".to_owned(),
+            "no plan for trees of one's own was asked for: add methods, speed, stability, paper or whole to --plan".to_owned(),
         ));
     }
     for path in &options.trees {
@@ -69,6 +71,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
             },
             judged_by: of_user,
             judged_from_radii: None,
+            is_seen_whole: has(Plan::Whole),
             made: Made::ByOthers,
         });
     }
@@ -82,6 +85,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 path,
                 judged_by: JudgingViews::HeldOut,
                 judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
+                is_seen_whole: false,
                 made: Made::Scene(scene),
             });
         }
@@ -98,6 +102,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 cases,
                 judged_by: JudgingViews::Icosahedron,
                 judged_from_radii: None,
+                is_seen_whole: false,
                 made: Made::Grown(model),
             });
         }

@@ -6,6 +6,7 @@
 //! of one view.
 
 mod ssim;
+mod whole;
 
 use std::borrow::Borrow;
 
@@ -20,6 +21,8 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::measure::Direction;
 use crate::{Camera, RenderOptions, render};
+
+pub use whole::{WholeMeasurement, WholePictures};
 
 /// A number that says how far a picture is from another.
 #[derive(Clone, Copy, Debug)]

@@ -4,6 +4,7 @@ mod failures;
 mod paper;
 mod pictures;
 mod stability;
+mod whole;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -50,9 +51,11 @@ impl Study<'_> {
         (rows, partial)
     }
 
-    /// Rows of trees that are no scenes made for failures.
+    /// Rows of leaves, of trees that are no scenes made for failures.
     pub(crate) fn plain_rows(&self) -> Vec<Row> {
-        let is_plain = |row: &&Row| !self.failure_cases.iter().any(|t| t.tree == row.tree);
+        let is_plain = |row: &&Row| {
+            row.whole.is_none() && !self.failure_cases.iter().any(|t| t.tree == row.tree)
+        };
         self.rows.iter().filter(is_plain).cloned().collect()
     }
 }
@@ -87,10 +90,13 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         let _ = writeln!(html, "<p>{}</p>", escaped(&note));
     }
     page.stability(&mut html);
+    page.whole(&mut html);
     page.failures(&mut html);
     page.paper(&mut html);
     page.trees(&mut html);
-    page.per_set(&mut html);
+    if !plain.is_empty() {
+        page.per_set(&mut html);
+    }
     page.provenance(&mut html);
     let _ = write!(
         html,

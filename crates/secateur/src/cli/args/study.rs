@@ -30,7 +30,8 @@ pub(crate) struct Study {
     /// several times. With `--triangles`, without a number, its levels are shares of the triangles.
     #[arg(long, value_name = "CASE")]
     pub(crate) case: Vec<String>,
-    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1].
+    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1, for whole
+    /// plants 0.5,0.25,0.1].
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
     pub(crate) levels: Vec<f64>,
     /// Of all these trees, study only the one of this name; can be given several times.
@@ -57,6 +58,9 @@ pub(crate) enum PlanName {
     Failures,
     /// The paper's studies: its figures beside those of plants with as many leaves
     Paper,
+    /// Whole plants at shares of all triangles, beside leaves alone and gltfpack on the whole file,
+    /// where that is found
+    Whole,
 }
 
 fn level(text: &str) -> Result<f64, String> {

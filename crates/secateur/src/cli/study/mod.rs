@@ -69,6 +69,7 @@ impl From<PlanName> for Plan {
             PlanName::Stability => Self::Stability,
             PlanName::Failures => Self::Failures,
             PlanName::Paper => Self::Paper,
+            PlanName::Whole => Self::Whole,
         }
     }
 }
