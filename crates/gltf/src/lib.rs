@@ -144,7 +144,8 @@ pub mod chain {
 
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        Chain, ChainFile, ChainProblem, Layout, Level, MAX_LEVELS, PreparedChain, WrittenChain,
+        Chain, ChainFile, ChainProblem, Layout, Level, LevelTexture, MAX_LEVELS, PreparedChain,
+        WrittenChain,
     };
 }
 
@@ -153,7 +154,7 @@ pub use error::{GltfError, Problem};
 pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use selector::{Selector, SelectorError};
-pub use surfaces::Detail;
+pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
 pub use whole_tree::WholeTree;
 pub use write::{
