@@ -60,6 +60,15 @@ pub struct AsDrawnMeasurement {
     pub original_flip_mean: f64,
 }
 
+/// How much of a tree a client shows; see [`AsDrawnMeasurement`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shown {
+    /// Pixels that it covers over those that the original truly covers.
+    pub coverage_over_truth: f64,
+    /// Islands of up to 3 pixels in a view.
+    pub specks_per_view: f64,
+}
+
 impl AsDrawn {
     /// Draws an original from views, in pictures of `width_px` x `width_px` pixels.
     ///
@@ -108,6 +117,16 @@ impl AsDrawn {
             original_specks_per_view: self.original.specks_per_view(self.width_px as usize),
             flip_mean: self.flip(&drawn),
             original_flip_mean: self.flip(&self.original),
+        }
+    }
+
+    /// How much a client shows of a simplified tree, without pictures being compared.
+    pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> Shown {
+        let drawn = Drawn::of(simplified, &self.views, self.width_px);
+        let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
+        Shown {
+            coverage_over_truth: drawn.covered_px() / truth_px,
+            specks_per_view: drawn.specks_per_view(self.width_px as usize),
         }
     }
 

@@ -31,7 +31,7 @@ mod shading;
 mod texel;
 mod visibility;
 
-pub use as_drawn::{AsDrawn, AsDrawnMeasurement, measure_as_drawn};
+pub use as_drawn::{AsDrawn, AsDrawnMeasurement, Shown, measure_as_drawn};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
 pub use measure::{
@@ -41,3 +41,4 @@ pub use measure::{
 pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};
+pub use texel::{color_of, sample_alpha};

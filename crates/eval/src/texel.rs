@@ -45,7 +45,10 @@ pub(crate) fn sample(texture: Option<&Texture>, uv: Vec2) -> Vec4 {
 }
 
 /// Linear colour and alpha of the texel whose bytes start at this index.
-pub(crate) fn color_of(texture: &Texture, index: usize) -> Vec4 {
+///
+/// # Panics
+/// If there are no four bytes at the index.
+pub fn color_of(texture: &Texture, index: usize) -> Vec4 {
     let rgba: [u8; 4] = std::array::from_fn(|i| texture.rgba[index + i]);
     let linear = &*LINEAR_FROM_SRGB;
     let rgb = Vec3::new(
@@ -56,8 +59,9 @@ pub(crate) fn color_of(texture: &Texture, index: usize) -> Vec4 {
     rgb.extend(f32::from(rgba[3]) / 255.0)
 }
 
-/// The alpha of [`sample`].
-pub(crate) fn sample_alpha(texture: Option<&Texture>, uv: Vec2) -> f32 {
+/// The alpha of a texture at these coordinates, 1 without a texture: a mean of the four nearest
+/// texels.
+pub fn sample_alpha(texture: Option<&Texture>, uv: Vec2) -> f32 {
     blend_texels(texture, uv, 1.0, |texture, index| {
         f32::from(texture.rgba[index + 3]) / 255.0
     })

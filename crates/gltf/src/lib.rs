@@ -146,7 +146,8 @@ pub mod chain {
 
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        Chain, ChainFile, ChainProblem, Layout, Level, MAX_LEVELS, PreparedChain, WrittenChain,
+        Chain, ChainFile, ChainProblem, Layout, Level, LevelTexture, MAX_LEVELS, PreparedChain,
+        WrittenChain,
     };
 }
 
@@ -156,7 +157,7 @@ pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use selector::{Selector, SelectorError};
-pub use surfaces::Detail;
+pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
 pub use whole_tree::WholeTree;
 pub use write::{

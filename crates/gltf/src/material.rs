@@ -126,7 +126,7 @@ impl Document {
         })
     }
 
-    fn texture_use(&self, info: &Value) -> Result<TextureUse, Problem> {
+    pub(crate) fn texture_use(&self, info: &Value) -> Result<TextureUse, Problem> {
         let index = property::required_index(info, "index")?;
         let texture = property::entry(&self.root, "textures", index)?;
         let transform = property::extension(info, "KHR_texture_transform");
@@ -182,6 +182,15 @@ impl Document {
             is_smooth_far,
             mips,
         }
+    }
+}
+
+/// How a material names its base colour texture.
+pub(crate) fn base_color_texture(material: &Value) -> Option<&Value> {
+    let glossy = property::extension(material, "KHR_materials_pbrSpecularGlossiness");
+    match (material.get("pbrMetallicRoughness"), glossy) {
+        (None, glossy) => glossy?.get("diffuseTexture"),
+        (Some(pbr), _) => pbr.get("baseColorTexture"),
     }
 }
 

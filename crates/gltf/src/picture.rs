@@ -250,6 +250,13 @@ impl Document {
         file.ok().map(Source::File)
     }
 
+    /// Width and height of an image, if it is one that can be decoded.
+    pub(crate) fn image_size(&self, index: usize) -> Option<[u32; 2]> {
+        let mut budget = self.budget;
+        let bytes = self.image_bytes(index, &mut budget).ok()?.ok()?;
+        dimensions(&bytes, MAX_TEXELS).ok()
+    }
+
     /// The encoded bytes of an image; the inner error says why it can't be had
     /// though the file is sound.
     fn image_bytes(

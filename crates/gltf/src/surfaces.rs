@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
+use serde_json::{Value, json};
 
 use super::accessor::Shape;
 use super::choice;
 use super::document::ALLOW_MORE;
 use super::error::{At, Fault, Problem};
 use super::evidence;
-use super::material::TextureUse;
+use super::material::{TextureUse, base_color_texture};
 use super::parts::{Part, check_limit};
 use super::picture::Pictures;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
-use secateur_model::{Finish, Material, NormalMap, Surface, Texture};
+use secateur_model::{Finish, Material, Mips, NormalMap, Surface, Texture};
 
 /// The most triangles that surfaces are made of, every instance counted.
 const MAX_TRIANGLES: u64 = 16 << 20;
@@ -38,7 +39,76 @@ pub enum Detail {
     NormalMaps,
 }
 
+/// A surface, and what of the file it is.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct DrawnSurface {
+    /// What is drawn.
+    pub surface: Surface,
+    /// Whether it is foliage.
+    pub is_foliage: bool,
+    /// The number of its material; none for glTF's default material.
+    pub material: Option<usize>,
+}
+
+/// An image that a material uses, decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct MaterialImage {
+    /// Its number in the file.
+    pub image: usize,
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// Whether the sampler reads mip maps.
+    pub has_mips: bool,
+    /// Whether it is the base colour.
+    pub is_base_color: bool,
+}
+
+/// Calls `see` with the number of each texture that a material names, in extensions too.
+pub(crate) fn for_each_texture(material: &Value, see: &mut dyn FnMut(usize)) {
+    let Some(fields) = material.as_object() else {
+        return;
+    };
+    for (name, value) in fields {
+        if name == "extras" {
+            continue;
+        }
+        let index = value.get("index").and_then(Value::as_u64);
+        if let Some(index) = index.filter(|_| name.ends_with("Texture")) {
+            see(usize::try_from(index).unwrap_or(usize::MAX));
+        }
+        for_each_texture(value, see);
+    }
+}
+
 impl Document {
+    /// The images of a material; those that can't be decoded are left out.
+    pub fn images_of_material(&self, material: usize) -> Vec<MaterialImage> {
+        let materials = self.root.get("materials");
+        let Some(fields) = materials.and_then(|all| all.get(material)) else {
+            return Vec::new();
+        };
+        let index = |info: &Value| info.get("index").and_then(Value::as_u64);
+        let base = base_color_texture(fields).and_then(index);
+        let mut images = Vec::new();
+        for_each_texture(fields, &mut |texture| {
+            let Ok(used) = self.texture_use(&json!({ "index": texture })) else {
+                return;
+            };
+            let size = used.image.and_then(|image| self.image_size(image));
+            if let (Some(image), Some(size)) = (used.image, size) {
+                images.push(MaterialImage {
+                    image,
+                    size,
+                    has_mips: used.filters.mips != Mips::None,
+                    is_base_color: base == Some(texture as u64),
+                });
+            }
+        });
+        images
+    }
+
     /// Everything that is drawn, as textured triangles in world space: a
     /// surface for each primitive, all its instances in it, with whether it is
     /// foliage (as the selectors say or the evidence shows; nothing is, where
@@ -62,6 +132,22 @@ impl Document {
         detail: Detail,
         selectors: &[Selector],
     ) -> Result<Vec<(Surface, bool)>, GltfError> {
+        let drawn = self.drawn(detail, selectors)?;
+        Ok(drawn
+            .into_iter()
+            .map(|d| (d.surface, d.is_foliage))
+            .collect())
+    }
+
+    /// As [`Document::surfaces_with`], with the material of each.
+    ///
+    /// # Errors
+    /// As [`Document::surfaces`].
+    pub fn drawn(
+        &self,
+        detail: Detail,
+        selectors: &[Selector],
+    ) -> Result<Vec<DrawnSurface>, GltfError> {
         let read = || -> Result<_, Fault> {
             let mut parts = self.parts()?;
             let mut budget = self.budget;
@@ -82,7 +168,7 @@ impl Document {
         survey: &Survey,
         pictures: &mut Pictures<'_>,
         detail: Detail,
-    ) -> Result<Vec<(Surface, bool)>, Fault> {
+    ) -> Result<Vec<DrawnSurface>, Fault> {
         let all = |count: fn(&Group) -> usize| -> u64 {
             let placed = |group: &Group| group.placements as u64 * count(group) as u64;
             survey.groups.iter().map(placed).sum()
@@ -112,7 +198,11 @@ impl Document {
                         .at(|| self.place("nodes", part.node))?;
                 }
                 if !surface.triangles.is_empty() {
-                    surfaces.push((surface, is_foliage));
+                    surfaces.push(DrawnSurface {
+                        surface,
+                        is_foliage,
+                        material: group.look.material,
+                    });
                 }
             }
         }
@@ -239,7 +329,11 @@ impl Tree {
             let mut pictures = Pictures::new(document, budget);
             document.surfaces_of(&self.parts, &survey, &mut pictures, detail)
         };
-        read().map_err(|fault| document.error(fault))
+        let drawn = read().map_err(|fault| document.error(fault))?;
+        Ok(drawn
+            .into_iter()
+            .map(|d| (d.surface, d.is_foliage))
+            .collect())
     }
 }
 

@@ -4,18 +4,23 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use secateur_eval::{Judging, Original as Measured, Pictures};
-use secateur_gltf::{Document, WholeTree};
+use secateur_gltf::chain::LevelTexture;
+use secateur_gltf::{Detail, Document, WholeTree};
 use secateur_model::{Lod, Surface};
 use secateur_raster::{OpenEngine, View, ViewSet};
 use secateur_simplify::whole::{WholeLevel, WholePlant};
 use secateur_simplify::{Amount, Error as SimplifyError, Observer, Options, Shared};
 
 mod ladder;
+mod leaf_texture;
+mod textures;
 
 use crate::Screen;
 use crate::impostor::judge::{Judge, best_crossed, flip, largest_flip};
 use crate::impostor::{Choice, Impostor};
 use ladder::Ladder;
+use textures::{Chosen, Client, LevelSurfaces, bytes_of, end_of, texture_bytes};
+pub use textures::{LevelAsDrawn, Textures, show};
 
 /// Pictures that levels are judged by have at most this many pixels a side, those of `measure`: to
 /// draw larger ones would take longer than to make the level.
@@ -70,6 +75,8 @@ pub struct ChainOptions {
     /// The largest FLIP in any view between a level and the next where they switch; a level that
     /// would differ more from the one before it is left out.
     pub max_pop: Option<f64>,
+    /// Which textures leaves have.
+    pub textures: Textures,
 }
 
 /// A level of a chain, and from where it is to be seen.
@@ -104,6 +111,12 @@ pub struct ChainLevel {
     pub vmi_error_percent: Option<f64>,
     /// SHA-256 of all that was done to the leaves; none for impostors.
     pub order_sha256: Option<String>,
+    /// Base colour textures of its own; empty where it has those of the tree.
+    pub textures: Vec<LevelTexture>,
+    /// What all images of its materials take, four bytes a texel, with mips where they are read.
+    pub texture_bytes: u64,
+    /// How much of it a client shows; none for octahedral views, which only their sampler shows.
+    pub as_drawn: Option<LevelAsDrawn>,
 }
 
 /// What a level is.
@@ -293,14 +306,15 @@ pub fn chain(
     }
     let mut levels = Vec::new();
     for (level, height, flip) in made {
-        let pictured = Pictured::Mesh(level.surfaces.clone());
+        let pictured = Pictured::Mesh(level.drawn.clone());
         levels.push((pictured, maker.finished(level, height, flip)?));
     }
     if let Some((level, height, flip)) = impostor {
         let pictured = Pictured::Impostor(level.impostor.clone());
         levels.push((pictured, maker.finished_impostor(level, height, flip)));
     }
-    let mut levels = maker.without_pops(levels, &mut notes)?;
+    let levels = maker.without_pops(levels, &mut notes)?;
+    let mut levels = maker.with_textures(levels)?;
     let ends: Vec<f64> = levels
         .iter()
         .skip(1)
@@ -327,14 +341,14 @@ pub fn chain(
 
 /// What of a level a picture is drawn of.
 enum Pictured {
-    Mesh(Vec<Surface>),
+    Mesh(LevelSurfaces),
     Impostor(Impostor),
 }
 
 impl Pictured {
     fn pictures(&self, judge: &Judge) -> Pictures {
         match self {
-            Self::Mesh(surfaces) => judge.of_surfaces(surfaces),
+            Self::Mesh(level) => judge.of_surfaces(&level.surfaces),
             Self::Impostor(impostor) => judge.of_impostor(impostor),
         }
     }
@@ -353,7 +367,7 @@ fn is_no_less(level: &Made, before: Option<&Made>, all: usize) -> bool {
 struct Made {
     level: WholeLevel,
     lod: Lod,
-    surfaces: Vec<Surface>,
+    drawn: LevelSurfaces,
     foliage_triangles: usize,
     /// Mean FLIP by the side of the pictures in pixels, as far as it is known.
     flips: RefCell<BTreeMap<u32, f64>>,
@@ -414,7 +428,7 @@ impl<'a> Maker<'a> {
         let seen = 6.0 * radius * TIGHT_TANGENT;
         Ok(Self {
             all: plant.triangle_count(),
-            original: surfaces(tree.items().document())?,
+            original: surfaces(tree.items().document())?.surfaces,
             originals: RefCell::default(),
             shared: RefCell::default(),
             views: [ViewSet::new(views)],
@@ -450,7 +464,7 @@ impl<'a> Maker<'a> {
         let left = level.leaves.lod.foliage(self.tree.leaves());
         Ok(Made {
             foliage_triangles: left.triangles().len(),
-            surfaces: surfaces(&document)?,
+            drawn: surfaces(&document)?,
             flips: RefCell::default(),
             level,
             lod,
@@ -487,7 +501,7 @@ impl<'a> Maker<'a> {
         let original = originals
             .entry(side)
             .or_insert_with(|| Pictures::of_size(&self.original, &self.views, side));
-        let found = original.measure(&Pictures::of_size(&level.surfaces, &self.views, side));
+        let found = original.measure(&Pictures::of_size(&level.drawn.surfaces, &self.views, side));
         let flip = found.overall.get("flip_mean").unwrap_or(f64::NAN);
         level.flips.borrow_mut().insert(side, flip);
         Ok(flip)
@@ -536,7 +550,7 @@ impl<'a> Maker<'a> {
         });
         let judge = self.judge(height)?;
         let original = judge.of_surfaces(&self.original);
-        let of_mesh = flip(&original, &judge.of_surfaces(&mesh.surfaces));
+        let of_mesh = flip(&original, &judge.of_surfaces(&mesh.drawn.surfaces));
         let found = match choice {
             Choice::Octahedral => Impostor::octahedral(&self.original, height).map(|made| {
                 let flip = flip(&original, &judge.of_impostor(&made));
@@ -569,11 +583,10 @@ impl<'a> Maker<'a> {
         &self,
         levels: Vec<(Pictured, ChainLevel)>,
         notes: &mut Vec<String>,
-    ) -> Result<Vec<ChainLevel>, ChainError> {
-        let mut before: Option<Pictured> = None;
-        let mut kept = Vec::new();
+    ) -> Result<Vec<(Pictured, ChainLevel)>, ChainError> {
+        let mut kept: Vec<(Pictured, ChainLevel)> = Vec::new();
         for (pictured, mut level) in levels {
-            if let Some(before) = &before {
+            if let Some((before, _)) = kept.last() {
                 let judge = self.judge(level.pixels_high)?;
                 let pop = largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
                 if self.options.max_pop.is_some_and(|most| pop > most) {
@@ -586,10 +599,59 @@ impl<'a> Maker<'a> {
                 }
                 level.pop_flip = Some(pop);
             }
-            before = Some(pictured);
-            kept.push(level);
+            kept.push((pictured, level));
         }
         Ok(kept)
+    }
+
+    /// The levels with textures for where they are seen.
+    fn with_textures(
+        &self,
+        levels: Vec<(Pictured, ChainLevel)>,
+    ) -> Result<Vec<ChainLevel>, ChainError> {
+        let items = self.tree.items();
+        let sphere = items.foliage().bounding_sphere();
+        let sphere = sphere.ok_or(secateur_eval::MeasureError::NoFoliage)?;
+        let [views] = &self.views;
+        let client = Client::new(
+            &self.original,
+            views,
+            sphere,
+            self.options.screen,
+            self.height,
+        );
+        let begins: Vec<f64> = levels.iter().map(|(_, level)| level.pixels_high).collect();
+        let mut finished = Vec::new();
+        for (number, (pictured, mut level)) in levels.into_iter().enumerate() {
+            let begin = level.pixels_high;
+            let range = [begin, end_of(begin, begins.get(number + 1).copied())];
+            match pictured {
+                Pictured::Mesh(drawn) => {
+                    let wanted = self.options.textures;
+                    let Chosen { textures, as_drawn } =
+                        client.choose(&drawn, range, wanted, number == 0);
+                    level.texture_bytes =
+                        texture_bytes(items.document(), &drawn.materials, &textures);
+                    level.textures = textures;
+                    level.as_drawn = Some(as_drawn);
+                }
+                Pictured::Impostor(impostor) => {
+                    let material = &impostor.surface.material;
+                    let normals = material.finish.normal_map.as_ref();
+                    let all = material
+                        .texture
+                        .iter()
+                        .chain(normals.map(|map| &map.texture));
+                    level.texture_bytes = all.map(|texture| bytes_of(texture)).sum();
+                    if !impostor.needs_sampler() {
+                        let surfaces = [impostor.surface];
+                        level.as_drawn = Some(client.as_drawn(&surfaces, range));
+                    }
+                }
+            }
+            finished.push(level);
+        }
+        Ok(finished)
     }
 
     fn finished_impostor(&self, level: ImpostorLevel, height: f64, flip_mean: f64) -> ChainLevel {
@@ -607,6 +669,9 @@ impl<'a> Maker<'a> {
             silhouette_iou: None,
             vmi_error_percent: None,
             order_sha256: None,
+            textures: Vec::new(),
+            texture_bytes: 0,
+            as_drawn: None,
         }
     }
 
@@ -628,6 +693,9 @@ impl<'a> Maker<'a> {
             silhouette_iou: Some(seen.silhouette_iou()),
             vmi_error_percent: Some(seen.vmi_error_percent()),
             order_sha256: Some(made.level.leaves.passes.in_one_order().sha256()),
+            textures: Vec::new(),
+            texture_bytes: 0,
+            as_drawn: None,
             shape: Shape::Mesh(made.lod),
         })
     }
@@ -642,7 +710,12 @@ fn tight(view: &View) -> View {
 }
 
 /// All that is drawn of a file.
-fn surfaces(document: &Document) -> Result<Vec<Surface>, ChainError> {
-    let surfaces = document.surfaces(&[])?;
-    Ok(surfaces.into_iter().map(|(surface, _)| surface).collect())
+fn surfaces(document: &Document) -> Result<LevelSurfaces, ChainError> {
+    let drawn = document.drawn(Detail::Color, &[])?;
+    let materials = drawn.iter().map(|drawn| drawn.material).collect();
+    let surfaces = drawn.into_iter().map(|drawn| drawn.surface).collect();
+    Ok(LevelSurfaces {
+        surfaces,
+        materials,
+    })
 }

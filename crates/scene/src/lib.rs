@@ -9,6 +9,7 @@
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
 pub mod chain;
+mod dilate;
 pub mod impostor;
 pub mod order_file;
 pub mod prefix_buffers;

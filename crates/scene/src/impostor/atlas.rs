@@ -90,7 +90,7 @@ pub(super) fn material([width, height]: [u32; 2], rgba: Vec<u8>, normals: Vec<u8
 }
 
 /// A linear value of 0 to 1 as an sRGB byte (IEC 61966-2-1).
-pub(super) fn srgb_byte(linear: f32) -> u8 {
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let s = match linear <= 0.003_130_8 {
         true => linear * 12.92,

@@ -20,6 +20,7 @@ use glam::DVec3;
 use secateur_model::Surface;
 use serde_json::{Value, json};
 
+pub(crate) use atlas::srgb_byte;
 use atlas::{Atlas, BORDER};
 use crossed::Planes;
 use octahedral::{CELLS, FRAMES, Octahedral};
@@ -101,6 +102,11 @@ impl Impostor {
         let mut flat = self.clone();
         Arc::make_mut(&mut flat.surface.material).finish.normal_map = None;
         flat
+    }
+
+    /// Whether only a sampler of its own draws it as it is meant.
+    pub fn needs_sampler(&self) -> bool {
+        matches!(self.look, Look::Octahedral(_))
     }
 
     /// What an eye sees of it: octahedral views as their sampler shows them.

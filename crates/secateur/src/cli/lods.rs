@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use secateur::{Amount, Options, Target};
-use secateur_gltf::chain::{Layout, Level, PreparedChain, WrittenChain};
-use secateur_gltf::{Detail, Document, StagedFiles, WholeTree, WriteOptions};
+use secateur_gltf::chain::{Layout, Level, LevelTexture, PreparedChain, WrittenChain};
+use secateur_gltf::{Detail, Document, GltfError, StagedFiles, WholeTree, WriteOptions};
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
-use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, HEIGHTS_PX, Shape, Wanted, chain};
+use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, HEIGHTS_PX, Shape, Textures};
+use secateur_scene::chain::{Wanted, chain, show};
 use secateur_scene::impostor::Choice;
 use secateur_scene::preview::{Facts, Level as Shown, Preview, page};
 use serde_json::{Map, Value, json};
@@ -207,6 +208,7 @@ fn options(args: &args::Lods) -> ChainOptions {
         impostor,
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
+        textures: args.textures.into(),
         screen: Screen {
             height_px: args.screen_height,
             field_of_view_degrees: args.fov,
@@ -272,6 +274,10 @@ fn make(
         "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
         "max_flip": options.max_flip,
         "max_pop": options.max_pop,
+        "textures": match options.textures {
+            Textures::Fit => "fit",
+            Textures::Keep => "keep",
+        },
         "largest_pop": made.levels.iter().filter_map(|level| level.pop_flip).reduce(f64::max),
         "preset": options.leaves.preset,
         "engine": engine.name(),
@@ -309,7 +315,9 @@ fn write(
         .map(|(k, level)| {
             let facts = facts(job, level);
             match &level.shape {
-                Shape::Mesh(lod) => Level::new(&job.name, k, lod, facts),
+                Shape::Mesh(lod) => {
+                    Level::new(&job.name, k, lod, facts).with_textures(&level.textures)
+                }
                 Shape::Impostor(made) => {
                     Level::of_surface(&job.name, k, &made.impostor.surface, facts)
                 }
@@ -382,6 +390,14 @@ fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<Value> {
             "silhouette_iou": level.silhouette_iou,
             "vmi_error_percent": level.vmi_error_percent,
             "order_sha256": level.order_sha256,
+            "textures": match level.textures.is_empty() {
+                true => "keep",
+                false => "fit",
+            },
+            "texture_bytes": level.texture_bytes,
+            "coverage_as_drawn": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),
+            "coverage_as_drawn_at_end": level.as_drawn.map(|seen| seen.end.coverage_over_truth),
+            "specks_as_drawn": level.as_drawn.map(|seen| seen.begin.specks_per_view),
         });
         if let Shape::Impostor(made) = &level.shape {
             let against = json!({
@@ -403,10 +419,17 @@ fn preview(
     made: &Chain,
 ) -> Result<String, Failure> {
     let items = tree.items();
-    let draw = |document: &Document| document.surfaces_with(Detail::NormalMaps, &[]);
+    let draw = |document: &Document, textures: &[LevelTexture]| {
+        let drawn = document.drawn(Detail::NormalMaps, &[])?;
+        let surfaces = drawn.into_iter().map(|mut drawn| {
+            show(&mut drawn.surface, drawn.material, textures);
+            (drawn.surface, drawn.is_foliage)
+        });
+        Ok::<_, GltfError>(surfaces.collect())
+    };
     let original = items.document();
     let memory = original.memory();
-    let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![draw(original)?];
+    let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![draw(original, &[])?];
     for level in &made.levels {
         let lod = match &level.shape {
             Shape::Mesh(lod) => lod,
@@ -418,7 +441,7 @@ fn preview(
         let bytes = items.lod_to_bytes(lod)?;
         let document =
             Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
-        surfaces.push(draw(&document)?);
+        surfaces.push(draw(&document, &level.textures)?);
     }
     let first = Facts {
         name: "original".to_owned(),
@@ -474,6 +497,8 @@ fn pretty(
         "from",
         "pixels high",
         "FLIP",
+        "covers",
+        "textures",
     ];
     let mut rows = vec![heads.map(str::to_owned).to_vec()];
     rows.push(vec![
@@ -481,6 +506,8 @@ fn pretty(
         grouped(tree.items().foliage().triangles().len() as u64),
         grouped(tree.leaves().triangles().len() as u64),
         grouped(tree.wood().triangles().len() as u64),
+        String::new(),
+        String::new(),
         String::new(),
         String::new(),
         String::new(),
@@ -494,6 +521,11 @@ fn pretty(
             format!("{:.1} m", level.distance),
             format!("{:.0}", level.pixels_high),
             format!("{:.3}", level.flip_mean),
+            level.as_drawn.map_or_else(String::new, |seen| {
+                let [begin, end] = [seen.begin, seen.end].map(|shown| shown.coverage_over_truth);
+                format!("{begin:.2} to {end:.2}")
+            }),
+            size(level.texture_bytes),
         ]);
     }
     let mut text = format!("{} -> {}\n", job.tree.display(), args.output.display());

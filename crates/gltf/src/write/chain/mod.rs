@@ -10,11 +10,13 @@ mod node_trees;
 mod on_disk;
 mod one_mesh;
 mod plan;
+mod retexture;
 mod scene;
 mod tidy;
 mod vertices;
 
 use std::collections::{BTreeSet, HashSet};
+use std::sync::Arc;
 
 use serde_json::{Map, Value};
 
@@ -30,7 +32,7 @@ use super::skeleton::{drop_skeleton, rewrite_skeleton};
 use crate::container::glb_bytes;
 use crate::error::{Fault, GltfError, Problem};
 use crate::tree::Tree;
-use secateur_model::{Lod, Surface};
+use secateur_model::{Lod, Surface, Texture};
 
 /// How the levels of a chain lie in files. Engines exclude each other here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,6 +59,15 @@ pub enum LevelContent<'a> {
     Surface(&'a Surface),
 }
 
+/// A base colour texture of a level's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelTexture {
+    /// The number of the material that shows it.
+    pub material: usize,
+    /// Its texels and its sampler; a PNG image in the file.
+    pub texture: Arc<Texture>,
+}
+
 /// A level of a chain.
 #[derive(Clone, Debug)]
 pub struct Level<'a> {
@@ -71,6 +82,8 @@ pub struct Level<'a> {
     /// level takes over, or nothing is drawn any more after the last one, which
     /// therefore should have 0.
     pub facts: Map<String, Value>,
+    /// What its materials show instead of the tree's base colour textures; all else of them stays.
+    pub textures: &'a [LevelTexture],
 }
 
 impl<'a> Level<'a> {
@@ -81,6 +94,7 @@ impl<'a> Level<'a> {
             content: LevelContent::Tree(lod),
             name: format!("{chain}_LOD{number}"),
             facts,
+            textures: &[],
         }
     }
 
@@ -95,7 +109,13 @@ impl<'a> Level<'a> {
             content: LevelContent::Surface(surface),
             name: format!("{chain}_LOD{number}"),
             facts,
+            textures: &[],
         }
+    }
+
+    /// With base colour textures of its own.
+    pub fn with_textures(self, textures: &'a [LevelTexture]) -> Self {
+        Self { textures, ..self }
     }
 
     fn screen_coverage(&self) -> Option<f64> {
@@ -264,6 +284,7 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
             node_trees::build(&mut draft, tree, levels)?
         }
     };
+    retexture::retexture(&mut draft, levels, &nodes.levels);
     scene::arrange(&mut draft, name, levels, layout, nodes);
     drop_undrawn_meshes(&mut draft);
     match layout {
@@ -282,13 +303,17 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
 
 /// Drops meshes that were drawn in the file and are not any more.
 fn drop_undrawn_meshes(draft: &mut Draft) {
+    let undrawn = undrawn_meshes(draft);
+    drop_meshes(draft, &undrawn);
+}
+
+fn undrawn_meshes(draft: &mut Draft) -> BTreeSet<usize> {
     let count = len(&draft.document.root, "meshes");
     let mut original = draft.document.root.clone();
     let was_drawn = count_references(&mut original, count, visit_mesh_numbers);
     let all = len(&draft.root, "meshes");
     let is_drawn = count_references(&mut draft.root, all, visit_mesh_numbers);
-    let undrawn: BTreeSet<usize> = (0..count.min(all))
+    (0..count.min(all))
         .filter(|&mesh| was_drawn[mesh] > 0 && is_drawn[mesh] == 0)
-        .collect();
-    drop_meshes(draft, &undrawn);
+        .collect()
 }

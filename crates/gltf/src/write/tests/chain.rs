@@ -12,11 +12,12 @@ use super::every_encoding::one_gone_one_grown;
 use super::fixture::{FLOAT, Fixture, UNSIGNED_BYTE, UNSIGNED_SHORT, read};
 use super::fixture::{square_indices, squares};
 use super::validator::assert_valid;
-use crate::chain::{Chain, ChainProblem, Layout, Level};
+use crate::chain::{Chain, ChainProblem, Layout, Level, LevelTexture};
 use crate::error::Problem;
-use crate::{Document, Tree, WriteOptions};
+use crate::{Detail, Document, Tree, WriteOptions};
 use secateur_model::{
-    AlphaMode, Filters, Finish, Foliage, LeafId, Lod, Material, NormalMap, Surface, Texture, Wrap,
+    AlphaMode, Filters, Finish, Foliage, LeafId, Lod, Material, Mips, NormalMap, Surface, Texture,
+    Wrap,
 };
 
 const LAYOUTS: [Layout; 3] = [Layout::Files, Layout::Siblings, Layout::Msft];
@@ -813,6 +814,101 @@ fn a_picture_is_the_last_level_in_every_layout() {
     let mut warnings = warnings(&files);
     warnings.retain(|code| code != "NODE_SKINNED_MESH_NON_ROOT");
     assert_eq!(warnings, [""; 0]);
+}
+
+/// A texture of 2 x 2 texels of this colour, with a sampler of its own.
+fn own_texture(color: [u8; 4], mips: Mips) -> LevelTexture {
+    LevelTexture {
+        material: 1,
+        texture: Arc::new(Texture {
+            width: 2,
+            height: 2,
+            rgba: color.repeat(4),
+            wrap: [Wrap::ClampToEdge; 2],
+            filters: Filters {
+                mips,
+                ..Filters::default()
+            },
+        }),
+    }
+}
+
+/// The material of the leaves of a level.
+fn leaf_material(document: &Document, level: usize) -> usize {
+    let node = node_named(&document.root, &format!("oak_LOD{level}"));
+    let mesh = document.root["nodes"][node]["mesh"].as_u64().unwrap();
+    let primitives = document.root["meshes"][mesh as usize]["primitives"].as_array();
+    let last = primitives.unwrap().last().unwrap();
+    last["material"].as_u64().unwrap() as usize
+}
+
+/// Leaf textures differ by level; what nobody needs any more is gone, and all else of the material
+/// is as it was.
+#[test]
+fn levels_have_textures_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let tree = encodings::textured().tree();
+    let lods = lods(&tree);
+    let own = [
+        vec![],
+        vec![own_texture([10, 200, 30, 255], Mips::None)],
+        vec![own_texture([90, 80, 10, 128], Mips::Blended)],
+    ];
+    let original = &tree.document.root["materials"][1];
+    for layout in LAYOUTS {
+        for is_all in [false, true] {
+            let what = format!("{layout:?}, all {is_all}");
+            let mut levels = levels(&lods);
+            for (number, level) in levels.iter_mut().enumerate() {
+                level.textures = &own[if is_all { number.max(1) } else { number }];
+            }
+            let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+            let mut images = 0;
+            for (number, level) in levels.iter().enumerate() {
+                let file = if layout == Layout::Files { number } else { 0 };
+                let document = document(&chain, file);
+                let number = leaf_material(&document, number);
+                let drawn = document.drawn(Detail::Color, &[]).unwrap();
+                let leaf = drawn.iter().find(|d| d.material == Some(number));
+                // With MSFT_lod only the finest level is in the scene.
+                assert!(leaf.is_some() || layout == Layout::Msft, "{what}");
+                let shown = leaf.and_then(|leaf| leaf.surface.material.texture.as_ref());
+                if let (Some(shown), [own]) = (shown, level.textures) {
+                    assert_eq!(**shown, *own.texture, "{what}");
+                }
+                let mut material = document.root["materials"][number].clone();
+                let index = &mut material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
+                *index = 0.into();
+                assert_eq!(material, *original, "{what}");
+                images = document.root["images"].as_array().unwrap().len();
+                if layout == Layout::Files {
+                    assert_eq!(images, 1, "{what}");
+                }
+                let of_material = document.images_of_material(number);
+                let found = (of_material[0].size, of_material[0].has_mips);
+                let expected = match level.textures {
+                    [own] => ([2, 2], own.texture.filters.mips != Mips::None),
+                    _ => ([1, 1], true),
+                };
+                assert_eq!(found, expected, "{what}");
+                assert!(of_material[0].is_base_color && of_material.len() == 1);
+            }
+            if layout != Layout::Files {
+                // The one of the tree is replaced where no level keeps it; equal ones are not shared.
+                assert_eq!(images, 3, "{what}");
+            }
+            for file in &chain.files {
+                let path = folder
+                    .path()
+                    .join(format!("{layout:?}-{is_all}-{}", file.name));
+                std::fs::write(&path, &file.bytes).unwrap();
+                files.push(path);
+            }
+        }
+    }
+    assert_valid(&files);
+    assert_eq!(warnings(&files), [""; 0]);
 }
 
 #[test]

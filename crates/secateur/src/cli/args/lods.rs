@@ -45,6 +45,9 @@ pub(crate) struct Lods {
     /// show; levels that would show more are left out.
     #[arg(long, value_name = "F", value_parser = flip)]
     pub(crate) max_pop: Option<f64>,
+    /// Which textures cut-out leaves have.
+    #[arg(long, value_enum, default_value_t = TexturesName::Fit)]
+    pub(crate) textures: TexturesName,
     /// The height of the screen that the levels are for, in pixels.
     #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = above_zero)]
     pub(crate) screen_height: f64,
@@ -100,6 +103,24 @@ impl From<ImpostorName> for secateur_scene::impostor::Choice {
             ImpostorName::Crossed => Self::Crossed,
             ImpostorName::Octahedral => Self::Octahedral,
             ImpostorName::Auto => Self::Auto,
+        }
+    }
+}
+
+/// Which textures the leaves of a level have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TexturesName {
+    /// Made for the distance of each level: texels of about a pixel, which cover what the tree's do
+    Fit,
+    /// Those of the tree
+    Keep,
+}
+
+impl From<TexturesName> for secateur_scene::chain::Textures {
+    fn from(name: TexturesName) -> Self {
+        match name {
+            TexturesName::Fit => Self::Fit,
+            TexturesName::Keep => Self::Keep,
         }
     }
 }

@@ -1,0 +1,218 @@
+//! Leaf textures of a level's own, where it has some.
+//!
+//! What only levels with textures of their own use is replaced under its number, so that nothing
+//! is left that nobody needs; else a copy with the new texture goes to the end of the list.
+
+use std::collections::{BTreeSet, HashMap};
+
+use serde_json::{Value, json};
+
+use super::super::draft::Draft;
+use super::super::drop_unreferenced::{drop_extension, remove_field};
+use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, png_bytes, wrap_code};
+use super::super::references::{as_index, items, knows_all_extensions};
+use super::scene::children;
+use super::{Level, LevelTexture, undrawn_meshes};
+use crate::material::base_color_texture;
+use crate::surfaces::for_each_texture;
+use secateur_model::{Mips, Texture};
+
+/// Formats of images that no texture here has.
+const FORMATS: [(&str, fn(&Value) -> bool); 2] = [
+    ("EXT_texture_webp", |root| {
+        uses_format(root, "EXT_texture_webp")
+    }),
+    ("KHR_texture_basisu", |root| {
+        uses_format(root, "KHR_texture_basisu")
+    }),
+];
+
+/// Gives each level the textures that it brings along.
+pub(super) fn retexture(draft: &mut Draft, levels: &[Level], nodes: &[usize]) {
+    if levels.iter().all(|level| level.textures.is_empty()) {
+        return;
+    }
+    let undrawn = undrawn_meshes(draft);
+    for (level, &node) in levels.iter().zip(nodes) {
+        let meshes = meshes_below(&draft.root, node);
+        let mut made: HashMap<usize, usize> = HashMap::new();
+        for own in level.textures {
+            let all = users(&mut draft.root, own.material, |mesh| {
+                !undrawn.contains(&mesh)
+            });
+            let ours = users(&mut draft.root, own.material, |mesh| meshes.contains(&mesh));
+            if ours == 0 {
+                continue;
+            }
+            let is_alone = all == ours && knows_all_extensions(&draft.root);
+            if let Some(material) = push_material(draft, own, is_alone) {
+                made.insert(own.material, material);
+            }
+        }
+        for &mesh in &meshes {
+            visit_materials(&mut draft.root["meshes"][mesh], &mut |number| {
+                if let Some(new) = as_index(number).and_then(|n| made.get(&n)) {
+                    *number = (*new).into();
+                }
+            });
+        }
+    }
+    for (name, is_used) in FORMATS {
+        drop_extension(&mut draft.root, name, is_used);
+    }
+}
+
+fn uses_format(root: &Value, name: &str) -> bool {
+    textures_of(root).any(|texture| {
+        let extensions = texture.get("extensions");
+        extensions.is_some_and(|all| all.get(name).is_some())
+    })
+}
+
+fn textures_of(root: &Value) -> impl Iterator<Item = &Value> {
+    let textures = root.get("textures").and_then(Value::as_array);
+    textures.into_iter().flatten()
+}
+
+/// The images of a texture, in whatever format.
+fn sources(texture: &Value) -> Vec<usize> {
+    let extensions = texture.get("extensions").and_then(Value::as_object);
+    let extensions = extensions.into_iter().flat_map(|all| all.values());
+    let holders = std::iter::once(texture).chain(extensions);
+    holders
+        .filter_map(|holder| holder.get("source").and_then(as_index))
+        .collect()
+}
+
+fn meshes_below(root: &Value, node: usize) -> BTreeSet<usize> {
+    let mut left = vec![node];
+    let mut meshes = BTreeSet::new();
+    while let Some(node) = left.pop() {
+        meshes.extend(root["nodes"][node].get("mesh").and_then(as_index));
+        left.extend(children(root, node));
+    }
+    meshes
+}
+
+/// Calls `visit` with each material number of a mesh, those of variants too.
+fn visit_materials(mesh: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    for primitive in items(mesh, "primitives") {
+        if let Some(number) = primitive.get_mut("material") {
+            visit(number);
+        }
+        if let Some(variants) = primitive.pointer_mut("/extensions/KHR_materials_variants") {
+            for mapping in items(variants, "mappings") {
+                if let Some(number) = mapping.get_mut("material") {
+                    visit(number);
+                }
+            }
+        }
+    }
+}
+
+/// How often meshes name a material.
+fn users(root: &mut Value, material: usize, counts: impl Fn(usize) -> bool) -> usize {
+    let mut count = 0;
+    for (number, mesh) in items(root, "meshes").enumerate() {
+        if counts(number) {
+            visit_materials(mesh, &mut |n| {
+                count += usize::from(as_index(n) == Some(material));
+            });
+        }
+    }
+    count
+}
+
+/// The material with its new base colour texture, under its own number if nobody else uses it.
+fn push_material(draft: &mut Draft, own: &LevelTexture, is_alone: bool) -> Option<usize> {
+    let mut fields = draft.root.get("materials")?.get(own.material)?.clone();
+    let old = base_color_texture(&fields)?
+        .get("index")
+        .and_then(as_index)?;
+    let is_only_user = is_alone && texture_users(&draft.root, old) == 1;
+    let texture = push_texture(draft, old, &own.texture, is_only_user);
+    let info = base_color_texture_mut(&mut fields)?;
+    info["index"] = texture.into();
+    if !is_alone {
+        return Some(draft.push("materials", fields));
+    }
+    draft.root["materials"][own.material] = fields;
+    Some(own.material)
+}
+
+fn base_color_texture_mut(material: &mut Value) -> Option<&mut Value> {
+    const PLACES: [&str; 2] = [
+        "/pbrMetallicRoughness/baseColorTexture",
+        "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
+    ];
+    let place = usize::from(material.get("pbrMetallicRoughness").is_none());
+    material.pointer_mut(PLACES[place])
+}
+
+/// How many places of materials name a texture.
+fn texture_users(root: &Value, texture: usize) -> usize {
+    let mut count = 0;
+    let materials = root.get("materials").and_then(Value::as_array);
+    for material in materials.into_iter().flatten() {
+        for_each_texture(material, &mut |number| {
+            count += usize::from(number == texture);
+        });
+    }
+    count
+}
+
+fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool) -> usize {
+    let view = draft.push_image(png_bytes(texture));
+    let mut fields = draft.root["textures"][old].clone();
+    let mut image = json!({"bufferView": view, "mimeType": "image/png"});
+    let all_sources = textures_of(&draft.root).flat_map(sources);
+    let all_sources: Vec<usize> = all_sources.collect();
+    let is_last = |&image: &usize| all_sources.iter().filter(|other| **other == image).count() == 1;
+    let old_image = sources(&fields).into_iter().find(is_last);
+    let source = match old_image.filter(|_| is_alone) {
+        Some(old_image) => {
+            let before = &draft.root["images"][old_image];
+            for kept in ["name", "extras"] {
+                if let Some(value) = before.get(kept) {
+                    image[kept] = value.clone();
+                }
+            }
+            draft.root["images"][old_image] = image;
+            old_image
+        }
+        None => draft.push("images", image),
+    };
+    let [wrap_s, wrap_t] = texture.wrap.map(wrap_code);
+    let sampler = json!({
+        "magFilter": LINEAR,
+        "minFilter": match texture.filters.mips {
+            Mips::None => LINEAR,
+            Mips::Nearest | Mips::Blended => LINEAR_MIPMAP_LINEAR,
+        },
+        "wrapS": wrap_s,
+        "wrapT": wrap_t,
+    });
+    let old_sampler = fields.get("sampler").and_then(as_index);
+    let known = draft.root.get("samplers").and_then(Value::as_array);
+    let known = known.and_then(|all| all.iter().position(|other| *other == sampler));
+    let samplers = textures_of(&draft.root).map(|one| one.get("sampler").and_then(as_index));
+    let is_last = samplers.filter(|other| *other == old_sampler).count() == 1;
+    let sampler = match (known, old_sampler.filter(|_| is_alone && is_last)) {
+        // Two samplers may be equal, but none may be left over.
+        (_, Some(old_sampler)) => {
+            draft.root["samplers"][old_sampler] = sampler;
+            old_sampler
+        }
+        (Some(known), None) => known,
+        (None, None) => draft.push("samplers", sampler),
+    };
+    fields["source"] = source.into();
+    fields["sampler"] = sampler.into();
+    // A copy in another format would show the texture as it was.
+    remove_field(&mut fields, "extensions");
+    if !is_alone {
+        return draft.push("textures", fields);
+    }
+    draft.root["textures"][old] = fields;
+    old
+}

@@ -1,0 +1,394 @@
+//! Which textures the leaves of a level have, so that a client shows as much of them as there is.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use secateur_eval::{AsDrawn, Shown};
+use secateur_gltf::Document;
+use secateur_gltf::chain::LevelTexture;
+use secateur_model::{AlphaMode, BoundingSphere, Mips, Surface, Texture};
+use secateur_raster::{View, ViewSet};
+
+use super::leaf_texture::{Seen, fitted};
+use crate::Screen;
+
+/// How much of the truth a level may cover, in pictures of a client.
+const WITHIN: [f64; 2] = [0.9, 1.1];
+
+/// Coverage that is no farther off than this is not worth another try.
+const NEAR_ENOUGH: f64 = 0.04;
+
+/// How often more or less of the leaves is cut out, until as much is seen as should be: leaves that
+/// hide each other answer less than in proportion.
+const TRIES: usize = 4;
+
+/// The last level is taken to be seen down to this height.
+const LAST_END_PX: f64 = 64.0;
+
+/// Views stand at least this many radii off.
+const LEAST_RADII: f64 = 3.0;
+
+/// Pictures have at most so many pixels a side: of what the screen shows larger they show the
+/// middle.
+const MOST_PX: f64 = 384.0;
+
+/// What leaves of a level show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Textures {
+    /// Textures made for the distance.
+    #[default]
+    Fit,
+    /// Those of the tree.
+    Keep,
+}
+
+/// How a client draws a level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelAsDrawn {
+    /// From where it begins to be seen.
+    pub begin: Shown,
+    /// From where the next takes over; for the last, where it is 64 pixels high, or half as high as
+    /// where it begins if that is less.
+    pub end: Shown,
+}
+
+impl LevelAsDrawn {
+    /// The share by which coverage is off where it is off most.
+    fn error(&self) -> f64 {
+        let of = |shown: &Shown| (shown.coverage_over_truth - 1.0).abs();
+        of(&self.begin).max(of(&self.end))
+    }
+
+    /// By how much more should be seen, for coverage to be off as little as can be.
+    fn wanted_gain(&self) -> f64 {
+        let [begin, end] = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
+        (begin * end).sqrt().recip().clamp(0.5, 2.0)
+    }
+
+    fn is_within(&self) -> bool {
+        let within = |shown: &Shown| (WITHIN[0]..=WITHIN[1]).contains(&shown.coverage_over_truth);
+        within(&self.begin) && within(&self.end)
+    }
+}
+
+/// Where a level ends that begins at this height, and the next at that.
+pub(super) fn end_of(begin: f64, next: Option<f64>) -> f64 {
+    next.unwrap_or((begin / 2.0).min(LAST_END_PX))
+}
+
+/// The surfaces of a level, and which material each has.
+#[derive(Clone)]
+pub(super) struct LevelSurfaces {
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) materials: Vec<Option<usize>>,
+}
+
+/// Textures of a level, and what a client shows with them.
+pub(super) struct Chosen {
+    pub(super) textures: Vec<LevelTexture>,
+    pub(super) as_drawn: LevelAsDrawn,
+}
+
+/// What levels are held against.
+pub(super) struct Client<'a> {
+    original: &'a [Surface],
+    directions: &'a ViewSet,
+    sphere: BoundingSphere,
+    screen: Screen,
+    plant_height: f64,
+    /// By height on the screen: the end of a level is where the next begins.
+    truths: RefCell<BTreeMap<u64, AsDrawn>>,
+}
+
+impl<'a> Client<'a> {
+    pub(super) fn new(
+        original: &'a [Surface],
+        directions: &'a ViewSet,
+        sphere: BoundingSphere,
+        screen: Screen,
+        plant_height: f64,
+    ) -> Self {
+        Self {
+            original,
+            directions,
+            sphere,
+            screen,
+            plant_height,
+            truths: RefCell::default(),
+        }
+    }
+
+    /// How a level looks with its surfaces as they are.
+    pub(super) fn as_drawn(&self, surfaces: &[Surface], [begin, end]: [f64; 2]) -> LevelAsDrawn {
+        LevelAsDrawn {
+            begin: self.shown(surfaces, begin),
+            end: self.shown(surfaces, end),
+        }
+    }
+
+    /// The textures with which a level covers what it should from one height to another. The first
+    /// level keeps those of the tree if they do: it is what is seen from near by, too.
+    pub(super) fn choose(
+        &self,
+        level: &LevelSurfaces,
+        range: [f64; 2],
+        wanted: Textures,
+        is_first: bool,
+    ) -> Chosen {
+        let of = |textures: Vec<LevelTexture>| {
+            let surfaces = retextured(level, &textures);
+            Chosen {
+                as_drawn: self.as_drawn(&surfaces, range),
+                textures,
+            }
+        };
+        let kept = of(Vec::new());
+        if wanted == Textures::Keep || (is_first && kept.as_drawn.is_within()) {
+            return kept;
+        }
+        let pixels = range[0] / self.plant_height;
+        let mut best = kept;
+        // Mips are smoother where they keep the coverage.
+        for mips in [Mips::Blended, Mips::None] {
+            let mut made: Option<Chosen> = None;
+            let mut gain = 1.0;
+            for _ in 0..TRIES {
+                let textures = fitted_textures(level, pixels, mips, gain);
+                if textures.is_empty() {
+                    break;
+                }
+                let next = of(textures);
+                gain *= next.as_drawn.wanted_gain();
+                let error = next.as_drawn.error();
+                if made
+                    .as_ref()
+                    .is_none_or(|made| error < made.as_drawn.error())
+                {
+                    made = Some(next);
+                }
+                if error <= NEAR_ENOUGH || !gain.is_finite() {
+                    break;
+                }
+            }
+            let Some(made) = made else { continue };
+            if made.as_drawn.is_within() {
+                return made;
+            }
+            if made.as_drawn.error() < best.as_drawn.error() {
+                best = made;
+            }
+        }
+        best
+    }
+
+    fn shown(&self, surfaces: &[Surface], pixels_high: f64) -> Shown {
+        let mut truths = self.truths.borrow_mut();
+        let truth = truths.entry(pixels_high.to_bits());
+        let truth = truth.or_insert_with(|| {
+            let (views, side) = self.views(pixels_high);
+            AsDrawn::new(self.original, &views, side)
+        });
+        truth.shown(surfaces)
+    }
+
+    /// Views from where the screen shows the plant so high, and pixels a side of their pictures.
+    fn views(&self, pixels_high: f64) -> (ViewSet, u32) {
+        let radius = self.sphere.radius;
+        let distance = self.screen.distance(self.plant_height, pixels_high);
+        let distance = distance.max(LEAST_RADII * radius);
+        let tangent = radius / (distance * distance - radius * radius).sqrt();
+        let whole = pixels_high * 2.0 * distance * tangent / self.plant_height;
+        let side = whole.clamp(1.0, MOST_PX).ceil();
+        let tangent = tangent * side / whole;
+        let from_afar = |view: &View| {
+            let eye = self.sphere.centre - view.forward() * distance;
+            let near = 0.5 * (distance - radius);
+            View::look_at(eye, self.sphere.centre, view.up(), tangent, near).unwrap_or(*view)
+        };
+        let views = self.directions.views().iter().map(from_afar).collect();
+        (ViewSet::new(views), side as u32)
+    }
+}
+
+/// The surfaces of a level with textures of its own.
+fn retextured(level: &LevelSurfaces, textures: &[LevelTexture]) -> Vec<Surface> {
+    let of = |(surface, material): (&Surface, &Option<usize>)| {
+        let mut surface = surface.clone();
+        show(&mut surface, *material, textures);
+        surface
+    };
+    level
+        .surfaces
+        .iter()
+        .zip(&level.materials)
+        .map(of)
+        .collect()
+}
+
+/// Lets a surface of this material show the texture of a level that is for it, if there is one.
+pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTexture]) {
+    let own = textures.iter().find(|own| Some(own.material) == material);
+    if let Some(own) = own {
+        Arc::make_mut(&mut surface.material).texture = Some(Arc::clone(&own.texture));
+    }
+}
+
+/// A texture for each material with a mask, where a unit of length is so many pixels, and so many
+/// times as much is there.
+fn fitted_textures(level: &LevelSurfaces, pixels: f64, mips: Mips, gain: f64) -> Vec<LevelTexture> {
+    let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
+    let texture = |material: usize| {
+        let pairs = level.surfaces.iter().zip(&level.materials);
+        let own = pairs.filter(|(_, other)| **other == Some(material));
+        let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
+        let look = &surfaces.first()?.material;
+        let AlphaMode::Mask(cutoff) = look.alpha_mode else {
+            return None;
+        };
+        let original = look.texture.as_ref()?;
+        let seen = Seen::of(&surfaces)?;
+        let side = (f64::from(original.width) * f64::from(original.height)).sqrt();
+        let texels = seen.density * side / pixels;
+        // The factor's alpha is tested with the texture's.
+        let cutoff = cutoff / look.base_color[3];
+        let texture = fitted(original, cutoff, &seen, texels, mips, gain)?;
+        Some(LevelTexture {
+            material,
+            texture: Arc::new(texture),
+        })
+    };
+    materials.into_iter().filter_map(texture).collect()
+}
+
+/// Bytes of all images that a level's materials use, four a texel, mips where they are read.
+pub(super) fn texture_bytes(
+    document: &Document,
+    materials: &[Option<usize>],
+    own: &[LevelTexture],
+) -> u64 {
+    let materials: BTreeSet<usize> = materials.iter().copied().flatten().collect();
+    let mut images: BTreeMap<usize, u64> = BTreeMap::new();
+    for material in materials {
+        let is_replaced = own.iter().any(|own| own.material == material);
+        for image in document.images_of_material(material) {
+            if image.is_base_color && is_replaced {
+                continue;
+            }
+            let bytes = image_bytes(image.size, image.has_mips);
+            let known = images.entry(image.image).or_insert(0);
+            *known = bytes.max(*known);
+        }
+    }
+    let own = own.iter().map(|own| bytes_of(&own.texture));
+    images.into_values().chain(own).sum()
+}
+
+/// The same of one texture.
+pub(super) fn bytes_of(texture: &Texture) -> u64 {
+    let has_mips = texture.filters.mips != Mips::None;
+    image_bytes([texture.width, texture.height], has_mips)
+}
+
+fn image_bytes([mut width, mut height]: [u32; 2], has_mips: bool) -> u64 {
+    let mut bytes = 0;
+    loop {
+        bytes += 4 * u64::from(width) * u64::from(height);
+        if !has_mips || width.max(height) <= 1 {
+            return bytes;
+        }
+        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, Vec2};
+    use secateur_model::{Filters, Finish, Material, Wrap};
+
+    /// A card of 1 x 1 whose mask is a quarter of all texels, here and there.
+    fn sparse_card() -> Surface {
+        let alpha = |k: u32| match k.wrapping_mul(2_654_435_761) >> 30 {
+            0 => 255,
+            _ => 0,
+        };
+        let texture = Texture {
+            width: 64,
+            height: 64,
+            rgba: (0..64 * 64)
+                .flat_map(|k| [80, 160, 60, alpha(k * k + 7)])
+                .collect(),
+            wrap: [Wrap::Repeat; 2],
+            filters: Filters::default(),
+        };
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+        Surface {
+            positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).into(),
+            normals: Vec::new(),
+            uvs: corners
+                .map(|[x, y]| Vec2::new(x as f32 + 0.5, 0.5 - y as f32))
+                .into(),
+            colors: Vec::new(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material: Arc::new(Material {
+                name: String::new(),
+                base_color: [1.0; 4],
+                texture: Some(Arc::new(texture)),
+                alpha_mode: AlphaMode::Mask(0.5),
+                double_sided: true,
+                finish: Finish::default(),
+            }),
+        }
+    }
+
+    #[test]
+    fn a_mask_that_fades_under_mips_is_made_to_stay() {
+        let eyes = [
+            [0.0, 0.0, 1.0],
+            [0.3, 0.2, 1.0],
+            [-0.2, 0.4, -1.0],
+            [0.5, -0.3, 1.0],
+        ];
+        let view = |eye: [f64; 3]| {
+            let eye = DVec3::from_array(eye) * 5.0;
+            View::look_at(eye, DVec3::ZERO, DVec3::Y, 0.5, 0.1).unwrap()
+        };
+        let directions = ViewSet::new(eyes.map(view).into());
+        let sphere = BoundingSphere {
+            centre: DVec3::ZERO,
+            radius: 0.5f64.sqrt(),
+        };
+        let card = [sparse_card()];
+        let client = Client::new(&card, &directions, sphere, Screen::default(), 1.0);
+        let level = LevelSurfaces {
+            surfaces: card.to_vec(),
+            materials: vec![Some(3)],
+        };
+        let range = [48.0, 24.0];
+        let kept = client.choose(&level, range, Textures::Keep, false);
+        assert!(kept.textures.is_empty());
+        let faded = kept.as_drawn.end.coverage_over_truth;
+        assert!(faded < 0.5, "{faded}");
+        let made = client.choose(&level, range, Textures::Fit, false);
+        assert!(made.as_drawn.is_within(), "{:?}", made.as_drawn);
+        // A texel for a pixel is enough: 48 of them, which is 64 as a power of two.
+        let [own] = &made.textures[..] else {
+            panic!("one texture for one material")
+        };
+        assert_eq!((own.material, own.texture.width), (3, 64));
+        // The first level, too, gets a texture where that of the tree fades.
+        let first = client.choose(&level, range, Textures::Fit, true);
+        assert_eq!(first.textures, made.textures);
+        // Where nothing fades, the first level keeps it: it is seen from near by as well.
+        let near = client.choose(&level, [600.0, 300.0], Textures::Fit, true);
+        assert!(near.textures.is_empty() && near.as_drawn.is_within());
+    }
+
+    #[test]
+    fn mips_count_where_they_are_read() {
+        assert_eq!(image_bytes([4, 2], false), 4 * 8);
+        assert_eq!(image_bytes([4, 2], true), 4 * (8 + 2 + 1));
+        assert_eq!(image_bytes([1, 1], true), 4);
+    }
+}
