@@ -13,9 +13,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec4};
 use secateur_model::{Mips, Surface, Texture};
 
-use crate::screen_triangle::ScreenTriangle;
 use crate::texel::{blend_texels, color_of, is_whole, nearest_texel, srgb_byte};
-use crate::visibility::{Place, face_weights};
 
 /// A texture and its mip levels.
 #[derive(Debug)]
@@ -108,21 +106,6 @@ fn level_of(texture: &Texture, steps: [Vec2; 2]) -> f32 {
     let size = Vec2::new(texture.width as f32, texture.height as f32);
     let [right, down] = steps.map(|step| (step * size).length_squared());
     0.5 * right.max(down).log2()
-}
-
-/// How far texture coordinates go from a sample to the next pixel to the right, and down.
-pub(crate) fn uv_steps(
-    triangle: &ScreenTriangle,
-    place: &Place,
-    at: Vec2,
-    uvs: [Vec2; 3],
-) -> [Vec2; 2] {
-    let uv = |at: Vec2| {
-        let weights = face_weights(triangle, place.weights(at));
-        uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2]
-    };
-    let here = uv(at);
-    [Vec2::X, Vec2::Y].map(|step| uv(at + step) - here)
 }
 
 /// The next mip level: each texel the mean of those it covers, colours in linear light.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use secateur_model::{Material, Surface};
 
 use crate::lens::Lens;
-use crate::mips::{MipChain, MipChains, uv_steps};
+use crate::mips::{MipChain, MipChains};
 use crate::screen_triangle::{ScreenTriangle, screen_triangles};
 use crate::texel::{alpha_cutoff, sample_alpha};
 
@@ -69,6 +69,21 @@ pub(crate) fn face_weights(triangle: &ScreenTriangle, weights: [f32; 3]) -> [f32
     }
     shares /= total;
     [1.0 - shares.x - shares.y, shares.x, shares.y]
+}
+
+/// How far texture coordinates go from a sample to the next pixel to the right, and down.
+pub(crate) fn uv_steps(
+    triangle: &ScreenTriangle,
+    place: &Place,
+    at: Vec2,
+    uvs: [Vec2; 3],
+) -> [Vec2; 2] {
+    let uv = |at: Vec2| {
+        let weights = face_weights(triangle, place.weights(at));
+        uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2]
+    };
+    let here = uv(at);
+    [Vec2::X, Vec2::Y].map(|step| uv(at + step) - here)
 }
 
 /// Whether back faces of materials that are not double-sided are left out.
