@@ -26,7 +26,12 @@ fn foliage() -> &'static Foliage {
                 corners: corners.map(|c| c.0),
                 uvs: corners.map(|c| c.1),
             };
-            let [a, b, c, d] = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+            let [a, b, c, d] = [
+                corner(0.0, 0.0),
+                corner(1.0, 0.0),
+                corner(1.0, 1.0),
+                corner(0.0, 1.0),
+            ];
             let leaf = [triangle([a, b, c]), triangle([a, c, d])];
             foliage.push_leaf(&leaf, None).expect("a square");
         }
@@ -50,7 +55,10 @@ fuzz_target!(|bytes: &[u8]| {
     let _ = coarsest.foliage(foliage);
     level.go_to(0);
     assert_eq!(level.lod(), Lod::original(LEAVES));
-    assert_eq!(read_order(&write_order(&model, foliage), foliage).as_ref(), Ok(&model));
+    assert_eq!(
+        read_order(&write_order(&model, foliage), foliage).as_ref(),
+        Ok(&model)
+    );
     let mut parts = ViewDependent::new(&model, foliage);
     parts.refine(&mut |_: &Region| false);
     let _ = parts.lod(&model).foliage(foliage);
