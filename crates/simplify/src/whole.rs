@@ -146,6 +146,14 @@ impl<'a> WholePlant<'a> {
         })
     }
 
+    /// What hides leaves: the wood, and what the options have.
+    fn hiding(&self, options: &Options) -> Result<Arc<Foliage>, Error> {
+        match &options.occluders {
+            None => Ok(Arc::clone(&self.occluders)),
+            Some(others) => Ok(Arc::new(self.occluders.followed_by(others)?)),
+        }
+    }
+
     /// Triangles of leaves and wood.
     pub fn triangle_count(&self) -> usize {
         self.leaves.triangles().len() + self.wood.triangles().len()
@@ -205,7 +213,7 @@ impl<'a> WholePlant<'a> {
             return self.level(triangles, options, engine, None, observer);
         }
         let options = Options {
-            occluders: Some(Arc::clone(&self.occluders)),
+            occluders: Some(self.hiding(options)?),
             ..options.clone()
         };
         let leaves = simplify_on(engine, self.leaves, &options, observer)?;
@@ -247,7 +255,7 @@ impl<'a> WholePlant<'a> {
         let (wood, _) = self.levels.within(wood_triangles.min(triangles));
         let wood_triangles = wood.foliage(self.wood).triangles().len();
         let options = Options {
-            occluders: Some(Arc::clone(&self.occluders)),
+            occluders: Some(self.hiding(options)?),
             target: Target::triangles((triangles - wood_triangles) as u64),
             ..options.clone()
         };
