@@ -17,8 +17,11 @@ use crate::material::base_color_texture;
 use crate::surfaces::for_each_texture;
 use secateur_model::{Mips, Texture};
 
+/// Whether the JSON of an object is of a format.
+type IsFormat = fn(&Value) -> bool;
+
 /// Formats of images that no texture here has.
-const FORMATS: [(&str, fn(&Value) -> bool); 2] = [
+const FORMATS: [(&str, IsFormat); 2] = [
     ("EXT_texture_webp", |root| {
         uses_format(root, "EXT_texture_webp")
     }),
