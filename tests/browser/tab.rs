@@ -225,10 +225,23 @@ impl Tab {
         [x + width / 2.0, y + height / 2.0]
     }
 
-    /// Clicks, or taps where there is a touch screen.
+    /// Clicks, or taps where there is a touch screen, and waits until the page has heard of it:
+    /// a browser tells of a tap some time after the finger has left.
+    ///
+    /// A busy machine may lift the finger so late that the browser takes the tap for a long press,
+    /// of which a page hears no click. Then it is tapped again.
     pub(crate) fn click(&mut self, selector: &str) {
-        let at = self.middle(selector);
-        self.drag(at, [0.0, 0.0]);
+        const MOST_TAPS: usize = 5;
+        let heard = "Promise.race([clicked, new Promise((done) => setTimeout(done, 4000, false))])";
+        for _ in 0..MOST_TAPS {
+            self.ask("void (window.clicked = new Promise((done) => addEventListener('click', () => done(true), { once: true, capture: true })))");
+            let at = self.middle(selector);
+            self.drag(at, [0.0, 0.0]);
+            if self.ask(heard) == json!(true) {
+                return;
+            }
+        }
+        panic!("{selector} is not clicked");
     }
 
     /// Drags from the middle of an element.
