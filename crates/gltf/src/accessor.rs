@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use serde_json::Value;
 
 use super::Document;
-use super::document::ALLOW_MORE;
-use super::error::{At, Fault, Problem};
+use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::property;
 
 /// The type of a component.

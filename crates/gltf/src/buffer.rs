@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::document::ALLOW_MORE;
-use super::error::{At, Fault, Problem, shortened};
+use super::error::{ALLOW_MORE, At, Fault, Problem, shortened};
 use super::folder;
 use super::property;
 use super::uri::{self, Target};

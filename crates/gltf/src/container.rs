@@ -11,8 +11,7 @@ use std::ops::Range;
 
 use serde_json::Value;
 
-use super::document::ALLOW_MORE;
-use super::error::Problem;
+use super::error::{ALLOW_MORE, Problem};
 use super::property;
 use secateur_model::{Budget, Memory};
 

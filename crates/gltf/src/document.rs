@@ -8,14 +8,11 @@ use serde_json::Value;
 
 use super::buffer::{self, Buffer};
 use super::container::{self, Unpacked};
-use super::error::{Fault, GltfError, Problem};
+use super::error::{ALLOW_MORE, Fault, GltfError, Problem};
 use super::folder;
 use super::property;
 use super::uri;
 use secateur_model::{Budget, Memory};
-
-/// What to do where a file takes too much memory.
-pub(crate) const ALLOW_MORE: &str = "allow more (`--memory`), or make the file smaller";
 
 /// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
 #[derive(Debug)]

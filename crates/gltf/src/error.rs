@@ -2,6 +2,12 @@
 
 use std::fmt;
 
+use super::chain_problem::ChainProblem;
+use super::write_problem::WriteProblem;
+
+/// What to do where a file takes too much memory.
+pub(crate) const ALLOW_MORE: &str = "allow more (`--memory`), or make the file smaller";
+
 /// A glTF file that can't be used, and why.
 ///
 /// Prints as one sentence: the file, the place in its JSON, what is wrong and,
@@ -310,10 +316,10 @@ pub enum Problem {
     Memory(#[from] secateur_model::OverMemory),
     /// The output cannot be written.
     #[error("{0}")]
-    Write(#[from] super::write::WriteProblem),
+    Write(#[from] WriteProblem),
     /// The levels are no chain.
     #[error("{0}")]
-    Chain(#[from] super::write::chain::ChainProblem),
+    Chain(#[from] ChainProblem),
     /// The skeleton is none, or one of another foliage.
     #[error("{0}")]
     Skeleton(secateur_model::SkeletonError),

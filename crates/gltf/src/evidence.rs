@@ -34,6 +34,11 @@ impl Reason {
     }
 }
 
+/// Reasons are shown strongest first.
+pub(crate) fn strongest_first(reasons: &mut [Reason]) {
+    reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
+}
+
 /// The reasons of every group.
 pub(crate) fn gather(
     document: &Document,

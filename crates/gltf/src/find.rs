@@ -7,9 +7,8 @@ use glam::DVec2;
 use super::accessor::{Component, Shape};
 use super::choice::{self, Verdict};
 use super::cutouts::Cutouts;
-use super::document::ALLOW_MORE;
-use super::error::{At, Fault, Problem};
-use super::evidence::{self, Reason};
+use super::error::{ALLOW_MORE, At, Fault, Problem};
+use super::evidence;
 use super::parts::Part;
 use super::picture::Pictures;
 use super::property;
@@ -398,9 +397,4 @@ impl Found {
             .extend_from_slice(geometry.pieces.triangles());
         Ok(())
     }
-}
-
-/// Reasons are shown strongest first.
-pub(crate) fn strongest_first(reasons: &mut [Reason]) {
-    reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
 }

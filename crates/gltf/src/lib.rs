@@ -104,6 +104,7 @@
 
 mod accessor;
 mod buffer;
+mod chain_problem;
 mod choice;
 mod container;
 mod cutouts;
@@ -137,6 +138,7 @@ mod uri;
 mod view;
 mod whole_tree;
 mod write;
+mod write_problem;
 
 pub mod chain {
     //! Chains of levels of detail, in the layouts that engines read.
@@ -144,10 +146,10 @@ pub mod chain {
     //! [`Tree::chain_to_bytes`](crate::Tree::chain_to_bytes) and
     //! [`Tree::write_chain`](crate::Tree::write_chain) make one of [`Level`]s.
 
+    pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        Chain, ChainFile, ChainProblem, Layout, Level, LevelTexture, MAX_LEVELS, PreparedChain,
-        WrittenChain,
+        Chain, ChainFile, Layout, Level, LevelTexture, PreparedChain, WrittenChain,
     };
 }
 
@@ -161,6 +163,6 @@ pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
 pub use whole_tree::WholeTree;
 pub use write::{
-    CommitError, PreparedLod, StagedFiles, WriteOptions, WriteProblem, Written, plant_into_glb,
-    plant_to_glb,
+    CommitError, PreparedLod, StagedFiles, WriteOptions, Written, plant_into_glb, plant_to_glb,
 };
+pub use write_problem::WriteProblem;

@@ -3,8 +3,7 @@
 use glam::{DMat4, DVec3};
 
 use super::Document;
-use super::document::ALLOW_MORE;
-use super::error::{At, Fault, Problem};
+use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::property;
 
 /// The most parts a file may have.

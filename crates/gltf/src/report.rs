@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::evidence::Reason;
-use super::find::strongest_first;
+use super::evidence::{Reason, strongest_first};
 use super::inspection::{FoliageReport, PrimitiveReport, Spread, TakenFor};
 use super::parts::Part;
 use super::survey::{Group, Survey};

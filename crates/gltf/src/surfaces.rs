@@ -7,8 +7,7 @@ use serde_json::{Value, json};
 
 use super::accessor::Shape;
 use super::choice;
-use super::document::ALLOW_MORE;
-use super::error::{At, Fault, Problem};
+use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::evidence;
 use super::material::{TextureUse, base_color_texture};
 use super::parts::{Part, check_limit};

@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::Document;
-use super::document::ALLOW_MORE;
-use super::error::{Fault, Problem};
+use super::error::{ALLOW_MORE, Fault, Problem};
 use super::leaves::{Leaves, find_leaves};
 use super::material::Look;
 use super::parts::{BYTES_A_PART, Part, check_limit};

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::files::{is_picture, make_folder};
 use crate::{
     COLUMNS, Error, Host, Picture, Row, Study, chart, paper, readme, report, scenes, summarise,
     to_csv,
@@ -79,17 +80,6 @@ fn write_charts(folder: &Path, rows: &[&Row], host: &dyn Host) -> Result<Vec<Pat
         }
     }
     Ok(written)
-}
-
-/// Makes a folder and those above it.
-pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(|e| Error::of_file(folder, "cannot be made", e))
-}
-
-/// Whether a path of a row is a picture that a study wrote: rows can come from elsewhere.
-pub(crate) fn is_picture(path: &str) -> bool {
-    let name = path.strip_prefix("pictures/");
-    name.is_some_and(|name| !name.contains(['/', '\\']) && name.ends_with(".jpg"))
 }
 
 /// The pictures that rows name, as far as they are there.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::draw::is_picture;
+use crate::files::is_picture;
 use crate::rows::millionths;
 use crate::subject::Subject;
 use crate::{Case, Identity, Row, RowKey, StudyOptions};

@@ -12,7 +12,7 @@ use secateur_gltf::{Document, Tree};
 use secateur_model::{Lod, Surface};
 use secateur_simplify::sphere_of;
 
-use crate::draw::make_folder;
+use crate::files::make_folder;
 use crate::job::Run;
 use crate::scenes::views_from;
 use crate::subject::Subject;

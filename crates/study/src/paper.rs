@@ -3,7 +3,7 @@
 use secateur_plant::Species;
 use secateur_simplify::{Preset, Views};
 
-use crate::plan::{self, fsa, information, look, stochastic};
+use crate::named_cases::{self, fsa, information, look, stochastic};
 use crate::{Case, Paper, Published};
 
 /// One of the paper's models, and what is grown to stand for it.
@@ -99,14 +99,15 @@ pub(crate) const MODELS: [Model; 7] = [
 
 /// What is run on every model and every tree.
 pub(crate) fn cases() -> Vec<Case> {
-    let mut cases = Preset::PAPER.map(plan::paper).to_vec();
+    let mut cases = Preset::PAPER.map(named_cases::paper).to_vec();
     cases.extend([look(), information(), fsa(), stochastic()]);
     cases
 }
 
 /// The cases of Fig. 5: run on the model that it is of, and on every tree of the user's.
 pub(crate) fn fewer_views() -> [Case; 2] {
-    [Views::Icosahedron, Views::Variable].map(|views| plan::paper(Preset::Paper).views(views))
+    [Views::Icosahedron, Views::Variable]
+        .map(|views| named_cases::paper(Preset::Paper).views(views))
 }
 
 impl Model {
@@ -145,7 +146,7 @@ impl Model {
 /// All printed figures, and what reports say about comparing them.
 pub(crate) fn paper() -> Paper {
     let labels = |cases: &[Case]| cases.iter().map(Case::label).collect();
-    let by_views = [&[plan::paper(Preset::Paper)][..], &fewer_views()].concat();
+    let by_views = [&[named_cases::paper(Preset::Paper)][..], &fewer_views()].concat();
     Paper {
         about: "Gasch, Remolar, Chover, Rebollo: Viewpoint-Driven Simplification of Plant and Tree Foliage, Entropy 2018, 20, 213. \
             Its models are not to be had: plants of the same number of leaves were grown instead, of the same or a near species. \

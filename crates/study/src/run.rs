@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use secateur_gltf::{Selector, Tree};
 use secateur_model::Memory;
 
-use crate::draw::{Drawn, draw, make_folder};
+use crate::draw::{Drawn, draw};
+use crate::files::make_folder;
 use crate::job::{Finished, Job, jobs, lacks_original_picture};
 use crate::judge::Judge;
 use crate::lock::Lock;

@@ -12,7 +12,7 @@ use secateur_plant::Random;
 use secateur_raster::{View, ViewSet};
 use secateur_simplify::vds::{Resize, Ties};
 
-use crate::plan::{
+use crate::named_cases::{
     coverage_kept, fsa, information, look, meshopt, resized, shared_deficit, stochastic,
     stochastic_of_half_area,
 };

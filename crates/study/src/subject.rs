@@ -7,7 +7,7 @@ use secateur_gltf::{Document, Selector, Tree, plant_to_glb};
 use secateur_model::{BoundingSphere, Memory, Plant};
 use secateur_plant::{GrowOptions, grow};
 
-use crate::draw::make_folder;
+use crate::files::make_folder;
 use crate::paper::{self, Model};
 use crate::scenes::{SCENES, Scene, near_cameras};
 use crate::{Case, Error, Host, Plan, StudyOptions, plan};

@@ -22,8 +22,7 @@ use std::sync::atomic::Ordering;
 use serde_json::Value;
 
 use super::Document;
-use super::document::ALLOW_MORE;
-use super::error::{At, Fault, Problem, shortened};
+use super::error::{ALLOW_MORE, At, Fault, Problem, shortened};
 use super::property;
 use filters::Filter;
 

@@ -190,6 +190,15 @@ impl<'d> Draft<'d> {
         self.push_view(None, bytes, length, Role::Image)
     }
 
+    /// Leaves a node in its place, drawing nothing.
+    pub(super) fn take_mesh_away(&mut self, node: usize) {
+        if let Some(fields) = self.root["nodes"][node].as_object_mut() {
+            for needless in ["mesh", "skin", "weights"] {
+                fields.shift_remove(needless);
+            }
+        }
+    }
+
     /// The accessor of the document that an accessor is, or stands for.
     pub(super) fn origin_of(&self, accessor: usize) -> Option<usize> {
         match accessor.checked_sub(len(&self.document.root, "accessors")) {

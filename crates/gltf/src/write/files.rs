@@ -10,13 +10,13 @@ use serde_json::Value;
 
 use super::content::{Content, lod_content};
 use super::images::{self, Copy};
-use super::problem::WriteProblem;
 use super::staged_files::StagedFiles;
 use crate::container::{self, glb_bytes};
 use crate::document::Document;
 use crate::error::{Fault, GltfError, Problem};
 use crate::tree::Tree;
 use crate::uri;
+use crate::write_problem::WriteProblem;
 use secateur_model::{Lod, Memory};
 
 /// The files of a LOD that were written, and what they hold.

@@ -14,9 +14,9 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
-use super::problem::WriteProblem;
 use super::references::as_index;
 use crate::error::{Problem, shortened};
+use crate::write_problem::WriteProblem;
 use crate::{folder, uri};
 
 /// A file to be copied.

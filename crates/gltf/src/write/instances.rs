@@ -6,7 +6,6 @@ use glam::{DQuat, DVec3};
 use serde_json::{Map, Value, json};
 
 use super::draft::{Draft, NewElements, Role};
-use super::meshes::take_mesh_away;
 use super::references::as_index;
 use super::single_leaf_mesh::Transform;
 use super::vertices::Resize;
@@ -51,7 +50,7 @@ pub(super) fn place_instances(
     }
     let attributes = old_attributes(draft, node);
     let Some(((first_mesh, first_members), others)) = groups.split_first() else {
-        take_mesh_away(draft, node);
+        draft.take_mesh_away(node);
         take_instancing_away(&mut draft.root["nodes"][node]);
         return Ok(());
     };

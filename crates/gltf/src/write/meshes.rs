@@ -191,7 +191,7 @@ fn apply(
                 let of_node = instances.entry(place.node).or_default();
                 of_node.push((instance, placement.clone()));
             }
-            (None, None, _) => take_mesh_away(draft, place.node),
+            (None, None, _) => draft.take_mesh_away(place.node),
             (None, Some(_), Some(resize)) => scale_node(draft, place.node, resize),
             (None, Some(new), None) if new != mesh => {
                 draft.root["nodes"][place.node]["mesh"] = new.into();
@@ -203,13 +203,4 @@ fn apply(
         place_instances(draft, node, mesh, &placements)?;
     }
     Ok(())
-}
-
-/// Leaves a node in its place, drawing nothing.
-pub(super) fn take_mesh_away(draft: &mut Draft, node: usize) {
-    if let Some(fields) = draft.root["nodes"][node].as_object_mut() {
-        for needless in ["mesh", "skin", "weights"] {
-            fields.shift_remove(needless);
-        }
-    }
 }

@@ -19,7 +19,6 @@ mod meshes;
 mod packing;
 mod plant;
 mod primitive;
-mod problem;
 mod references;
 mod single_leaf_mesh;
 mod skeleton;
@@ -30,6 +29,5 @@ mod vertices;
 
 pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
-pub use problem::WriteProblem;
 pub(crate) use references::check_references;
 pub use staged_files::{CommitError, StagedFiles};

@@ -4,6 +4,10 @@ use crate::Random;
 
 use super::{Place, RulesError};
 
+/// The frame of an expression starts with these two.
+pub(super) const DETAIL: u16 = 0;
+pub(super) const ITERATION: u16 = 1;
+
 /// What an operation does with the top of the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Op {

@@ -3,26 +3,14 @@
 use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
-use super::code::{Code, Op, Program};
+use super::code::{Code, DETAIL, ITERATION, Op, Program};
+use super::error::place_of;
 use super::expression::{Expressions, Names};
 use super::places::Places;
 use super::rules::{Production, Template};
 use super::size::check_size;
 use super::symbols::{Symbols, head_parts};
 use super::{Grammar, Place, Rule, Rules, RulesError, Settings, settings};
-
-/// The frame of an expression starts with these two.
-pub(super) const DETAIL: u16 = 0;
-pub(super) const ITERATION: u16 = 1;
-
-/// Where a pair starts, for errors: counted from the start of its line.
-pub(super) fn place_of(pair: &Pair<'_, Rule>) -> Place {
-    let (line, column) = pair.line_col();
-    Place {
-        line: line as u32,
-        column: column as u32,
-    }
-}
 
 impl Rules {
     /// Reads a rule file.

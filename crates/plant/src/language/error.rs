@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use pest::iterators::Pair;
+
 use super::Rule;
 
 /// A place in a rule file.
@@ -17,6 +19,15 @@ pub struct Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "line {}, column {}", self.line, self.column)
+    }
+}
+
+/// Where a pair starts, for errors: counted from the start of its line.
+pub(super) fn place_of(pair: &Pair<'_, Rule>) -> Place {
+    let (line, column) = pair.line_col();
+    Place {
+        line: line as u32,
+        column: column as u32,
     }
 }
 

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use pest::iterators::Pair;
 
-use super::code::{Code, Function, Op, Program};
-use super::compile::{DETAIL, ITERATION, place_of};
+use super::code::{Code, DETAIL, Function, ITERATION, Op, Program};
+use super::error::place_of;
 use super::places::Places;
 use super::{Place, Rule, RulesError, cut};
 

@@ -2,7 +2,7 @@
 
 use pest::iterators::Pair;
 
-use super::compile::place_of;
+use super::error::place_of;
 use super::{Rule, RulesError, cut};
 
 /// What is drawn on a leaf.

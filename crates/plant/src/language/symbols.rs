@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use pest::iterators::{Pair, Pairs};
 
 use super::commands::COMMANDS;
-use super::compile::place_of;
+use super::error::place_of;
 use super::rules::SymbolInfo;
 use super::{Rule, RulesError, cut};
 

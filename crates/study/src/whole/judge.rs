@@ -50,7 +50,7 @@ impl<'a> Judge<'a> {
             leaves_original: tree.leaves().leaves().len() as u64,
             triangles_original: count(&surfaces),
         };
-        crate::draw::make_folder(&folder.join("pictures"))?;
+        crate::files::make_folder(&folder.join("pictures"))?;
         let original = PictureFile::picture(identity.original_picture());
         original.write(opaque(&judge.portrait), folder, host)?;
         Ok(judge)

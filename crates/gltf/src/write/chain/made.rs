@@ -37,7 +37,8 @@ pub(super) fn alone(
     let asset = document.root.get("asset").cloned();
     let asset = asset.unwrap_or_else(|| json!({"version": "2.0"}));
     let root = json!({"asset": asset, "scene": 0, "scenes": [{}]});
-    let glb = glb_bytes(&root, Vec::new()).ok_or(Problem::from(super::WriteProblem::TooLarge))?;
+    let glb = glb_bytes(&root, Vec::new())
+        .ok_or(Problem::from(crate::write_problem::WriteProblem::TooLarge))?;
     let empty = Document::from_bytes(&document.name, glb, None);
     let empty = empty.unwrap_or_else(|error| unreachable!("a scene of nothing is read: {error}"));
     let mut draft = Draft::new(&empty);

@@ -26,12 +26,13 @@ use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;
 use super::drop_unreferenced::{References, drop_meshes};
 use super::leaf_edits::LeafEdits;
-use super::problem::WriteProblem;
 use super::references::{count_references, len, visit_mesh_numbers};
 use super::skeleton::{drop_skeleton, rewrite_skeleton};
+use crate::chain_problem::{ChainProblem, MAX_LEVELS};
 use crate::container::glb_bytes;
 use crate::error::{Fault, GltfError, Problem};
 use crate::tree::Tree;
+use crate::write_problem::WriteProblem;
 use secateur_model::{Lod, Surface, Texture};
 
 /// How the levels of a chain lie in files. Engines exclude each other here.
@@ -121,29 +122,6 @@ impl<'a> Level<'a> {
     fn screen_coverage(&self) -> Option<f64> {
         self.facts.get("screen_coverage").and_then(Value::as_f64)
     }
-}
-
-/// The most levels of a chain: as many as Unity's LOD Group has.
-pub const MAX_LEVELS: usize = 8;
-
-/// Why levels are no chain.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ChainProblem {
-    /// A chain of no level, or of too many.
-    #[error("a chain has 1 to {MAX_LEVELS} levels, not {0}")]
-    Levels(usize),
-    /// A name that cannot be the name of a file.
-    #[error("`{0}` cannot be the name of a level: it must be the name of a file, without a path")]
-    Name(String),
-    /// Two levels of one name.
-    #[error("two levels are named `{0}`")]
-    SameName(String),
-    /// No `screen_coverage`, or one that is not less than that of the level before.
-    #[error(
-        "the fact `screen_coverage` of level `{0}` must be a number that is at least 0 and less than that of the level before it"
-    )]
-    Coverage(String),
 }
 
 /// The files of a chain, and what they hold.

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::super::files::WriteOptions;
-use super::super::problem::WriteProblem;
 use super::super::staged_files::{CommitError, StagedFiles};
 use super::{Layout, Level};
 use crate::Document;
 use crate::error::{GltfError, Problem};
 use crate::inspection::Inspection;
 use crate::tree::Tree;
+use crate::write_problem::WriteProblem;
 use secateur_model::{Foliage, Lod};
 
 /// The files of a chain that were written, and what they hold.

@@ -8,7 +8,6 @@ use serde_json::{Map, Value, json};
 use super::super::compact_vertices::compact;
 use super::super::draft::{Draft, NewElements, Role};
 use super::super::leaf_edits::LeafEdits;
-use super::super::meshes::take_mesh_away;
 use super::super::primitive::rewrite_primitive;
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
@@ -237,7 +236,7 @@ fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, baker: &Baker) {
 
 /// Leaves a node in its place, drawing nothing, without levels of its own.
 fn take_away(draft: &mut Draft, node: usize) {
-    take_mesh_away(draft, node);
+    draft.take_mesh_away(node);
     let fields = &mut draft.root["nodes"][node];
     if let Some(extensions) = fields.get_mut("extensions").and_then(Value::as_object_mut) {
         extensions.shift_remove("MSFT_lod");

@@ -5,8 +5,7 @@
 //! left with what holds for its own.
 
 use super::super::switches::{Mechanism, is_on};
-use super::blocks::Now;
-use super::epochs::Epochs;
+use super::epochs::{Epochs, Now};
 
 /// BlockFilter that are looked at together.
 const TOGETHER: usize = 16;

@@ -3,7 +3,7 @@
 
 use super::super::switches::{Mechanism, is_on};
 use super::block_filter::Bounds;
-use super::epochs::Epochs;
+use super::epochs::Now;
 use super::excess::Excesses;
 use super::rounding::Rounding;
 use super::widths::Width;
@@ -21,22 +21,6 @@ pub(super) struct Figures {
     /// The largest delta without its sign.
     pub widest: f32,
     pub background_px: u32,
-}
-
-/// How a step stands, as bounds need to know it.
-#[derive(Clone, Copy)]
-pub(super) struct Now<'a> {
-    pub epochs: &'a Epochs,
-    pub twice_deviation_sum: f32,
-}
-
-impl<'a> Now<'a> {
-    pub(super) fn new(epochs: &'a Epochs, deviation_sum: i64) -> Self {
-        Self {
-            epochs,
-            twice_deviation_sum: 2.0 * deviation_sum as f32,
-        }
-    }
 }
 
 /// A leaf by which a block is known: what its deltas sum to with the signs of
@@ -299,7 +283,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::super::counts::Counts;
-    use super::super::epochs::along_signs;
+    use super::super::epochs::{Epochs, along_signs};
     use super::*;
     use crate::lg::LgTable;
     use secateur_raster::AreaTable;

@@ -45,6 +45,22 @@ pub(super) struct Epochs {
     is_negative: Vec<u32>,
 }
 
+/// How a step stands, as bounds need to know it.
+#[derive(Clone, Copy)]
+pub(super) struct Now<'a> {
+    pub epochs: &'a Epochs,
+    pub twice_deviation_sum: f32,
+}
+
+impl<'a> Now<'a> {
+    pub(super) fn new(epochs: &'a Epochs, deviation_sum: i64) -> Self {
+        Self {
+            epochs,
+            twice_deviation_sum: 2.0 * deviation_sum as f32,
+        }
+    }
+}
+
 /// Views that are looked at together.
 const VIEWS_AT_ONCE: usize = 4;
 

@@ -3,8 +3,8 @@
 
 use super::super::deltas::Sight;
 use super::super::switches::{Mechanism, is_on};
-use super::blocks::Now;
 use super::drift::{drift_now, drift_then};
+use super::epochs::Now;
 use super::excess::{Excesses, LANES};
 use super::limits::Limits;
 use super::{Candidates, Found, NOWHERE, STEADY};
