@@ -2,7 +2,8 @@
 
 use secateur_simplify::Observer;
 
-use super::{ChainError, Made, Maker};
+use super::error::ChainError;
+use super::maker::{Made, Maker};
 
 /// How many shares of all triangles levels for heights are sought among, each the fourth root of a
 /// half of the one before. The first is the tree as it is, for heights at which nothing less will
@@ -88,7 +89,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             let slope = self.slope.unwrap_or(USUAL_SLOPE);
             let rung = next.unwrap_or_else(|| guess(within, beyond, slope, low, high));
             let maker = self.maker;
-            let flip = maker.flip(self.level(rung, observer)?, height)?;
+            let flip = maker.flip(self.level(rung, observer)?, height);
             let over = (flip / maker.options.max_flip).max(f64::MIN_POSITIVE).ln();
             let before = match over <= 0.0 {
                 true => within.replace((rung, over)),

@@ -1,0 +1,86 @@
+//! The levels of a chain.
+
+use secateur_gltf::chain::LevelTexture;
+use secateur_model::Lod;
+
+use super::textures::LevelAsDrawn;
+use crate::impostor::Impostor;
+
+/// A level of a chain, and from where it is to be seen.
+#[derive(Clone, Debug)]
+pub struct ChainLevel {
+    /// What is drawn.
+    pub shape: Shape,
+    /// Leaves that are left.
+    pub leaves: u64,
+    /// Triangles that leaves have in this level.
+    pub foliage_triangles: u64,
+    /// Triangles that wood has in this level.
+    pub wood_triangles: u64,
+    /// From how far off it is used, in units of the file (metres).
+    pub distance: f64,
+    /// How many pixels high the screen shows the plant there.
+    pub pixels_high: f64,
+    /// The least share of the screen's height at which it is drawn, before the next level takes
+    /// over; 0 for the last.
+    pub screen_coverage: f64,
+    /// Mean FLIP of the whole plant against the original at that height.
+    pub flip_mean: f64,
+    /// The largest FLIP of any view between it and the level before where they switch; none for
+    /// the first.
+    pub pop_flip: Option<f64>,
+    /// The level that casts its shadow, counted from 0.
+    pub shadow: usize,
+    /// Outline of the leaves against the original's, by six of the held-out views in 256 x 256
+    /// pixels; none for impostors.
+    pub silhouette_iou: Option<f64>,
+    /// VMI error of the leaves by the same, in per cent; none for impostors.
+    pub vmi_error_percent: Option<f64>,
+    /// SHA-256 of all that was done to the leaves; none for impostors.
+    pub order_sha256: Option<String>,
+    /// Base colour textures of its own; empty where it has those of the tree.
+    pub textures: Vec<LevelTexture>,
+    /// What all images of its materials take, four bytes a texel, with mips where they are read.
+    pub texture_bytes: u64,
+    /// How much of it a client shows; none for octahedral views, which only their sampler shows.
+    pub as_drawn: Option<LevelAsDrawn>,
+}
+
+/// What a level is.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// The plant with fewer triangles: a LOD of [`WholeTree::items`].
+    Mesh(Lod),
+    /// A picture of it.
+    Impostor(Box<ImpostorLevel>),
+}
+
+/// An impostor, and what it was chosen against.
+#[derive(Clone, Debug)]
+pub struct ImpostorLevel {
+    /// What is drawn.
+    pub impostor: Impostor,
+    /// Triangles of the mesh that would be drawn there instead.
+    pub mesh_triangles: u64,
+    /// That mesh's FLIP by the judge of the impostor, who stands as far off as it is seen from.
+    pub mesh_flip_mean: f64,
+}
+
+impl ChainLevel {
+    /// Triangles of the whole plant.
+    pub fn triangles(&self) -> u64 {
+        match &self.shape {
+            Shape::Mesh(_) => self.foliage_triangles + self.wood_triangles,
+            Shape::Impostor(level) => level.impostor.surface.triangles.len() as u64,
+        }
+    }
+}
+
+/// A chain, finest level first.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// The levels, finest first; at most 8.
+    pub levels: Vec<ChainLevel>,
+    /// What was asked for and left out, and the like, a sentence each.
+    pub notes: Vec<String>,
+}

@@ -1,0 +1,168 @@
+//! What levels are made of.
+
+use std::cell::RefCell;
+
+use secateur_eval::Original as Measured;
+use secateur_gltf::{Document, WholeTree};
+use secateur_model::Lod;
+use secateur_raster::OpenEngine;
+use secateur_simplify::whole::{WholeLevel, WholePlant};
+use secateur_simplify::{Observer, Options, Shared};
+
+use super::error::ChainError;
+use super::level::{ChainLevel, Shape};
+use super::look::{Drawn, Look};
+use super::options::{ChainOptions, HEIGHTS_PX, Wanted};
+
+/// A level before its distance is known.
+#[derive(Clone)]
+pub(super) struct Made {
+    pub(super) level: WholeLevel,
+    pub(super) lod: Lod,
+    pub(super) drawn: Drawn,
+    pub(super) foliage_triangles: usize,
+}
+
+impl Made {
+    pub(super) fn triangles(&self) -> usize {
+        self.foliage_triangles + self.level.wood_triangles
+    }
+}
+
+/// What all levels are made of and judged by.
+pub(super) struct Maker<'a> {
+    pub(super) tree: &'a WholeTree,
+    plant: WholePlant<'a>,
+    pub(super) options: &'a ChainOptions,
+    /// How leaves are simplified, with the memory that the tree leaves for it.
+    leaf_options: Options,
+    engine: &'a OpenEngine,
+    /// Triangles of the whole plant.
+    pub(super) all: usize,
+    pub(super) look: Look,
+    /// The leaves, drawn in the held-out views.
+    leaves: Measured<'a>,
+    /// What levels share of the leaves' simplification.
+    shared: RefCell<Shared>,
+}
+
+impl<'a> Maker<'a> {
+    pub(super) fn new(
+        tree: &'a WholeTree,
+        options: &'a ChainOptions,
+        engine: &'a OpenEngine,
+    ) -> Result<Self, ChainError> {
+        let items = tree.items();
+        let plant = WholePlant::new(items.foliage(), tree.leaves(), tree.wood(), engine)?;
+        let (look, judging) = Look::new(items.document(), items.foliage())?;
+        Ok(Self {
+            all: plant.triangle_count(),
+            shared: RefCell::default(),
+            leaf_options: Options {
+                memory: items.memory_left(),
+                ..options.leaves.clone()
+            },
+            tree,
+            plant,
+            options,
+            engine,
+            look,
+            leaves: Measured::new(tree.leaves(), judging)?,
+        })
+    }
+
+    pub(super) fn level(
+        &self,
+        triangles: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Made, ChainError> {
+        let mut shared = self.shared.borrow_mut();
+        let level = self.plant.level(
+            triangles,
+            &self.leaf_options,
+            self.engine,
+            Some(&mut *shared),
+            observer,
+        )?;
+        let lod = self.tree.joined(&level.leaves.lod, &level.wood);
+        let bytes = self.tree.items().lod_to_bytes(&lod)?;
+        let original = self.tree.items().document();
+        let memory = original.memory();
+        let document =
+            Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
+        let left = level.leaves.lod.foliage(self.tree.leaves());
+        Ok(Made {
+            foliage_triangles: left.triangles().len(),
+            drawn: Drawn::of(&document)?,
+            level,
+            lod,
+        })
+    }
+
+    /// The heights that levels are sought for, and where each is, in words.
+    pub(super) fn heights(&self) -> Vec<(f64, String)> {
+        match &self.options.wanted {
+            Wanted::Triangles(_) => Vec::new(),
+            Wanted::Heights(heights) => {
+                let words = |height: &f64| (*height, format!("{height} pixels"));
+                heights.iter().map(words).collect()
+            }
+            Wanted::Distances(distances) => {
+                let screen = self.options.screen;
+                let words = |distance: &f64| {
+                    let pixels_high = screen.pixels_high(self.look.height, *distance);
+                    (pixels_high, format!("{distance} m"))
+                };
+                distances.iter().map(words).collect()
+            }
+        }
+    }
+
+    /// Mean FLIP of a level where the screen shows the plant at this height in pixels.
+    pub(super) fn flip(&self, level: &Made, pixels_high: f64) -> f64 {
+        self.look.flip(&level.drawn, pixels_high)
+    }
+
+    /// The largest of the usual heights below that of the level before at which a level is within
+    /// the difference, and its FLIP there; the least if none is.
+    pub(super) fn height_for(&self, level: &Made, below: f64) -> (f64, f64) {
+        let mut height = f64::from(1 << 11).min(below / 2.0).min(HEIGHTS_PX[0]);
+        loop {
+            let flip = self.flip(level, height);
+            if flip <= self.options.max_flip || height <= 32.0 {
+                return (height, flip);
+            }
+            height /= 2.0;
+        }
+    }
+
+    pub(super) fn finished(
+        &self,
+        made: Made,
+        height: f64,
+        flip_mean: f64,
+    ) -> Result<ChainLevel, ChainError> {
+        let leaves = self.tree.leaves();
+        let left = made.level.leaves.lod.foliage(leaves);
+        let seen = self.leaves.measure(&left);
+        let screen = self.options.screen;
+        Ok(ChainLevel {
+            leaves: left.leaves().len() as u64,
+            foliage_triangles: made.foliage_triangles as u64,
+            wood_triangles: made.level.wood_triangles as u64,
+            distance: screen.distance(self.look.height, height),
+            pixels_high: height,
+            screen_coverage: 0.0,
+            flip_mean,
+            pop_flip: None,
+            shadow: 0,
+            silhouette_iou: Some(seen.silhouette_iou()),
+            vmi_error_percent: Some(seen.vmi_error_percent()),
+            order_sha256: Some(made.level.leaves.passes.in_one_order().sha256()),
+            textures: Vec::new(),
+            texture_bytes: 0,
+            as_drawn: None,
+            shape: Shape::Mesh(made.lod),
+        })
+    }
+}

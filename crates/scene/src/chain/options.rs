@@ -1,0 +1,120 @@
+//! Which levels a chain has, and how they are made.
+
+use secateur_simplify::{Amount, Options};
+
+use super::error::ChainError;
+use super::textures::Textures;
+use crate::Screen;
+use crate::impostor::Choice;
+
+/// Heights on the screen for which levels are made where nothing else is asked for.
+pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
+
+/// The FLIP that a level may have at the height from which it is seen.
+pub const MAX_FLIP: f64 = 0.05;
+
+/// The most levels of a chain, as engines have it.
+pub const MAX_LEVELS: usize = 8;
+
+/// Which levels a chain has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// Levels of these numbers of triangles of the whole plant, finest first.
+    Triangles(Vec<Amount>),
+    /// For each of these heights on the screen in pixels, the largest first, the fewest triangles
+    /// within the difference.
+    Heights(Vec<f64>),
+    /// The same for these distances in units of the file (metres), the nearest first.
+    Distances(Vec<f64>),
+}
+
+/// How a chain is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChainOptions {
+    /// Which levels are made: shares, numbers of triangles, or heights.
+    pub wanted: Wanted,
+    /// The screen and camera that distances are for.
+    pub screen: Screen,
+    /// The FLIP that a level may have at the height from which it is seen, 0 to 1.
+    pub max_flip: f64,
+    /// How leaves are simplified; its target is not looked at.
+    pub leaves: Options,
+    /// Which impostor the chain ends in.
+    pub impostor: Choice,
+    /// How many levels coarser what casts a level's shadow is, 0 to 2.
+    pub shadow_steps: usize,
+    /// The largest FLIP in any view between a level and the next where they switch; a level that
+    /// would differ more from the one before it is left out.
+    pub max_pop: Option<f64>,
+    /// Which textures leaves have.
+    pub textures: Textures,
+}
+
+impl ChainOptions {
+    /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
+    ///
+    /// # Errors
+    /// [`ChainError::Wanted`] if not.
+    pub fn check(&self) -> Result<(), ChainError> {
+        let refused = |what: &str| Err(ChainError::Wanted(what.to_owned()));
+        let (count, falls) = match &self.wanted {
+            Wanted::Triangles(amounts) => {
+                let of = |amount: &Amount| match amount {
+                    Amount::Count(count) => *count as f64,
+                    Amount::Share(share) => *share,
+                };
+                (
+                    amounts.len(),
+                    amounts.windows(2).all(|w| of(&w[0]) > of(&w[1])),
+                )
+            }
+            Wanted::Heights(heights) => (heights.len(), heights.windows(2).all(|w| w[0] > w[1])),
+            Wanted::Distances(distances) => {
+                (distances.len(), distances.windows(2).all(|w| w[0] < w[1]))
+            }
+        };
+        let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
+        if let Wanted::Heights(all) | Wanted::Distances(all) = &self.wanted
+            && !all.iter().all(|x| is_above_zero(*x))
+        {
+            return refused("heights and distances of levels must be above 0");
+        }
+        if !is_above_zero(self.screen.height_px) {
+            return refused("a screen must be higher than 0 pixels");
+        }
+        let degrees = self.screen.field_of_view_degrees;
+        if !(is_above_zero(degrees) && degrees < 180.0) {
+            return refused("a field of view must be above 0 and below 180 degrees");
+        }
+        match (count, falls) {
+            (0, _) => refused("a chain needs at least one level"),
+            (count, _) if count > MAX_LEVELS => Err(ChainError::Wanted(format!(
+                "{count} levels were asked for: a chain has at most {MAX_LEVELS}"
+            ))),
+            // After numbers of triangles an impostor is a level more.
+            (MAX_LEVELS, _)
+                if self.impostor != Choice::None && matches!(self.wanted, Wanted::Triangles(_)) =>
+            {
+                Err(ChainError::Wanted(format!(
+                    "an impostor after {MAX_LEVELS} levels is one too many: a chain has at most {MAX_LEVELS}"
+                )))
+            }
+            (_, false) if matches!(self.wanted, Wanted::Distances(_)) => {
+                refused("distances must rise: each level is farther off than the one before")
+            }
+            (_, false) => {
+                refused("levels go from fine to coarse: each must be less than the one before")
+            }
+            _ if self.shadow_steps > 2 => {
+                refused("what casts a shadow is at most two levels coarser")
+            }
+            _ if self.max_pop.is_some_and(|pop| !(pop > 0.0 && pop <= 1.0)) => {
+                refused("the FLIP that a switch may show must be above 0 and at most 1")
+            }
+            _ if !(self.max_flip > 0.0 && self.max_flip <= 1.0) => {
+                refused("the FLIP that a level may have must be above 0 and at most 1")
+            }
+            _ => Ok(()),
+        }
+    }
+}

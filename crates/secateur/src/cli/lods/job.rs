@@ -1,0 +1,131 @@
+//! Where the levels of each tree go.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use secateur_gltf::chain::Layout;
+use secateur_scene::chain::MAX_LEVELS;
+
+use super::super::args::{self, LayoutName};
+use super::super::failure::Failure;
+use super::super::output;
+
+/// A tree to be done, and where its levels go.
+pub(super) struct Job<'a> {
+    pub(super) tree: &'a Path,
+    pub(super) name: String,
+    pub(super) layout: Layout,
+    /// The file, or for the layout of files the folder.
+    pub(super) place: PathBuf,
+}
+
+/// Where each tree's levels go.
+pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
+    let extension = args.output.extension().and_then(OsStr::to_str);
+    let is_file =
+        extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()));
+    if is_file && args.trees.len() > 1 {
+        return Err(Failure(format!(
+            "{}: one file holds the levels of one tree; name a folder for {} trees",
+            args.output.display(),
+            args.trees.len()
+        )));
+    }
+    if is_file && args.layout == Some(LayoutName::Files) {
+        return Err(Failure(format!(
+            "{}: the layout of files needs a folder as its output",
+            args.output.display()
+        )));
+    }
+    let layout = match (args.layout, is_file) {
+        (Some(LayoutName::Siblings), _) | (None, true) => Layout::Siblings,
+        (Some(LayoutName::Msft), _) => Layout::Msft,
+        (Some(LayoutName::Files) | None, _) => Layout::Files,
+    };
+    let mut names: Vec<String> = Vec::new();
+    for tree in &args.trees {
+        let name = tree
+            .file_stem()
+            .and_then(OsStr::to_str)
+            .unwrap_or("tree")
+            .to_owned();
+        if names.contains(&name) {
+            return Err(Failure(format!(
+                "{}: another tree of this call has the same name; its levels would overwrite this one's",
+                tree.display()
+            )));
+        }
+        names.push(name);
+    }
+    let mut jobs = Vec::new();
+    for (tree, name) in args.trees.iter().zip(names) {
+        jobs.push(Job {
+            tree,
+            layout,
+            place: match is_file || layout == Layout::Files {
+                true => args.output.clone(),
+                false => args.output.join(format!("{name}.glb")),
+            },
+            name,
+        });
+    }
+    Ok(jobs)
+}
+
+pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), Failure> {
+    let trees = args.trees.iter().map(PathBuf::as_path);
+    let inputs: Vec<&Path> = trees.chain(args.scene.files()).collect();
+    let is_folder = jobs
+        .iter()
+        .all(|job| job.place != args.output || job.layout == Layout::Files);
+    if is_folder {
+        output::check_folder(&args.output)?;
+    }
+    for file in [&args.report, &args.preview].into_iter().flatten() {
+        output::check_file(file, &inputs)?;
+    }
+    if args.preview.is_some() && jobs.len() > 1 {
+        return Err(Failure(
+            "a preview shows one tree: give one at a time, or leave out `--preview`".to_owned(),
+        ));
+    }
+    let places: Vec<PathBuf> = jobs.iter().flat_map(places).collect();
+    let beside = [&args.report, &args.preview].into_iter().flatten();
+    let outputs: Vec<&Path> = places.iter().chain(beside).map(PathBuf::as_path).collect();
+    output::check_distinct(&outputs)?;
+    if !args.overwrite {
+        let there = |file: &&PathBuf| std::fs::symlink_metadata(file).is_ok();
+        if let Some(file) = places.iter().find(there) {
+            return Err(Failure(format!(
+                "{}: is there already; give another folder, or `--overwrite`",
+                file.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The files that a tree's levels may become.
+fn places(job: &Job<'_>) -> Vec<PathBuf> {
+    let level = |k| job.place.join(format!("{}_LOD{k}.glb", job.name));
+    match job.layout {
+        Layout::Files => (0..MAX_LEVELS).map(level).collect(),
+        _ => vec![job.place.clone()],
+    }
+}
+
+/// All files that may come of a tree.
+pub(super) fn outputs(args: &args::Lods, job: &Job<'_>) -> Vec<PathBuf> {
+    let mut outputs = places(job);
+    outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
+    outputs
+}
+
+/// An error, with the tree that it is of.
+pub(super) fn about(path: &Path, error: &str) -> String {
+    let path = path.display().to_string();
+    match error.starts_with(&path) {
+        true => error.to_owned(),
+        false => format!("{path}: {error}"),
+    }
+}

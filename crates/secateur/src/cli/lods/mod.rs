@@ -1,0 +1,180 @@
+//! `secateur lods`: the chain of levels that an engine loads.
+
+mod job;
+mod page;
+mod rows;
+mod table;
+mod wanted;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use secateur_gltf::chain::{Level, PreparedChain};
+use secateur_gltf::{StagedFiles, WholeTree, WriteOptions};
+use secateur_raster::OpenEngine;
+use secateur_scene::chain::{Chain, Shape, Textures, chain};
+use serde_json::{Value, json};
+
+use super::args::{self, Common};
+use super::failure::Failure;
+use super::print::Printed;
+use super::progress_bar::RunProgress;
+use super::surroundings::Surroundings;
+use super::{interrupt, machine, output, record};
+use job::{Job, about, check_outputs, jobs, outputs};
+use page::preview;
+use rows::{facts, layout_name, rows};
+use table::pretty;
+use wanted::options;
+
+/// A tree that was done.
+struct Done {
+    record: Value,
+    rows: Vec<Value>,
+    pretty: String,
+}
+
+/// Makes a chain of each tree.
+pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure> {
+    let start = Instant::now();
+    let jobs = jobs(args)?;
+    check_outputs(args, &jobs)?;
+    options(args).check().map_err(|e| Failure(e.to_string()))?;
+    let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
+    let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+    let surroundings = args.scene.read(args.memory.memory, &outputs)?;
+    let mut trees = Vec::new();
+    // All files are written before the first appears: what fails leaves nothing.
+    let mut staged = StagedFiles::new();
+    for job in &jobs {
+        trees.push(make(args, common, job, &surroundings, &mut staged)?);
+    }
+    let total = start.elapsed().as_secs_f64();
+    let mut record = match &mut trees[..] {
+        [only] => only.record.take(),
+        several => json!({
+            "trees": several.iter_mut().map(|done| done.record.take()).collect::<Vec<_>>(),
+        }),
+    };
+    record = record::joined(
+        record,
+        json!({
+            "seconds": record::seconds(&[], total),
+            "peak_rss_bytes": machine::peak_rss_bytes(),
+            "run": record::provenance("lods"),
+        }),
+    );
+    if let Some(report) = &args.report {
+        output::stage(&mut staged, report, format!("{record:#}\n").as_bytes())?;
+    }
+    staged.commit()?;
+    Ok(Printed {
+        pretty: trees.iter().map(|done| done.pretty.as_str()).collect(),
+        rows: trees.into_iter().flat_map(|done| done.rows).collect(),
+        record,
+    })
+}
+
+fn make(
+    args: &args::Lods,
+    common: &Common,
+    job: &Job<'_>,
+    surroundings: &Surroundings,
+    staged: &mut StagedFiles,
+) -> Result<Done, Failure> {
+    let start = Instant::now();
+    let mut options = options(args);
+    surroundings.apply(&mut options.leaves);
+    tracing::info!("reading {}", job.tree.display());
+    let tree = WholeTree::open_within(job.tree, &args.foliage.foliage, args.memory.memory)?;
+    let outputs = outputs(args, job);
+    let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+    output::check_spares(tree.items().document(), &outputs)?;
+    let warnings = tree.items().inspection().warnings.clone();
+    super::simplify::warn_all(&warnings);
+    interrupt::check()?;
+    let triangle_views = tree.items().foliage().triangles().len() as u64 * 20;
+    let engine = OpenEngine::open(options.leaves.engine, triangle_views)
+        .map_err(|reason| Failure(reason.to_string()))?;
+    let progress_bar = RunProgress::new(common);
+    let made = chain(&tree, &options, &engine, &mut |progress| {
+        progress_bar.show(progress)
+    })
+    .map_err(|error| Failure(about(job.tree, &error.to_string())))?;
+    drop(progress_bar);
+
+    interrupt::writing()?;
+    if job.place != args.output {
+        let made = staged.make_folder(&args.output);
+        made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
+    }
+    let (written, files) = write(args, &tree, job, &made)?.into_files();
+    staged.append(files);
+    if let Some(file) = &args.preview {
+        let page = preview(&tree, job, &options, &made)?;
+        output::stage(staged, file, page.as_bytes())?;
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let rows = rows(job, &made, &written);
+    let record = json!({
+        "input": job.tree.display().to_string(),
+        "name": job.name,
+        "layout": layout_name(job.layout),
+        "files": written.files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),
+        "bytes": written.bytes,
+        "preview": args.preview.as_ref().map(|f| f.display().to_string()),
+        "leaves": { "original": tree.leaves().leaves().len() },
+        "triangles": { "original": tree.items().foliage().triangles().len() },
+        "foliage_triangles": { "original": tree.leaves().triangles().len() },
+        "wood_triangles": { "original": tree.wood().triangles().len() },
+        "surroundings": surroundings.record(&args.scene),
+        "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
+        "max_flip": options.max_flip,
+        "max_pop": options.max_pop,
+        "textures": match options.textures {
+            Textures::Fit => "fit",
+            Textures::Keep => "keep",
+        },
+        "largest_pop": made.levels.iter().filter_map(|level| level.pop_flip).reduce(f64::max),
+        "preset": options.leaves.preset,
+        "engine": engine.name(),
+        "adapter": engine.adapter(),
+        "levels": rows,
+        "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
+        "seconds": record::seconds(&[], seconds),
+        "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
+        "warnings": warnings,
+    });
+    let pretty = pretty(&tree, job, args, &made, &written, seconds);
+    Ok(Done {
+        record,
+        rows,
+        pretty,
+    })
+}
+
+fn write(
+    args: &args::Lods,
+    tree: &WholeTree,
+    job: &Job<'_>,
+    made: &Chain,
+) -> Result<PreparedChain, Failure> {
+    let levels = made.levels.iter().enumerate();
+    let levels: Vec<Level<'_>> = levels
+        .map(|(k, level)| {
+            let facts = facts(job, level);
+            match &level.shape {
+                Shape::Mesh(lod) => {
+                    Level::new(&job.name, k, lod, facts).with_textures(&level.textures)
+                }
+                Shape::Impostor(made) => {
+                    Level::of_surface(&job.name, k, &made.impostor.surface, facts)
+                }
+            }
+        })
+        .collect();
+    let options = WriteOptions::default().overwrite(args.overwrite);
+    Ok(tree
+        .items()
+        .prepare_chain(&job.name, &levels, job.layout, &job.place, options)?)
+}

@@ -1,0 +1,89 @@
+//! What is said of each level, in files and in records.
+
+use secateur_gltf::chain::{Layout, WrittenChain};
+use secateur_scene::chain::{Chain, ChainLevel, Shape};
+use serde_json::{Map, Value, json};
+
+use super::super::record;
+use super::job::Job;
+
+/// What the node of a level says in its extras.
+pub(super) fn facts(job: &Job<'_>, level: &ChainLevel) -> Map<String, Value> {
+    let mut facts = Map::new();
+    let mut say = |name: &str, value: Value| facts.insert(name.to_owned(), value);
+    say("kind", kind(level).into());
+    say("distance", level.distance.into());
+    say("pixels_high", level.pixels_high.into());
+    say("screen_coverage", level.screen_coverage.into());
+    say("triangles", level.triangles().into());
+    say("flip", level.flip_mean.into());
+    say("shadow", format!("{}_LOD{}", job.name, level.shadow).into());
+    if let Some(pop) = level.pop_flip {
+        say("pop_flip", pop.into());
+    }
+    if let Some(sha256) = &level.order_sha256 {
+        say("order_sha256", sha256.clone().into());
+    }
+    if let Shape::Impostor(made) = &level.shape {
+        say("impostor", made.impostor.facts());
+    }
+    facts
+}
+
+fn kind(level: &ChainLevel) -> &'static str {
+    match level.shape {
+        Shape::Mesh(_) => "mesh",
+        Shape::Impostor(_) => "impostor",
+    }
+}
+
+pub(super) fn layout_name(layout: Layout) -> &'static str {
+    match layout {
+        Layout::Siblings => "siblings",
+        Layout::Msft => "msft",
+        _ => "files",
+    }
+}
+
+pub(super) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<Value> {
+    let levels = made.levels.iter().enumerate();
+    let row = |(k, level): (usize, &ChainLevel)| {
+        let place = |k: usize| match job.layout {
+            Layout::Files => json!({ "file": written.files[k].display().to_string() }),
+            _ => json!({ "node": format!("{}_LOD{k}", job.name) }),
+        };
+        let mut figures = json!({
+            "kind": kind(level),
+            "shadow": place(level.shadow),
+            "pop_flip": level.pop_flip,
+            "leaves": level.leaves,
+            "triangles": level.triangles(),
+            "foliage_triangles": level.foliage_triangles,
+            "wood_triangles": level.wood_triangles,
+            "distance": level.distance,
+            "pixels_high": level.pixels_high,
+            "screen_coverage": level.screen_coverage,
+            "flip_mean": level.flip_mean,
+            "silhouette_iou": level.silhouette_iou,
+            "vmi_error_percent": level.vmi_error_percent,
+            "order_sha256": level.order_sha256,
+            "textures": match level.textures.is_empty() {
+                true => "keep",
+                false => "fit",
+            },
+            "texture_bytes": level.texture_bytes,
+            "coverage_as_drawn": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),
+            "coverage_as_drawn_at_end": level.as_drawn.map(|seen| seen.end.coverage_over_truth),
+            "specks_as_drawn": level.as_drawn.map(|seen| seen.begin.specks_per_view),
+        });
+        if let Shape::Impostor(made) = &level.shape {
+            let against = json!({
+                "mesh_triangles": made.mesh_triangles,
+                "mesh_flip_mean": made.mesh_flip_mean,
+            });
+            figures["impostor"] = record::joined(made.impostor.facts(), against);
+        }
+        record::joined(place(k), figures)
+    };
+    levels.map(row).collect()
+}
