@@ -85,6 +85,18 @@ impl Bench {
         Ran::of(arguments, output)
     }
 
+    /// Runs a line of shell in this folder, in which `$SECATEUR` is the program.
+    #[cfg(unix)]
+    pub(crate) fn run_in_shell(&self, line: &str) -> Ran {
+        let output = Command::new("sh")
+            .args(["-c", line])
+            .env("SECATEUR", env!("CARGO_BIN_EXE_secateur"))
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap();
+        Ran::of(&[line], output)
+    }
+
     /// `secateur simplify` with few, small views, for speed.
     pub(crate) fn simplify(&self, arguments: &[&str]) -> Ran {
         let few = ["--views", "6", "--resolution", "64"];

@@ -16,11 +16,12 @@ use std::sync::OnceLock;
 /// G or T behind it for powers of 1024, such as `800M`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Memory {
-    /// Half of what the machine has, or of what its control groups let this process
-    /// have if that is less; 4 GiB where the system does not tell.
+    /// Half of what the machine has, or of what its control groups or its limits
+    /// (`ulimit -v`, `ulimit -d`) let this process have if that is less; 4 GiB where
+    /// the system does not tell.
     #[default]
     Auto,
-    /// So many bytes.
+    /// This number of bytes.
     Bytes(u64),
 }
 
@@ -28,7 +29,7 @@ pub enum Memory {
 const UNKNOWN: u64 = 4 << 30;
 
 impl Memory {
-    /// It in bytes. The same however often it is asked.
+    /// The budget in bytes. It is the same whenever it is asked for.
     pub fn bytes(self) -> u64 {
         static AUTO: OnceLock<u64> = OnceLock::new();
         match self {
@@ -102,7 +103,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// All of it.
+    /// The whole of what a run may take.
     pub fn new(memory: Memory) -> Self {
         Self {
             left: memory.bytes(),
@@ -127,7 +128,7 @@ impl Budget {
     /// Takes bytes for something that is about to be made.
     ///
     /// # Errors
-    /// [`OverMemory`] with `what` and `remedy` if so many are not left.
+    /// [`OverMemory`] with `what` and `remedy` if fewer than `bytes` are left.
     pub fn take(
         &mut self,
         bytes: u64,
@@ -163,8 +164,27 @@ fn machine() -> Option<u64> {
     let all = fs::read_to_string("/proc/meminfo").ok();
     let all = all.as_deref().and_then(total_of_meminfo);
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let limit = limit_of_groups(&groups, Path::new("/sys/fs/cgroup"));
-    [all, limit].into_iter().flatten().min()
+    let of_groups = limit_of_groups(&groups, Path::new("/sys/fs/cgroup"));
+    let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let of_process = limit_of_process(&limits);
+    [all, of_groups, of_process].into_iter().flatten().min()
+}
+
+/// The least of a process's limits on its addresses and its data; `limits` is its
+/// `/proc/self/limits`, whose lines have a name, the limit in force, the highest that may be set,
+/// and the unit.
+fn limit_of_process(limits: &str) -> Option<u64> {
+    let names = ["Max address space", "Max data size"];
+    let of = |name| {
+        limits
+            .lines()
+            .find_map(|line: &str| line.strip_prefix(name))
+    };
+    let in_force = names.into_iter().filter_map(of);
+    // No limit is `unlimited`.
+    in_force
+        .filter_map(|fields| fields.split_whitespace().next()?.parse().ok())
+        .min()
 }
 
 fn total_of_meminfo(text: &str) -> Option<u64> {
@@ -260,5 +280,24 @@ mod tests {
             total_of_meminfo("MemTotal:  4 kB\nMemFree: 1 kB\n"),
             Some(4096)
         );
+    }
+
+    #[test]
+    fn limits_of_the_process_count() {
+        let limits = |data: &str, addresses: &str| {
+            format!(
+                "Limit                     Soft Limit           Hard Limit           Units     \n\
+                 Max data size             {data}            unlimited            bytes     \n\
+                 Max stack size            8388608              unlimited            bytes     \n\
+                 Max address space         {addresses}           unlimited            bytes     \n"
+            )
+        };
+        assert_eq!(limit_of_process(&limits("unlimited", "unlimited")), None);
+        assert_eq!(
+            limit_of_process(&limits("unlimited", "2147483648")),
+            Some(2 << 30)
+        );
+        assert_eq!(limit_of_process(&limits("4096", "2147483648")), Some(4096));
+        assert_eq!(limit_of_process(""), None);
     }
 }

@@ -47,7 +47,7 @@ pub(crate) enum Command {
     /// Make a chain of levels of detail for an engine, wood and leaves alike.
     Lods(Box<Lods>),
     /// Judge a simplified tree against its original, from four sets of 12 views, none of them near
-    /// one that drives by default.
+    /// a view that `simplify` uses by default.
     Measure(Measure),
     /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
     Study(Study),
@@ -86,7 +86,7 @@ pub(crate) enum Format {
     Json,
     /// A line of names and lines of values.
     Csv,
-    /// A Markdown table.
+    /// A table in Markdown.
     Md,
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct Demo {
     /// How many leaves to grow.
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(10..=100_000))]
     pub(crate) leaves: u32,
-    /// Which of the trees to grow.
+    /// The seed of the tree.
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
     /// Where images are drawn; the result is the same, bit for bit.
@@ -163,7 +163,7 @@ pub(crate) struct Foliage {
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct MemoryArg {
     /// How much memory to take at most, such as 2G or 800M: what takes more is refused before it
-    /// is taken [default: half of what the machine has].
+    /// is taken [default: half of what the machine, or its limits, let the program have].
     #[arg(
         long,
         value_name = "SIZE",
