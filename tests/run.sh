@@ -6,6 +6,9 @@
 # preview's pictures are compared with, Babylon.js, which chains of levels are shown to, and
 # gltfpack, which whole plants are held against.
 # Further arguments go to `cargo test --workspace`.
+#
+# All packages are always built together: each alone would have its dependencies built with
+# other features, the graphics library among them, and so once more.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -14,7 +17,8 @@ root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
 # Vulkan loaders ask for it, and complain where there is none.
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}"
 
-find_adapter() { cargo run --quiet --package secateur-raster --example find_adapter; }
+cargo build --quiet --workspace --example find_adapter
+find_adapter() { "${CARGO_TARGET_DIR:-target}/debug/examples/find_adapter"; }
 
 # Debian 12's own Mesa 22 ends long loops early and so computes wrong results;
 # its backports have a sound one.
@@ -125,4 +129,7 @@ if [ ! -d tests/gltfpack/node_modules ]; then
 fi
 if [ -d tests/gltfpack/node_modules ]; then export SECATEUR_REQUIRE_GLTFPACK=1; fi
 
-exec cargo test --workspace "$@"
+if [ $# -gt 0 ]; then exec cargo test --workspace "$@"; fi
+# Examples are compiled, and linked, only where targets are not named; clippy checks them.
+cargo test --workspace --lib --bins --tests
+cargo test --workspace --doc
