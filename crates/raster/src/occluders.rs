@@ -16,13 +16,13 @@ use crate::{
 /// A rasteriser, and what stands among the leaves of its scenes.
 #[derive(Clone, Copy, Debug)]
 pub struct Occluded<'a, R: ?Sized> {
-    /// What draws.
+    /// The rasteriser that draws.
     pub rasteriser: &'a R,
     /// What hides leaves; how it is parted into leaves does not matter.
     pub occluders: &'a Foliage,
 }
 
-/// From where on the pixels of a view show no leaf.
+/// The depth from which on each pixel of a view shows no leaf.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Occlusion {
     /// The depth of the nearest occluder, pixel by pixel; `u32::MAX` where there is none.

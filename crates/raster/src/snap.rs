@@ -68,9 +68,9 @@ pub struct SnappedTriangle {
 /// What all triangles of a leaf have in common.
 #[derive(Clone, Copy)]
 struct Name {
-    /// As [`SnappedTriangle::leaf`].
+    /// The leaf ID, as in [`SnappedTriangle::leaf`].
     leaf: u32,
-    /// As [`SnappedTriangle::cutout`].
+    /// The number of the cut-out, as in [`SnappedTriangle::cutout`].
     cutout: u32,
     facing: Facing,
 }

@@ -32,6 +32,7 @@ pub mod resolution;
 mod run;
 pub mod select;
 mod shared;
+mod simplified;
 mod sizes;
 mod stage;
 pub mod stochastic;
@@ -48,13 +49,12 @@ pub use observe::{Shown, observe};
 pub use options::{Alpha, Fitting, LeafTriangles, Options, Resolution, Sides, as_seen};
 pub use passes::Passes;
 pub use preset::Preset;
-pub use run::{
-    Simplified, Stopped, simplify, simplify_on, simplify_sharing, simplify_with, sphere_of,
-};
+pub use run::{simplify, simplify_on, simplify_sharing, simplify_with};
 pub use shared::Shared;
+pub use simplified::{Simplified, Stopped};
 pub use stage::{Observer, Progress, Stage};
 pub use target::{Amount, Target};
-pub use views::Views;
+pub use views::{Views, sphere_of};
 pub use warning::Warning;
 
 pub(crate) use secateur_raster::measure::{lg, vmi};

@@ -8,8 +8,9 @@
 //! the visible leaves cover at most a pixel in every view.
 
 use secateur_model::{Foliage, Lod};
-use secateur_raster::{AreaTable, Rasteriser, Scene, ViewSet};
+use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene, ViewSet};
 
+use crate::Error;
 use crate::vds::VdsError;
 
 /// Resolutions that are tried, in pixels, in order.
@@ -72,6 +73,20 @@ pub fn choose(
         }
     }
     unreachable!("the largest candidate is always taken")
+}
+
+/// [`choose`], or the least of [`CANDIDATES`] where there are too many views for the largest.
+pub(crate) fn resolution_for(
+    foliage: &Foliage,
+    views: &ViewSet,
+    engine: &OpenEngine,
+) -> Result<(u32, String), Error> {
+    let [least, .., most] = CANDIDATES;
+    if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
+        return Ok((least, "there are too many views to try more".to_owned()));
+    }
+    let chosen = choose(foliage, views, engine)?;
+    Ok((chosen.resolution, chosen.reason))
 }
 
 /// Leaves with an area in some view, and those of them with at most a pixel in

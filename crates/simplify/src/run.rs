@@ -2,91 +2,25 @@
 
 use std::ops::ControlFlow;
 
-use secateur_model::{BoundingSphere, Budget, Foliage, Lod};
+use secateur_model::{Budget, Foliage, Lod};
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 use secateur_raster::occluders::Occluded;
-use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene, ViewSet};
+use secateur_raster::{MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene};
 
 use crate::audit::audit;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::memory::{Within, take_run};
 use crate::observe::{Shown, observe};
 use crate::passes::Passes;
-use crate::resolution::{CANDIDATES, choose};
+use crate::resolution::resolution_for;
 use crate::select::{Begun, Selection, Task};
 use crate::shared::{Found, Shared};
 use crate::sizes::{SizePass, fitting_views, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
 use crate::warning::{Ended, Warning, warnings};
-use crate::{Error, Options, Resolution, Target, as_seen};
-
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stopped {
-    /// The asked number of leaves is left.
-    AtLeafCount,
-    /// The asked number of triangles is left, or fewer.
-    AtTriangles,
-    /// One more step would exceed the asked error.
-    AtMaxError,
-}
-
-impl Stopped {
-    /// The name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::AtLeafCount => "leaf count",
-            Self::AtTriangles => "triangles",
-            Self::AtMaxError => "max error",
-        }
-    }
-}
-
-/// What came of a run.
-#[derive(Clone, Debug)]
-pub struct Simplified {
-    /// What each pass did.
-    pub passes: Passes,
-    /// The leaves that are left, and how large.
-    pub lod: Lod,
-    /// Cost of each step of the removal order; empty for methods without such costs.
-    pub costs: Vec<ScaledBits>,
-    /// Why the run ended.
-    pub stopped: Stopped,
-    /// The views of the last step.
-    pub views: ViewSet,
-    /// Areas of the leaves that are left in those views, in pixels. A row for
-    /// each original leaf, or, where leaves were made, for each of
-    /// [`Lod::foliage`].
-    pub areas: AreaTable,
-    /// VMI of the original foliage in those views.
-    pub vmi_original: Vmi,
-    /// VMI of what is left in those views.
-    pub vmi_final: Vmi,
-    /// Width and height of the images in pixels.
-    pub resolution: u32,
-    /// Why that resolution, in words.
-    pub resolution_reason: String,
-    /// Where the images were drawn: `gpu` or `cpu`.
-    pub engine: &'static str,
-    /// The GPU and its driver.
-    pub adapter: Option<String>,
-    /// What the result was audited against, if it was.
-    pub audited_by: Option<&'static str>,
-    /// Stages and how long they took.
-    pub seconds: Vec<(Stage, f64)>,
-    /// What is not as one might expect.
-    pub warnings: Vec<Warning>,
-}
-
-impl Simplified {
-    /// VMI error against the original foliage on the driving views, in per cent.
-    pub fn driving_error_percent(&self) -> f64 {
-        self.vmi_original.error_percent(&self.vmi_final)
-    }
-}
+use crate::{Error, Options, Resolution, Simplified, Stopped, Target, as_seen, sphere_of};
 
 /// Simplifies a foliage.
 ///
@@ -541,39 +475,6 @@ impl Run<'_> {
         };
         audit(&shown.areas, &scene, self.engine, self.occluders)
     }
-}
-
-fn resolution_for(
-    foliage: &Foliage,
-    views: &ViewSet,
-    engine: &OpenEngine,
-) -> Result<(u32, String), Error> {
-    let [least, .., most] = CANDIDATES;
-    if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
-        return Ok((least, "there are too many views to try more".to_owned()));
-    }
-    let chosen = choose(foliage, views, engine)?;
-    Ok((chosen.resolution, chosen.reason))
-}
-
-/// The bounding sphere, if cameras about it can be computed.
-///
-/// # Errors
-/// [`Error::NoLeaf`] or [`Error::OutOfRange`].
-pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
-    let sphere = foliage.bounding_sphere().ok_or(Error::NoLeaf)?;
-    // A foliage without extent is looked at as if it had a radius of 1.
-    let size = if sphere.radius > 0.0 {
-        sphere.radius
-    } else {
-        1.0
-    };
-    let distance = sphere.centre.length();
-    let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e9 * size;
-    is_in_range.then_some(sphere).ok_or(Error::OutOfRange {
-        radius: sphere.radius,
-        distance,
-    })
 }
 
 #[cfg(test)]

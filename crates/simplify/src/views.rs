@@ -1,11 +1,12 @@
 //! Where a foliage is looked at from while it is simplified.
 
 use glam::DQuat;
-use secateur_model::BoundingSphere;
+use secateur_model::{BoundingSphere, Foliage};
 use secateur_raster::ViewSet;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
 use crate::vds::{self, ViewPlan};
 
 /// Where the foliage is looked at from while it is simplified. Built-in sets are spelled by their
@@ -109,4 +110,24 @@ impl From<Views> for String {
     fn from(views: Views) -> Self {
         views.name().to_owned()
     }
+}
+
+/// The bounding sphere, if cameras about it can be computed.
+///
+/// # Errors
+/// [`Error::NoLeaf`] or [`Error::OutOfRange`].
+pub fn sphere_of(foliage: &Foliage) -> Result<BoundingSphere, Error> {
+    let sphere = foliage.bounding_sphere().ok_or(Error::NoLeaf)?;
+    // A foliage without extent is looked at as if it had a radius of 1.
+    let size = if sphere.radius > 0.0 {
+        sphere.radius
+    } else {
+        1.0
+    };
+    let distance = sphere.centre.length();
+    let is_in_range = (1e-30..=1e30).contains(&size) && distance <= 1e9 * size;
+    is_in_range.then_some(sphere).ok_or(Error::OutOfRange {
+        radius: sphere.radius,
+        distance,
+    })
 }

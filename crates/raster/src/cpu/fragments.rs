@@ -28,8 +28,8 @@ pub fn fragments(scene: &Scene<'_>) -> Fragments {
     }
 }
 
-/// [`fragments`], if there are at most so many. Takes no more memory than so many take, and 16
-/// bytes for each of them; beyond that it only counts.
+/// [`fragments`], if there are at most `most`. Takes no more memory than these take, and 16
+/// bytes for each; beyond that it only counts.
 ///
 /// # Errors
 /// [`TooManyFragments`] if there are more than `most`, or than 2^32 - 1.

@@ -54,7 +54,7 @@ enum Wanted {
 }
 
 /// Buffers for any chunk.
-struct Run<'a> {
+struct DrawJob<'a> {
     device: &'a Device,
     scene: &'a Scene<'a>,
     wanted: Wanted,
@@ -68,7 +68,7 @@ struct Run<'a> {
 fn draw_all(device: &Device, scene: &Scene<'_>, wanted: Wanted) -> Result<Vec<u32>, GpuError> {
     scene.assert_in_range();
     device.check()?;
-    let mut run = Run {
+    let mut run = DrawJob {
         device,
         scene,
         wanted,
@@ -96,7 +96,7 @@ fn draw_all(device: &Device, scene: &Scene<'_>, wanted: Wanted) -> Result<Vec<u3
     Ok(words)
 }
 
-impl Run<'_> {
+impl DrawJob<'_> {
     /// Draws a chunk; returns what was wanted of it and its bytes.
     fn draw(&mut self, views: usize, pieces: &[Piece]) -> (Download, usize) {
         let device = self.device;

@@ -7,16 +7,17 @@
 use std::ops::Range;
 
 use super::chunk::{Window, chunks_of_views, windows_of_at_most};
+use super::lists::Lists;
 use super::memory::{Download, GrowingBuffer};
 use super::pieces::{Piece, PiecePool};
 use super::stages::{
     HEAP_MAX, PIXEL_WORKGROUP, PIXELS_PER_WORKGROUP, SCAN_BLOCK, TRIANGLE_WORKGROUP,
 };
 use super::{Device, GpuError, cutouts, long_lists};
-use crate::{AreaTable, Fragment, Fragments, Scene, TooManyFragments, ViewFragments};
+use crate::{AreaTable, Fragments, Scene, TooManyFragments};
 
 /// Bytes of a fragment.
-const FRAGMENT_BYTES: u64 = 8;
+pub(super) const FRAGMENT_BYTES: u64 = 8;
 
 /// Bytes of fragments to have on the GPU at a time.
 const MAX_LIST_BYTES: u64 = 64 << 20;
@@ -30,12 +31,11 @@ const MAX_LIST_BYTES: u64 = 64 << 20;
 /// # Panics
 /// If the scene's resolution or pixels are out of range.
 pub fn fragments(device: &Device, scene: &Scene<'_>) -> Result<Fragments, GpuError> {
-    let (lists, _) = Run::new(device, scene, false)?.all()?;
+    let (lists, _) = FragmentJob::new(device, scene, false)?.all()?;
     Ok(lists)
 }
 
-/// [`fragments`], if there are at most so many. The count is known before the
-/// memory is taken.
+/// [`fragments`], if there are at most `most`. The count is known before the memory is taken.
 ///
 /// # Errors
 /// As [`fragments`]; [`GpuError::TooManyFragments`].
@@ -47,7 +47,7 @@ pub(super) fn fragments_within(
     scene: &Scene<'_>,
     most: u64,
 ) -> Result<Fragments, GpuError> {
-    let mut run = Run::new(device, scene, false)?;
+    let mut run = FragmentJob::new(device, scene, false)?;
     run.most = most;
     let (lists, _) = run.all()?;
     Ok(lists)
@@ -64,7 +64,7 @@ pub fn fragments_and_areas(
     device: &Device,
     scene: &Scene<'_>,
 ) -> Result<(Fragments, AreaTable), GpuError> {
-    Run::new(device, scene, true)?.all()
+    FragmentJob::new(device, scene, true)?.all()
 }
 
 /// [`fragments_and_areas`], if there are at most this many fragments.
@@ -79,13 +79,13 @@ pub(super) fn fragments_and_areas_within(
     scene: &Scene<'_>,
     most: u64,
 ) -> Result<(Fragments, AreaTable), GpuError> {
-    let mut run = Run::new(device, scene, true)?;
+    let mut run = FragmentJob::new(device, scene, true)?;
     run.most = most;
     run.all()
 }
 
 /// Everything that lives as long as the work on one scene.
-struct Run<'a> {
+struct FragmentJob<'a> {
     device: &'a Device,
     scene: &'a Scene<'a>,
     wants_areas: bool,
@@ -101,24 +101,12 @@ struct Run<'a> {
     /// Fragments that there may be over all views.
     most: u64,
     spare: Option<wgpu::Buffer>,
-    pending: Option<Job>,
+    pending: Option<PendingWindow>,
     result: Lists,
 }
 
-/// What has come back.
-struct Lists {
-    pixels_per_view: usize,
-    views: Vec<ViewFragments>,
-    /// Lists of the view after those.
-    starts: Vec<u32>,
-    fragments: Vec<Fragment>,
-    /// Number of fragments over all views.
-    len: u64,
-    area_px: Vec<u32>,
-}
-
 /// A window whose lists are on their way back.
-struct Job {
+struct PendingWindow {
     window: Window,
     table_bytes: usize,
     download: Download,
@@ -135,7 +123,7 @@ struct Chunk {
     fullest: u32,
 }
 
-impl<'a> Run<'a> {
+impl<'a> FragmentJob<'a> {
     fn new(device: &'a Device, scene: &'a Scene<'a>, wants_areas: bool) -> Result<Self, GpuError> {
         scene.assert_in_range();
         device.check()?;
@@ -284,7 +272,7 @@ impl<'a> Run<'a> {
         window: Window,
         starts: Option<&[u32]>,
         is_last: bool,
-    ) -> Job {
+    ) -> PendingWindow {
         let device = self.device;
         let list_bytes = FRAGMENT_BYTES * u64::from(window.fragment_count);
         let reserved = list_bytes
@@ -347,7 +335,7 @@ impl<'a> Run<'a> {
         let mut download = Download::record(device, &mut encoder, &parts, self.spare.take());
         device.queue.submit([encoder.finish()]);
         download.request();
-        Job {
+        PendingWindow {
             window,
             table_bytes: table_bytes as usize,
             download,
@@ -381,71 +369,6 @@ impl<'a> Run<'a> {
     }
 }
 
-impl Lists {
-    fn new(pixels_per_view: usize) -> Self {
-        Self {
-            pixels_per_view,
-            views: Vec::new(),
-            starts: Vec::new(),
-            fragments: Vec::new(),
-            len: 0,
-            area_px: Vec::new(),
-        }
-    }
-
-    fn append(&mut self, window: &Window, table_bytes: usize, parts: &[&[u8]]) {
-        let pixels = window.pixel_count as usize;
-        let dropped: &[u32] = bytemuck::cast_slice(parts[0]);
-        let starts: &[u32] = bytemuck::cast_slice(&parts[1][..4 * (pixels + 1)]);
-        let kept: &[u32] = bytemuck::cast_slice(&parts[2][..4 * pixels]);
-        let list_bytes = FRAGMENT_BYTES as usize * window.fragment_count as usize;
-        let lists: &[Fragment] = bytemuck::cast_slice(&parts[3][..list_bytes]);
-        let kept = (dropped[0] > 0).then_some(kept);
-        let mut pixel = 0;
-        while pixel < pixels {
-            // A window may end within a view, and go on over several.
-            let end = pixels.min(pixel + self.pixels_per_view - self.starts.len());
-            let first = (starts[pixel] - window.first_fragment) as usize;
-            let size = (starts[end] - starts[pixel]) as usize;
-            let kept = kept.map(|kept| &kept[pixel..end]);
-            self.append_to_view(&starts[pixel..end], kept, &lists[first..first + size]);
-            pixel = end;
-        }
-        self.area_px
-            .extend_from_slice(bytemuck::cast_slice(&parts[4][..table_bytes]));
-    }
-
-    /// Lists of pixels that follow each other; of each `kept` fragments, or all.
-    fn append_to_view(&mut self, starts: &[u32], kept: Option<&[u32]>, lists: &[Fragment]) {
-        let before = self.fragments.len();
-        // And for the end of the last.
-        self.starts.reserve(starts.len() + 1);
-        self.fragments.reserve(lists.len());
-        match kept {
-            None => {
-                let own = starts.iter().map(|s| s - starts[0] + before as u32);
-                self.starts.extend(own);
-                self.fragments.extend_from_slice(lists);
-            }
-            Some(kept) => {
-                for (start, kept) in starts.iter().zip(kept) {
-                    self.starts.push(self.fragments.len() as u32);
-                    let list = &lists[(start - starts[0]) as usize..][..*kept as usize];
-                    self.fragments.extend_from_slice(list);
-                }
-            }
-        }
-        self.len += (self.fragments.len() - before) as u64;
-        if self.starts.len() == self.pixels_per_view {
-            self.starts.push(self.fragments.len() as u32);
-            self.views.push(ViewFragments::from_lists(
-                std::mem::take(&mut self.starts),
-                std::mem::take(&mut self.fragments),
-            ));
-        }
-    }
-}
-
 /// Records the histogram of the images of `views` views into `table`.
 pub(super) fn record_histogram(
     device: &Device,
@@ -473,64 +396,5 @@ pub(super) fn whole(pixels: u32, fragments: u32) -> Window {
         pixel_count: pixels,
         first_fragment: 0,
         fragment_count: fragments,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Three views of two pixels with lists of 1, 2, 1, 2, 0 and 3 fragments, in
-    /// two windows of three pixels; of each list so many are kept.
-    fn appended(kept: [u32; 6]) -> Lists {
-        let starts = [0u32, 1, 3, 4, 6, 6, 9];
-        let fragments: Vec<Fragment> = (1..=9).map(|leaf| Fragment::new(9, leaf)).collect();
-        let mut lists = Lists::new(2);
-        for pixels in [0..3usize, 3..6] {
-            let (first, end) = (starts[pixels.start], starts[pixels.end]);
-            let window = Window {
-                first_pixel: pixels.start as u32,
-                pixel_count: pixels.len() as u32,
-                first_fragment: first,
-                fragment_count: end - first,
-            };
-            let kept = &kept[pixels.clone()];
-            let dropped = end - first - kept.iter().sum::<u32>();
-            let parts: [&[u8]; 5] = [
-                bytemuck::bytes_of(&dropped),
-                bytemuck::cast_slice(&starts[pixels.start..=pixels.end]),
-                bytemuck::cast_slice(kept),
-                bytemuck::cast_slice(&fragments[first as usize..end as usize]),
-                bytemuck::cast_slice::<u32, u8>(&[]),
-            ];
-            lists.append(&window, 0, &parts);
-        }
-        lists
-    }
-
-    fn leaves(lists: &Lists) -> Vec<Vec<Vec<u32>>> {
-        let of_list = |list: &[Fragment]| list.iter().map(|f| f.leaf()).collect();
-        let of_view = |view: &ViewFragments| view.pixels().map(of_list).collect();
-        lists.views.iter().map(of_view).collect()
-    }
-
-    #[test]
-    fn windows_begin_and_end_within_views() {
-        let lists = appended([1, 2, 1, 2, 0, 3]);
-        let expected = [
-            [vec![1], vec![2, 3]],
-            [vec![4], vec![5, 6]],
-            [vec![], vec![7, 8, 9]],
-        ];
-        assert_eq!(leaves(&lists), expected);
-        assert_eq!(lists.len, 9);
-    }
-
-    #[test]
-    fn what_was_dropped_is_left_out() {
-        let lists = appended([1, 1, 1, 1, 0, 2]);
-        let expected = [[vec![1], vec![2]], [vec![4], vec![5]], [vec![], vec![7, 8]]];
-        assert_eq!(leaves(&lists), expected);
-        assert_eq!(lists.len, 6);
     }
 }

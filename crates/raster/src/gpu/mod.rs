@@ -16,6 +16,7 @@ mod device;
 mod draw;
 mod error;
 mod fragments;
+mod lists;
 mod long_lists;
 mod memory;
 mod pieces;

@@ -28,7 +28,7 @@ pub(super) const HEAP_MAX: u32 = 1024;
 
 /// One entry point of a shader, compiled for a device.
 #[derive(Debug)]
-pub(super) struct Stage {
+pub(super) struct ComputeStage {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
 }
@@ -37,7 +37,7 @@ pub(super) struct Stage {
 #[derive(Clone, Copy)]
 pub(super) struct Dispatch<'a> {
     /// The compute pipeline to run.
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a ComputeStage,
     /// Buffers by their number in group 0: exactly those the entry point uses.
     pub(super) bindings: &'a [(u32, &'a wgpu::Buffer)],
     /// Workgroups in each direction, at most 65,535; nothing is run where one
@@ -48,26 +48,26 @@ pub(super) struct Dispatch<'a> {
 /// Every compute pipeline of the rasteriser.
 #[derive(Debug)]
 pub(super) struct Stages {
-    pub(super) probe: Stage,
-    pub(super) count: Stage,
-    pub(super) emit: Stage,
-    pub(super) nearest_depth: Stage,
-    pub(super) nearest_leaf: Stage,
-    pub(super) uncover: Stage,
-    pub(super) sum_blocks: Stage,
-    pub(super) scan_blocks: Stage,
-    pub(super) write_starts: Stage,
-    pub(super) sort_lists: Stage,
-    pub(super) exchange: Stage,
-    pub(super) mark: Stage,
-    pub(super) leaf_ids: Stage,
-    pub(super) histogram: Stage,
+    pub(super) probe: ComputeStage,
+    pub(super) count: ComputeStage,
+    pub(super) emit: ComputeStage,
+    pub(super) nearest_depth: ComputeStage,
+    pub(super) nearest_leaf: ComputeStage,
+    pub(super) uncover: ComputeStage,
+    pub(super) sum_blocks: ComputeStage,
+    pub(super) scan_blocks: ComputeStage,
+    pub(super) write_starts: ComputeStage,
+    pub(super) sort_lists: ComputeStage,
+    pub(super) exchange: ComputeStage,
+    pub(super) mark: ComputeStage,
+    pub(super) leaf_ids: ComputeStage,
+    pub(super) histogram: ComputeStage,
 }
 
 /// A dispatch's bindings in group 0, by number.
 pub(super) type Bindings<'a> = [(u32, &'a wgpu::Buffer)];
 
-impl Stage {
+impl ComputeStage {
     /// Records a dispatch of `workgroups` in each direction; none of nothing.
     pub(super) fn run(
         &self,
@@ -161,7 +161,7 @@ pub(super) fn stage(
     module: &wgpu::ShaderModule,
     entry: &str,
     constants: &[(&str, u32)],
-) -> Stage {
+) -> ComputeStage {
     let constants: Vec<(&str, f64)> = constants
         .iter()
         .map(|&(name, value)| (name, f64::from(value)))
@@ -178,5 +178,5 @@ pub(super) fn stage(
         cache: None,
     });
     let layout = pipeline.get_bind_group_layout(0);
-    Stage { pipeline, layout }
+    ComputeStage { pipeline, layout }
 }

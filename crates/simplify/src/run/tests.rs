@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use secateur_eval::Judging;
 use secateur_model::LeafTriangle;
+use secateur_raster::ViewSet;
 
 use super::*;
 use crate::{Fitting, LeafTriangles, Method, Preset, Progress, Views};

@@ -1,0 +1,75 @@
+//! What a run hands back.
+
+use secateur_model::Lod;
+use secateur_raster::measure::vmi::{ScaledBits, Vmi};
+use secateur_raster::{AreaTable, ViewSet};
+
+use crate::passes::Passes;
+use crate::stage::Stage;
+use crate::warning::Warning;
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stopped {
+    /// The asked number of leaves is left.
+    AtLeafCount,
+    /// The asked number of triangles is left, or fewer.
+    AtTriangles,
+    /// One more step would exceed the asked error.
+    AtMaxError,
+}
+
+impl Stopped {
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AtLeafCount => "leaf count",
+            Self::AtTriangles => "triangles",
+            Self::AtMaxError => "max error",
+        }
+    }
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Simplified {
+    /// What each pass did.
+    pub passes: Passes,
+    /// The leaves that are left, and how large.
+    pub lod: Lod,
+    /// Cost of each step of the removal order; empty for methods without such costs.
+    pub costs: Vec<ScaledBits>,
+    /// Why the run ended.
+    pub stopped: Stopped,
+    /// The views of the last step.
+    pub views: ViewSet,
+    /// Areas of the leaves that are left in those views, in pixels. A row for
+    /// each original leaf, or, where leaves were made, for each of
+    /// [`Lod::foliage`].
+    pub areas: AreaTable,
+    /// VMI of the original foliage in those views.
+    pub vmi_original: Vmi,
+    /// VMI of what is left in those views.
+    pub vmi_final: Vmi,
+    /// Width and height of the images in pixels.
+    pub resolution: u32,
+    /// Why that resolution, in words.
+    pub resolution_reason: String,
+    /// Where the images were drawn: `gpu` or `cpu`.
+    pub engine: &'static str,
+    /// The GPU and its driver.
+    pub adapter: Option<String>,
+    /// What the result was audited against, if it was.
+    pub audited_by: Option<&'static str>,
+    /// Stages and how long they took.
+    pub seconds: Vec<(Stage, f64)>,
+    /// What is not as one might expect.
+    pub warnings: Vec<Warning>,
+}
+
+impl Simplified {
+    /// VMI error against the original foliage on the driving views, in per cent.
+    pub fn driving_error_percent(&self) -> f64 {
+        self.vmi_original.error_percent(&self.vmi_final)
+    }
+}
