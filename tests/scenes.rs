@@ -152,7 +152,7 @@ fn a_camera_counts_as_often_as_it_weighs() {
     assert_eq!(heavy["settings"]["view_count"], 6);
     assert_ne!(equal["order_sha256"], heavy["order_sha256"]);
 
-    // The same as so many cameras.
+    // A weight of 2 does what two cameras at the same place do.
     let mut repeated = vec![camera(AXES[0], json!({})); 2];
     repeated.extend(cameras());
     put(&bench, "scene.gltf", &scene(&repeated));

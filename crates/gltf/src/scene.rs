@@ -18,11 +18,11 @@ pub const MAX_WEIGHED_CAMERAS: u32 = 1024;
 /// A perspective camera of a scene, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneCamera {
-    /// Where it stands.
+    /// Its position in world space.
     pub eye: DVec3,
-    /// Where it looks, of length 1.
+    /// The direction of view, of length 1.
     pub forward: DVec3,
-    /// What is up in its picture, of length 1.
+    /// The direction that is up in its picture, of length 1.
     pub up: DVec3,
     /// The tangent of half the larger of its two angles of view: the picture fits a square of this
     /// angle both ways. A camera without an aspect ratio is taken to be square.

@@ -68,7 +68,7 @@ impl Document {
         extras.is_some_and(|extras| extras.get(EXTRAS_NAME).is_some())
     }
 
-    /// The skeleton of a plant of so many leaves, if there is one.
+    /// The skeleton in the file, if there is one and it is of a plant of `leaves` leaves.
     pub(crate) fn skeleton_of(&self, leaves: usize) -> Result<Option<PlantSkeleton>, GltfError> {
         let read = self.read_skeleton(leaves);
         read.map_err(|fault| self.error(fault))

@@ -42,7 +42,7 @@ pub enum Detail {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct DrawnSurface {
-    /// What is drawn.
+    /// The surface in world space, with its material.
     pub surface: Surface,
     /// Whether it is foliage.
     pub is_foliage: bool,

@@ -227,7 +227,7 @@ impl Foliage {
         &self.leaves
     }
 
-    /// One leaf.
+    /// The leaf with this ID.
     ///
     /// # Panics
     /// If there is no such leaf.

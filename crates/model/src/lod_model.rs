@@ -48,7 +48,7 @@ impl LodModel {
         })
     }
 
-    /// The steps.
+    /// The removal order that the levels follow.
     pub fn order(&self) -> &RemovalOrder {
         &self.order
     }
@@ -68,7 +68,7 @@ impl LodModel {
         self.order.leaves_after(self.order.len())
     }
 
-    /// How many steps lead to a level of at most so many leaves; all where no level has so few.
+    /// How many steps lead to a level of at most `leaves` leaves; all steps where no level has so few.
     ///
     /// With as many leaves as the original it is none. Of several levels with as many leaves it is
     /// the last: sizes that were fitted at the end of a run are a step in which no leaf goes.
@@ -92,10 +92,10 @@ impl LodModel {
         }
     }
 
-    /// The level after so many steps, found from the finest.
+    /// The level after `steps` steps, found from the finest.
     ///
     /// # Panics
-    /// If there are fewer.
+    /// If the order has fewer steps.
     pub fn lod_after(&self, steps: usize) -> Lod {
         let mut level = self.finest();
         level.go_to(steps);
@@ -103,8 +103,8 @@ impl LodModel {
     }
 }
 
-/// The first number from 0 on for which it is so, `end` where it is so for none before; for what
-/// stays so once it is.
+/// The first number from 0 on for which `is_so` holds, or `end` if it holds for none before; found by
+/// halving, so `is_so` must hold for all numbers after the first.
 fn first_where(end: usize, is_so: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, end);
     while low < high {
@@ -141,16 +141,15 @@ pub struct UniformLevel<'a> {
 }
 
 impl UniformLevel<'_> {
-    /// Goes to the level of so many leaves ([`LodModel::steps_to`]), the coarsest where none has so
-    /// few. Takes time in proportion to the steps between.
+    /// Goes to the level of at most `leaves` leaves ([`LodModel::steps_to`]), or to the coarsest. Takes time in proportion to the steps between.
     pub fn uniform(&mut self, leaves: usize) {
         self.go_to(self.model.steps_to(leaves));
     }
 
-    /// Goes to the level after so many steps.
+    /// Goes to the level after `steps` steps.
     ///
     /// # Panics
-    /// If there are fewer.
+    /// If the order has fewer steps.
     pub fn go_to(&mut self, steps: usize) {
         assert!(steps <= self.model.order.len(), "{steps} steps of fewer");
         self.changed.clear();
@@ -230,7 +229,7 @@ impl UniformLevel<'_> {
         Some(self.own_scales[leaf.index()]).filter(|scale| *scale != 0.0)
     }
 
-    /// The level by itself, equal to [`Lod::after`] so many steps. Takes time in proportion to the
+    /// The level by itself, equal to [`Lod::after`] the same steps. Takes time in proportion to the
     /// original's leaves.
     pub fn lod(&self) -> Lod {
         let order = &self.model.order;

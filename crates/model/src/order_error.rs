@@ -19,17 +19,17 @@ pub enum OrderError {
     /// The order of a foliage of other size.
     #[error("the order is of {order} leaves, the tree has {leaves}")]
     LeafCount {
-        /// Leaves of the order.
+        /// How many leaves the order is of.
         order: u32,
-        /// Leaves there are.
+        /// How many leaves the foliage has.
         leaves: usize,
     },
     /// A name that no leaf ever has.
     #[error("step {step} of the order names {leaf}, which there never is")]
     NoSuchLeaf {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
-        /// The name.
+        /// The leaf ID that the step names.
         leaf: LeafId,
     },
     /// A leaf that goes or grows in the step that makes it or before.
@@ -38,49 +38,49 @@ pub enum OrderError {
          circle"
     )]
     NotMadeYet {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
-        /// The leaf.
+        /// The leaf that the step names.
         leaf: LeafId,
     },
     /// A leaf that goes or grows after it is gone.
     #[error("step {step} of the order names {leaf}, which is gone")]
     Gone {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
-        /// The leaf.
+        /// The leaf that the step names.
         leaf: LeafId,
     },
     /// A size out of range.
     #[error("step {step} of the order gives {leaf} {area_scale} times its area")]
     Size {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
-        /// The leaf.
+        /// The leaf that the step names.
         leaf: LeafId,
-        /// The size.
+        /// The area that the step asks for, as a multiple of the original one.
         area_scale: f64,
     },
     /// A common scale out of range.
     #[error("step {step} of the order scales all areas by {area_scale}")]
     CommonSize {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
-        /// The size.
+        /// The area that the step asks for, as a multiple of the original one.
         area_scale: f64,
     },
     /// A leaf that is made of what is not there.
     #[error("step {step} of the order makes {leaf} of corners that are not there")]
     Shape {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
-        /// The leaf.
+        /// The leaf that the step names.
         leaf: LeafId,
     },
     /// More leaves than before.
     #[error("step {step} of the order makes more leaves than it removes")]
     More {
-        /// The step.
+        /// The number of the step, from 1.
         step: usize,
     },
 }

@@ -57,7 +57,7 @@ pub struct Texture {
 /// What a material does with alpha (glTF `alphaMode`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
-    /// Alpha is ignored.
+    /// The surface is opaque; its alpha is ignored.
     Opaque,
     /// A texel whose alpha is below this cutoff (0 to 1) is not there.
     Mask(f32),

@@ -2,7 +2,7 @@
 //!
 //! Gasch, Remolar, Chover, Rebollo (Entropy 2018, section 6) propose to keep the sequence of
 //! removals on the GPU, so that the number of leaves changes continuously. Here leaves lie in the
-//! order in which they go, the last to go first: the level after some steps is so many of the first
+//! order in which they go, the last to go first: the level after some steps is a prefix of the
 //! triangles. A leaf's size at a level is looked up in the vertex shader, in a list of the steps that
 //! gave it another: nothing is uploaded when the level changes but the number of steps. Two levels
 //! next to each other differ by one step, so no more than a leaf pops; over the last steps before it
@@ -109,8 +109,7 @@ impl PrefixBuffers {
         &self.gone_after
     }
 
-    /// How many leaves the level after so many steps has to draw; of these, some may not be made
-    /// yet.
+    /// How many leaves the level after `steps` steps has to draw; some of these may not be made yet.
     pub fn places_after(&self, steps: u32) -> usize {
         self.gone_after.partition_point(|gone| *gone > steps)
     }

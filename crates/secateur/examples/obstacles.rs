@@ -89,7 +89,7 @@ impl Crown {
         }
     }
 
-    /// A place about the trunk, `distance` crown radii away at an angle of so many full turns.
+    /// A place about the trunk, `distance` crown radii away, at an angle in full turns.
     fn about(&self, distance: f64, turns: f64, height: f64) -> DVec3 {
         let (sin, cos) = (TAU * turns).sin_cos();
         let away = DVec3::new(sin, 0.0, cos) * distance * self.radius;

@@ -15,8 +15,8 @@ pub(crate) const BYTES_A_FRAGMENT: u64 = 24;
 /// What a pixel takes: its place in the lists and in the A-buffer, and its first two leaves.
 pub(crate) const BYTES_A_PIXEL: u64 = 28;
 
-/// What a leaf takes for each view: areas and what depends on them, on each of at most so many
-/// cores.
+/// Bytes that a leaf takes for each view: areas, and what depends on them on each core of the
+/// exact engine's loop.
 const BYTES_A_LEAF_AND_VIEW: u64 = 4 * (4 + crate::vds::fast::MAX_CORES as u64);
 
 /// What a leaf takes besides: its neighbours, its edges, its cost, its place in orders.
@@ -128,7 +128,7 @@ impl Room {
         self.left.left() / BYTES_A_FRAGMENT
     }
 
-    /// What so many fragments, which fit, leave.
+    /// What is left after this number of fragments, which must fit.
     pub(crate) fn after(mut self, fragments: u64) -> Result<Budget, OverMemory> {
         self.left
             .take(BYTES_A_FRAGMENT * fragments, String::new, self.remedy)?;
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::{Error, Fitting, Resolution, Target, simplify, simplify_with};
 
-    /// So many unit squares at one place.
+    /// `leaves` unit squares at one place.
     fn pile(leaves: usize) -> Foliage {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
         let square =

@@ -10,15 +10,16 @@ use crate::observe::Shown;
 use crate::vds::ViewPlan;
 use crate::{Error, Target};
 
-/// Gets the steps done and those to do at most, and may break off.
+/// Is told the number of steps that are done and the largest number that there may be, and may break
+/// off the run.
 pub type Steps<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
 
 /// The first steps of an order, made by an earlier run.
 #[derive(Clone, Debug)]
 pub struct Begun {
-    /// The steps.
+    /// The steps of the order.
     pub order: RemovalOrder,
-    /// Their costs.
+    /// The cost of each step, in bits.
     pub costs: Vec<ScaledBits>,
 }
 
@@ -29,7 +30,7 @@ pub struct Task<'a> {
     /// How far it should go. A method that knows only leaves goes on to the last one for another
     /// target; what is too much is cut off afterwards.
     pub target: Target,
-    /// Steps that are to be gone on from; a method that cannot starts over.
+    /// Steps of an earlier run, which this one continues; a method that cannot do so starts over.
     pub begun: Option<&'a Begun>,
     /// What the leaves have grown on, where that is known.
     pub skeleton: Option<&'a PlantSkeleton>,

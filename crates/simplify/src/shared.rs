@@ -31,7 +31,7 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Whether it goes as far as a run would.
+    /// Whether the order goes as far as a run of this task would.
     pub(crate) fn reaches(&self, task: &Task<'_>) -> bool {
         let order = &self.begun.order;
         let left = order.leaf_count() as usize - order.len();
@@ -57,7 +57,7 @@ impl Shared {
         known.map(|index| self.found.swap_remove(index))
     }
 
-    /// Puts one in.
+    /// Keeps an order for later runs.
     pub(crate) fn keep(&mut self, found: Found) {
         self.found.push(found);
     }

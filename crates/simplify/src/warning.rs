@@ -52,7 +52,7 @@ pub enum Warning {
     },
     /// Leaves have materials that clients draw from one side only.
     SingleSidedLeaves {
-        /// How many leaves.
+        /// How many leaves have such materials.
         count: usize,
         /// The number of all leaves.
         there: usize,

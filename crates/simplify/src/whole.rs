@@ -226,7 +226,7 @@ impl<'a> WholePlant<'a> {
         })
     }
 
-    /// How many triangles wood has in the least plant in which leaves have so many: by halving,
+    /// How many triangles wood has in the least plant in which leaves have `leaf_triangles`: by halving,
     /// since what is not wood's grows with the budget.
     fn wood_beside(&self, leaf_triangles: usize) -> usize {
         let (mut low, mut high) = (leaf_triangles, self.triangle_count());
@@ -240,7 +240,7 @@ impl<'a> WholePlant<'a> {
         self.wood_budget(low)
     }
 
-    /// As [`Self::level`], of so many triangles of which so many at most are wood's.
+    /// As [`Self::level`], with a bound on the triangles of wood too.
     ///
     /// # Errors
     /// As [`simplify_on`].

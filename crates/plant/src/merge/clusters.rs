@@ -5,10 +5,10 @@ use glam::DVec3;
 /// How large the card of a cluster is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClusterSize {
-    /// Of the paper's radius R0.
+    /// Cluster leaves have the paper's radius R0.
     #[default]
     Paper,
-    /// Of as much area as the leaves that it stands for: covers as much where they
+    /// Cluster leaves have as much area as the leaves that they stand for: covers as much where they
     /// overlap little, more where they overlap much, as pinnate ones do.
     Area,
 }

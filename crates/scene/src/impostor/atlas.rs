@@ -8,8 +8,8 @@ use secateur_model::{AlphaMode, Filters, Finish, Material, NormalMap, Texture, W
 use super::cell::Cell;
 use super::coverage::CUTOFF;
 
-/// The share of a cell's side that stays empty on each side: for so many mips neighbours do not
-/// run into each other.
+/// The share of a cell's side that stays empty at each edge, so that neighbours do not run into each
+/// other in the first mip maps.
 pub const BORDER: f64 = 1.0 / 16.0;
 
 /// The colours and normals of cells.
@@ -55,7 +55,7 @@ impl Atlas {
         (middle + from_middle) / size
     }
 
-    /// What draws it.
+    /// The glTF material that draws the atlas.
     pub(super) fn material(&self) -> Material {
         let size = self.cells.map(|count| count * self.cell);
         material(size, self.rgba.clone(), self.normals.clone())

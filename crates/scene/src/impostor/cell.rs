@@ -12,9 +12,9 @@ use crate::dilate::dilated;
 /// Samples along a side of a cell, at least: finer cells have fewer a texel.
 const SAMPLES: u32 = 384;
 
-/// A baked view.
+/// One view of a plant, baked into texels.
 pub(super) struct Cell {
-    /// Texels a side.
+    /// Width and height in texels.
     pub(super) side: u32,
     /// Linear; where nothing is seen, that of what is near.
     pub(super) colors: Vec<Vec3>,

@@ -13,7 +13,7 @@ use crate::Screen;
 /// Views stand at least this many radii off: nearer ones look between the planes of an impostor.
 const LEAST_RADII: f64 = 3.0;
 
-/// Pictures have from so many to so many pixels a side.
+/// The least and the largest side of a judging picture, in pixels.
 const PICTURE_PX: [f64; 2] = [48.0, 256.0];
 
 /// Views from one distance.
@@ -24,7 +24,7 @@ pub struct Judge {
 
 impl Judge {
     /// Views along the same directions as these, from where the screen shows a plant of this height
-    /// so many pixels high.
+    /// at this number of pixels.
     pub fn new(
         directions: &ViewSet,
         sphere: BoundingSphere,

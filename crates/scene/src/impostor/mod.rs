@@ -28,12 +28,12 @@ use octahedral::{CELLS, FRAMES, Octahedral};
 /// Which impostor a chain ends in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
-    /// None.
+    /// The chain ends in a mesh.
     #[default]
     None,
     /// Crossed planes.
     Crossed,
-    /// Octahedral views.
+    /// Views from all directions in one texture, laid out as an octahedron that is folded open.
     Octahedral,
     /// Crossed planes where they look no worse than what they take the place of.
     Auto,

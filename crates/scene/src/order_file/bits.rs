@@ -1,6 +1,6 @@
 //! Numbers of any width, one after the other without gaps, lowest bit first.
 
-/// Writes bits.
+/// A sequence of bits that grows at its end.
 #[derive(Debug, Default)]
 pub(super) struct BitWriter {
     bytes: Vec<u8>,

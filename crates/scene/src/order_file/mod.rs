@@ -71,9 +71,9 @@ pub enum OrderFileError {
     /// Fewer bytes than the counts say.
     #[error("the removal order is cut short: it ends in {part} {number} of {count}")]
     Truncated {
-        /// `step` or `shape`.
+        /// What the file ends in: `step` or `shape`.
         part: &'static str,
-        /// Which, from 1.
+        /// The number of that step or shape, from 1.
         number: usize,
         /// How many the file claims.
         count: u32,

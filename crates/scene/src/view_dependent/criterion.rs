@@ -34,7 +34,7 @@ impl<F: FnMut(&Region) -> bool> Criterion for F {
 pub struct InSphere {
     /// World-space centre, or eye.
     pub centre: DVec3,
-    /// In world units.
+    /// The sphere's radius in world units.
     pub radius: f64,
 }
 
@@ -53,9 +53,9 @@ impl Criterion for InSphere {
 /// Detail outside a sphere: the middle of a crown, which hardly shows, is coarse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutsideSphere {
-    /// World-space centre.
+    /// World-space centre of the sphere.
     pub centre: DVec3,
-    /// In world units.
+    /// The sphere's radius in world units.
     pub radius: f64,
 }
 
@@ -136,7 +136,7 @@ impl Criterion for InFrustum {
     }
 }
 
-/// Detail where what a leaf stands for would show as more than so many pixels.
+/// Detail where what a leaf stands for would show as more than a number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LargerThan {
     /// From where it is seen.
@@ -159,7 +159,7 @@ impl Criterion for LargerThan {
     }
 }
 
-/// In so many directions around the line of sight the outline is known.
+/// The number of directions around the line of sight in which the outline is known.
 const DIRECTIONS: usize = 64;
 
 /// Detail near the outline of a crown, as an eye sees it from far.

@@ -22,7 +22,7 @@ use super::simplify::timed;
 use super::summary::{grouped, size};
 use super::{grow_lod, interrupt, machine, output, record};
 
-/// Grows, writes, reports.
+/// Grows a plant, writes it, and reports what it is.
 pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     check_outputs(args)?;

@@ -29,7 +29,7 @@ pub(crate) fn text(name: impl ValueEnum) -> String {
         .unwrap_or_default()
 }
 
-/// The methods.
+/// The methods by the names of `--method`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
     /// Viewpoint-driven simplification, by an exact and fast engine
@@ -51,11 +51,11 @@ pub(crate) enum MethodName {
 names!(
 /// What becomes of the wood.
 WoodName => WoodMode {
-    /// It is simplified with the leaves, under one budget of triangles
+    /// The wood is simplified with the leaves, under one budget of triangles
     Auto,
-    /// It stays as it was; what a budget of triangles leaves beside it is the leaves'
+    /// The wood stays as it was; the leaves get what it leaves of a budget of triangles
     Keep,
-    /// It stays as it was and does not count: budgets of triangles are the leaves'
+    /// The wood stays as it was; a budget of triangles counts the leaves alone
     Ignore,
 });
 names!(PresetName => Preset {
@@ -66,13 +66,14 @@ names!(PresetName => Preset {
     /// The paper as it is written: 20 views of 256 x 256, solid leaves, costs against the original,
     /// growth by the cost in bits; options that say otherwise are refused
     Paper,
-    /// The same where a leaf's growth is its cost over the largest of the step
+    /// The same, but a leaf's growth is its cost over the largest cost of the step
     PaperNormalised,
-    /// The same where a neighbour takes over all of the area
+    /// The same, but a neighbour takes over all of the area
     PaperFull,
-    /// The same where it does while the views have lost information
+    /// The same, but a neighbour takes over all of the area only while the views have lost
+    /// information
     PaperDeficit,
-    /// The same where no leaf grows
+    /// The same, but no leaf grows
     PaperNone,
 });
 names!(
@@ -90,26 +91,26 @@ names!(JudgingViewsName => JudgingViews {
     Icosahedron,
 });
 names!(CornersName => Corners {
-    /// Of the larger leaf those furthest from the middle of the other, of that those furthest from
-    /// these: no slivers
+    /// Of the larger leaf the two corners furthest from the other leaf's middle, of the other leaf the
+    /// two furthest from those: no slivers
     Spread,
-    /// Of both those furthest from the other leaf, as it is published
+    /// Of each leaf the two corners furthest from the other leaf, as it is published
     Furthest,
 });
 names!(HausdorffName => Hausdorff {
-    /// Of their corners
+    /// Between the corners of the two leaves
     Corners,
-    /// Of their surfaces
+    /// Between the surfaces of the two leaves
     Surface,
 });
 names!(MetricName => Metric {
-    /// How many branches grow from it
+    /// How many branches grow from the branch
     Children,
-    /// How many grow from it, from those, and so on
+    /// How many branches grow from the branch, from those, and so on
     Descendants,
-    /// The longest way from its start to a tip
+    /// The longest way from the branch's start to a tip
     LongestPath,
-    /// Its length and that of all its descendants
+    /// The length of the branch and of all its descendants
     BranchingLength,
 });
 names!(EngineName => Engine {
@@ -117,13 +118,13 @@ names!(EngineName => Engine {
     Auto,
     /// A GPU, software drivers included
     Gpu,
-    /// The CPU
+    /// The CPU, with as many threads as `--threads` says
     Cpu,
 });
 names!(ReferenceName => Reference {
-    /// The original foliage
+    /// Compare with the original foliage
     Original,
-    /// The foliage before the step
+    /// Compare with the foliage before the step
     Previous,
 });
 names!(ResizeName => Resize {
@@ -131,32 +132,32 @@ names!(ResizeName => Resize {
     Normalised,
     /// The cost in bits, at most 1
     Literal,
-    /// 1
+    /// 1: neighbours take over the whole area
     Full,
     /// 1 while the views together have lost information, else 0
     Deficit,
-    /// 0
+    /// 0: no leaf grows
     None,
 });
 names!(MeshoptModeName => Mode {
-    /// simplify, and drop small parts
+    /// `simplify`, then small parts are dropped
     Prune,
-    /// simplify alone: only collapses edges
+    /// `simplify` alone, which only collapses edges
     Plain,
-    /// simplify_sloppy: joins what shares a cell of a grid
+    /// `simplify_sloppy`, which joins vertices that share a cell of a grid
     Sloppy,
 });
 names!(ClusterSizeName => ClusterSize {
     /// The paper's radius: the mean distance and the mean radius of the leaves
     Paper,
-    /// As much area as the leaves.
+    /// The radius at which cluster leaves have as much area as the leaves that they stand for
     Area,
 });
 names!(TiesName => Ties { Order, Spread });
 names!(SidesName => Sides {
     /// As the material says: clients cull back faces where it is not doubleSided
     Material,
-    /// From both sides
+    /// Every leaf is seen from both sides
     Both,
 });
 names!(AlphaName => Alpha {

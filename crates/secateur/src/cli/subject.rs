@@ -16,17 +16,17 @@ const VIEWS: u64 = 20;
 
 /// A tree, and what becomes of its wood.
 pub(crate) enum Subject {
-    /// Leaves alone are looked at.
+    /// The leaves alone are simplified; wood is ignored.
     Leaves(Tree),
-    /// Wood is too.
+    /// Leaves are simplified beside the wood, which is treated as the mode says.
     Whole(WholeTree, WoodMode),
 }
 
-/// What came of it.
+/// What came of a run.
 pub(crate) struct Outcome {
-    /// Of the leaves.
+    /// The run over the leaves.
     pub(crate) result: Simplified,
-    /// Of all that [`Subject::tree`] can edit.
+    /// The level of everything that [`Subject::tree`] can edit.
     pub(crate) lod: Lod,
     /// Triangles of wood that are left.
     pub(crate) wood_triangles: u64,
@@ -105,7 +105,7 @@ impl Subject {
         Ok(skeleton.map(Arc::new))
     }
 
-    /// Simplifies it.
+    /// Simplifies the tree.
     pub(crate) fn simplified(
         &self,
         options: &Options,

@@ -45,14 +45,14 @@ pub enum Corners {
     Furthest,
 }
 
-/// Between what the Hausdorff distance of two leaves is taken.
+/// What the Hausdorff distance of two leaves is taken between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hausdorff {
-    /// Their corners.
+    /// The corners of the two leaves.
     #[default]
     Corners,
-    /// Their surfaces: from the corners of one to the triangles of the other, which is exact for
+    /// The surfaces of the two leaves: from the corners of one to the triangles of the other, which is exact for
     /// flat, convex leaves. A leaf through another's middle is near it, whatever its corners.
     Surface,
 }

@@ -104,7 +104,8 @@ impl Wood {
         (self.lod(&chosen), lost.sum())
     }
 
-    /// How many triangles save at least this many pixels each, the worthiest first; at most so many.
+    /// How many triangles save at least `px_a_triangle` pixels each, the worthiest first; at most
+    /// `triangles_at_most`.
     pub fn worth(&self, px_a_triangle: f64, triangles_at_most: usize) -> usize {
         let chosen = self.choose(triangles_at_most, px_a_triangle);
         let pieces = self.pieces.iter().zip(chosen);

@@ -14,18 +14,18 @@ pub(crate) struct Grow {
     /// rule file of your own, FILE.lsys.
     #[arg(value_name = "SPECIES")]
     pub(crate) species: String,
-    /// The result, .glb.
+    /// The file to write, .glb.
     #[arg(short, long, value_name = "OUT.glb")]
     pub(crate) output: PathBuf,
-    /// How many leaves it has, exactly [default: as many as suit the species].
+    /// How many leaves the plant has, exactly [default: as many as suit the species].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_LEAVES)))]
     pub(crate) leaves: Option<u32>,
-    /// Which sibling; equal seeds grow equal plants.
+    /// The seed: equal seeds grow equal plants, others grow siblings.
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
-    /// Only a level of detail of the plant: K for the first K paths of its chain of branches, or
-    /// a share of the leaves such as 0.25 for as many paths as bear no more; with `--lod-method
-    /// merge`, K for level K of the scheme.
+    /// Write only a level of detail of the plant: K for the first K paths of its chain of branches,
+    /// or a share of the leaves such as 0.25 for as many paths as bear at most that share; with
+    /// `--lod-method merge`, K for level K of the scheme.
     #[arg(long, value_name = "K|R", allow_negative_numbers = true)]
     pub(crate) lod: Option<Amount>,
     /// How levels of detail are made.

@@ -67,11 +67,11 @@ pub(crate) struct Simplify {
     /// contradict the paper's.
     #[arg(long, value_enum, default_value_t = PresetName::Look)]
     pub(crate) preset: PresetName,
-    /// Whether to fit the sizes of the remaining leaves to the original at the end, in other
-    /// views than those they were chosen in (with your own cameras, in these). coverage: each part of the crown as dense as it
-    /// was. A weight W: the outline pixel by pixel and the information, where a pixel of outline
-    /// counts W (0 to 100; 0.95 after --fit alone). auto: as the preset has it, for vds where
-    /// --resize and --max-coverage are the preset's.
+    /// Whether to change the sizes of the remaining leaves at the end until other views than those
+    /// that chose them (your own cameras: the same ones) look like the original. coverage: each
+    /// part of the crown gets as dense as it was. A weight W from 0 to 100: the outline and the
+    /// information are fitted, and a pixel of outline counts W (0.95 after --fit alone). auto: what
+    /// the preset does, for vds if --resize and --max-coverage are the preset's.
     #[arg(
         long,
         value_name = "auto|none|coverage|W",
@@ -90,23 +90,23 @@ pub(crate) struct Simplify {
     /// normalised for information].
     #[arg(long, help_heading = OF_VDS, value_enum)]
     pub(crate) resize: Option<ResizeName>,
-    /// How many nearest neighbours share it.
+    /// How many nearest neighbours share that area.
     #[arg(long, help_heading = OF_VDS, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) neighbours: u32,
-    /// Let no leaf grow while the views show C times as much foliage as at first or more: keeps
-    /// gaps open and the outline, at the cost of more VMI error [default: 1 for the look, none
-    /// for information].
+    /// Let no leaf grow while the views show at least C times as much foliage as at first: keeps
+    /// gaps and the outline, at the cost of more VMI error [default: 1 for the look, none for
+    /// information].
     #[arg(long, help_heading = OF_VDS, value_name = "C|none", allow_negative_numbers = true, value_parser = max_coverage)]
     pub(crate) max_coverage: Option<MaxCoverage>,
     /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
     #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
     pub(crate) ties: TiesName,
-    /// vds: how many triangles a leaf keeps at most: a number, keep (all), or auto: with
-    /// `--triangles` fewer, so that as many leaves as possible stay, but of one with holes those
-    /// that show the same, or two; else all [default: auto; keep for the paper's presets].
+    /// How many triangles a leaf keeps at most: a number; keep: all; auto: with `--triangles`
+    /// fewer, so that more leaves stay (a leaf with holes keeps as many as show the same, or two),
+    /// else all [default: auto; keep for the paper's presets].
     #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N")]
     pub(crate) leaf_triangles: Option<LeafTriangles>,
-    /// For methods that draw lots: which of them.
+    /// The seed of methods that choose at random.
     #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
     /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
@@ -139,25 +139,26 @@ pub(crate) struct Simplify {
     /// fsa: which two corners each of two leaves gives to the one that takes their place.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = CornersName::Spread)]
     pub(crate) corners: CornersName,
-    /// fsa: between what the distance of two leaves (of Hausdorff) is taken.
+    /// fsa: what the Hausdorff distance of two leaves is taken between.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = HausdorffName::Corners)]
     pub(crate) hausdorff: HausdorffName,
-    /// meshopt: which of its simplifiers.
+    /// meshopt: which of its simplifiers to use.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptModeName::Prune)]
     pub(crate) meshopt_mode: MeshoptModeName,
     /// meshopt: move the borders of what is left outwards, to give back lost area.
     #[arg(long, help_heading = OF_OTHERS)]
     pub(crate) preserve_area: bool,
-    /// chain: by what branches go, those with the least first.
+    /// chain: what is counted of a branch; those with the least go first.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MetricName::BranchingLength)]
     pub(crate) branch_metric: MetricName,
     /// merge: how large clusters of leaves are.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = ClusterSizeName::Paper)]
     pub(crate) cluster_size: ClusterSizeName,
-    /// Rasterise the result from scratch another way and compare [default: in debug builds].
+    /// Draw the result again in another way, and fail if its areas differ [default: in debug
+    /// builds].
     #[arg(long, help_heading = OF_RECORDS, overrides_with = "no_audit")]
     pub(crate) audit: bool,
-    /// Do not rasterise the result again.
+    /// Do not draw the result again.
     #[arg(long, help_heading = OF_RECORDS, overrides_with = "audit")]
     pub(crate) no_audit: bool,
     /// Write the machine-readable record of the run to this file.

@@ -27,17 +27,18 @@ pub(crate) struct Study {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "methods")]
     pub(crate) plan: Vec<PlanName>,
     /// Instead of plans: a method and options of `simplify`, such as 'vds --views 8'; can be given
-    /// several times. With `--triangles`, without a number, its levels are shares of the triangles.
+    /// several times. If it has `--triangles`, without a number, its levels are shares of the
+    /// triangles.
     #[arg(long, value_name = "CASE")]
     pub(crate) case: Vec<String>,
     /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1, for whole
     /// plants 0.5,0.25,0.1].
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
     pub(crate) levels: Vec<f64>,
-    /// Of all these trees, study only the one of this name; can be given several times.
+    /// Study only the tree of this name; can be given several times.
     #[arg(long, value_name = "NAME", conflicts_with = "redraw")]
     pub(crate) only: Vec<String>,
-    /// How many seeds of methods that draw lots.
+    /// How many seeds to run of methods that choose at random.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) seeds: u32,
     /// Run nothing: draw charts and report from the rows again.

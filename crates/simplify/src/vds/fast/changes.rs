@@ -27,7 +27,7 @@ impl Change {
         self.0.is_finite().then_some(self.0)
     }
 
-    /// With so much more, rounded up.
+    /// Adds `units` to the bound, rounded up.
     pub(super) fn add(&mut self, units: u64) {
         self.0 = (self.0.max(0.0) + units as f32) * (1.0 + 4.0 * f32::EPSILON);
     }

@@ -59,7 +59,7 @@ impl<'t> Deref for Counts<'t> {
 }
 
 impl<'t> Counts<'t> {
-    /// Of areas in views of so many pixels.
+    /// The counts of areas in views of `pixels_per_view` pixels.
     pub(super) fn new(areas: &AreaTable, pixels_per_view: u32, table: &'t LgTable) -> Self {
         let view_count = areas.view_count();
         let mut counts = Self {

@@ -13,7 +13,7 @@ pub(super) struct Reveals {
 }
 
 impl Reveals {
-    /// None yet, of views of so many pixels. All views together have at most
+    /// No reveals yet. All views together have at most
     /// [`MAX_TOTAL_PIXELS`](secateur_raster::MAX_TOTAL_PIXELS), and with them
     /// the words have room for every view.
     pub(super) fn none(pixels_per_view: u32) -> Self {

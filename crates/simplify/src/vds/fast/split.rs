@@ -14,7 +14,7 @@ pub(super) struct Split {
 }
 
 impl Split {
-    /// Over the largest power of two of shards that so many cores can serve.
+    /// A split over the largest power of two of shards that `cores` cores can serve.
     pub(super) fn over(cores: usize) -> Self {
         Self {
             shards_log2: cores.clamp(1, 1 << 8).ilog2(),

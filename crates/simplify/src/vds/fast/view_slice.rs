@@ -20,8 +20,8 @@ pub(super) struct ViewSlice {
 }
 
 impl ViewSlice {
-    /// All views over so many slices, of which `occlusions` says what hides leaves there. Events lead from nothing but background to
-    /// what is there.
+    /// All views, parted into slices; `occlusions` says what hides leaves in each view. The events lead
+    /// from background alone to what is there.
     pub(super) fn all(
         fragments: Fragments,
         occlusions: Option<&[Occlusion]>,

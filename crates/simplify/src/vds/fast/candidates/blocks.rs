@@ -11,7 +11,7 @@ use super::widths::Width;
 /// A leaf's figures against the deviations of an epoch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figures {
-    /// `sum g d`.
+    /// The sum over the views of `g d`: the leaf's deltas along the signs of the deviations.
     pub along: f32,
     pub excess: f32,
     /// Sum of the deltas without their signs.
@@ -131,7 +131,7 @@ impl Block {
         self.rounding = self.rounding_solid + rounding.of_background(px);
     }
 
-    /// A leaf's deltas changed by so much in all.
+    /// Widens the bounds by how much the deltas of the leaf in this lane changed in all, without signs.
     #[inline]
     pub(super) fn outdate(&mut self, lane: usize, change: f32) {
         self.outdated |= 1 << lane;

@@ -243,15 +243,18 @@ impl Epochs {
         // Sums of their own are what vector instructions add up.
         let mut sums = [0f32; VIEWS_AT_ONCE];
         for at in (0..whole).step_by(VIEWS_AT_ONCE) {
-            let widths: &[Width; VIEWS_AT_ONCE] =
-                widths[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
-            let kept: &[f32; VIEWS_AT_ONCE] =
-                kept[at..at + VIEWS_AT_ONCE].try_into().expect("so many");
+            let widths: &[Width; VIEWS_AT_ONCE] = widths[at..at + VIEWS_AT_ONCE]
+                .try_into()
+                .expect("as many as are read at once");
+            let kept: &[f32; VIEWS_AT_ONCE] = kept[at..at + VIEWS_AT_ONCE]
+                .try_into()
+                .expect("as many as are read at once");
             let sizes: &[f32; VIEWS_AT_ONCE] = self.sizes[at..at + VIEWS_AT_ONCE]
                 .try_into()
-                .expect("so many");
+                .expect("as many as are read at once");
             let is_negative = &self.is_negative[at..at + VIEWS_AT_ONCE];
-            let is_negative: &[u32; VIEWS_AT_ONCE] = is_negative.try_into().expect("so many");
+            let is_negative: &[u32; VIEWS_AT_ONCE] =
+                is_negative.try_into().expect("as many as are read at once");
             for k in 0..VIEWS_AT_ONCE {
                 sums[k] += beyond(widths[k], kept[k], sizes[k], is_negative[k] != 0);
             }

@@ -32,8 +32,8 @@ impl Rounding {
         self.f32_part * magnitude
     }
 
-    /// Of the background's terms in the views in which it is revealed, for a
-    /// leaf that would hand it so many pixels.
+    /// The rounding of the background's terms in the views in which it is revealed, for a
+    /// leaf that would hand it `background_px` pixels.
     pub(super) fn of_revealed(self, background_px: f32) -> f32 {
         self.revealed * background_px.min(self.views)
     }
