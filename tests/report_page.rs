@@ -30,8 +30,8 @@ fn a_report_works_in_a_browser() {
         for nothing in ["errors", "too_wide", "cut_text", "asked_for"] {
             assert_eq!(found[nothing], Value::Array(vec![]), "{nothing} at {width}");
         }
-        // A chart for each of seven metrics and two levels.
-        assert_eq!(found["charts"], 14);
+        // One at the head, and one for each of seven metrics and two levels.
+        assert_eq!(found["charts"], 15);
         let trees = found["trees"].as_array().unwrap();
         assert_eq!(trees.len(), 1);
         check_slider(trees[0].as_array().unwrap());

@@ -193,6 +193,12 @@ impl Case {
         self
     }
 
+    /// Sizes fitted at the end as the default of VDS has it.
+    pub(crate) fn fitted(mut self) -> Self {
+        self.options.fit = Fitting::Coverage;
+        self
+    }
+
     pub(crate) fn views(mut self, views: Views) -> Self {
         self.options.views = views;
         self

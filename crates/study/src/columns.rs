@@ -2,8 +2,11 @@
 
 use std::sync::LazyLock;
 
+use secateur_eval::AsDrawnMeasurement;
 use secateur_eval::measure::{Direction, METRICS};
 use secateur_eval::pictures::PICTURE_METRICS;
+
+use crate::Row;
 
 /// A metric as tables and charts need it.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +38,91 @@ pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(|| {
     counted.chain(pictured).collect()
 });
 
+/// Widths of the pictures that are judged as a client draws them, in pixels: a tree that fills a
+/// good part of a screen, and one far off.
+pub const DRAWN_WIDTHS_PX: [u32; 2] = [512, 128];
+
+/// The metrics of what a client draws: mip maps, the alpha test at the middle of each pixel, back
+/// faces culled. Rows that are older, and those that a paper's views judge, lack their values.
+pub const DRAWN_COLUMNS: [Column; 6] = [
+    drawn(
+        "flip_as_drawn_512",
+        "FLIP at 512 px as drawn",
+        Direction::Lower,
+    ),
+    drawn(
+        "iou_as_drawn_512",
+        "IoU at 512 px as drawn",
+        Direction::Higher,
+    ),
+    drawn(
+        "coverage_as_drawn_512",
+        "coverage at 512 px as drawn",
+        Direction::NearerToOne,
+    ),
+    drawn(
+        "flip_as_drawn_128",
+        "FLIP at 128 px as drawn",
+        Direction::Lower,
+    ),
+    drawn(
+        "iou_as_drawn_128",
+        "IoU at 128 px as drawn",
+        Direction::Higher,
+    ),
+    drawn(
+        "coverage_as_drawn_128",
+        "coverage at 128 px as drawn",
+        Direction::NearerToOne,
+    ),
+];
+
+const fn drawn(key: &'static str, title: &'static str, direction: Direction) -> Column {
+    Column {
+        key,
+        title,
+        unit: "",
+        direction,
+    }
+}
+
+/// The column of a key.
+///
+/// # Panics
+/// If there is none.
+pub(crate) fn column(key: &str) -> &'static Column {
+    let mut all = COLUMNS.iter().chain(&DRAWN_COLUMNS);
+    all.find(|column| column.key == key).expect("a metric")
+}
+
+/// The values of [`DRAWN_COLUMNS`] of one width, by their keys.
+pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> [(String, Option<f64>); 3] {
+    let value = |what: &str, value: f64| {
+        let key = format!("{what}_as_drawn_{}", measured.width_px);
+        (key, Some(value).filter(|value| value.is_finite()))
+    };
+    [
+        value("flip", measured.flip_mean),
+        value("iou", measured.silhouette_iou),
+        value("coverage", measured.coverage_over_truth),
+    ]
+}
+
 impl Column {
+    /// Its value in a row; infinite where there is none.
+    pub(crate) fn value_of(&self, row: &Row) -> f64 {
+        let value = row.values.get(self.key).copied().flatten();
+        value.unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether a row has a better value than another; not if either has none.
+    pub(crate) fn is_better(&self, row: &Row, than: &Row) -> bool {
+        let [own, other] = [row, than].map(|row| self.value_of(row));
+        own.is_finite()
+            && other.is_finite()
+            && self.direction.badness(own) < self.direction.badness(other)
+    }
+
     /// Which values are good, in words: "lower is better".
     pub fn better(&self) -> &'static str {
         match self.direction {
@@ -43,5 +130,29 @@ impl Column {
             Direction::Higher => "higher is better",
             Direction::NearerToOne => "nearer to 1 is better",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_width_as_drawn_has_its_columns() {
+        let keys = DRAWN_WIDTHS_PX.map(|width_px| {
+            values_as_drawn(&AsDrawnMeasurement {
+                width_px,
+                coverage_over_truth: 1.0,
+                original_coverage_over_truth: 1.0,
+                silhouette_iou: 1.0,
+                specks_per_view: 0.0,
+                original_specks_per_view: 0.0,
+                flip_mean: f64::NAN,
+                original_flip_mean: 0.0,
+            })
+        });
+        let all: Vec<&str> = keys.iter().flatten().map(|(key, _)| key.as_str()).collect();
+        assert_eq!(all, DRAWN_COLUMNS.map(|column| column.key));
+        assert_eq!(keys[0][0].1, None, "rows hold finite numbers");
     }
 }

@@ -1,6 +1,6 @@
 //! Rows as CSV, for spreadsheets.
 
-use crate::{COLUMNS, Column, Row};
+use crate::{COLUMNS, Column, DRAWN_COLUMNS, Row, Values};
 
 /// Rows as CSV: a line of names, a line each; no per-view values. Text that a spreadsheet would
 /// take for a formula has an apostrophe before it.
@@ -10,6 +10,9 @@ pub fn to_csv(rows: &[Row]) -> String {
         for column in COLUMNS.iter() {
             text += &format!(",{prefix}{}", column.key);
         }
+    }
+    for column in DRAWN_COLUMNS {
+        text += &format!(",{}", column.key);
     }
     text += ",engine,adapter,version,commit,machine,command\n";
     for row in rows {
@@ -31,13 +34,14 @@ pub fn to_csv(rows: &[Row]) -> String {
             row.max_area_scale.map_or(String::new(), |s| s.to_string()),
             row.judged_by.name().to_owned(),
         ];
+        let cell = |values: &Values, column: &Column| {
+            let value = values.get(column.key).copied().flatten();
+            value.map_or(String::new(), |value| value.to_string())
+        };
         for values in [&row.values, &row.worst] {
-            let cell = |c: &Column| values.get(c.key).copied().flatten();
-            let cells_of = COLUMNS
-                .iter()
-                .map(|c| cell(c).map_or(String::new(), |v| v.to_string()));
-            cells.extend(cells_of);
+            cells.extend(COLUMNS.iter().map(|column| cell(values, column)));
         }
+        cells.extend(DRAWN_COLUMNS.map(|column| cell(&row.values, &column)));
         cells.push(bare(&row.engine));
         cells.push(quoted(row.adapter.as_deref().unwrap_or("")));
         cells.extend([bare(&row.version), bare(&row.commit)]);

@@ -1,12 +1,13 @@
 //! On how many trees a method is dominated: another one is better in VMI error, in the outline, or
 //! in both.
 
-use super::{COLUMNS, Row, held_out};
+use super::{Row, held_out};
+use crate::columns::column;
 use crate::format::percent;
 use crate::table::Table;
 
 /// What reports say the cells of [`dominance`] count.
-pub(crate) const WHAT_IS_COUNTED: &str = "On how many of the trees some other method is better in both VMI error and silhouette IoU / in at least one of them. VMI error alone can be had at the price of the outline, and the outline at the price of VMI error.";
+pub(crate) const WHAT_IS_COUNTED: &str = "On how many of the trees some other method is better in both VMI error and silhouette IoU / in at least one of them / in FLIP. VMI error alone can be had at the price of the outline, and the outline at the price of VMI error.";
 
 /// A line for each method and setting, in the order of their first rows, counted over unchanged
 /// trees; nothing if there is only one method.
@@ -36,7 +37,7 @@ pub(crate) fn dominance(rows: &[Row]) -> Option<Table> {
         let mut cells = vec![held_out::shown(&label, is_flattered)];
         for level in &levels {
             let there = || rows.iter().filter(|row| row.level == *level);
-            let (mut in_both, mut in_one, mut cases) = (0, 0, 0);
+            let (mut in_both, mut in_one, mut in_flip, mut cases) = (0, 0, 0, 0);
             for own in there().filter(|row| row.label() == label) {
                 let rivals = there().filter(|r| r.tree == own.tree && r.method != own.method);
                 let gains: Vec<_> = rivals.map(|rival| (rival, gains(rival, own))).collect();
@@ -45,6 +46,11 @@ pub(crate) fn dominance(rows: &[Row]) -> Option<Table> {
                 cases += 1;
                 in_one += i32::from(gains.iter().any(|(_, g)| g.contains(&true)));
                 in_both += i32::from(better_in_both.peek().is_some());
+                in_flip += i32::from(
+                    gains
+                        .iter()
+                        .any(|(rival, _)| column("flip_mean").is_better(rival, own)),
+                );
                 for winner in better_in_both {
                     if !winners.contains(winner) {
                         winners.push(winner.clone());
@@ -53,7 +59,7 @@ pub(crate) fn dominance(rows: &[Row]) -> Option<Table> {
             }
             cells.push(match cases {
                 0 => String::new(),
-                _ => format!("{in_both} / {in_one} of {cases}"),
+                _ => format!("{in_both} / {in_one} / {in_flip} of {cases}"),
             });
         }
         cells.push(winners.join("; "));
@@ -62,17 +68,17 @@ pub(crate) fn dominance(rows: &[Row]) -> Option<Table> {
     Some(table)
 }
 
+/// Whether another method is better on the same tree in both VMI error and silhouette IoU.
+pub(crate) fn is_beaten(row: &Row, rows: &[&Row]) -> bool {
+    let mut rivals = rows
+        .iter()
+        .filter(|r| r.tree == row.tree && r.method != row.method);
+    rivals.any(|rival| gains(rival, row) == [true; 2])
+}
+
 /// In which of VMI error and silhouette IoU a row is better than another.
 fn gains(row: &Row, than: &Row) -> [bool; 2] {
-    ["vmi_error_percent", "silhouette_iou"].map(|key| {
-        let column = COLUMNS.iter().find(|column| column.key == key);
-        let direction = column.expect("a metric").direction;
-        let badness = |row: &Row| {
-            let value = row.values.get(key).copied().flatten();
-            value.map_or(f64::INFINITY, |value| direction.badness(value))
-        };
-        badness(row) < badness(than)
-    })
+    ["vmi_error_percent", "silhouette_iou"].map(|key| column(key).is_better(row, than))
 }
 
 #[cfg(test)]
@@ -108,10 +114,10 @@ mod tests {
         // On the oak fsa has the better outline, sm less error, neither both;
         // its own finer setting is no rival.
         let expected = [
-            ["vds", "1 / 2 of 2", "fsa"],
-            ["fsa", "1 / 1 of 2", "vds"],
-            ["sm", "2 / 2 of 2", "vds; fsa"],
-            ["vds finer", "0 / 0 of 1", ""],
+            ["vds", "1 / 2 / 0 of 2", "fsa"],
+            ["fsa", "1 / 1 / 0 of 2", "vds"],
+            ["sm", "2 / 2 / 0 of 2", "vds; fsa"],
+            ["vds finer", "0 / 0 / 0 of 1", ""],
         ];
         assert_eq!(table.body, expected);
         // A changed tree is no case.

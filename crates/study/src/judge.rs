@@ -7,11 +7,12 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur_eval::measure::Scores;
 use secateur_eval::pictures::{PictureScores, Pictures, difference};
-use secateur_eval::{Camera, Original, RenderOptions, framing, render};
+use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
 use secateur_gltf::{Document, Tree};
 use secateur_model::{Lod, Surface};
 use secateur_simplify::sphere_of;
 
+use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
 use crate::files::make_folder;
 use crate::job::Run;
 use crate::scenes::views_from;
@@ -20,11 +21,12 @@ use crate::survivor_bits::SurvivorBits;
 use crate::timed::Ran;
 use crate::{Error, Host, Identity, Row, Values};
 
-const PICTURE_WIDTH: u32 = 280;
-const PICTURE_HEIGHT: u32 = 320;
-const JPEG_QUALITY: u8 = 85;
+/// Large enough that a reader sees single leaves.
+const PICTURE_WIDTH: u32 = 420;
+const PICTURE_HEIGHT: u32 = 480;
+const JPEG_QUALITY: u8 = 80;
 /// Lower than that of pictures: differences are smooth.
-const DIFFERENCE_QUALITY: u8 = 70;
+const DIFFERENCE_QUALITY: u8 = 60;
 
 /// The original of a tree, drawn once, that all its levels are compared with.
 pub(crate) struct Judge<'a> {
@@ -35,6 +37,8 @@ pub(crate) struct Judge<'a> {
     host: &'a dyn Host,
     original: Original<'a>,
     pictures: Pictures,
+    /// For each of [`DRAWN_WIDTHS_PX`]; none where a paper's views judge.
+    drawn: Vec<AsDrawn>,
     camera: Camera,
     portrait: RgbaImage,
 }
@@ -60,6 +64,11 @@ impl<'a> Judge<'a> {
         }
         let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
         let camera = camera(&surfaces);
+        let as_drawn = |width_px| AsDrawn::new(&surfaces, &judging.rigs[0], width_px);
+        let drawn = match subject.judged_by {
+            JudgingViews::HeldOut => DRAWN_WIDTHS_PX.map(as_drawn).into(),
+            JudgingViews::Icosahedron => Vec::new(),
+        };
         let judge = Self {
             identity,
             path,
@@ -67,6 +76,7 @@ impl<'a> Judge<'a> {
             folder,
             host,
             pictures: Pictures::of(&surfaces, &judging.rigs),
+            drawn,
             portrait: portrait(&surfaces, &camera),
             camera,
             original: Original::new(tree.foliage(), judging)?,
@@ -136,6 +146,9 @@ impl<'a> Judge<'a> {
             picture: String::new(),
             difference: String::new(),
         };
+        let drawn = self.drawn.iter().map(|drawn| drawn.measure(&surfaces));
+        row.values
+            .extend(drawn.flat_map(|drawn| values_as_drawn(&drawn)));
         let name = file_name(
             &self.identity.file_stem(),
             &row.label(),

@@ -11,6 +11,8 @@
 //! What a study needs of the program that runs it is a [`Host`]: progress, a wish to stop,
 //! writing files, and facts of the machine.
 
+mod as_options;
+mod beaten;
 mod case;
 mod chart;
 mod columns;
@@ -30,6 +32,7 @@ mod judge;
 mod lock;
 mod named_cases;
 mod older_rows;
+mod pages;
 mod paper;
 mod perturb;
 mod plan;
@@ -43,6 +46,7 @@ mod rows;
 mod run;
 mod scenes;
 mod shares;
+mod short_names;
 mod subject;
 mod summary;
 mod survivor_bits;
@@ -53,12 +57,13 @@ mod whole;
 
 pub use case::{Case, LevelOf};
 pub use chart::chart;
-pub use columns::{COLUMNS, Column};
+pub use columns::{COLUMNS, Column, DRAWN_COLUMNS, DRAWN_WIDTHS_PX};
 pub use csv::to_csv;
 pub use draw::Drawn;
 pub use error::Error;
 pub use failure_case::FailureCase;
 pub use host::{Host, Provenance};
+pub use pages::{PageError, fill_tables};
 pub use perturb::Perturbation;
 pub use plan::Plan;
 pub use published::{Paper, Published};

@@ -46,6 +46,9 @@ fn methods() -> Vec<Case> {
         stochastic_of_half_area(),
         meshopt(false),
         meshopt(true),
+        fsa().fitted(),
+        stochastic().fitted(),
+        meshopt(true).fitted(),
     ]
 }
 
@@ -165,6 +168,9 @@ mod tests {
             "stochastic area-weight 0.5",
             "meshopt",
             "meshopt preserve-area",
+            "fsa corners furthest fit=coverage",
+            "stochastic fit=coverage",
+            "meshopt preserve-area fit=coverage",
         ];
         assert_eq!(labels, expected);
         let labels: Vec<String> = speed()[3..12].iter().map(Case::setting).collect();

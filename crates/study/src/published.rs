@@ -53,7 +53,13 @@ pub(crate) fn beside(paper: &Paper, rows: &[Row]) -> Vec<(String, Table)> {
     let comparisons = paper.comparisons.iter();
     let multiples =
         comparisons.filter_map(|(title, labels)| Some((title.clone(), multiples(rows, labels)?)));
-    printed.into_iter().chain(multiples).collect()
+    let nearest = nearest(paper, rows).map(|table| {
+        (
+            "Which reading comes nearest to the printed errors".to_owned(),
+            table,
+        )
+    });
+    (printed.into_iter().chain(nearest).chain(multiples)).collect()
 }
 
 /// Errors and times of two sources, each as they are and as multiples of the
@@ -116,6 +122,50 @@ fn side_by_side(published: &[Published], rows: &[Row], base: &str) -> Option<Tab
             duration(here.seconds),
             times(paper_base.as_ref().map(|b| paper.seconds / b.seconds)),
             times(here_base.as_ref().map(|b| here.seconds / b.seconds)),
+        ]);
+    }
+    (!table.body.is_empty()).then_some(table)
+}
+
+/// How near each reading of a paper's method comes to the errors that it prints: for each label
+/// that begins with `vds`, here over printed as geometric means over all printed figures of the
+/// method.
+pub(crate) fn nearest(paper: &Paper, rows: &[Row]) -> Option<Table> {
+    let base = &paper.comparisons.first()?.1;
+    let printed = paper.figures.iter().filter(|f| f.label == base[0]);
+    let printed: Vec<&Published> = printed.collect();
+    let mut table = Table::new(&[
+        "method",
+        "figures",
+        "error: here over the paper's",
+        "times apart, mean",
+        "times apart, at most",
+        "within a factor of 2",
+    ]);
+    for label in base.iter().filter(|label| label.starts_with("vds")) {
+        let ratios: Vec<f64> = (printed.iter())
+            .filter_map(|figure| {
+                let here = find(rows, &figure.tree, label, figure.level)?;
+                Some((here.error_percent / figure.error_percent).ln())
+            })
+            .filter(|ratio| ratio.is_finite())
+            .collect();
+        if ratios.is_empty() {
+            continue;
+        }
+        let mean = |of: fn(f64) -> f64| {
+            let sum: f64 = ratios.iter().map(|ratio| of(*ratio)).sum();
+            (sum / ratios.len() as f64).exp()
+        };
+        let most = ratios.iter().map(|ratio| ratio.abs()).fold(0.0, f64::max);
+        let near = ratios.iter().filter(|r| r.abs() <= 2f64.ln()).count();
+        table.push(vec![
+            label.clone(),
+            ratios.len().to_string(),
+            format!("{:.2}", mean(|ratio| ratio)),
+            format!("{:.2}", mean(f64::abs)),
+            format!("{:.2}", most.exp()),
+            near.to_string(),
         ]);
     }
     (!table.body.is_empty()).then_some(table)
@@ -215,6 +265,27 @@ mod tests {
             ]
         );
         assert_eq!(side_by_side(&published, &[], "vds"), None);
+    }
+
+    /// Half and twice the printed error: right in the geometric mean, a factor of two apart.
+    #[test]
+    fn readings_are_held_against_all_printed_figures() {
+        let mut figures = vec![printed("vds", 5.0, 1.0), printed("vds", 6.0, 1.0)];
+        figures[1].tree = "pine".into();
+        figures.push(printed("fsa", 40.0, 1.0));
+        let paper = Paper {
+            about: String::new(),
+            figures,
+            comparisons: vec![(
+                String::new(),
+                ["vds", "vds none", "fsa"].map(str::to_owned).into(),
+            )],
+        };
+        let mut rows = [row("vds", 0.1, 1.0, 2.5), row("vds", 0.1, 1.0, 12.0)];
+        rows[1].tree = "pine".into();
+        let table = nearest(&paper, &rows).unwrap();
+        assert_eq!(table.body, [["vds", "2", "1.00", "2.00", "2.00", "2"]]);
+        assert_eq!(nearest(&paper, &[]), None);
     }
 
     #[test]

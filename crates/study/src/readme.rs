@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{COLUMNS, Row, Study, groups, held_out, overlap, shares, spread, summarise};
+use crate::beaten::{self, beaten_as_drawn, lost_cases};
 use crate::complete_cases::note_of;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
 use crate::failure_case::{WHAT_IS_BETTER, overview};
@@ -52,6 +53,7 @@ pub fn readme(study: &Study<'_>) -> String {
         let _ = writeln!(text, "{note}\n");
     }
     who_is_beaten(&mut text, &given);
+    beaten_where_drawn(&mut text, study.rows);
     stability(&mut text, &plain);
     whole(&mut text, study.rows);
     if let Some(table) = overview(study.failure_cases, study.rows) {
@@ -115,6 +117,16 @@ fn who_is_beaten(text: &mut String, given: &[Row]) {
     if let Some(table) = dominance(given) {
         let table = table.markdown();
         let _ = writeln!(text, "## Who is beaten\n\n{WHAT_IS_COUNTED}\n\n{table}");
+    }
+}
+
+fn beaten_where_drawn(text: &mut String, rows: &[Row]) {
+    if let Some(table) = beaten_as_drawn(rows) {
+        let (what, table) = (beaten::WHAT_IS_COUNTED, table.markdown());
+        let _ = writeln!(text, "## Who is beaten as drawn\n\n{what}\n\n{table}");
+    }
+    if let Some(table) = lost_cases(rows) {
+        let _ = writeln!(text, "{}\n\n{}", beaten::WHAT_IS_LISTED, table.markdown());
     }
 }
 

@@ -5,7 +5,7 @@ use crate::format::{number, percent};
 use crate::table::Table;
 
 /// What reports say that the lines of [`recommend`] list.
-pub(crate) const WHAT_IS_LISTED: &str = "What has the least VMI error and the best outline of all that takes no longer, in the mean; a time is left out where more of it buys nothing. Times are of this machine and these trees; where not to trust a method, the plans failures and stability tell.";
+pub(crate) const WHAT_IS_LISTED: &str = "What has the pictures most like the original's (least FLIP), the best outline (most overlap, silhouette IoU) and the least VMI error of all that takes no longer, in the mean; a time is left out where more of it buys nothing. Times are of this machine and these trees; where not to trust a method, the plans failures and stability tell.";
 
 /// The shortest and the longest time that is listed, as powers of ten of a second.
 const LEAST_TIME: i32 = -3;
@@ -23,15 +23,17 @@ pub(crate) fn recommend(rows: &[Row]) -> Option<Table> {
     let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();
     levels.sort_by(|a, b| b.total_cmp(a));
     levels.dedup();
-    let columns = ["vmi_error_percent", "silhouette_iou"].map(|key| {
+    let columns = ["flip_mean", "silhouette_iou", "vmi_error_percent"].map(|key| {
         let column = COLUMNS.iter().find(|column| column.key == key);
         column.expect("a metric")
     });
-    let names = columns.map(|column| match column.unit {
-        "" => column.title.to_owned(),
-        unit => format!("{} in {unit}", column.title),
-    });
-    let mut table = Table::new(&["left, in at most", &names[0], &names[1]]);
+    let mut table = Table::new(&[
+        "left",
+        "in at most",
+        "most alike: FLIP",
+        "best outline: IoU",
+        "least VMI error",
+    ]);
     for level in levels {
         let there = rows.iter().copied().filter(|row| row.level == level);
         let there: Vec<&Row> = there.collect();
@@ -39,13 +41,13 @@ pub(crate) fn recommend(rows: &[Row]) -> Option<Table> {
         let mut before = None;
         for power in LEAST_TIME..=MOST_TIME {
             let of = |k: usize| best_within(&points[k], columns[k], 10f64.powi(power));
-            let best = [of(0), of(1)];
+            let best = [of(0), of(1), of(2)];
             if best.iter().all(Option::is_none) || before.as_ref() == Some(&best) {
                 continue;
             }
-            let left = format!("{}, {}", percent(level), time(power));
-            let [by_error, by_outline] = best.clone().map(Option::unwrap_or_default);
-            table.push(vec![left, by_error, by_outline]);
+            let mut line = vec![percent(level), time(power)];
+            line.extend(best.clone().map(Option::unwrap_or_default));
+            table.push(line);
             before = Some(best);
         }
     }
@@ -55,7 +57,15 @@ pub(crate) fn recommend(rows: &[Row]) -> Option<Table> {
 fn best_within(points: &[Point], column: &Column, seconds: f64) -> Option<String> {
     let frontier = pareto(points, column);
     let best = frontier.iter().rfind(|point| point.seconds <= seconds)?;
-    Some(format!("{}: {}", best.label, number(best.mean, column)))
+    let unit = match column.unit {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    Some(format!(
+        "{}: {}{unit}",
+        best.label,
+        number(best.mean, column)
+    ))
 }
 
 fn time(power: i32) -> String {
@@ -88,15 +98,27 @@ mod tests {
             of("sm", 0.1, 0.02, 30.0, 0.4),
         ];
         let expected = [
-            ["50 %, 1 ms", "sm: 9.00", "sm: 0.6000"],
-            ["50 %, 10 ms", "sm: 9.00", "meshopt: 0.7000"],
-            ["50 %, 10 s", "vds: 1.00", "vds: 0.9000"],
-            ["10 %, 100 ms", "sm: 30.00", "sm: 0.4000"],
+            ["50 %", "1 ms", "sm: 0.5000", "sm: 0.6000", "sm: 9.00 %"],
+            [
+                "50 %",
+                "10 ms",
+                "sm: 0.5000",
+                "meshopt: 0.7000",
+                "sm: 9.00 %",
+            ],
+            ["50 %", "10 s", "sm: 0.5000", "vds: 0.9000", "vds: 1.00 %"],
+            ["10 %", "100 ms", "sm: 0.5000", "sm: 0.4000", "sm: 30.00 %"],
         ];
         let table = recommend(&rows).unwrap();
         assert_eq!(
             table.head,
-            ["left, in at most", "VMI error in %", "Silhouette IoU"]
+            [
+                "left",
+                "in at most",
+                "most alike: FLIP",
+                "best outline: IoU",
+                "least VMI error"
+            ]
         );
         assert_eq!(table.body, expected);
         rows.push(Row {

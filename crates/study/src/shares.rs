@@ -26,7 +26,8 @@ pub(crate) fn note_of(rows: &[Row]) -> Option<String> {
     })
 }
 
-fn is_of_triangles(row: &Row) -> bool {
+/// Whether a row's level is a share of the triangles, or it has more leaves than its share.
+pub(crate) fn is_of_triangles(row: &Row) -> bool {
     let share = (row.level * row.leaves_original as f64).round();
     row.level_of == LevelOf::Triangles || row.leaves_final as f64 > share
 }

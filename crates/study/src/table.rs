@@ -26,6 +26,15 @@ impl Table {
     }
 
     pub(crate) fn html(&self) -> String {
+        self.html_of_class("wide")
+    }
+
+    /// Of cells whose words may stand below one another where the page is narrow.
+    pub(crate) fn prose_html(&self) -> String {
+        self.html_of_class("wide prose")
+    }
+
+    fn html_of_class(&self, class: &str) -> String {
         let line = |cells: &[String], tag: &str| {
             let cells = cells
                 .iter()
@@ -34,7 +43,7 @@ impl Table {
         };
         let body: String = self.body.iter().map(|cells| line(cells, "td")).collect();
         format!(
-            "<div class=\"wide\"><table><thead>{}</thead><tbody>\n{body}</tbody></table></div>\n",
+            "<div class=\"{class}\"><table><thead>{}</thead><tbody>\n{body}</tbody></table></div>\n",
             line(&self.head, "th")
         )
     }

@@ -1,6 +1,8 @@
 //! The report of a study: one HTML page that needs no other file.
 
 mod failures;
+mod means;
+mod overview;
 mod paper;
 mod pictures;
 mod stability;
@@ -12,14 +14,14 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::{COLUMNS, Column, FailureCase, Paper, Point, Row, summarise};
-use super::{held_out, shares};
-use crate::chart::{chart, escaped};
+use super::{COLUMNS, FailureCase, Paper, Row, held_out};
+use crate::beaten::{self, beaten_as_drawn, lost_cases};
+use crate::chart::escaped;
 use crate::complete_cases::{note_of, take_out_partial};
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
-use crate::format::{duration, memory, number, overlap_of, percent, trees};
+use crate::format::{number, percent, trees};
 use crate::recommend::{WHAT_IS_LISTED, recommend};
-use secateur_eval::measure::Direction;
+use crate::short_names::ShortNames;
 
 /// A picture that rows name: its path from the study's folder, and its bytes as JPEG.
 pub type Picture = (String, Vec<u8>);
@@ -68,7 +70,11 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         .iter()
         .map(|(path, bytes)| (path.as_str(), STANDARD.encode(bytes)))
         .collect();
-    let (plain, (given, partial)) = (study.plain_rows(), study.given_and_partial());
+    let (mut plain, (mut given, partial)) = (study.plain_rows(), study.given_and_partial());
+    let names = ShortNames::of(&plain);
+    for rows in [&mut plain, &mut given] {
+        names.shorten(rows);
+    }
     let page = Page {
         rows: &plain,
         given: &given,
@@ -80,22 +86,36 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Foliage simplification study</title>\n<style>\n{}</style>\n</head>\n<body>\n<h1>Foliage simplification study</h1>\n",
         include_str!("page.css")
     );
-    page.who_judged(&mut html);
-    if !given.is_empty() {
-        page.summary(&mut html);
-        page.who_is_beaten(&mut html);
-        page.charts(&mut html);
-    }
+    page.subject(&mut html);
+    page.overview(&mut html);
+    page.which_to_take(&mut html);
     if let Some(note) = note_of(&partial) {
         let _ = writeln!(html, "<p>{}</p>", escaped(&note));
+    }
+    if !names.list().body.is_empty() {
+        section(&mut html, "Short names", |html| {
+            *html +=
+                "<p>Names of settings on this page, and the words that tables of rows have.</p>\n";
+            *html += &names.list().prose_html();
+        });
+    }
+    page.trees(&mut html);
+    if !given.is_empty() {
+        section(&mut html, "Every level in figures", |html| page.means(html));
+        section(&mut html, "Time against each metric", |html| {
+            page.charts(html)
+        });
+        page.who_is_beaten(&mut html);
     }
     page.stability(&mut html);
     page.whole(&mut html);
     page.failures(&mut html);
     page.paper(&mut html);
-    page.trees(&mut html);
     if !plain.is_empty() {
-        page.per_set(&mut html);
+        section(&mut html, "Who judged, and each set of views", |html| {
+            page.who_judged(html);
+            page.per_set(html);
+        });
     }
     page.provenance(&mut html);
     let _ = write!(
@@ -104,6 +124,16 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         include_str!("page.js")
     );
     html
+}
+
+/// What is for who asks for it: closed until then.
+fn section(html: &mut String, title: &str, fill: impl FnOnce(&mut String)) {
+    let _ = writeln!(
+        html,
+        "<details class=\"section\"><summary><h2>{title}</h2></summary>"
+    );
+    fill(html);
+    *html += "</details>\n";
 }
 
 /// The levels of rows, most leaves first.
@@ -137,10 +167,6 @@ struct Page<'a> {
 }
 
 impl Page<'_> {
-    fn at(&self, level: f64) -> Vec<&Row> {
-        self.given.iter().filter(|r| r.level == level).collect()
-    }
-
     fn trees_of(&self) -> Vec<&str> {
         trees_of(self.rows)
     }
@@ -157,6 +183,35 @@ impl Page<'_> {
         labels
     }
 
+    /// Above all figures: what was studied, and who judged it, in a line.
+    fn subject(&self, html: &mut String) {
+        let rows = self.study.rows;
+        if rows.is_empty() {
+            return;
+        }
+        let names = trees_of(rows);
+        let _ = writeln!(
+            html,
+            "<p>{}: {}. Judged from views that no method was made for{}.</p>",
+            trees(names.len()),
+            escaped(&names.join(", ")),
+            match held_out::note_of(rows) {
+                Some(_) => ", but for those that say so",
+                None => "",
+            }
+        );
+    }
+
+    fn which_to_take(&self, html: &mut String) {
+        if let Some(table) = recommend(self.given) {
+            let table = table.prose_html();
+            let _ = writeln!(
+                html,
+                "<h2>Which to take for the time that you have</h2>\n<p>{WHAT_IS_LISTED}</p>\n{table}"
+            );
+        }
+    }
+
     /// Above all figures: which views they are from, and which methods knew them.
     fn who_judged(&self, html: &mut String) {
         let rows = self.study.rows;
@@ -169,109 +224,28 @@ impl Page<'_> {
         }
     }
 
-    fn summary(&self, html: &mut String) {
-        let _ = write!(
-            html,
-            "<h2>Summary</h2>\n<p>Means over {} ({}) ; the best of each column is marked, and the worst set of judging views stands beside it in small. Times are geometric means of the method alone; memory is the most that the process held while the method ran, the tree and what judges it included; shared leaves is the overlap (Jaccard) of the original leaves left with those of the method's first setting here.</p>\n",
-            trees(trees_of(self.given).len()),
-            escaped(&trees_of(self.given).join(", "))
-        );
-        if let Some(table) = recommend(self.given) {
-            let _ = write!(
-                html,
-                "<h3>Which to take</h3>\n<p>{WHAT_IS_LISTED}</p>\n{}",
-                table.html()
-            );
-        }
-        if let Some(note) = shares::note_of(self.study.rows) {
-            let _ = writeln!(html, "<p>{}</p>", escaped(&note));
-        }
-        for level in levels(self.given) {
-            let rows = self.at(level);
-            let by_column: Vec<Vec<Point>> = COLUMNS
-                .iter()
-                .map(|column| summarise(&rows, column))
-                .collect();
-            let Some(first) = by_column.first() else {
-                continue;
-            };
-            let _ = write!(
-                html,
-                "<h3>{} of the leaves</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th><th>time</th><th>memory</th><th title=\"of the leaves left, with the method's first setting\">shared leaves</th>",
-                percent(level)
-            );
-            for column in COLUMNS.iter() {
-                let unit = if column.unit.is_empty() {
-                    String::new()
-                } else {
-                    format!(" in {}", column.unit)
-                };
-                let _ = write!(
-                    html,
-                    "<th title=\"{}\">{}{unit}</th>",
-                    column.better(),
-                    column.title
-                );
-            }
-            *html += "</tr></thead><tbody>\n";
-            for (k, point) in first.iter().enumerate() {
-                let _ = write!(
-                    html,
-                    "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
-                    escaped(&point.shown()),
-                    duration(point.seconds),
-                    memory(point.peak_rss_bytes),
-                    overlap_of(point.kept_overlap)
-                );
-                for (column, points) in COLUMNS.iter().zip(&by_column) {
-                    let class = if is_best(points, k, column) {
-                        " class=\"best\""
-                    } else {
-                        ""
-                    };
-                    let point = &points[k];
-                    let [mean, beside, worst] = [point.mean, point.mean_of_worst, point.worst]
-                        .map(|value| number(value, column));
-                    let _ = write!(
-                        html,
-                        "<td{class} title=\"worst of any tree {worst}\">{mean} <small>{beside}</small></td>",
-                    );
-                }
-                *html += "</tr>\n";
-            }
-            *html += "</tbody></table></div>\n";
-        }
-    }
-
     fn who_is_beaten(&self, html: &mut String) {
-        if let Some(table) = dominance(self.given) {
-            let table = table.html();
-            let _ = write!(
-                html,
-                "<h2>Who is beaten</h2>\n<p>{WHAT_IS_COUNTED}</p>\n{table}"
-            );
+        // Scenes made for failures count too.
+        let rows = self.study.rows;
+        let as_drawn = [beaten_as_drawn(rows), lost_cases(rows)];
+        let counted = dominance(self.given);
+        if counted.is_none() && as_drawn[0].is_none() {
+            return;
         }
-    }
-
-    fn charts(&self, html: &mut String) {
-        *html += "<h2>Time against error</h2>\n<p>A mark is a method with a setting, its time and its error means over the trees. What nothing beats in both is joined by the dashed line.</p>\n";
-        for level in levels(self.given) {
-            let rows = self.at(level);
-            let _ = write!(
-                html,
-                "<h3>{} of the leaves</h3>\n<div class=\"charts\">\n",
-                percent(level)
-            );
-            for column in COLUMNS.iter() {
-                let title = format!("{} at {} of the leaves", column.title, percent(level));
-                *html += &chart(&summarise(&rows, column), column, &title);
+        section(html, "Who is beaten", |html| {
+            if let Some(table) = counted {
+                let _ = write!(html, "<p>{WHAT_IS_COUNTED}</p>\n{}", table.html());
             }
-            *html += "</div>\n";
-        }
+            let notes = [beaten::WHAT_IS_COUNTED, beaten::WHAT_IS_LISTED];
+            for (table, note) in as_drawn.iter().zip(notes) {
+                if let Some(table) = table {
+                    let _ = write!(html, "<p>{note}</p>\n{}", table.html());
+                }
+            }
+        });
     }
 
     fn per_set(&self, html: &mut String) {
-        *html += "<h2>Each set of views</h2>\n";
         for tree in self.trees_of() {
             let _ = write!(
                 html,
@@ -335,15 +309,6 @@ impl Page<'_> {
     }
 }
 
-fn is_best(points: &[Point], index: usize, column: &Column) -> bool {
-    let badness = |p: &Point| match column.direction {
-        Direction::NearerToOne => (p.mean - 1.0).abs(),
-        direction => direction.badness(p.mean),
-    };
-    let own = badness(&points[index]);
-    own.is_finite() && points.iter().all(|p| badness(p) >= own)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -377,7 +342,7 @@ mod tests {
         ] {
             assert!(html.contains(part), "{part}");
         }
-        assert_eq!(html.matches("<svg").count(), 2 * COLUMNS.len());
+        assert_eq!(html.matches("<svg").count(), 1 + 2 * COLUMNS.len());
         // The name of SVG's own namespace is all that looks like an address.
         let addresses = html.matches("http").count();
         assert_eq!(
@@ -394,9 +359,47 @@ mod tests {
         let html = report(&of(&rows), &[]);
         let note = "because not run on every tree: fsa.";
         assert!(html.contains(note));
-        assert!(html.contains("Means over 2 trees (oak, pine)"));
+        assert!(html.contains("<p>2 trees: oak, pine."));
         assert!(super::super::readme(&of(&rows)).contains(note));
         assert!(!report(&of(&rows[..2]), &[]).contains("because not run"));
+    }
+
+    /// The level nearest a tenth, what looks best there, and what loses the least information.
+    #[test]
+    fn a_report_opens_with_a_picture_and_advice() {
+        let of = |method: &str, tree: &str, error: f64, flip: f64| {
+            let mut row = row(method, 0.12, 1.0, error);
+            row.tree = tree.into();
+            row.values.insert("flip_mean".into(), Some(flip));
+            row.picture = format!("pictures/{method}-{tree}.jpg");
+            row
+        };
+        let mut rows = vec![
+            of("vds", "oak", 3.0, 0.02),
+            of("fsa", "oak", 9.0, 0.03),
+            of("vds", "elm", 3.0, 0.08),
+            of("fsa", "elm", 1.0, 0.09),
+            of("vds", "ash", 3.0, 0.05),
+            of("fsa", "ash", 9.0, 0.09),
+        ];
+        rows.push(row("vds", 0.5, 1.0, 1.0));
+        let pictures =
+            ["oak", "elm", "ash"].map(|tree| (format!("pictures/vds-{tree}.jpg"), tree.into()));
+        let html = report(&self::of(&rows), &pictures);
+        let lead = &html
+            [html.find("class=\"lead\"").unwrap()..html.find("<div class=\"lead-chart").unwrap()];
+        assert!(lead.contains(&STANDARD.encode("ash")), "of the middle one");
+        for part in [
+            "<em>vds</em>. With 12 % left",
+            "is 0.0500 in the mean of 3 trees",
+            "the best of the other methods, fsa spread, has 0.0700",
+            "its error is 3.00 %",
+            "the best of the other methods, fsa spread, has 6.33 %",
+            "(IoU) on 0 of 3 trees",
+        ] {
+            assert!(lead.contains(part), "{part}: {lead}");
+        }
+        assert!(html.find("<div class=\"lead-chart") < html.find("<h2>"));
     }
 
     /// Three jittered runs of 4 %, 9 % and 6 % beside one of 3 %: the second is
@@ -414,8 +417,8 @@ mod tests {
         let pictures = [0, 1, 2, 3].map(|k| (format!("pictures/{k}.jpg"), vec![0, 0, k]));
         let html = report(&of(&rows), &pictures);
         let shown = |base64: &str| html.matches(&format!("base64,{base64}")).count();
-        // In the sheet and as the first run; as the worst.
-        assert_eq!(["AAAA", "AAAB", "AAAC", "AAAD"].map(shown), [2, 0, 1, 0]);
+        // At the head, in the sheet and as the first run; as the worst.
+        assert_eq!(["AAAA", "AAAB", "AAAC", "AAAD"].map(shown), [3, 0, 1, 0]);
         assert!(html.contains("0.700 (0.600)"), "overlaps of 0.6, 0.7, 0.8");
     }
 
@@ -445,7 +448,6 @@ mod tests {
         ] {
             assert!(html.contains(part), "{part}");
         }
-        assert!(html.contains("Means over 1 tree (oak)"));
         assert_eq!(html.matches("class=\"tree\"").count(), 1);
     }
 
@@ -474,7 +476,6 @@ mod tests {
         };
         assert_eq!(study.given_rows().len(), 1);
         let html = report(&study, &[]);
-        assert!(html.contains("Means over 1 tree (oak)"));
         assert!(html.contains("<td>3.00 %</td><td>40.00 %</td>"));
         assert!(html.contains("What compares."));
     }

@@ -11,7 +11,7 @@ impl Page<'_> {
         let Some(paper) = self.study.paper else {
             return;
         };
-        let tables = beside(paper, self.rows);
+        let tables = beside(paper, &self.study.plain_rows());
         if tables.is_empty() {
             return;
         }

@@ -1,0 +1,201 @@
+//! In how many cases a method that is not VDS does better than VDS, and in which: as a client
+//! draws, near by and far off, and in VMI error.
+
+use crate::columns::column;
+use crate::format::{number, percent};
+use crate::table::Table;
+use crate::{Column, Row};
+
+/// What reports say that the cells of [`beaten_as_drawn`] count.
+pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and the overlap of outlines (IoU) of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide, and VMI error. However small the difference is.";
+
+/// What reports say that the lines of [`lost_cases`] are.
+pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";
+
+/// The setting whose lost cases are listed: the default under a budget of triangles.
+const LISTED: &str = "vds triangles";
+
+fn judged() -> [&'static Column; 5] {
+    [
+        "flip_as_drawn_512",
+        "iou_as_drawn_512",
+        "flip_as_drawn_128",
+        "iou_as_drawn_128",
+        "vmi_error_percent",
+    ]
+    .map(column)
+}
+
+fn is_vds(row: &Row) -> bool {
+    row.method.starts_with("vds")
+}
+
+fn is_unfitted(row: &Row) -> bool {
+    !row.setting.contains("fit=")
+}
+
+/// The rows that are compared: of leaves of trees as they are, judged as drawn too, by views that
+/// did not drive them.
+fn compared(rows: &[Row]) -> Vec<&Row> {
+    let is_compared = |row: &&Row| {
+        row.whole.is_none()
+            && row.change.is_empty()
+            && !row.is_driven_by_judging_views
+            && judged().iter().all(|c| c.value_of(row).is_finite())
+    };
+    rows.iter().filter(is_compared).collect()
+}
+
+/// What is better than a row in a metric: other methods on the same tree at the same level.
+fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
+    let is_rival = |row: &Row| !is_vds(row) && row.tree == own.tree && row.level == own.level;
+    let rivals = rows.iter().copied().filter(|row| is_rival(row));
+    rivals.filter(|rival| by.is_better(rival, own)).collect()
+}
+
+/// A line for each setting of VDS and level; nothing if no row was judged as drawn, or there is
+/// no other method.
+pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
+    let rows = compared(rows);
+    if !rows.iter().any(|row| is_vds(row)) || rows.iter().all(|row| is_vds(row)) {
+        return None;
+    }
+    let mut head = vec!["method", "left", "trees"];
+    let titles = judged().map(|column| column.title.replace(" as drawn", ""));
+    head.extend(titles.iter().map(String::as_str));
+    head.push("mostly by");
+    let mut table = Table::new(&head);
+    let mut seen: Vec<(String, f64)> = Vec::new();
+    for first in rows.iter().filter(|row| is_vds(row)) {
+        let key = (first.label(), first.level);
+        if seen.contains(&key) {
+            continue;
+        }
+        let own = rows
+            .iter()
+            .filter(|row| (row.label(), row.level) == key)
+            .filter(|own| (rows.iter()).any(|row| !is_vds(row) && row.tree == own.tree));
+        let own: Vec<&Row> = own.copied().collect();
+        let mut winners: Vec<(String, usize)> = Vec::new();
+        let mut cells = vec![key.0.clone(), percent(key.1), own.len().to_string()];
+        for by in judged() {
+            let (mut lost, mut lost_to_unfitted) = (0, 0);
+            for row in &own {
+                let better = better(row, &rows, by);
+                lost += usize::from(!better.is_empty());
+                lost_to_unfitted += usize::from(better.iter().any(|row| is_unfitted(row)));
+                for label in better.iter().map(|row| row.label()) {
+                    match winners.iter_mut().find(|(known, _)| *known == label) {
+                        Some((_, count)) => *count += 1,
+                        None => winners.push((label, 1)),
+                    }
+                }
+            }
+            cells.push(format!("{lost} / {lost_to_unfitted}"));
+        }
+        winners.sort_by(|(_, a), (_, b)| b.cmp(a));
+        let most = winners.into_iter().next();
+        cells.push(most.map_or(String::new(), |(label, _)| label));
+        table.push(cells);
+        seen.push(key);
+    }
+    Some(table)
+}
+
+/// The cases that the default loses as a client draws, a line each: the best of the others.
+/// Nothing if the rows have none.
+pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
+    let rows = compared(rows);
+    let mut table = Table::new(&["tree", "left", "metric", LISTED, "better", "its value"]);
+    for own in rows.iter().filter(|row| row.label() == LISTED) {
+        for by in &judged()[..4] {
+            let badness = |row: &Row| by.direction.badness(by.value_of(row));
+            let better = better(own, &rows, by);
+            let best = (better.iter()).min_by(|a, b| badness(a).total_cmp(&badness(b)));
+            if let Some(best) = best {
+                table.push(vec![
+                    own.tree.clone(),
+                    percent(own.level),
+                    by.title.replace(" as drawn", ""),
+                    number(by.value_of(own), by),
+                    best.label(),
+                    number(by.value_of(best), by),
+                ]);
+            }
+        }
+    }
+    (!table.body.is_empty()).then_some(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DRAWN_COLUMNS;
+    use crate::rows::tests::row;
+
+    fn of(label: [&str; 2], tree: &str, flip: f64, iou: f64, error: f64) -> Row {
+        let mut row = Row {
+            setting: label[1].into(),
+            tree: tree.into(),
+            ..row(label[0], 0.1, 1.0, error)
+        };
+        for column in DRAWN_COLUMNS {
+            let value = match column.key.split('_').next() {
+                Some("flip") => flip,
+                _ => iou,
+            };
+            row.values.insert(column.key.into(), Some(value));
+        }
+        row
+    }
+
+    /// On the oak a fitted rival has the lower FLIP and an unfitted one the better outline; on the
+    /// elm nothing is better, a draw is no loss, and another setting of VDS is no rival.
+    #[test]
+    fn lost_cases_are_counted_with_and_without_fits() {
+        let mut rows = vec![
+            of(["vds", "triangles"], "oak", 0.02, 0.9, 3.0),
+            of(["vds", "triangles"], "elm", 0.02, 0.9, 3.0),
+            of(["vds", "preset information"], "elm", 0.01, 0.95, 1.0),
+            of(["fsa", "fit=coverage"], "oak", 0.01, 0.8, 4.0),
+            of(["fsa", "fit=coverage"], "elm", 0.02, 0.9, 4.0),
+            of(["stochastic", ""], "oak", 0.03, 0.95, 9.0),
+            of(["stochastic", ""], "elm", 0.03, 0.85, 9.0),
+        ];
+        let table = beaten_as_drawn(&rows).unwrap();
+        let expected = [
+            [
+                "vds triangles",
+                "10 %",
+                "2",
+                "1 / 0",
+                "1 / 1",
+                "1 / 0",
+                "1 / 1",
+                "0 / 0",
+                "fsa fit=coverage",
+            ],
+            [
+                "vds preset information",
+                "10 %",
+                "1",
+                "0 / 0",
+                "0 / 0",
+                "0 / 0",
+                "0 / 0",
+                "0 / 0",
+                "",
+            ],
+        ];
+        assert_eq!(table.body, expected);
+        let lost = lost_cases(&rows).unwrap();
+        assert_eq!(lost.body.len(), 4, "FLIP and IoU at two widths");
+        assert_eq!(lost.body[0][3..], ["0.0200", "fsa fit=coverage", "0.0100"]);
+        assert_eq!(lost.body[1][4..], ["stochastic", "0.9500"]);
+        // Rows that nobody judged as drawn are not compared.
+        rows[3].values.remove("flip_as_drawn_128");
+        let table = beaten_as_drawn(&rows).unwrap();
+        assert_eq!(table.body[0][3], "0 / 0");
+        assert_eq!(beaten_as_drawn(&rows[..3]), None);
+    }
+}
