@@ -495,6 +495,21 @@ fn committed_studies_say_what_their_rows_say() {
     assert!(checked > 0, "a study is committed");
 }
 
+/// Tables of pages are those of the rows that they name.
+#[test]
+fn pages_say_what_committed_rows_say() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for page in ["README.md", "docs/results.md"] {
+        let text = std::fs::read_to_string(root.join(page)).unwrap();
+        let text = text.replace("\r\n", "\n");
+        let filled = secateur_study::fill_tables(&text, &root).unwrap();
+        assert!(
+            filled == text,
+            "{page}: cargo run --package secateur-study --example fill_tables {page}"
+        );
+    }
+}
+
 /// What a run is the run of, but for where it ran.
 fn name_of(row: &Value) -> String {
     let keys = ["tree", "method", "setting", "change", "seed", "level"];

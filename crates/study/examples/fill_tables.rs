@@ -5,19 +5,12 @@
 use std::path::Path;
 use std::{env, fs};
 
-use secateur_study::{current_rows, fill_tables, read_rows};
+use secateur_study::fill_tables;
 
-fn main() -> Result<(), String> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     for page in env::args().skip(1) {
-        let text = fs::read_to_string(&page).map_err(|e| format!("{page}: {e}"))?;
-        let filled = fill_tables(&text, &mut |folder| {
-            let path = Path::new(folder).join("rows.jsonl");
-            let rows = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-            let rows = read_rows(&rows).map_err(|(line, why)| format!("line {line}: {why}"))?;
-            Ok(current_rows(rows))
-        });
-        let filled = filled.map_err(|e| format!("{page}: {e}"))?;
-        fs::write(&page, filled).map_err(|e| format!("{page}: {e}"))?;
+        let text = fs::read_to_string(&page)?;
+        fs::write(&page, fill_tables(&text, Path::new("."))?)?;
     }
     Ok(())
 }

@@ -63,7 +63,7 @@ pub use draw::Drawn;
 pub use error::Error;
 pub use failure_case::FailureCase;
 pub use host::{Host, Provenance};
-pub use pages::{PageError, fill_tables};
+pub use pages::fill_tables;
 pub use perturb::Perturbation;
 pub use plan::Plan;
 pub use published::{Paper, Published};

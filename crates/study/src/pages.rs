@@ -2,8 +2,7 @@
 //! `<!-- end of rows -->`, where FOLDER holds the `rows.jsonl` of a study.
 
 use std::fmt::Write as _;
-
-use thiserror::Error;
+use std::path::Path;
 
 use crate::as_options::as_options;
 use crate::beaten::{beaten_as_drawn, lost_cases};
@@ -13,7 +12,7 @@ use crate::paper::paper;
 use crate::published::{beside, nearest};
 use crate::report::Study;
 use crate::table::Table;
-use crate::{Point, Row, summarise};
+use crate::{Error, Point, Row, current_rows, row_file, summarise};
 
 const BEGIN: &str = "<!-- rows ";
 const END: &str = "<!-- end of rows -->";
@@ -43,56 +42,48 @@ const AT_A_TENTH: [&str; 6] = [
     "stochastic",
 ];
 
-/// Why the tables of a page cannot be filled.
-#[derive(Debug, Error)]
-pub enum PageError {
-    /// A table has no end.
-    #[error("the table of {0} has no end: `{END}` is missing")]
-    Endless(String),
-    /// Nobody knows such a table.
-    #[error(
-        "{0} is no kind of table: there are means, tenth, beaten, lost, subject, paper, nearest"
-    )]
-    Unknown(String),
-    /// The rows lack what the table shows.
-    #[error("the rows of {0} have nothing for a table of {1}")]
-    Empty(String, String),
-    /// The rows cannot be read.
-    #[error("{0}")]
-    Rows(String),
-}
-
-/// A page with its tables filled anew from the rows of the folders that they name. The same rows
-/// give the same page.
+/// A page with its tables filled anew from the rows of the folders that they name, which are
+/// paths from `root`. The same rows give the same page.
 ///
 /// # Errors
-/// [`PageError`]; the page is as it was then.
-pub fn fill_tables(
-    page: &str,
-    rows_of: &mut dyn FnMut(&str) -> Result<Vec<Row>, String>,
-) -> Result<String, PageError> {
+/// [`Error`] if a table has no end, is of no kind that is known, or the rows have nothing for it.
+pub fn fill_tables(page: &str, root: &Path) -> Result<String, Error> {
+    filled(page, &|folder| {
+        Ok(current_rows(row_file::read(&root.join(folder))?))
+    })
+}
+
+fn filled(page: &str, rows_of: &dyn Fn(&str) -> Result<Vec<Row>, Error>) -> Result<String, Error> {
     let mut filled = String::new();
     let mut rest = page;
     while let Some(begin) = rest.find(BEGIN) {
         let head_end = rest[begin..].find("-->").map(|at| begin + at + 3);
         let end = head_end.and_then(|head| Some((head, head + rest[head..].find(END)?)));
-        let what = rest[begin..].lines().next().unwrap_or("").to_owned();
         let Some((head_end, end)) = end else {
-            return Err(PageError::Endless(what));
+            let head = rest[begin..].lines().next().unwrap_or("");
+            return refused(format!(
+                "the table of {head} has no end: `{END}` is missing"
+            ));
         };
         let asked = rest[begin + BEGIN.len()..head_end - 3].trim();
         let (kind, folder) = asked.split_once(' ').unwrap_or((asked, ""));
-        let rows = rows_of(folder).map_err(PageError::Rows)?;
-        let table = table(kind, &rows)?
-            .ok_or_else(|| PageError::Empty(folder.to_owned(), kind.to_owned()))?;
+        let Some(table) = table(kind, &rows_of(folder)?)? else {
+            return refused(format!(
+                "the rows of {folder} have nothing for a table of {kind}"
+            ));
+        };
         let _ = write!(filled, "{}\n{table}", &rest[..head_end]);
         rest = &rest[end..];
     }
     Ok(filled + rest)
 }
 
+fn refused<T>(reason: String) -> Result<T, Error> {
+    Err(Error::Refused(reason))
+}
+
 /// The Markdown of a kind of table; nothing where the rows have none.
-fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, PageError> {
+fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
     let given = Study {
         rows,
         failure_cases: &crate::scenes::failure_cases(),
@@ -104,10 +95,17 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, PageError> {
         "tenth" => means(&given, &AT_A_TENTH, &[0.1]),
         "beaten" => beaten_as_drawn(rows).map(typed),
         "lost" => lost_cases(rows).map(typed),
-        "paper" => beside(&paper(), rows).into_iter().next().map(|(_, t)| t),
-        "nearest" => nearest(&paper(), rows),
+        "paper" => beside(&paper(), rows)
+            .into_iter()
+            .next()
+            .map(|(_, t)| typed(t)),
+        "nearest" => nearest(&paper(), rows).map(typed),
         "subject" => return Ok(subject(rows)),
-        _ => return Err(PageError::Unknown(kind.to_owned())),
+        _ => {
+            return refused(format!(
+                "{kind} is no kind of table: there are means, tenth, beaten, lost, subject, paper and nearest"
+            ));
+        }
     };
     Ok(found.map(|table| table.markdown()))
 }
@@ -221,8 +219,8 @@ mod tests {
         vec![vds, row("stochastic", 0.1, 0.001, 9.0)]
     }
 
-    fn fill(page: &str) -> Result<String, PageError> {
-        fill_tables(page, &mut |folder| {
+    fn fill(page: &str) -> Result<String, Error> {
+        filled(page, &|folder| {
             assert_eq!(folder, "a/study");
             Ok(rows())
         })

@@ -57,7 +57,7 @@ impl Page<'_> {
         let title = format!("FLIP with {left} left");
         let _ = writeln!(
             html,
-            "<div class=\"lead-chart\">{}</div>",
+            "<div class=\"lead-chart wide\">{}</div>",
             chart(&by_look, flip, &title)
         );
     }
