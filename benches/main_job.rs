@@ -120,6 +120,7 @@ impl Bench {
             leaves: surface("leaves", positions, triangles),
             triangles_per_leaf: vec![2; leaves as usize],
             skeleton: None,
+            holds: None,
         };
         let path = self.folder.join(format!("crown_{leaves}.glb"));
         std::fs::write(&path, plant_to_glb(&plant)).expect("the crown can be written");

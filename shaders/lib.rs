@@ -1,7 +1,8 @@
 //! The WGSL sources of secateur's GPU stages.
 //!
 //! A shader has the name of its stage; `secateur-raster` runs them beside a twin in Rust, but for
-//! `leaf_sizes`, which is for renderers: its twin is in `secateur-scene`. All of them compute with integers only.
+//! `leaf_sizes` and `wind`, which are for renderers: their twins are in `secateur-scene`. All of them compute with
+//! integers only, but for the last steps of `wind`.
 
 /// Embeds the named shaders of this folder.
 macro_rules! shaders {
@@ -30,7 +31,12 @@ shaders! {
     PROBE = "probe.wgsl";
     /// Snapped triangles to pixels.
     RASTERISE = "rasterise.wgsl";
+    /// How leaves and wood sway, by what they hang on.
+    WIND = "wind.wgsl";
 }
+
+/// [`WIND`] for WebGL 2 and OpenGL: functions for a vertex shader in GLSL ES 3.00.
+pub const WIND_GLSL: &str = include_str!("wind.glsl");
 
 #[cfg(test)]
 mod tests {

@@ -30,4 +30,5 @@ mod triangles;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;
+mod wind;
 mod wood;

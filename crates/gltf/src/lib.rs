@@ -101,6 +101,7 @@
 //! | chains of levels | `write/chain/` |
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |
+//! | what vertices hang on, for wind | `wind.rs` |
 
 mod accessor;
 mod buffer;
@@ -137,6 +138,7 @@ mod tree;
 mod uri;
 mod view;
 mod whole_tree;
+mod wind;
 mod write;
 mod write_problem;
 

@@ -8,7 +8,7 @@
 //! - [`LodModel`]: all levels of a removal order, each reached from any other.
 //! - [`Forest`]: the same order as collapses that depend on each other, for parts of a foliage.
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
-//!   plant made of two of them, and its [`PlantSkeleton`].
+//!   plant made of two of them, its [`PlantSkeleton`], and what its parts hang on ([`Hold`]).
 //! - [`Memory`]: how much memory a run may take; [`Budget`]: what is left of it.
 //! - [`Random`]: numbers drawn by lot, the same on every machine.
 //!
@@ -17,6 +17,7 @@
 mod cutout;
 mod foliage;
 mod forest;
+mod hold;
 mod leaf_id;
 mod lod;
 mod lod_model;
@@ -32,6 +33,7 @@ mod surface;
 pub use cutout::{Cutout, Wrap};
 pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle};
 pub use forest::{CollapseIndex, Forest, Heirs, NoHeirs, Node, NodeIndex};
+pub use hold::{Hold, PlantHolds};
 pub use leaf_id::LeafId;
 pub use lod::Lod;
 pub use lod_model::{LodModel, UniformLevel};

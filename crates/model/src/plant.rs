@@ -1,6 +1,6 @@
 //! A plant that was grown rather than read.
 
-use crate::{PlantSkeleton, Surface};
+use crate::{PlantHolds, PlantSkeleton, Surface};
 
 /// A grown plant: wood and leaves apart, ready to be written as glTF.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,4 +15,6 @@ pub struct Plant {
     pub triangles_per_leaf: Vec<u32>,
     /// What it grew on, for methods that follow branches.
     pub skeleton: Option<PlantSkeleton>,
+    /// What its leaves and wood hang on, for shaders that sway them.
+    pub holds: Option<PlantHolds>,
 }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use secateur_model::{AlphaMode, Material, Plant};
+use secateur_model::{AlphaMode, Material, Plant, PlantHolds};
 
 use crate::bark_texture::bark_texture;
+use crate::holds::{leaf_holds, starts_m};
 use crate::language::Shrinks;
 use crate::leaf_surface::leaf_surface;
 use crate::leaf_texture::leaf_texture;
@@ -218,11 +219,17 @@ pub(crate) fn surfaces(skeleton: Skeleton, rules: &Rules, name: &str, seed: u64)
         finish: secateur_model::Finish::default(),
     });
     let triangles = skeleton.leaves.iter().map(|leaf| leaf.kind.triangles());
+    let starts_m = starts_m(&skeleton.segments);
+    let (wood, wood_holds) = wood_surface(&skeleton, &starts_m, bark_material);
     Plant {
         name: name.into(),
-        wood: wood_surface(&skeleton, bark_material),
+        wood,
         leaves: leaf_surface(&skeleton.leaves, settings, leaf_material, &mut tints),
         triangles_per_leaf: triangles.collect(),
+        holds: Some(PlantHolds {
+            leaves: leaf_holds(&skeleton, &starts_m),
+            wood: wood_holds,
+        }),
         skeleton: Some(skeleton.into_plant_skeleton()),
     }
 }

@@ -248,6 +248,7 @@ mod tests {
                 triangles_per_leaf: vec![kind.triangles()],
                 leaves: leaf,
                 skeleton: None,
+                holds: None,
             });
             let document = secateur_gltf::Document::from_bytes("leaf.glb", glb, None);
             let all = ["mesh:*".parse().unwrap()];

@@ -43,6 +43,7 @@ mod depth;
 mod derive;
 mod ellipsoid_crown;
 mod grow;
+mod holds;
 pub mod language;
 mod leaf_surface;
 mod leaf_texture;

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
-use secateur_model::{Material, Surface};
+use secateur_model::{Hold, Material, Surface};
 
+use crate::holds::hold;
 use crate::{Segment, Skeleton};
 
 /// Metres of branch that one height of the bark texture covers.
@@ -22,9 +23,14 @@ struct Ring {
     v: f64,
 }
 
-/// The bark of a skeleton's segments. A segment that continues its parent with
-/// as many sides shares its ring; one that ends in radius 0 ends in a point.
-pub(crate) fn wood_surface(skeleton: &Skeleton, material: Arc<Material>) -> Surface {
+/// The bark of a skeleton's segments, and what each of its vertices hangs on. A segment that
+/// continues its parent with as many sides shares its ring; one that ends in radius 0 ends in a
+/// point. `starts_m` says how far along the wood segments start.
+pub(crate) fn wood_surface(
+    skeleton: &Skeleton,
+    starts_m: &[f64],
+    material: Arc<Material>,
+) -> (Surface, Vec<Hold>) {
     let mut surface = Surface {
         positions: Vec::new(),
         normals: Vec::new(),
@@ -33,19 +39,24 @@ pub(crate) fn wood_surface(skeleton: &Skeleton, material: Arc<Material>) -> Surf
         triangles: Vec::new(),
         material,
     };
+    let mut holds = Vec::new();
     let mut end_rings: Vec<Ring> = Vec::with_capacity(skeleton.segments.len());
-    for segment in &skeleton.segments {
+    for (index, segment) in skeleton.segments.iter().enumerate() {
         let parent = segment.parent.filter(|_| segment.continues_parent);
         let parent = parent.map(|index| end_rings[index.index()]);
         let start = match parent {
             Some(ring) if ring.sides == segment.sides => ring,
             other => start_ring(&mut surface, segment, other),
         };
+        let start_m = starts_m[index];
+        holds.resize(surface.positions.len(), hold(index, segment.start, start_m));
         let end = end_ring(&mut surface, segment, start);
+        let end_m = start_m + segment.length_m();
+        holds.resize(surface.positions.len(), hold(index, segment.end, end_m));
         join(&mut surface, start, end, segment.end_radius_m == 0.0);
         end_rings.push(end);
     }
-    surface
+    (surface, holds)
 }
 
 fn start_ring(surface: &mut Surface, segment: &Segment, before: Option<Ring>) -> Ring {
@@ -126,6 +137,7 @@ fn join(surface: &mut Surface, start: Ring, end: Ring, ends_in_point: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::holds::starts_m;
     use crate::{Random, Rules, draw};
 
     fn wood(word: &str) -> Surface {
@@ -139,7 +151,10 @@ mod tests {
             double_sided: false,
             finish: secateur_model::Finish::default(),
         });
-        wood_surface(&draw(&rules, &word).unwrap(), material)
+        let skeleton = draw(&rules, &word).unwrap();
+        let (surface, holds) = wood_surface(&skeleton, &starts_m(&skeleton.segments), material);
+        assert_eq!(holds.len(), surface.positions.len());
+        surface
     }
 
     fn face_normal(surface: &Surface, triangle: [u32; 3]) -> DVec3 {

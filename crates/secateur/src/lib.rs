@@ -112,10 +112,10 @@ pub use secateur_gltf::{
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
-    FoliageError, Forest, Growth, Heirs, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
+    FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
     Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface,
-    Texture, UniformLevel, Wrap,
+    Place, Plant, PlantHolds, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError,
+    Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

@@ -286,6 +286,7 @@ impl Scene {
             leaves: crown.leaves,
             triangles_per_leaf: vec![2; leaves],
             skeleton: None,
+            holds: None,
         }
     }
 }

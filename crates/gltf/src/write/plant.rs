@@ -13,7 +13,8 @@ use crate::skeleton::{
     EXTRAS_NAME, LEAF_SEGMENT, SEGMENT_CONTINUES, SEGMENT_END, SEGMENT_PARENT, SEGMENT_RADIUS,
     SEGMENT_SIDES, SEGMENT_START, VERSION, number_of,
 };
-use secateur_model::{AlphaMode, Material, Plant, PlantSkeleton, Surface, Texture, Wrap};
+use crate::wind;
+use secateur_model::{AlphaMode, Hold, Material, Plant, PlantSkeleton, Surface, Texture, Wrap};
 
 const UNSIGNED_BYTE: u32 = 5121;
 const UNSIGNED_SHORT: u32 = 5123;
@@ -26,8 +27,9 @@ pub(super) const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 
 /// A grown plant as the bytes of a GLB file: a scene named after the plant, its
 /// node "Tree" with the children "Branches" and "Leaves", a mesh and a material
-/// each, textures embedded as PNG; and its skeleton, if it has one, which
-/// [`Tree::skeleton`](crate::Tree::skeleton) reads.
+/// each, textures embedded as PNG; its skeleton, if it has one, which
+/// [`Tree::skeleton`](crate::Tree::skeleton) reads; and, if it says so, what each vertex hangs on,
+/// as the attributes that `wind.rs` describes.
 ///
 /// Positions are rounded to f32; normals are made unit length, colours and
 /// factors are held to 0..1, as glTF asks. A surface without triangles gets a
@@ -62,7 +64,7 @@ pub fn plant_into_glb(mut plant: Plant) -> Vec<u8> {
 }
 
 /// The lists of a surface, each of which goes when it is written.
-struct Columns<'a> {
+pub(super) struct Columns<'a> {
     positions: Cow<'a, [DVec3]>,
     normals: Cow<'a, [Vec3]>,
     uvs: Cow<'a, [Vec2]>,
@@ -71,7 +73,7 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn borrowed(surface: &'a Surface) -> Self {
+    pub(super) fn borrowed(surface: &'a Surface) -> Self {
         Self {
             positions: Cow::Borrowed(&surface.positions),
             normals: Cow::Borrowed(&surface.normals),
@@ -95,8 +97,11 @@ impl<'a> Columns<'a> {
 fn write(plant: &Plant, wood: Columns<'_>, leaves: Columns<'_>, expected_bytes: usize) -> Vec<u8> {
     let mut file = PlantFile::default();
     file.buffer.reserve_exact(expected_bytes);
-    let branches = file.push_node("Branches", wood, &plant.wood.material);
-    let leaves = file.push_node("Leaves", leaves, &plant.leaves.material);
+    let holds = plant.holds.as_ref();
+    let of_wood = holds.map(|holds| Cow::Borrowed(&holds.wood[..]));
+    let branches = file.push_node("Branches", wood, &plant.wood.material, of_wood);
+    let of_leaves = holds.map(|holds| Cow::Owned(of_leaf_vertices(plant, &holds.leaves, &leaves)));
+    let leaves = file.push_node("Leaves", leaves, &plant.leaves.material, of_leaves);
     file.push(
         "nodes",
         json!({"name": "Tree", "children": [branches, leaves]}),
@@ -114,26 +119,46 @@ fn write(plant: &Plant, wood: Columns<'_>, leaves: Columns<'_>, expected_bytes: 
     glb_bytes(&root, file.buffer).expect("a plant fits into 4 GiB")
 }
 
+/// For each vertex of the leaves what its leaf hangs on.
+fn of_leaf_vertices(plant: &Plant, holds: &[Hold], leaves: &Columns<'_>) -> Vec<Hold> {
+    assert_eq!(holds.len(), plant.triangles_per_leaf.len());
+    let Some(&first) = holds.first() else {
+        return Vec::new();
+    };
+    let mut of_vertices = vec![first; leaves.positions.len()];
+    let mut triangles = leaves.triangles.iter();
+    for (hold, &count) in holds.iter().zip(&plant.triangles_per_leaf) {
+        for &corner in triangles.by_ref().take(count as usize).flatten() {
+            of_vertices[corner as usize] = *hold;
+        }
+    }
+    of_vertices
+}
+
 /// At least as many bytes as the vertices and corners take, and some for the rest:
 /// memory that is reserved at once is never needed twice.
 fn expected_bytes(plant: &Plant) -> usize {
+    let bytes_a_vertex = match plant.holds {
+        Some(_) => 48 + wind::BYTES_A_VERTEX,
+        None => 48,
+    };
     let of_surface =
-        |surface: &Surface| 48 * surface.positions.len() + 12 * surface.triangles.len();
+        |surface: &Surface| bytes_a_vertex * surface.positions.len() + 12 * surface.triangles.len();
     let of_skeleton = |s: &PlantSkeleton| 40 * s.segments.len() + 4 * s.leaf_segments.len();
     let skeleton = plant.skeleton.as_ref().map_or(0, of_skeleton);
     of_surface(&plant.wood) + of_surface(&plant.leaves) + skeleton + (1 << 17)
 }
 
 #[derive(Default)]
-struct PlantFile {
-    lists: Map<String, Value>,
-    buffer: Vec<u8>,
+pub(super) struct PlantFile {
+    pub(super) lists: Map<String, Value>,
+    pub(super) buffer: Vec<u8>,
     textures: Vec<Arc<Texture>>,
 }
 
 impl PlantFile {
     /// Appends to one of glTF's top-level lists and returns the item's number.
-    fn push(&mut self, list: &str, item: Value) -> usize {
+    pub(super) fn push(&mut self, list: &str, item: Value) -> usize {
         let list = self
             .lists
             .entry(list)
@@ -143,7 +168,7 @@ impl PlantFile {
         items.len() - 1
     }
 
-    fn finish(&mut self, scene_name: &str, tree: usize) -> Value {
+    pub(super) fn finish(&mut self, scene_name: &str, tree: usize) -> Value {
         let mut root = json!({
             "asset": {"version": "2.0", "generator": "secateur"},
             "scene": 0,
@@ -157,12 +182,23 @@ impl PlantFile {
         root
     }
 
-    fn push_node(&mut self, name: &str, surface: Columns<'_>, material: &Material) -> usize {
+    pub(super) fn push_node(
+        &mut self,
+        name: &str,
+        surface: Columns<'_>,
+        material: &Material,
+        holds: Option<Cow<'_, [Hold]>>,
+    ) -> usize {
         if surface.triangles.is_empty() {
             return self.push("nodes", json!({"name": name}));
         }
         let material = self.push_material(material);
-        let primitive = self.push_primitive(surface, material);
+        let count = surface.positions.len();
+        let mut primitive = self.push_primitive(surface, material);
+        if let Some(holds) = holds {
+            assert_eq!(holds.len(), count, "every vertex hangs on something");
+            self.push_holds(&holds, &mut primitive["attributes"]);
+        }
         let mesh = self.push("meshes", json!({"name": name, "primitives": [primitive]}));
         self.push("nodes", json!({"name": name, "mesh": mesh}))
     }
@@ -287,6 +323,20 @@ impl PlantFile {
         json!({"version": VERSION, "accessors": accessors})
     }
 
+    /// See `wind.rs` for what they are.
+    fn push_holds(&mut self, holds: &[Hold], attributes: &mut Value) {
+        let pivots = holds.iter().map(|hold| hold.pivot.to_array());
+        attributes[wind::PIVOT] = self.push_floats("VEC3", pivots).into();
+        let along = holds.iter().map(|hold| [hold.along_m]);
+        attributes[wind::ALONG] = self.push_floats("SCALAR", along).into();
+        let segments = holds.iter().map(|hold| number_of(hold.segment));
+        let segments = self.push_numbers(segments);
+        let view = &self.lists["accessors"][segments]["bufferView"];
+        let view = view.as_u64().expect("a view was pushed") as usize;
+        self.lists["bufferViews"][view]["target"] = ARRAY_BUFFER.into();
+        attributes[wind::SEGMENT] = segments.into();
+    }
+
     fn push_numbers(&mut self, numbers: impl ExactSizeIterator<Item = [u16; 2]>) -> usize {
         let count = numbers.len();
         let view = self.push_view(None, |buffer| {
@@ -347,7 +397,7 @@ impl PlantFile {
     }
 
     /// The number of a texture, which is written once however many use it.
-    fn texture(&mut self, texture: &Arc<Texture>) -> usize {
+    pub(super) fn texture(&mut self, texture: &Arc<Texture>) -> usize {
         let known = self.textures.iter().position(|t| t == texture);
         known.unwrap_or_else(|| {
             self.textures.push(Arc::clone(texture));

@@ -55,6 +55,7 @@ pub(super) fn plant(leaves: usize) -> Plant {
         ),
         triangles_per_leaf: vec![2; leaves],
         skeleton: None,
+        holds: None,
     }
 }
 

@@ -1,0 +1,282 @@
+//! Wind: what leaves and wood hang on is in the tree and in every level of it, and what is left moves as
+//! it moved in the original.
+
+use std::collections::{HashMap, HashSet};
+
+use secateur::glam::{DVec2, Vec3};
+use secateur::{Document, Hold, plant_to_glb};
+use secateur_plant::{GrowOptions, Species, grow};
+use secateur_scene::wind::Wind;
+use serde_json::{Value, json};
+
+use crate::program::Bench;
+use crate::tab::{DESKTOP, Tab};
+
+/// A vertex, by its bits: what it hangs on.
+type Key = (Option<usize>, [u32; 3], u32);
+
+fn key(hold: &Hold) -> Key {
+    (
+        hold.segment.map(|segment| segment.index()),
+        hold.pivot.to_array().map(f32::to_bits),
+        hold.along_m.to_bits(),
+    )
+}
+
+/// Vertices of a file with what they hang on: mesh by mesh, primitive by primitive.
+fn vertices(file: &Opened, material: &str) -> Vec<(Vec3, Hold)> {
+    let root = file.document.json();
+    let mut found = Vec::new();
+    for (mesh, json) in root["meshes"].as_array().unwrap().iter().enumerate() {
+        for (primitive, json) in json["primitives"].as_array().unwrap().iter().enumerate() {
+            let number = json["material"].as_u64().unwrap() as usize;
+            if !root["materials"][number]["name"]
+                .as_str()
+                .unwrap()
+                .contains(material)
+            {
+                continue;
+            }
+            let holds = file.document.holds(mesh, primitive).unwrap();
+            let holds = holds.expect("every primitive of a level says what it hangs on");
+            let positions = file.vectors(&json["attributes"]["POSITION"]);
+            assert_eq!(positions.len(), holds.len());
+            found.extend(positions.into_iter().zip(holds));
+        }
+    }
+    found
+}
+
+/// A GLB: what `secateur` reads of it, and its bytes.
+struct Opened {
+    document: Document,
+    bin: Vec<u8>,
+}
+
+impl Opened {
+    /// The vectors of an accessor of floats.
+    fn vectors(&self, accessor: &Value) -> Vec<Vec3> {
+        let root = self.document.json();
+        let accessor = &root["accessors"][accessor.as_u64().unwrap() as usize];
+        assert_eq!(accessor["componentType"], 5126);
+        let view = &root["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let number = |of: &Value| of.as_u64().unwrap_or(0) as usize;
+        let first = number(&view["byteOffset"]) + number(&accessor["byteOffset"]);
+        let stride = number(&view["byteStride"]).max(12);
+        let float = |at: usize| f32::from_le_bytes(self.bin[at..at + 4].try_into().unwrap());
+        (0..number(&accessor["count"]))
+            .map(|k| first + k * stride)
+            .map(|at| Vec3::new(float(at), float(at + 4), float(at + 8)))
+            .collect()
+    }
+}
+
+fn opened(bench: &Bench, name: &str) -> Opened {
+    let bytes = bench.read(name);
+    let (_, bin) = chunks(&bytes);
+    Opened {
+        bin: bin.to_vec(),
+        document: Document::from_bytes(name, bytes, None).unwrap(),
+    }
+}
+
+/// The JSON and the buffer of a GLB.
+fn chunks(glb: &[u8]) -> (&[u8], &[u8]) {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    (&glb[20..20 + length], &glb[28 + length..])
+}
+
+/// The same GLB with another JSON.
+fn edited(glb: &[u8], edit: impl Fn(&mut Value)) -> Vec<u8> {
+    let (json, bin) = chunks(glb);
+    let mut root: Value = serde_json::from_slice(json).unwrap();
+    edit(&mut root);
+    let mut json = root.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let word = |n: usize| (n as u32).to_le_bytes();
+    let mut glb = b"glTF".to_vec();
+    glb.extend([word(2), word(28 + json.len() + bin.len()), word(json.len())].concat());
+    glb.extend(b"JSON");
+    glb.extend(json);
+    glb.extend(word(bin.len()));
+    glb.extend(b"BIN\0");
+    glb.extend(bin);
+    glb
+}
+
+/// A bench with a maple whose leaves have four triangles: they can get coarser.
+fn maple() -> Bench {
+    let bench = Bench::new();
+    let options = GrowOptions {
+        leaves: 150,
+        seed: 2,
+    };
+    bench.put(
+        "maple.glb",
+        &plant_to_glb(&grow(Species::Maple, &options).unwrap()),
+    );
+    bench
+}
+
+/// Whatever is left hangs where it hung in the original, and so moves as it did, at any time.
+fn moves_as_before(original: &Opened, level: &Opened, name: &str) {
+    let wind = Wind::new(DVec2::new(1.0, 0.5), 8.0, 0.6, 30.0);
+    for material in ["leaf", "bark"] {
+        let mut motion: HashMap<Key, Hold> = HashMap::new();
+        for (_, hold) in vertices(original, material) {
+            motion.insert(key(&hold), hold);
+        }
+        let left = vertices(level, material);
+        assert!(!left.is_empty(), "{name}: {material}");
+        let mut seen = HashSet::new();
+        for (position, hold) in &left {
+            let before = motion.get(&key(hold));
+            let before = before.unwrap_or_else(|| panic!("{name}: {material} hangs elsewhere"));
+            seen.insert(key(hold));
+            for second in [0.0, 1.7, 4.1] {
+                let wind = wind.at(second, 5.0);
+                let [now, then] = [hold, before].map(|hold| {
+                    let ends = [*position, hold.pivot].map(|p| wind.swayed(p, hold));
+                    ends.map(|p| p.to_array().map(f32::to_bits))
+                });
+                assert_eq!(now, then, "{name}: {material}");
+            }
+        }
+        assert!(seen.len() > 10, "{name}: {material}");
+    }
+}
+
+#[test]
+fn every_level_hangs_where_the_original_hung() {
+    let bench = maple();
+    let original = opened(&bench, "maple.glb");
+    let simplify: [(&str, &[&str]); 3] = [
+        ("grown.glb", &["--ratio", "0.3", "--order", "maple.order"]),
+        (
+            "coarser.glb",
+            &["--triangles", "0.3", "--leaf-triangles", "1"],
+        ),
+        ("fsa.glb", &["--method", "fsa", "--leaves", "40"]),
+    ];
+    for (name, arguments) in simplify {
+        let all = [&["maple.glb", "-o", name], arguments].concat();
+        bench.simplify(&all).succeeded();
+        moves_as_before(&original, &opened(&bench, name), name);
+    }
+    let lod = [
+        "lod",
+        "maple.glb",
+        "-o",
+        "lod.glb",
+        "--order",
+        "maple.order",
+        "--leaves",
+        "70",
+    ];
+    bench.run(&lod).succeeded();
+    moves_as_before(&original, &opened(&bench, "lod.glb"), "lod.glb");
+    let lods = [
+        "lods",
+        "maple.glb",
+        "-o",
+        "lods.glb",
+        "--levels",
+        "0.4,0.15",
+    ];
+    bench.run(&lods).succeeded();
+    moves_as_before(&original, &opened(&bench, "lods.glb"), "lods.glb");
+    bench
+        .run(&["lods", "maple.glb", "-o", "chain", "--levels", "0.4"])
+        .succeeded();
+    let level = "chain/maple_LOD0.glb";
+    moves_as_before(&original, &opened(&bench, level), level);
+}
+
+/// Other people's trees say what leaves hang on in colours, attributes and extras of their own.
+#[test]
+fn wind_data_of_other_programs_stays_as_it_is() {
+    let bench = maple();
+    let theirs = edited(&bench.read("maple.glb"), |root| {
+        let attributes = &mut root["meshes"][1]["primitives"][0]["attributes"];
+        attributes["_PIVOT"] = attributes["_WIND_PIVOT"].clone();
+        attributes["COLOR_1"] = attributes["COLOR_0"].clone();
+        root["meshes"][1]["extras"] = json!({"pivots": [[0.0, 1.5, 0.0]], "sway": 0.25});
+    });
+    bench.put("theirs.glb", &theirs);
+    let simplify = ["simplify", "theirs.glb", "-o", "one.glb", "--ratio", "0.3"];
+    let lods = ["lods", "theirs.glb", "-o", "many.glb", "--levels", "0.4"];
+    for (name, arguments) in [("one.glb", simplify), ("many.glb", lods)] {
+        bench.run(&arguments).succeeded();
+        let level = opened(&bench, name);
+        let root = level.document.json();
+        let meshes = root["meshes"].as_array().unwrap().iter();
+        let theirs: Vec<&Value> = meshes
+            .flat_map(|mesh| mesh["primitives"].as_array().unwrap())
+            .map(|primitive| &primitive["attributes"])
+            .filter(|attributes| attributes.get("_PIVOT").is_some())
+            .collect();
+        assert!(!theirs.is_empty(), "{name}");
+        for attributes in theirs {
+            assert!(attributes.get("COLOR_1").is_some(), "{name}");
+            let pivots = ["_WIND_PIVOT", "_PIVOT"].map(|of| level.vectors(&attributes[of]));
+            assert_eq!(pivots[0], pivots[1], "{name}");
+        }
+        let text = root.to_string();
+        assert!(
+            text.contains(r#""pivots":[[0.0,1.5,0.0]]"#),
+            "{name}: {text:.2000}"
+        );
+    }
+}
+
+/// The GLSL that is handed out compiles in a browser, and sways as the twin in Rust does.
+#[test]
+fn the_glsl_sways_as_its_twin_does() {
+    let Some(mut tab) = Tab::open(DESKTOP) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let html = "<!DOCTYPE html><link rel=\"icon\" href=\"data:,\"><canvas></canvas><script>document.documentElement.dataset.ready = 1</script>";
+    std::fs::write(&page, html).unwrap();
+    tab.visit(&page);
+    let bench = maple();
+    let leaves = vertices(&opened(&bench, "maple.glb"), "leaf");
+    let leaves = &leaves[..200];
+    let wind = Wind::new(DVec2::new(-0.3, 0.8), 6.0, 0.4, 50.0).at(12.3, 4.0);
+    let shader = format!(
+        "#version 300 es\n{}\nin vec3 a_position; in vec3 a_pivot; in float a_along; in uvec2 a_segment; out vec3 v_found;\nvoid main() {{ v_found = swayed(a_position, a_pivot, a_along, a_segment.x | a_segment.y << 16); }}",
+        secateur_shaders::WIND_GLSL
+    );
+    let of = |vector: fn(&(Vec3, Hold)) -> Vec<f32>| -> Value {
+        json!(leaves.iter().flat_map(vector).collect::<Vec<f32>>())
+    };
+    let segments = leaves.iter().flat_map(|(_, hold)| {
+        let number = hold.segment.map_or(0, |segment| segment.index() + 1);
+        [number & 0xffff, number >> 16]
+    });
+    let told = json!({
+        "shader": shader,
+        "positions": of(|(position, _)| position.to_array().to_vec()),
+        "pivots": of(|(_, hold)| hold.pivot.to_array().to_vec()),
+        "along": of(|(_, hold)| vec![hold.along_m]),
+        "segments": segments.collect::<Vec<usize>>(),
+        "toward": wind.toward.to_array(),
+        "axis": wind.axis.to_array(),
+        "turns": wind.turns,
+        "bend": wind.bend,
+        "flutter": wind.flutter,
+    });
+    let script = include_str!("browser/sway.js");
+    let found = tab.ask(&format!("({script})({told})"));
+    let found = found.as_array().unwrap_or_else(|| panic!("{found}"));
+    assert_eq!(found.len(), 3 * leaves.len());
+    let mut most = 0.0f32;
+    for ((position, hold), found) in leaves.iter().zip(found.chunks(3)) {
+        let found = Vec3::from_array([0, 1, 2].map(|k| found[k].as_f64().unwrap() as f32));
+        let expected = wind.swayed(*position, hold);
+        assert!(found.distance(expected) < 1e-5, "{found} {expected}");
+        most = most.max(position.distance(expected));
+    }
+    assert!(most > 0.05, "{most} m is no wind");
+}
