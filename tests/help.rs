@@ -7,7 +7,7 @@ const COMMON: [&str; 5] = ["--format", "--threads", "--quiet", "--verbose", "--h
 #[test]
 fn help_names_every_flag() {
     let bench = Bench::new();
-    let commands: [(&str, &[&str]); 8] = [
+    let commands: [(&str, &[&str]); 9] = [
         (
             "grow",
             &[
@@ -55,6 +55,24 @@ fn help_names_every_flag() {
                 "--steps",
                 "--foliage",
                 "--overwrite",
+                "--report",
+            ],
+        ),
+        (
+            "stream",
+            &[
+                "TREE.glb|STREAM",
+                "--output",
+                "--read",
+                "--bytes",
+                "--order",
+                "--ratio",
+                "--leaves",
+                "--chain",
+                "--preview",
+                "--engine",
+                "--foliage",
+                "--memory",
                 "--report",
             ],
         ),

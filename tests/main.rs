@@ -23,6 +23,7 @@ mod report_page;
 mod scenes;
 mod shared_trees;
 mod small_files;
+mod stream;
 mod study;
 #[path = "browser/tab.rs"]
 mod tab;

@@ -173,15 +173,21 @@ impl Tab {
 
     /// Opens a page and waits until it says that it is ready.
     pub(crate) fn visit(&mut self, page: &Path) {
-        let address = format!("file://{}", page.canonicalize().unwrap().display());
+        self.visit_address(&format!(
+            "file://{}",
+            page.canonicalize().unwrap().display()
+        ));
+    }
+
+    /// The same of a page of a server.
+    pub(crate) fn visit_address(&mut self, address: &str) {
         self.call("Page.navigate", json!({"url": address}));
         let start = Instant::now();
         while self.ask("document.documentElement?.dataset.ready ?? null") == Value::Null {
             let text = "document.body?.innerText";
             assert!(
                 start.elapsed() < PATIENCE,
-                "{} does not get ready: {} {:?}",
-                page.display(),
+                "{address} does not get ready: {} {:?}",
                 self.ask(text),
                 self.complaints()
             );

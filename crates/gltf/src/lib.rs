@@ -102,6 +102,7 @@
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |
 //! | what vertices hang on, for wind | `wind.rs` |
+//! | textured triangles as a file | `write/surfaces.rs` |
 
 mod accessor;
 mod buffer;
@@ -116,6 +117,7 @@ mod find;
 mod folder;
 mod inspection;
 mod instances;
+mod leaf_surfaces;
 mod leaves;
 mod material;
 mod meshopt;
@@ -159,6 +161,7 @@ pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
+pub use leaf_surfaces::{LeafSurface, SurfaceLeaf};
 pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use selector::{Selector, SelectorError};
 pub use surfaces::{Detail, DrawnSurface, MaterialImage};
@@ -166,5 +169,6 @@ pub use tree::Tree;
 pub use whole_tree::WholeTree;
 pub use write::{
     CommitError, PreparedLod, StagedFiles, WriteOptions, Written, plant_into_glb, plant_to_glb,
+    surfaces_to_glb,
 };
 pub use write_problem::WriteProblem;

@@ -161,7 +161,7 @@ impl Document {
         read().map_err(|fault| self.error(fault))
     }
 
-    fn surfaces_of(
+    pub(super) fn surfaces_of(
         &self,
         parts: &[Part],
         survey: &Survey,

@@ -6,6 +6,7 @@
 //! - [`order_file`]: removal orders as files, for any level later.
 //! - [`view_dependent`]: parts of a crown in full detail, others coarse, as a view asks for it.
 //! - [`prefix_buffers`]: a removal order on a GPU, every level a prefix of one index buffer.
+//! - [`stream`]: a plant that can be drawn while it arrives, every prefix a plant.
 //! - [`wind`]: how a plant sways, original and levels alike.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
@@ -18,6 +19,7 @@ pub mod order_file;
 pub mod prefix_buffers;
 pub mod preview;
 mod screen;
+pub mod stream;
 pub mod view_dependent;
 pub mod wind;
 

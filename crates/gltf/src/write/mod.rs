@@ -23,6 +23,7 @@ mod references;
 mod single_leaf_mesh;
 mod skeleton;
 mod staged_files;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod vertices;
@@ -31,3 +32,4 @@ pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub(crate) use references::check_references;
 pub use staged_files::{CommitError, StagedFiles};
+pub use surfaces::surfaces_to_glb;

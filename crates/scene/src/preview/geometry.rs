@@ -76,7 +76,7 @@ pub(super) fn pack(
 }
 
 /// The corners of the box about some points; of none, the origin twice.
-pub(super) fn bounds<'a>(positions: impl IntoIterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
+pub(crate) fn bounds<'a>(positions: impl IntoIterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
     positions
         .into_iter()
         .fold(None, |bounds: Option<(DVec3, DVec3)>, &p| match bounds {
@@ -92,7 +92,7 @@ fn unorm16(share: f64) -> u16 {
 }
 
 /// The unit sphere folded onto a square of signed 16-bit coordinates.
-fn octahedral(normal: Vec3) -> [u16; 2] {
+pub(crate) fn octahedral(normal: Vec3) -> [u16; 2] {
     let flat = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let sign = |x: f32| if x < 0.0 { -1.0 } else { 1.0 };
     let [u, v] = if flat.z >= 0.0 {

@@ -17,6 +17,11 @@ use crate::Screen;
 
 pub use page::page;
 
+// What a page of a stream draws in the same way.
+pub(crate) use geometry::{bounds, octahedral};
+pub(crate) use page::{escaped, filled, look};
+pub(crate) use textures::Textures;
+
 /// Levels of a tree to look at.
 #[derive(Clone, Copy, Debug)]
 pub struct Preview<'a> {

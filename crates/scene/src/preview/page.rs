@@ -50,7 +50,7 @@ struct PackedLevel<'a> {
 }
 
 #[derive(Debug, PartialEq, Serialize)]
-struct Look {
+pub(crate) struct Look {
     color: [f32; 4],
     texture: Option<usize>,
     alpha: &'static str,
@@ -116,7 +116,7 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
         levels,
     };
     let scene = serde_json::to_string(&scene).expect("numbers and texts make JSON");
-    Ok(filled(|mark| match mark {
+    Ok(filled(TEMPLATE, |mark| match mark {
         "title" => escaped(preview.title),
         "style" => include_str!("page/page.css").to_owned(),
         "vertex shader" => include_str!("page/tree.vert").to_owned(),
@@ -130,7 +130,7 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
     }))
 }
 
-fn look(material: &Material, textures: &mut Textures) -> Result<Look, PreviewError> {
+pub(crate) fn look(material: &Material, textures: &mut Textures) -> Result<Look, PreviewError> {
     let finish = &material.finish;
     let texture = material.texture.as_ref();
     let normals = finish.normal_map.as_ref();
@@ -154,9 +154,10 @@ fn look(material: &Material, textures: &mut Textures) -> Result<Look, PreviewErr
     })
 }
 
-fn filled(part: impl Fn(&str) -> String) -> String {
+/// A template whose marks are taken for their parts.
+pub(crate) fn filled(template: &str, part: impl Fn(&str) -> String) -> String {
     let mut html = String::new();
-    for (k, piece) in TEMPLATE.split("%%").enumerate() {
+    for (k, piece) in template.split("%%").enumerate() {
         match k % 2 {
             0 => html.push_str(piece),
             _ => html.push_str(&part(piece)),
@@ -174,7 +175,7 @@ fn deflated(bytes: &[u8]) -> Vec<u8> {
         .expect("a vector takes all that is written")
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

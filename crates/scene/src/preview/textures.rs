@@ -16,9 +16,9 @@ const MAX_SIDE: u32 = 2048;
 
 /// Textures of a page, and the bytes of their PNG files one after another.
 #[derive(Default)]
-pub(super) struct Textures {
+pub(crate) struct Textures {
     known: Vec<Known>,
-    pub(super) bytes: Vec<u8>,
+    pub(crate) bytes: Vec<u8>,
 }
 
 struct Known {
@@ -28,7 +28,7 @@ struct Known {
 
 /// A texture as the page's script wants it.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     /// Of its PNG file in the bytes, and how many.
     at: usize,
     length: usize,
@@ -42,7 +42,7 @@ pub(super) struct Entry {
 
 impl Textures {
     /// The number of a texture, which is packed when it is new.
-    pub(super) fn number(
+    pub(crate) fn number(
         &mut self,
         texture: &Arc<Texture>,
         is_srgb: bool,
@@ -85,7 +85,7 @@ impl Textures {
         Ok(self.known.len() - 1)
     }
 
-    pub(super) fn entries(&self) -> Vec<Entry> {
+    pub(crate) fn entries(&self) -> Vec<Entry> {
         self.known.iter().map(|known| known.entry.clone()).collect()
     }
 }

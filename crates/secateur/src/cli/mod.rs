@@ -22,6 +22,7 @@ mod print;
 mod progress_bar;
 mod record;
 mod simplify;
+mod stream;
 mod study;
 mod subject;
 mod summary;
@@ -80,6 +81,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Lods(args) => lods::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
         Command::Study(args) => study::run(args, &cli.common)?,
+        Command::Stream(args) => stream::run(args, &cli.common)?,
         Command::Grow(args) => grow::run(args, &cli.common)?,
     };
     if cli.common.quiet {

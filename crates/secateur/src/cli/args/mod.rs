@@ -4,6 +4,7 @@ mod grow;
 mod lod;
 mod lods;
 mod simplify;
+mod stream;
 mod study;
 
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
 pub(crate) use lods::{LayoutName, Lods};
 pub(crate) use simplify::{MaxCoverage, Simplify};
+pub(crate) use stream::Stream;
 pub(crate) use study::{PlanName, Study};
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
@@ -51,6 +53,9 @@ pub(crate) enum Command {
     Measure(Measure),
     /// Compare methods and settings over trees: raw rows, charts of time against error, a report.
     Study(Study),
+    /// Write a tree as a stream of which every prefix is a plant, the coarsest level first; or read
+    /// one.
+    Stream(Box<Stream>),
     /// Grow a plant from rules: a species, or a file of your own.
     Grow(Grow),
 }
