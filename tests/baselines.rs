@@ -9,7 +9,7 @@ fn number(record: &Value, pointer: &str) -> f64 {
     record.pointer(pointer).and_then(Value::as_f64).unwrap()
 }
 
-const METHODS: [&[&str]; 13] = [
+const METHODS: [&[&str]; 14] = [
     &["chain"],
     &["merge"],
     &["merge", "--cluster-size", "area"],
@@ -23,6 +23,7 @@ const METHODS: [&[&str]; 13] = [
     &["meshopt"],
     &["meshopt", "--meshopt-mode", "sloppy"],
     &["meshopt", "--preserve-area"],
+    &["meshopt", "--dilate-borders"],
 ];
 
 #[test]

@@ -121,6 +121,7 @@ fn help_names_every_flag() {
                 "--planarity-weight",
                 "--meshopt-mode",
                 "--preserve-area",
+                "--dilate-borders",
                 "fsa",
                 "stochastic",
                 "meshopt",

@@ -128,7 +128,9 @@ pub use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
 pub use secateur_simplify::coarsen::Coarse;
 pub use secateur_simplify::fit::Objective;
 pub use secateur_simplify::fsa::{Corners, FsaOptions, Hausdorff};
-pub use secateur_simplify::meshopt::{MeshoptOptions, Mode as MeshoptMode};
+pub use secateur_simplify::meshopt::{
+    Borders as MeshoptBorders, MeshoptOptions, Mode as MeshoptMode,
+};
 pub use secateur_simplify::stochastic::StochasticOptions;
 pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};
 pub use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood};

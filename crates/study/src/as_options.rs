@@ -1,12 +1,13 @@
 //! Labels of rows as one types them: `vds triangles preset look` is `vds --triangles --preset look`.
 
 /// The first words of options in settings; all others are values.
-const OPTIONS: [&str; 19] = [
+const OPTIONS: [&str; 20] = [
     "alpha",
     "area-weight",
     "branch-metric",
     "cluster-size",
     "corners",
+    "dilate-borders",
     "fit",
     "hausdorff",
     "leaf-triangles",

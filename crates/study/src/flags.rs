@@ -5,7 +5,7 @@ use secateur_plant::{ClusterSize, Metric};
 use secateur_raster::Engine;
 use secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT;
 use secateur_simplify::fsa::FsaOptions;
-use secateur_simplify::meshopt::{MeshoptOptions, Mode};
+use secateur_simplify::meshopt::{Borders, MeshoptOptions, Mode};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Ties, VdsOptions};
 use secateur_simplify::{Fitting, Method, Options, Preset, Views};
@@ -45,13 +45,12 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
             }
             flags.number("area-weight", own.area_weight, usual.area_weight);
         }
-        Method::Meshopt(MeshoptOptions {
-            mode,
-            preserve_area,
-        }) => {
+        Method::Meshopt(MeshoptOptions { mode, borders }) => {
             flags.differing("meshopt-mode", *mode, Mode::default());
-            if *preserve_area {
-                flags.push("preserve-area".to_owned());
+            match borders {
+                Borders::Stay => {}
+                Borders::PreserveArea => flags.push("preserve-area".to_owned()),
+                Borders::Dilate => flags.push("dilate-borders".to_owned()),
             }
         }
         Method::Chain(own) if own.branch_metric != Metric::default() => {

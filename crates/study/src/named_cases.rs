@@ -3,7 +3,7 @@
 use secateur_plant::{ClusterSize, Metric};
 use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
 use secateur_simplify::fsa::{FsaOptions, Hausdorff};
-use secateur_simplify::meshopt::MeshoptOptions;
+use secateur_simplify::meshopt::{Borders, MeshoptOptions};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Reference, Resize};
 use secateur_simplify::{Method, Preset};
@@ -61,9 +61,9 @@ pub(crate) fn stochastic_of_seed(seed: u64) -> Case {
     }))
 }
 
-pub(crate) fn meshopt(preserve_area: bool) -> Case {
+pub(crate) fn meshopt(borders: Borders) -> Case {
     Case::of(Method::Meshopt(MeshoptOptions {
-        preserve_area,
+        borders,
         ..MeshoptOptions::default()
     }))
 }

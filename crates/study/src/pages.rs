@@ -18,7 +18,7 @@ const BEGIN: &str = "<!-- rows ";
 const END: &str = "<!-- end of rows -->";
 
 /// What pages compare: the default, what explains it, and the other methods, fitted too.
-const COMPARED: [&str; 11] = [
+const COMPARED: [&str; 13] = [
     "vds triangles",
     "vds triangles fit=none",
     "vds triangles preset information",
@@ -26,6 +26,8 @@ const COMPARED: [&str; 11] = [
     "vds preset information",
     "meshopt preserve-area fit=coverage",
     "meshopt preserve-area",
+    "meshopt dilate-borders fit=coverage",
+    "meshopt dilate-borders",
     "fsa corners furthest fit=coverage",
     "fsa corners furthest",
     "stochastic fit=coverage",

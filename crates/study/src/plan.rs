@@ -1,6 +1,7 @@
 //! Plans: lists of cases that answer one question each.
 
 use secateur_simplify::Views;
+use secateur_simplify::meshopt::Borders;
 use secateur_simplify::vds::{Resize, Ties};
 
 use crate::named_cases::{
@@ -44,11 +45,13 @@ fn methods() -> Vec<Case> {
         fsa_without_slivers(),
         stochastic(),
         stochastic_of_half_area(),
-        meshopt(false),
-        meshopt(true),
+        meshopt(Borders::Stay),
+        meshopt(Borders::PreserveArea),
+        meshopt(Borders::Dilate),
         fsa().fitted(),
         stochastic().fitted(),
-        meshopt(true).fitted(),
+        meshopt(Borders::PreserveArea).fitted(),
+        meshopt(Borders::Dilate).fitted(),
     ]
 }
 
@@ -69,7 +72,7 @@ fn speed() -> Vec<Case> {
         information().of_triangles().unfitted(),
         fsa(),
         stochastic(),
-        meshopt(true),
+        meshopt(Borders::PreserveArea),
     ]);
     cases
 }
@@ -83,7 +86,7 @@ fn stability(by_branches: &[Case]) -> Vec<Case> {
         information().of_triangles(),
         fsa(),
         stochastic(),
-        meshopt(true),
+        meshopt(Borders::PreserveArea),
     ];
     let perturbed = |case: &Case| Perturbation::ALL.map(|change| case.clone().perturbed(change));
     let mut cases: Vec<Case> = (methods.iter().chain(by_branches))
@@ -168,9 +171,11 @@ mod tests {
             "stochastic area-weight 0.5",
             "meshopt",
             "meshopt preserve-area",
+            "meshopt dilate-borders",
             "fsa corners furthest fit=coverage",
             "stochastic fit=coverage",
             "meshopt preserve-area fit=coverage",
+            "meshopt dilate-borders fit=coverage",
         ];
         assert_eq!(labels, expected);
         let labels: Vec<String> = speed()[3..12].iter().map(Case::setting).collect();
@@ -245,7 +250,7 @@ mod tests {
             Case::new(options, LevelOf::Leaves)
         };
         for case in [
-            meshopt(false),
+            meshopt(Borders::Stay),
             look().of_triangles(),
             look(),
             with(|options| options.leaf_triangles = LeafTriangles::AtMost(2)),

@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 use secateur_model::{AlphaMode, BoundingSphere, Finish, Material, Plant, Surface};
 use secateur_plant::Random;
 use secateur_raster::{View, ViewSet};
+use secateur_simplify::meshopt::Borders;
 use secateur_simplify::vds::{Resize, Ties};
 
 use crate::named_cases::{
@@ -64,7 +65,7 @@ fn small_leaves() -> Vec<Case> {
         by_triangles(),
         fsa(),
         stochastic(),
-        meshopt(true),
+        meshopt(Borders::PreserveArea),
     ]
 }
 
@@ -111,7 +112,7 @@ pub(crate) const SCENES: [Scene; 8] = [
                 by_triangles(),
                 fsa(),
                 stochastic(),
-                meshopt(true),
+                meshopt(Borders::PreserveArea),
             ]
         },
         judged_from_radii: 0.5,
@@ -163,7 +164,7 @@ pub(crate) const SCENES: [Scene; 8] = [
                 look(),
                 by_triangles(),
                 stochastic(),
-                meshopt(true),
+                meshopt(Borders::PreserveArea),
             ]
         },
         judged_from_radii: 3.0,
@@ -193,7 +194,7 @@ pub(crate) const SCENES: [Scene; 8] = [
                 by_triangles(),
                 fsa(),
                 stochastic(),
-                meshopt(true),
+                meshopt(Borders::PreserveArea),
             ]
         },
         judged_from_radii: 3.0,
@@ -217,7 +218,7 @@ pub(crate) const SCENES: [Scene; 8] = [
                 information(),
                 look(),
                 by_triangles(),
-                meshopt(true),
+                meshopt(Borders::PreserveArea),
             ]
         },
         judged_from_radii: 3.0,
@@ -244,7 +245,7 @@ pub(crate) const SCENES: [Scene; 8] = [
                 by_triangles(),
                 fsa(),
                 stochastic(),
-                meshopt(true),
+                meshopt(Borders::PreserveArea),
             ]
         },
         judged_from_radii: 3.0,

@@ -9,7 +9,7 @@ use crate::table::Table;
 const LONGEST: usize = 20;
 
 /// Method, setting as rows spell it, its short name, and what that means.
-const KNOWN: [[&str; 4]; 19] = [
+const KNOWN: [[&str; 4]; 21] = [
     [
         "vds",
         "",
@@ -122,6 +122,18 @@ const KNOWN: [[&str; 4]; 19] = [
         "meshopt",
         "preserve-area fit=coverage",
         "preserve-area, fitted",
+        "the same, sizes fitted as the default of vds has it",
+    ],
+    [
+        "meshopt",
+        "dilate-borders",
+        "dilate-borders",
+        "meshoptimizer's simplifier, borders moved outwards after each halving as its example does",
+    ],
+    [
+        "meshopt",
+        "dilate-borders fit=coverage",
+        "dilate-borders, fitted",
         "the same, sizes fitted as the default of vds has it",
     ],
 ];

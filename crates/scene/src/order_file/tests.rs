@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use secateur_model::{Foliage, Growth, LodModel, RemovalOrder, Step};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_simplify::fsa::{self, FsaOptions};
-use secateur_simplify::meshopt::{self, MeshoptOptions, Mode};
+use secateur_simplify::meshopt::{self, Borders, MeshoptOptions, Mode};
 use secateur_simplify::stochastic::{self, StochasticOptions};
 use secateur_simplify::{
     Fitting, LeafTriangles, Method, Options, Preset, Resolution, Target, simplify,
@@ -46,7 +46,7 @@ fn orders(foliage: &Foliage) -> Vec<(&'static str, RemovalOrder)> {
     let no_fit = |options: &mut Options| options.fit = Fitting::None;
     let sloppy = MeshoptOptions {
         mode: Mode::Sloppy,
-        preserve_area: true,
+        borders: Borders::PreserveArea,
     };
     let pruned = StochasticOptions::default();
     vec![

@@ -4,9 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptOptions, Method, Objective,
-    Options, PreparedLod, Preset, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
-    VdsOptions, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
+    ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders, MeshoptOptions,
+    Method, Objective, Options, PreparedLod, Preset, Resolution, Simplified, StagedFiles,
+    StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
+    read_cameras,
 };
 use secateur_raster::Scene;
 
@@ -167,7 +168,11 @@ fn method(args: &args::Simplify) -> Method {
         }),
         MethodName::Meshopt => Method::Meshopt(MeshoptOptions {
             mode: args.meshopt_mode.into(),
-            preserve_area: args.preserve_area,
+            borders: match (args.preserve_area, args.dilate_borders) {
+                (true, _) => MeshoptBorders::PreserveArea,
+                (false, true) => MeshoptBorders::Dilate,
+                (false, false) => MeshoptBorders::Stay,
+            },
         }),
         MethodName::Chain => Method::Chain(ChainOptions {
             branch_metric: args.branch_metric.into(),

@@ -4,12 +4,14 @@
 //! crate `meshopt` is called as it is, but compiled with `-ffp-contract=off`, so
 //! that it chooses alike on every processor. It knows triangles, not leaves: a level
 //! is asked for as a share of the triangles, and how many leaves are left is
-//! what comes of it. Afterwards the border of what is left may be moved
-//! outwards to give back lost area (`dilate`).
+//! what comes of it. The border of what is left may be moved outwards to give back lost area:
+//! once, afterwards (`dilate`), or after each halving of the triangles, as meshoptimizer's
+//! own example does (`halving`).
 //!
 //! The order has one step: the foliage, and the level in its place.
 
 mod dilate;
+mod halving;
 
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
 use rustc_hash::FxHashMap;
@@ -36,13 +38,27 @@ pub enum Mode {
     Sloppy,
 }
 
+/// What becomes of the border of what is left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Borders {
+    /// It stays where it was.
+    #[default]
+    Stay,
+    /// It grows once, by the area that was lost.
+    PreserveArea,
+    /// It grows after each halving of the triangles, by what that lost, as meshoptimizer's example
+    /// of cluster LODs has it (`simplify_dilate_borders`, pull request 1093, merged in 2026).
+    Dilate,
+}
+
 /// What can be chosen about the mesh simplifier.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeshoptOptions {
     /// Which of meshoptimizer's simplifiers is used.
     pub mode: Mode,
-    /// Whether the border grows by the area that was lost.
-    pub preserve_area: bool,
+    /// What becomes of the border of what is left.
+    pub borders: Borders,
 }
 
 impl Select for MeshoptOptions {
@@ -80,10 +96,14 @@ pub fn simplify(foliage: &Foliage, share: f64, options: MeshoptOptions) -> Remov
     if share >= 1.0 {
         return order;
     }
-    let mesh = Mesh::of(foliage);
-    let kept = mesh.simplified(share, options.mode);
+    let mut mesh = Mesh::of(foliage);
+    let goal = 3 * (share * (mesh.indices.len() / 3) as f64).round() as usize;
+    let kept = match options.borders {
+        Borders::Dilate => halving::simplified(&mut mesh, goal, options.mode),
+        Borders::Stay | Borders::PreserveArea => mesh.simplified(&mesh.indices, goal, options.mode),
+    };
     let (mut removed, mut made) = mesh.leaves_of(foliage, &kept);
-    if options.preserve_area {
+    if options.borders == Borders::PreserveArea {
         dilate::dilate(foliage, &mut removed, &mut made);
     }
     order.push_step(Step {
@@ -98,9 +118,13 @@ pub fn simplify(foliage: &Foliage, share: f64, options: MeshoptOptions) -> Remov
 /// The leaves as one indexed mesh. Corners of one leaf at one place with the
 /// same texture coordinates are one vertex; no two leaves share any.
 struct Mesh {
+    /// Relative to the middle of the foliage, in units of its radius.
     positions: Vec<[f32; 3]>,
+    is_moved: Vec<bool>,
     corners: Vec<CornerRef>,
     indices: Vec<u32>,
+    centre: glam::DVec3,
+    unit: f64,
 }
 
 impl Mesh {
@@ -110,8 +134,11 @@ impl Mesh {
         let unit = if radius > 0.0 { radius } else { 1.0 };
         let mut mesh = Self {
             positions: Vec::new(),
+            is_moved: Vec::new(),
             corners: Vec::new(),
             indices: Vec::with_capacity(3 * foliage.triangles().len()),
+            centre,
+            unit,
         };
         let mut known: FxHashMap<[u64; 5], u32> = FxHashMap::default();
         for leaf in (0..foliage.leaves().len()).map(LeafId::from_index) {
@@ -129,13 +156,12 @@ impl Mesh {
                 mesh.indices.push(vertex);
             }
         }
+        mesh.is_moved = vec![false; mesh.positions.len()];
         mesh
     }
 
-    /// Triangles as vertex numbers, those of the share that is asked for.
-    fn simplified(&self, share: f64, mode: Mode) -> Vec<[u32; 3]> {
-        let triangles = self.indices.len() / 3;
-        let target = 3 * (share * triangles as f64).round() as usize;
+    /// The vertices of triangles, three each: of these, as many as the target or fewer.
+    fn simplified(&self, indices: &[u32], target: usize, mode: Mode) -> Vec<u32> {
         // meshoptimizer takes a mesh of at least a triangle.
         if target == 0 {
             return Vec::new();
@@ -144,33 +170,39 @@ impl Mesh {
         let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
             .expect("positions are whole vectors");
         let no_limit = f32::MAX;
-        let run = |options| {
-            ::meshopt::simplify(&self.indices, &vertices, target, no_limit, options, None)
-        };
-        let indices = match mode {
+        let run =
+            |options| ::meshopt::simplify(indices, &vertices, target, no_limit, options, None);
+        match mode {
             Mode::Plain => run(SimplifyOptions::None),
             Mode::Prune => run(SimplifyOptions::Prune),
-            Mode::Sloppy => {
-                ::meshopt::simplify_sloppy(&self.indices, &vertices, target, no_limit, None)
+            Mode::Sloppy => ::meshopt::simplify_sloppy(indices, &vertices, target, no_limit, None),
+        }
+    }
+
+    fn place_of(&self, vertex: usize) -> Place {
+        match self.is_moved[vertex] {
+            true => {
+                let position = glam::Vec3::from(self.positions[vertex]).as_dvec3();
+                Place::At(self.centre + self.unit * position)
             }
-        };
-        indices.as_chunks().0.to_vec()
+            false => Place::Of(self.corners[vertex]),
+        }
     }
 
     /// The leaves that changed and what is left of them, a new leaf for each
     /// that has something left.
-    fn leaves_of(&self, foliage: &Foliage, kept: &[[u32; 3]]) -> (Vec<LeafId>, Vec<NewLeaf>) {
+    fn leaves_of(&self, foliage: &Foliage, kept: &[u32]) -> (Vec<LeafId>, Vec<NewLeaf>) {
         let mut of_leaf: Vec<Vec<[NewCorner; 3]>> = vec![Vec::new(); foliage.leaves().len()];
-        for triangle in kept {
-            let corners = triangle.map(|vertex| self.corners[vertex as usize]);
-            let donor = corners[0].leaf;
-            let new = |corner: CornerRef| NewCorner {
-                place: Place::Of(corner),
+        for triangle in kept.as_chunks::<3>().0 {
+            let donor = self.corners[triangle[0] as usize].leaf;
+            let new = |vertex: u32| NewCorner {
+                place: self.place_of(vertex as usize),
                 // Another leaf's corner has the look of the one of its number,
                 // which is the same corner where leaves are copies of a card.
-                like: corner.corner % (3 * foliage.triangles_of(donor).len() as u32),
+                like: self.corners[vertex as usize].corner
+                    % (3 * foliage.triangles_of(donor).len() as u32),
             };
-            of_leaf[donor.index()].push(corners.map(new));
+            of_leaf[donor.index()].push(triangle.map(new));
         }
         let mut changed = (Vec::new(), Vec::new());
         for (index, triangles) in of_leaf.into_iter().enumerate() {

@@ -25,10 +25,9 @@ fn level(foliage: &Foliage, leaves: usize, options: MeshoptOptions) -> Foliage {
 }
 
 fn with(mode: Mode) -> MeshoptOptions {
-    let preserve_area = false;
     MeshoptOptions {
         mode,
-        preserve_area,
+        borders: Borders::Stay,
     }
 }
 
@@ -72,18 +71,20 @@ fn no_vertex_moves_without_dilation() {
 }
 
 #[test]
-fn preserving_area_brings_lost_area_back() {
+fn lost_area_comes_back() {
     let foliage = squares(16);
-    let options = MeshoptOptions {
-        preserve_area: true,
-        ..with(Mode::Prune)
-    };
-    let (plain, wide) = (
-        level(&foliage, 4, with(Mode::Prune)),
-        level(&foliage, 4, options),
-    );
-    assert!(area(&wide) > 2.0 * area(&plain));
-    assert!(area(&wide) < 1.5 * area(&foliage), "{}", area(&wide));
+    let plain = area(&level(&foliage, 4, with(Mode::Prune)));
+    for borders in [Borders::PreserveArea, Borders::Dilate] {
+        let options = MeshoptOptions {
+            borders,
+            ..with(Mode::Prune)
+        };
+        let wide = level(&foliage, 4, options);
+        assert!(wide.triangles().len() <= 8, "{borders:?}");
+        let wide = area(&wide);
+        assert!(wide > 1.5 * plain, "{borders:?}: {wide} for {plain}");
+        assert!(wide < 3.0 * area(&foliage), "{borders:?}: {wide}");
+    }
 }
 
 #[test]

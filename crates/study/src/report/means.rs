@@ -44,7 +44,7 @@ impl Page<'_> {
         for level in levels(self.given) {
             for (rows, (what, note)) in self.by_shares(level).iter().zip(SHARES) {
                 if !rows.is_empty() {
-                    let _ = write!(html, "<h3>{} of the {what}</h3>\n", percent(level));
+                    let _ = writeln!(html, "<h3>{} of the {what}</h3>", percent(level));
                     if !note.is_empty() {
                         let _ = writeln!(html, "<p>{note}</p>");
                     }

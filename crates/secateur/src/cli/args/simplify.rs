@@ -148,6 +148,9 @@ pub(crate) struct Simplify {
     /// meshopt: move the borders of what is left outwards, to give back lost area.
     #[arg(long, help_heading = OF_OTHERS)]
     pub(crate) preserve_area: bool,
+    /// meshopt: move them after each halving of the triangles, as meshoptimizer's example does.
+    #[arg(long, help_heading = OF_OTHERS, conflicts_with = "preserve_area")]
+    pub(crate) dilate_borders: bool,
     /// chain: what is counted of a branch; those with the least go first.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MetricName::BranchingLength)]
     pub(crate) branch_metric: MetricName,

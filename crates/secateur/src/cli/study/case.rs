@@ -111,6 +111,7 @@ mod tests {
             "chain --branch-metric longest-path",
             "stochastic --seed 7 --area-weight 0.5",
             "meshopt --meshopt-mode sloppy --preserve-area --fit=coverage",
+            "meshopt --dilate-borders",
             "merge --cluster-size area",
             "chain --audit",
         ] {
