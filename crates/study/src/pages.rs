@@ -96,7 +96,10 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "means" => means(&given, &COMPARED, &[0.5, 0.25, 0.1]),
         "tenth" => means(&given, &AT_A_TENTH, &[0.1]),
         "beaten" => beaten_as_drawn(rows).map(typed),
-        "lost" => lost_cases(rows).map(typed),
+        "lost" => match (beaten_as_drawn(rows), lost_cases(rows)) {
+            (Some(_), None) => return Ok(Some("None.\n".to_owned())),
+            (_, lost) => lost.map(typed),
+        },
         "paper" => beside(&paper(), rows)
             .into_iter()
             .next()
