@@ -122,7 +122,11 @@ pub(crate) struct Wanted(Option<String>);
 #[allow(dead_code, reason = "not every bench has parts")]
 impl Wanted {
     pub(crate) fn from_command_line() -> Self {
-        Self(std::env::args().skip(1).find(|a| !a.starts_with('-')))
+        Self::of(std::env::args().skip(1).find(|a| !a.starts_with('-')))
+    }
+
+    pub(crate) fn of(part: Option<String>) -> Self {
+        Self(part)
     }
 
     pub(crate) fn has(&self, case: &str) -> bool {

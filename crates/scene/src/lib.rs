@@ -3,11 +3,13 @@
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`impostor`]: pictures that stand for a plant far off.
+//! - [`leaf_boxes`]: boxes about the leaves of branches, and pictures on their diagonal planes.
 //! - [`order_file`]: removal orders as files, for any level later.
 //! - [`view_dependent`]: parts of a crown in full detail, others coarse, as a view asks for it.
 //! - [`prefix_buffers`]: a removal order on a GPU, every level a prefix of one index buffer.
 //! - [`stream`]: a plant that can be drawn while it arrives, every prefix a plant.
 //! - [`wind`]: how a plant sways, original and levels alike.
+//! - [`stand`]: instances of a plant, those that a camera sees, and how much detail each needs.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
 pub mod chain;
@@ -15,11 +17,13 @@ mod dilate;
 #[cfg(test)]
 mod gpu_for_tests;
 pub mod impostor;
+pub mod leaf_boxes;
 pub mod order_file;
 pub mod prefix_buffers;
 pub mod preview;
 mod screen;
 pub mod stream;
+pub mod stand;
 pub mod view_dependent;
 pub mod wind;
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use secateur_model::{Foliage, Lod};
+use secateur_model::{Foliage, Lod, RemovalOrder};
 use secateur_raster::occluders::Occluded;
 use secateur_raster::{OpenEngine, Rasteriser, ViewSet};
 use serde::{Deserialize, Serialize};
@@ -157,6 +157,11 @@ impl<'a> WholePlant<'a> {
     /// Triangles of leaves and wood.
     pub fn triangle_count(&self) -> usize {
         self.leaves.triangles().len() + self.wood.triangles().len()
+    }
+
+    /// All levels of the wood as one removal order of its pieces: [`Wood::order`].
+    pub fn wood_order(&self) -> RemovalOrder {
+        self.levels.order()
     }
 
     /// How many triangles of a budget are wood's: those that save as many pixels each as a

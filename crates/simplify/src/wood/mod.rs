@@ -8,6 +8,7 @@
 //! pixels each. A piece is left only if the one that it grows on is.
 
 mod levels;
+mod order;
 mod support;
 
 use std::cmp::Reverse;
@@ -115,6 +116,20 @@ impl Wood {
     /// The level of each piece that is left: 0 for the piece as it is, else one more than an index
     /// of its levels. Triangles that save fewer pixels each than asked for are not spent.
     fn choose(&self, triangles_at_most: usize, least_px_a_triangle: f64) -> Vec<Option<usize>> {
+        let mut chosen: Vec<Option<usize>> = vec![None; self.pieces.len()];
+        self.spend(triangles_at_most, least_px_a_triangle, |offer, _| {
+            chosen[offer.piece] = Some(offer.level);
+        });
+        chosen
+    }
+
+    /// Takes offers, the best first, and says of each which level its piece had before.
+    fn spend(
+        &self,
+        triangles_at_most: usize,
+        least_px_a_triangle: f64,
+        mut take: impl FnMut(Offer, Option<usize>),
+    ) {
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); self.pieces.len()];
         let mut offers = BinaryHeap::new();
         for (index, piece) in self.pieces.iter().enumerate() {
@@ -137,6 +152,7 @@ impl Wood {
             }
             left -= more;
             chosen[offer.piece] = Some(offer.level);
+            take(offer, before);
             offers.extend(piece.offer(offer.piece, Some(offer.level)));
             if before.is_none() {
                 let grows_here = &children[offer.piece];
@@ -147,7 +163,6 @@ impl Wood {
                 );
             }
         }
-        chosen
     }
 
     fn lod(&self, chosen: &[Option<usize>]) -> Lod {

@@ -142,3 +142,27 @@ fn no_wood_is_no_wood() {
     let (lod, lost) = Wood::new(&Foliage::default(), &[]).within(0);
     assert_eq!((lod.leaf_count(), lost), (0, 0.0));
 }
+
+#[test]
+fn an_order_takes_pieces_away_before_what_they_grow_on() {
+    let foliage = wood();
+    let order = Wood::new(&foliage, &[50.0, 1000.0, 300.0]).order();
+    order.check(&foliage).unwrap();
+    let left = |steps: usize| Lod::after(&order, steps).foliage(&foliage);
+    assert_eq!(left(0), foliage);
+    assert_eq!(left(order.len()).leaves().len(), 0);
+    // Some steps put a coarser piece in the place of one.
+    assert!(order.len() > 3 && !order.made().is_empty());
+    for steps in 0..order.len() {
+        let [now, next] = [steps, steps + 1].map(|k| left(k).triangles().len());
+        assert!(next < now, "{now} triangles, then {next}");
+        let lod = Lod::after(&order, steps);
+        let is_left = |piece: usize| {
+            let name = LeafId::from_index(piece);
+            lod.leaves().any(|(leaf, _)| leaf == name)
+                || lod.made().any(|(made, _)| made.donor == name)
+        };
+        assert!(!is_left(0) || is_left(2), "a twig without its bough");
+        assert!(!is_left(2) || is_left(1), "a bough without its trunk");
+    }
+}
