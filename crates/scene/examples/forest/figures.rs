@@ -26,9 +26,9 @@ const COUNTS: [usize; 5] = [100, 250, 500, 1000, 2000];
 
 const STAND_SEED: u64 = 1;
 
-/// Places on the circle, and of full geometry, whose frames take hundreds of times as long.
+/// Places on the circle, and of full geometry, whose frames take up to hundreds of times as long.
 const PLACES: usize = 8;
-const FULL_PLACES: usize = 2;
+const FULL_PLACES: usize = 1;
 
 /// Steps of a path over which levels are seen to pop.
 const POP_STEPS: usize = 24;
@@ -85,7 +85,7 @@ impl Figures<'_> {
             value,
             repeat: 0,
             adapter: &self.gpu.adapter,
-            command: "cargo run --release -p secateur-scene --example forest -- figures",
+            command: "cargo run -p secateur-scene --example forest -- figures",
         });
     }
 
