@@ -39,8 +39,8 @@ pub(crate) enum Scheme {
 
 /// How many leaves a tree needs.
 pub(crate) const RULE: LeavesByHeight = LeavesByHeight {
-    leaves_a_px2: 0.2,
-    fewest: 100,
+    leaves_a_px2: 0.5,
+    fewest: 120,
 };
 
 /// A mix draws trees of more pixels view-dependently.

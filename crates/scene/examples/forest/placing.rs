@@ -55,8 +55,8 @@ fn camera(eye: DVec3, target: DVec3, [width, height]: [u32; 2]) -> StandCamera {
 /// Above the corner of a square, along its diagonal.
 pub(crate) fn overlook(count: usize, radius: f64, size: [u32; 2]) -> StandCamera {
     let corner = -half_side(count, radius) - 2.2 * radius;
-    let eye = DVec3::new(corner, 3.6 * radius, corner);
-    camera(eye, eye + DVec3::new(1.0, -0.27, 1.0), size)
+    let eye = DVec3::new(corner, 2.1 * radius, corner);
+    camera(eye, DVec3::new(0.0, -0.6 * radius, 0.0), size)
 }
 
 /// A place on a circle around a square of trees, looking at its middle (VDF 6).
