@@ -22,8 +22,8 @@ pub mod order_file;
 pub mod prefix_buffers;
 pub mod preview;
 mod screen;
-pub mod stream;
 pub mod stand;
+pub mod stream;
 pub mod view_dependent;
 pub mod wind;
 
