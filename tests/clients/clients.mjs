@@ -1,7 +1,7 @@
-// Usage: node clients.mjs BROWSER JOBS.json : opens page.js in the browser, without
-// a window, and prints what it tells, one line of JSON. Exit 1 if it tells of an
-// error, or nothing for five minutes. JOBS.json names files beside it:
-// [{name, input, layouts: [{layout, files, names}]}].
+// Usage: node clients.mjs BROWSER JOBS.json PAGE.js : opens page.js or coverage.js in the
+// browser, without a window, and prints what it tells, one line of JSON. Exit 1 if it tells of
+// an error, or nothing for five minutes. JOBS.json names files beside it; for page.js it is
+// [{name, input, layouts: [{layout, files, names}]}], for coverage.js see there.
 import { spawn } from "node:child_process";
 import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { createServer } from "node:http";
@@ -11,9 +11,9 @@ import { fileURLToPath } from "node:url";
 
 const PATIENCE_MS = 300_000;
 const here = dirname(fileURLToPath(import.meta.url));
-const [browser, jobs] = process.argv.slice(2);
-if (!jobs) {
-  console.error("usage: node clients.mjs BROWSER JOBS.json");
+const [browser, jobs, script] = process.argv.slice(2);
+if (!["page.js", "coverage.js"].includes(script)) {
+  console.error("usage: node clients.mjs BROWSER JOBS.json PAGE.js");
   process.exit(2);
 }
 const modules = {
@@ -25,7 +25,7 @@ const modules = {
 modules["@babylonjs/loaders/"] = "/modules/@babylonjs/loaders/";
 const page = `<!DOCTYPE html><meta charset="utf-8"><title>clients</title>
 <script type="importmap">${JSON.stringify({ imports: modules })}</script>
-<script type="module" src="/page.js"></script>`;
+<script type="module" src="/${script}"></script>`;
 const TYPES = { ".js": "text/javascript", ".glb": "model/gltf-binary", ".json": "application/json" };
 
 let finish;
@@ -33,7 +33,7 @@ const answer = new Promise((resolve) => { finish = resolve; });
 
 const fileOf = (path) => {
   const plain = normalize(decodeURIComponent(path));
-  if (plain === "/page.js") return join(here, "page.js");
+  if (plain === `/${script}`) return join(here, script);
   if (plain === "/jobs") return jobs;
   if (plain.startsWith("/modules/")) return join(here, "node_modules", plain.slice("/modules/".length));
   return join(dirname(jobs), plain);

@@ -1,5 +1,5 @@
 //! Shows chains to the libraries that draw glTF on the web: three.js and
-//! Babylon.js, in a browser without a window.
+//! Babylon.js, in a browser without a window. What is drawn and counted is in the pages there.
 //!
 //! Included with `#[path]` by the crates whose tests need it. The libraries are
 //! npm packages: `npm ci --prefix tests/clients` installs them.
@@ -9,12 +9,12 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-/// What the clients saw of the chains that `jobs` names; see `clients.mjs`.
+/// What a page, `page.js` or `coverage.js`, saw of the chains that `jobs` names; see `clients.mjs`.
 ///
 /// Where node, the packages or the browser are missing it says so and gives
 /// nothing, unless the environment has `SECATEUR_REQUIRE_CLIENTS=1`: then it
 /// panics.
-pub fn show(jobs: &Path) -> Option<Vec<Value>> {
+pub fn show(page: &str, jobs: &Path) -> Option<Vec<Value>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/clients");
     let is_installed = folder.join("node_modules/@babylonjs/loaders").is_dir();
     let (Some(browser), true) = (browser(), is_installed && runs(Path::new("node"))) else {
@@ -28,7 +28,7 @@ pub fn show(jobs: &Path) -> Option<Vec<Value>> {
     command
         .arg(folder.join("clients.mjs"))
         .arg(browser)
-        .arg(jobs);
+        .args([jobs, Path::new(page)]);
     let output = command.stdin(Stdio::null()).output().unwrap();
     let complaint = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{complaint}");

@@ -305,6 +305,9 @@ pub enum Problem {
     /// A camera's node turns it into nothing.
     #[error("its transform leaves its camera no direction to look in")]
     NoView,
+    /// An animation that moves a camera cannot be read.
+    #[error("{0}")]
+    BadAnimation(&'static str),
     /// What should hide leaves has no triangle.
     #[error("has no triangle that could hide a leaf")]
     NoOccluder,

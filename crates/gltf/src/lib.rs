@@ -95,7 +95,7 @@
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
 //! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
-//! | cameras of a scene, and what hides leaves | `scene.rs` |
+//! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
 //! | chains of levels | `write/chain/` |
@@ -106,6 +106,7 @@
 
 mod accessor;
 mod buffer;
+mod camera_path;
 mod chain_problem;
 mod choice;
 mod container;
@@ -157,6 +158,7 @@ pub mod chain {
     };
 }
 
+pub use camera_path::{MAX_VIEWS_OF_A_PATH, VIEWS_OF_A_PATH};
 pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;

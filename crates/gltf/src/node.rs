@@ -1,5 +1,7 @@
 //! Nodes: from a node's own space to world space.
 
+use std::collections::HashMap;
+
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::Value;
 
@@ -19,15 +21,36 @@ pub(crate) struct PlacedNode {
     pub(crate) world_from_node: DMat4,
 }
 
+/// Where an animation puts a node at one time; what it leaves alone stays as the node says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Pose {
+    pub(crate) translation: Option<[f64; 3]>,
+    pub(crate) rotation: Option<[f64; 4]>,
+    pub(crate) scale: Option<[f64; 3]>,
+}
+
 /// The node's own matrix, or `None` where it has no transform: multiplying by
 /// the identity would be exact too, but for the sign of zeros.
-fn parent_from_node(json: &Value) -> Result<Option<DMat4>, Problem> {
-    if let Some(columns) = property::numbers::<16>(json, "matrix")? {
+fn parent_from_node(json: &Value, pose: Option<&Pose>) -> Result<Option<DMat4>, Problem> {
+    // A node that an animation moves has no matrix (glTF 2.0, 3.5.3).
+    if pose.is_none()
+        && let Some(columns) = property::numbers::<16>(json, "matrix")?
+    {
         return Ok(Some(DMat4::from_cols_array(&columns)));
     }
-    let translation = property::numbers(json, "translation")?;
-    let rotation = property::numbers(json, "rotation")?;
-    let scale = property::numbers(json, "scale")?;
+    let pose = pose.copied().unwrap_or_default();
+    let translation = match pose.translation {
+        Some(moved) => Some(moved),
+        None => property::numbers(json, "translation")?,
+    };
+    let rotation = match pose.rotation {
+        Some(turned) => Some(turned),
+        None => property::numbers(json, "rotation")?,
+    };
+    let scale = match pose.scale {
+        Some(scaled) => Some(scaled),
+        None => property::numbers(json, "scale")?,
+    };
     if translation.is_none() && rotation.is_none() && scale.is_none() {
         return Ok(None);
     }
@@ -54,6 +77,14 @@ impl Document {
     /// The nodes of the default scene (else scene 0, else all nodes that are no
     /// node's child), parents before children, in depth-first order.
     pub(crate) fn placed_nodes(&self) -> Result<Vec<PlacedNode>, Fault> {
+        self.posed_nodes(&HashMap::new())
+    }
+
+    /// [`Self::placed_nodes`] with some nodes where an animation puts them.
+    pub(crate) fn posed_nodes(
+        &self,
+        poses: &HashMap<usize, Pose>,
+    ) -> Result<Vec<PlacedNode>, Fault> {
         let nodes = property::list(&self.root, "nodes")?;
         let mut visited = vec![false; nodes.len()];
         let mut placed = Vec::new();
@@ -69,7 +100,7 @@ impl Document {
             if depth > MAX_DEPTH {
                 return Err(Problem::TooDeep(MAX_DEPTH)).at(place);
             }
-            let world_from_node = match parent_from_node(json).at(place)? {
+            let world_from_node = match parent_from_node(json, poses.get(&index)).at(place)? {
                 Some(parent_from_node) => world_from_parent * parent_from_node,
                 None => world_from_parent,
             };

@@ -1,10 +1,12 @@
 //! A scene about a plant: the cameras that see it, and what stands before it.
 
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 use serde_json::Value;
 
+use super::camera_path::{MAX_VIEWS_OF_A_PATH, VIEWS_OF_A_PATH};
 use super::error::{At, Fault, Problem};
 use super::find::triangles_of_all;
+use super::node::PlacedNode;
 use super::property::{self, bad};
 use super::{Document, GltfError};
 use secateur_model::Foliage;
@@ -38,7 +40,11 @@ impl Document {
     ///
     /// `extras.weight` of the node, or else of the camera, says how often it counts; it is rounded to
     /// 1 to [`MAX_CAMERA_WEIGHT`], and is 1 where nothing is said. Scales of nodes change
-    /// no camera, animations are at rest, and what lies beyond `zfar` is seen too.
+    /// no camera, and what lies beyond `zfar` is seen too.
+    ///
+    /// A camera that an animation moves, itself or a node above it, is a path: as many cameras as
+    /// `extras.views` says ([`VIEWS_OF_A_PATH`] where nothing is said), each in the middle of an
+    /// equal part of the time. The first animation that moves it counts.
     ///
     /// # Errors
     /// [`GltfError`] if there is none, one is orthographic, or its numbers make no camera.
@@ -56,8 +62,7 @@ impl Document {
     }
 
     fn scene_cameras(&self) -> Result<Vec<SceneCamera>, Fault> {
-        let mut cameras = Vec::new();
-        let mut weighed = 0;
+        let mut found: Vec<(PlacedNode, Seeing)> = Vec::new();
         for node in self.placed_nodes()? {
             let place = || self.place("nodes", node.index);
             let json = property::entry(&self.root, "nodes", node.index)?;
@@ -66,13 +71,46 @@ impl Document {
             };
             let camera = property::entry(&self.root, "cameras", index).at(place)?;
             let (tan_half_fov, near) = lens(camera).at(|| self.place("cameras", index))?;
-            let weight = match weight_of(json).at(place)? {
-                Some(weight) => weight,
-                None => weight_of(camera)
-                    .at(|| self.place("cameras", index))?
-                    .unwrap_or(1),
+            let of_camera = || self.place("cameras", index);
+            let weight = match whole_of(json, "weight", MAX_CAMERA_WEIGHT).at(place)? {
+                Some(weight) => Some(weight),
+                None => whole_of(camera, "weight", MAX_CAMERA_WEIGHT).at(of_camera)?,
             };
-            weighed += weight;
+            let views = match whole_of(json, "views", MAX_VIEWS_OF_A_PATH).at(place)? {
+                Some(views) => Some(views),
+                None => whole_of(camera, "views", MAX_VIEWS_OF_A_PATH).at(of_camera)?,
+            };
+            let seeing = Seeing {
+                tan_half_fov,
+                near,
+                weight: weight.unwrap_or(1),
+                views: views.unwrap_or(VIEWS_OF_A_PATH),
+            };
+            found.push((node, seeing));
+        }
+        if found.is_empty() {
+            return Err(Problem::NoCamera.into());
+        }
+        let nodes: Vec<usize> = found.iter().map(|(node, _)| node.index).collect();
+        let motions = self.motions(&nodes)?;
+        let mut cameras = Vec::new();
+        for (node, seeing) in found {
+            let places = match motions.get(&node.index) {
+                None => vec![node],
+                Some(motion) => {
+                    let mut places = Vec::new();
+                    for poses in motion.poses(seeing.views) {
+                        let all = self.posed_nodes(&poses)?;
+                        places.extend(all.into_iter().find(|placed| placed.index == node.index));
+                    }
+                    places
+                }
+            };
+            for placed in places {
+                let camera = seeing.from(placed.world_from_node);
+                cameras.push(camera.at(|| self.place("nodes", node.index))?);
+            }
+            let weighed: u32 = cameras.iter().map(|camera| camera.weight).sum();
             if weighed > MAX_WEIGHED_CAMERAS {
                 return Err(Problem::TooMuch {
                     what: "cameras, each counted as often as it weighs",
@@ -80,30 +118,40 @@ impl Document {
                 }
                 .into());
             }
-            // A camera looks along its node's -z, with y up.
-            let matrix = node.world_from_node;
-            let eye = matrix.transform_point3(DVec3::ZERO);
-            let turned = |axis| direction(matrix.transform_vector3(axis));
-            let (forward, up) = (turned(DVec3::NEG_Z), turned(DVec3::Y));
-            let (Some(forward), Some(up), true) = (forward, up, eye.is_finite()) else {
-                return Err(Problem::NoView).at(place);
-            };
-            if forward.cross(up).length() < 1e-9 {
-                return Err(Problem::NoView).at(place);
-            }
-            cameras.push(SceneCamera {
-                eye,
-                forward,
-                up,
-                tan_half_fov,
-                near,
-                weight,
-            });
         }
-        match cameras.is_empty() {
-            true => Err(Problem::NoCamera.into()),
-            false => Ok(cameras),
+        Ok(cameras)
+    }
+}
+
+/// What of a camera is the same wherever it stands.
+struct Seeing {
+    tan_half_fov: f64,
+    near: f64,
+    weight: u32,
+    /// How many views stand along its path, if it moves.
+    views: u32,
+}
+
+impl Seeing {
+    /// The camera of a node with this matrix: it looks along the node's -z, with y up.
+    fn from(&self, world_from_node: DMat4) -> Result<SceneCamera, Problem> {
+        let eye = world_from_node.transform_point3(DVec3::ZERO);
+        let turned = |axis| direction(world_from_node.transform_vector3(axis));
+        let (forward, up) = (turned(DVec3::NEG_Z), turned(DVec3::Y));
+        let (Some(forward), Some(up), true) = (forward, up, eye.is_finite()) else {
+            return Err(Problem::NoView);
+        };
+        if forward.cross(up).length() < 1e-9 {
+            return Err(Problem::NoView);
         }
+        Ok(SceneCamera {
+            eye,
+            forward,
+            up,
+            tan_half_fov: self.tan_half_fov,
+            near: self.near,
+            weight: self.weight,
+        })
     }
 }
 
@@ -149,18 +197,16 @@ fn lens(camera: &Value) -> Result<(f64, f64), Problem> {
     }
 }
 
-/// What `extras` say an entry weighs.
-fn weight_of(entry: &Value) -> Result<Option<u32>, Problem> {
-    let Some(extras) = entry.get("extras") else {
-        return Ok(None);
-    };
-    let Some(found) = extras.get("weight") else {
+/// A number of the extras of an entry, rounded: 1 to `most`.
+fn whole_of(entry: &Value, name: &'static str, most: u32) -> Result<Option<u32>, Problem> {
+    let Some(found) = entry.get("extras").and_then(|extras| extras.get(name)) else {
         return Ok(None);
     };
     let rounded = found.as_f64().map(f64::round);
-    match rounded.filter(|weight| (1.0..=f64::from(MAX_CAMERA_WEIGHT)).contains(weight)) {
-        Some(weight) => Ok(Some(weight as u32)),
-        None => Err(bad("extras.weight", "a number from 1 to 16", found)),
+    match rounded.filter(|number| (1.0..=f64::from(most)).contains(number)) {
+        Some(number) => Ok(Some(number as u32)),
+        None if name == "weight" => Err(bad("extras.weight", "a number from 1 to 16", found)),
+        None => Err(bad("extras.views", "a number from 1 to 256", found)),
     }
 }
 
@@ -287,5 +333,61 @@ mod tests {
     fn a_scene_may_have_nothing_that_hides_leaves() {
         let empty = with(json!([{ "name": "nothing" }]), json!([]));
         assert!(empty.occluders().unwrap().leaves().is_empty());
+    }
+
+    /// Two keys: from x = 0 at once to x = 8 after 2 s, of a node above the camera.
+    fn walked(extras: Value, interpolation: &str) -> Document {
+        let numbers = [0.0f32, 2.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0];
+        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let data = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, bytes);
+        let file = json!({
+            "asset": { "version": "2.0" },
+            "scene": 0,
+            "scenes": [{ "nodes": [0] }],
+            "nodes": [{ "children": [1] }, { "camera": 0, "translation": [0, 1, 0], "extras": extras }],
+            "cameras": perspective(json!({ "yfov": 1, "znear": 1 })),
+            "animations": [{
+                "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
+                "samplers": [{ "input": 0, "output": 1, "interpolation": interpolation }],
+            }],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR" },
+                { "bufferView": 0, "byteOffset": 8, "componentType": 5126, "count": 2, "type": "VEC3" },
+            ],
+            "bufferViews": [{ "buffer": 0, "byteLength": 32 }],
+            "buffers": [{ "byteLength": 32, "uri": format!("data:;base64,{data}") }],
+        });
+        Document::from_bytes("s.gltf", file.to_string().into_bytes(), None).unwrap()
+    }
+
+    #[test]
+    fn a_camera_that_moves_is_a_path_of_cameras() {
+        let four = walked(json!({ "views": 4, "weight": 2 }), "LINEAR");
+        let cameras = four.cameras().unwrap();
+        let eyes: Vec<[f64; 3]> = cameras.iter().map(|c| c.eye.to_array()).collect();
+        let expected = [1.0, 3.0, 5.0, 7.0].map(|x| [x, 1.0, 0.0]);
+        assert_eq!(eyes, expected);
+        assert!(
+            cameras
+                .iter()
+                .all(|c| c.weight == 2 && c.forward == DVec3::NEG_Z)
+        );
+        let usual = walked(json!({}), "LINEAR").cameras().unwrap();
+        assert_eq!(usual.len(), VIEWS_OF_A_PATH as usize);
+    }
+
+    #[test]
+    fn paths_that_cannot_be_read_are_refused() {
+        let says = |extras: Value, interpolation: &str| {
+            let document = walked(extras, interpolation);
+            document.cameras().unwrap_err().to_string()
+        };
+        let views = "s.gltf: nodes[1]: `extras.views` is 0, not a number from 1 to 256";
+        assert_eq!(says(json!({ "views": 0 }), "LINEAR"), views);
+        let kind = "`interpolation` is \"SPIRAL\", not LINEAR, STEP or CUBICSPLINE";
+        let found = says(json!({}), "SPIRAL");
+        assert_eq!(found, format!("s.gltf: animations[0]: {kind}"));
+        let count = "s.gltf: animations[0]: has another number of values than of times";
+        assert_eq!(says(json!({}), "CUBICSPLINE"), count);
     }
 }

@@ -1073,7 +1073,7 @@ fn three_js_and_babylon_js_draw_every_level() {
     }
     let path = folder.path().join("jobs.json");
     std::fs::write(&path, json!(jobs).to_string()).unwrap();
-    let Some(seen) = super::clients::show(&path) else {
+    let Some(seen) = super::clients::show("page.js", &path) else {
         return;
     };
     assert_eq!(seen.len(), shown().len() * 2 * LAYOUTS.len());
