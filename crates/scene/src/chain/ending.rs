@@ -1,6 +1,7 @@
 //! How a chain ends: its impostor, what switches show, and the textures of its levels.
 
 use secateur_eval::Pictures;
+use secateur_simplify::Observer;
 
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
@@ -30,6 +31,7 @@ impl Maker<'_> {
         &self,
         made: &[(Made, f64, f64)],
         notes: &mut Vec<String>,
+        observer: &mut Observer<'_>,
     ) -> Result<Option<(ImpostorLevel, f64, f64)>, ChainError> {
         let choice = self.options.impostor;
         let Some((mesh, begins, _)) = made.last().filter(|_| choice != Choice::None) else {
@@ -53,8 +55,24 @@ impl Maker<'_> {
         let Some((impostor, flip)) = found else {
             return Ok(None);
         };
-        let is_lighter = impostor.surface.triangles.len() < mesh.triangles();
+        let triangles = impostor.surface.triangles.len();
+        let is_lighter = triangles < mesh.triangles();
         let is_near = flip <= self.options.max_flip || flip <= of_mesh;
+        let mut same_cost = None;
+        if is_lighter && is_near {
+            let equal = self.level(triangles, observer)?;
+            let pictures = judge.of_surfaces(&equal.drawn.level.surfaces);
+            same_cost = Some((equal.triangles() as u64, self::flip(&original, &pictures)));
+        }
+        if let Some((triangles, of_equal)) = same_cost
+            && choice == Choice::Auto
+            && of_equal < flip
+        {
+            notes.push(format!(
+                "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
+            ));
+            return Ok(None);
+        }
         if choice == Choice::Auto && !(is_lighter && is_near) {
             notes.push(format!(
                 "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, the mesh of {} triangles {of_mesh:.3}",
@@ -66,6 +84,7 @@ impl Maker<'_> {
             impostor,
             mesh_triangles: mesh.triangles() as u64,
             mesh_flip_mean: of_mesh,
+            same_cost,
         };
         Ok(Some((level, height, flip)))
     }
@@ -79,7 +98,8 @@ impl Maker<'_> {
         let mut kept: Vec<(Pictured, ChainLevel)> = Vec::new();
         for (pictured, mut level) in levels {
             if let Some((before, _)) = kept.last() {
-                let judge = self.look.judge(self.options.screen, level.pixels_high);
+                let screen = self.options.screen;
+                let judge = self.look.judge_of_switches(screen, level.pixels_high);
                 let pop = largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
                 if self.options.max_pop.is_some_and(|most| pop > most) {
                     notes.push(format!(

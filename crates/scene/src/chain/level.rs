@@ -26,8 +26,8 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Mean FLIP of the whole plant against the original at that height.
     pub flip_mean: f64,
-    /// The largest FLIP of any view between it and the level before where they switch; none for
-    /// the first.
+    /// The largest FLIP between it and the level before where they switch, of the cameras of the
+    /// scene or of eyes that walk around the plant; none for the first.
     pub pop_flip: Option<f64>,
     /// The level that casts its shadow, counted from 0.
     pub shadow: usize,
@@ -64,6 +64,9 @@ pub struct ImpostorLevel {
     pub mesh_triangles: u64,
     /// That mesh's FLIP by the judge of the impostor, who stands as far off as it is seen from.
     pub mesh_flip_mean: f64,
+    /// Triangles and FLIP of a mesh of as many triangles as the impostor has, by the same judge; none
+    /// where the impostor is no lighter than the mesh above, or too far from the plant.
+    pub same_cost: Option<(u64, f64)>,
 }
 
 impl ChainLevel {

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use secateur_eval::{Judging, MeasureError, Pictures};
 use secateur_gltf::{Detail, Document, GltfError};
@@ -9,6 +10,7 @@ use secateur_model::{BoundingSphere, Foliage, Surface};
 use secateur_raster::{View, ViewSet};
 
 use super::error::ChainError;
+use super::scene_look::{SceneLook, tight_cameras, walk_around};
 use super::textures::LevelSurfaces;
 use crate::Screen;
 use crate::impostor::judge::Judge;
@@ -49,8 +51,15 @@ pub(super) struct Look {
     pub(super) original: Vec<Surface>,
     /// Pictures of that by their side in pixels: most heights need the same.
     originals: RefCell<BTreeMap<u32, Pictures>>,
-    /// For pictures: one set of some of the held-out views, each as narrow as holds the plant.
+    /// For pictures: one set of some of the held-out views, or of the cameras of a scene, each as
+    /// narrow as holds the plant.
     pub(super) views: [ViewSet; 1],
+    /// Whether these are the cameras of a scene.
+    is_of_scene: bool,
+    /// What of a scene is drawn with the plant.
+    obstacles: Vec<Arc<Surface>>,
+    /// Where the plant stands.
+    low: f64,
     pub(super) sphere: BoundingSphere,
     /// The plant's height in units of the file.
     pub(super) height: f64,
@@ -61,11 +70,15 @@ pub(super) struct Look {
 impl Look {
     /// The look of a plant of these items, drawn as the file has them; and the held-out views that
     /// its leaves are judged from.
-    pub(super) fn new(document: &Document, items: &Foliage) -> Result<(Self, Judging), ChainError> {
+    pub(super) fn new(
+        document: &Document,
+        items: &Foliage,
+        scene: Option<&SceneLook>,
+    ) -> Result<(Self, Judging), ChainError> {
         let held_out = Judging::held_out(items)?;
         let held_out = held_out.rigs.iter().flat_map(ViewSet::views);
         let held_out: Vec<View> = held_out.step_by(VIEW_STEP).copied().collect();
-        let views = held_out.iter().map(tight).collect();
+        let views: Vec<View> = held_out.iter().map(tight).collect();
         let judging = Judging {
             rigs: vec![ViewSet::new(held_out)],
             resolution: MOST_PICTURE_PX as u32,
@@ -75,12 +88,23 @@ impl Look {
             (low.min(c.y), high.max(c.y))
         });
         let sphere = items.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
-        // The views stand at 3 radii.
-        let seen = 6.0 * sphere.radius * TIGHT_TANGENT;
+        let cameras = scene.and_then(|scene| scene.cameras.as_ref());
+        let cameras = cameras.map(|cameras| tight_cameras(cameras, sphere));
+        let cameras = cameras.filter(|cameras| !cameras.is_empty());
+        let is_of_scene = cameras.is_some();
+        let views = cameras.unwrap_or(views);
+        // What pictures show at the plant's middle, from one end to the other; held-out views
+        // stand at 3 radii.
+        let width = |view: &View| 2.0 * view.eye().distance(sphere.centre) * view.tan_half_fov();
+        let seen = views.iter().map(width).sum::<f64>() / views.len() as f64;
+        let obstacles = scene.map_or(&[][..], |scene| &scene.obstacles);
         let look = Self {
             original: surfaces(document)?.surfaces,
             originals: RefCell::default(),
             views: [ViewSet::new(views)],
+            is_of_scene,
+            obstacles: obstacles.iter().cloned().map(Arc::new).collect(),
+            low,
             sphere,
             height: high - low,
             picture_share: (high - low) / seen,
@@ -98,23 +122,40 @@ impl Look {
         let mut originals = self.originals.borrow_mut();
         let original = originals
             .entry(side)
-            .or_insert_with(|| Pictures::of_size(&self.original, &self.views, side));
-        let of_level = Pictures::of_size(&drawn.level.surfaces, &self.views, side);
+            .or_insert_with(|| self.pictures(&self.original, side));
+        let of_level = self.pictures(&drawn.level.surfaces, side);
         let found = original.measure(&of_level);
         let flip = found.overall.get("flip_mean").unwrap_or(f64::NAN);
         drawn.flips.borrow_mut().insert(side, flip);
         flip
     }
 
-    /// What judges impostors and switches where the screen shows the plant at this height.
+    /// Pictures of what is drawn among the obstacles.
+    fn pictures(&self, surfaces: &[Surface], side: u32) -> Pictures {
+        let obstacles = self.obstacles.iter().map(Arc::as_ref);
+        let all: Vec<&Surface> = surfaces.iter().chain(obstacles).collect();
+        Pictures::of_size(&all, &self.views, side)
+    }
+
+    /// What judges impostors where the screen shows the plant at this height.
     pub(super) fn judge(&self, screen: Screen, pixels_high: f64) -> Judge {
-        Judge::new(
-            &self.views[0],
-            self.sphere,
-            self.height,
-            screen,
-            pixels_high,
-        )
+        self.judge_from(&self.views[0], screen, pixels_high)
+    }
+
+    /// What judges switches there: the cameras of the scene, or eyes that walk around the plant.
+    pub(super) fn judge_of_switches(&self, screen: Screen, pixels_high: f64) -> Judge {
+        if self.is_of_scene {
+            return self.judge(screen, pixels_high);
+        }
+        let distance = screen.distance(self.height, pixels_high);
+        let distance = distance.max(Judge::LEAST_RADII * self.sphere.radius);
+        let walk = walk_around(self.sphere, self.low, distance);
+        self.judge_from(&ViewSet::new(walk), screen, pixels_high)
+    }
+
+    fn judge_from(&self, directions: &ViewSet, screen: Screen, pixels_high: f64) -> Judge {
+        let judge = Judge::new(directions, self.sphere, self.height, screen, pixels_high);
+        judge.among(self.obstacles.clone())
     }
 }
 

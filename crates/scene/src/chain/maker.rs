@@ -53,8 +53,9 @@ impl<'a> Maker<'a> {
         engine: &'a OpenEngine,
     ) -> Result<Self, ChainError> {
         let items = tree.items();
-        let plant = WholePlant::new(items.foliage(), tree.leaves(), tree.wood(), engine)?;
-        let (look, judging) = Look::new(items.document(), items.foliage())?;
+        let [leaves, wood] = [tree.leaves(), tree.wood()];
+        let plant = WholePlant::within(items.foliage(), leaves, wood, &options.leaves, engine)?;
+        let (look, judging) = Look::new(items.document(), items.foliage(), options.scene.as_ref())?;
         Ok(Self {
             all: plant.triangle_count(),
             shared: RefCell::default(),

@@ -8,6 +8,7 @@ mod level;
 mod look;
 mod maker;
 mod options;
+mod scene_look;
 mod textures;
 
 use secateur_gltf::WholeTree;
@@ -20,6 +21,7 @@ use ladder::Ladder;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 use maker::{Made, Maker};
 pub use options::{ChainOptions, HEIGHTS_PX, MAX_FLIP, MAX_LEVELS, Wanted};
+pub use scene_look::SceneLook;
 pub use textures::{LevelAsDrawn, Textures, show};
 
 /// A level that is sought has at most this share of the triangles of the one before it: to switch
@@ -78,7 +80,7 @@ pub fn chain(
             }
         }
     }
-    let impostor = maker.impostor(&made, &mut notes)?;
+    let impostor = maker.impostor(&made, &mut notes, observer)?;
     if let Some((_, height, _)) = &impostor {
         made.retain(|(_, begins, _)| begins > height);
     }

@@ -3,6 +3,7 @@
 use secateur_simplify::{Amount, Options};
 
 use super::error::ChainError;
+use super::scene_look::SceneLook;
 use super::textures::Textures;
 use crate::Screen;
 use crate::impostor::Choice;
@@ -43,11 +44,15 @@ pub struct ChainOptions {
     pub impostor: Choice,
     /// How many levels coarser what casts a level's shadow is, 0 to 2.
     pub shadow_steps: usize,
-    /// The largest FLIP in any view between a level and the next where they switch; a level that
-    /// would differ more from the one before it is left out.
+    /// The largest FLIP between a level and the next where they switch, of any camera of the scene
+    /// or from any side of a walk around the plant; a level that would differ more from the one
+    /// before it is left out.
     pub max_pop: Option<f64>,
     /// Which textures leaves have.
     pub textures: Textures,
+    /// Where levels are judged from and what stands before them; from all around, with nothing
+    /// about the plant, where there is no scene.
+    pub scene: Option<SceneLook>,
 }
 
 impl ChainOptions {

@@ -1,6 +1,7 @@
 //! How plants and impostors look from as far off as they are seen from.
 
 use std::borrow::Borrow;
+use std::sync::Arc;
 
 use secateur_eval::Pictures;
 use secateur_model::{BoundingSphere, Surface};
@@ -10,9 +11,6 @@ use super::Impostor;
 use super::crossed::Planes;
 use crate::Screen;
 
-/// Views stand at least this many radii off: nearer ones look between the planes of an impostor.
-const LEAST_RADII: f64 = 3.0;
-
 /// The least and the largest side of a judging picture, in pixels.
 const PICTURE_PX: [f64; 2] = [48.0, 256.0];
 
@@ -20,9 +18,13 @@ const PICTURE_PX: [f64; 2] = [48.0, 256.0];
 pub struct Judge {
     views: ViewSet,
     side: u32,
+    obstacles: Vec<Arc<Surface>>,
 }
 
 impl Judge {
+    /// Views stand at least this many radii off: nearer ones look between the planes of an impostor.
+    pub const LEAST_RADII: f64 = 3.0;
+
     /// Views along the same directions as these, from where the screen shows a plant of this height
     /// at this number of pixels.
     pub fn new(
@@ -34,7 +36,7 @@ impl Judge {
     ) -> Self {
         let distance = screen
             .distance(plant_height, pixels_high)
-            .max(LEAST_RADII * sphere.radius);
+            .max(Self::LEAST_RADII * sphere.radius);
         let aside = (distance * distance - sphere.radius * sphere.radius).sqrt();
         let tangent = sphere.radius / aside;
         let from_afar = |view: &View| {
@@ -47,18 +49,30 @@ impl Judge {
         Self {
             views: ViewSet::new(directions.views().iter().map(from_afar).collect()),
             side: side.round() as u32,
+            obstacles: Vec::new(),
         }
+    }
+
+    /// The same, with these drawn wherever a plant or an impostor is.
+    pub fn among(mut self, obstacles: Vec<Arc<Surface>>) -> Self {
+        self.obstacles = obstacles;
+        self
     }
 
     /// Pictures of what is the same from everywhere.
     pub fn of_surfaces(&self, surfaces: &[Surface]) -> Pictures {
-        let all = |_: &View| surfaces.iter().collect::<Vec<&Surface>>();
-        Pictures::of_seen(all, &self.views, self.side)
+        let obstacles = self.obstacles.iter().map(Arc::as_ref);
+        let all: Vec<&Surface> = surfaces.iter().chain(obstacles).collect();
+        Pictures::of_seen(|_: &View| all.clone(), &self.views, self.side)
     }
 
     /// Pictures of an impostor.
     pub fn of_impostor(&self, impostor: &Impostor) -> Pictures {
-        let seen = |view: &View| vec![impostor.seen_from(view.eye())];
+        let seen = |view: &View| {
+            let mut all = vec![Arc::new(impostor.seen_from(view.eye()))];
+            all.extend(self.obstacles.iter().cloned());
+            all
+        };
         Pictures::of_seen(seen, &self.views, self.side)
     }
 }

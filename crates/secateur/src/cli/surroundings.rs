@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use secateur::{Document, Foliage, Memory, Options, Problem, Views, scene_views};
+use secateur_scene::chain::SceneLook;
 use serde_json::{Value, json};
 
 use super::args::SceneArgs;
@@ -64,6 +65,25 @@ impl Surroundings {
             options.views = views.clone();
         }
         options.occluders.clone_from(&self.occluders);
+    }
+
+    /// How levels are judged in them; none where nothing is about the plant.
+    pub(crate) fn look(
+        &self,
+        args: &SceneArgs,
+        memory: Memory,
+    ) -> Result<Option<SceneLook>, Failure> {
+        let mut obstacles = Vec::new();
+        for path in args.files() {
+            let drawn = Document::open_within(path, memory)?.surfaces(&[])?;
+            obstacles.extend(drawn.into_iter().map(|(surface, _)| surface));
+        }
+        let cameras = match &self.views {
+            Some(Views::Cameras(cameras)) => Some(cameras.clone()),
+            _ => None,
+        };
+        let is_any = cameras.is_some() || !obstacles.is_empty();
+        Ok(is_any.then_some(SceneLook { cameras, obstacles }))
     }
 
     /// What they leave of the memory of a run.

@@ -85,6 +85,7 @@ fn make(
     let start = Instant::now();
     let mut options = options(args);
     surroundings.apply(&mut options.leaves);
+    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
     tracing::info!("reading {}", job.tree.display());
     let tree = WholeTree::open_within(job.tree, &args.foliage.foliage, args.memory.memory)?;
     let outputs = outputs(args, job);

@@ -80,6 +80,8 @@ pub(super) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
             let against = json!({
                 "mesh_triangles": made.mesh_triangles,
                 "mesh_flip_mean": made.mesh_flip_mean,
+                "same_cost_triangles": made.same_cost.map(|(triangles, _)| triangles),
+                "same_cost_flip_mean": made.same_cost.map(|(_, flip)| flip),
             });
             figures["impostor"] = record::joined(made.impostor.facts(), against);
         }

@@ -38,6 +38,7 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
             field_of_view_degrees: args.fov,
         },
         max_flip: args.max_flip,
+        scene: None,
         leaves,
     }
 }
