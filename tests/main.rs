@@ -1,9 +1,13 @@
 //! What crosses crates: the built program, run as its users run it.
 
+mod as_clients_draw;
 mod bad_input;
 mod baselines;
 #[path = "browser/browser.rs"]
 mod browser;
+#[allow(unreachable_pub, reason = "other crates include this file too")]
+#[path = "clients/clients.rs"]
+mod clients;
 mod demo;
 mod doors;
 mod engines;

@@ -213,6 +213,46 @@ fn chains_are_made_for_scenes_too() {
     assert_ne!(order("scene.gltf", "walled"), order("bare.gltf", "bare"));
 }
 
+/// What stands before a plant hides what a level lacks: fewer triangles look the same.
+#[test]
+fn levels_are_judged_from_the_cameras_of_a_scene_among_its_obstacles() {
+    let bench = Bench::new();
+    let camera = camera(AXES[0], json!({}));
+    // Nearer than the tree, over all but its top: the wall's upper rim is at 3 m.
+    let before = json!({ "mesh": 0, "translation": [0, -37, 6], "scale": [40, 40, 1] });
+    put(&bench, "scene.gltf", &scene(&[camera.clone(), before]));
+    put(&bench, "bare.gltf", &scene(&[camera]));
+    let level = |scene: &str| {
+        let wanted = [
+            "--distances",
+            "20",
+            "--max-flip",
+            "0.02",
+            "--impostor",
+            "none",
+        ];
+        let files = [
+            "lods",
+            "oak.glb",
+            "-o",
+            "c",
+            "--report",
+            "r.json",
+            "--overwrite",
+        ];
+        let run = bench.run(&[&files[..], &wanted, &["--scene", scene]].concat());
+        run.succeeded();
+        let level = bench.json("r.json")["levels"][0].clone();
+        assert!(level["flip_mean"].as_f64().unwrap() <= 0.02, "{level}");
+        level["triangles"].as_u64().unwrap()
+    };
+    let [behind, bare] = ["scene.gltf", "bare.gltf"].map(level);
+    assert!(
+        behind * 2 < bare,
+        "{behind} behind the wall, {bare} without it"
+    );
+}
+
 /// Nothing but the files that were there.
 #[track_caller]
 fn refused(bench: &Bench, options: &[&str], parts: &[&str]) {

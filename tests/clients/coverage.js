@@ -2,13 +2,12 @@
 // they begin and end, and tells how much of the screen they cover: over the truth, which is the
 // original with 4 x 4 samples a pixel and without mip maps.
 //
-// Jobs: [{ name, original, screen: { height_px, fov_degrees }, levels: [{ file, distances }] }].
+// Jobs: [{ name, original, screen: { height_px, fov_degrees }, most_px, levels: [{ file, distances }] }];
+// of what is larger on the screen than most_px, the middle is drawn.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
 const TRUTH_SAMPLES = 4;
-// Of what is larger on the screen, the middle is drawn.
-const MOST_PX = 256;
 // Nearer eyes stand within crowns.
 const LEAST_RADII = 3;
 const SPECK_PX = 3;
@@ -45,12 +44,12 @@ const withoutMips = (scene) => scene.traverse((node) => {
 });
 
 // A camera that just holds the plant, or its middle, and the pixels that the screen gives to that.
-const cameraFor = ({ centre, radius, height }, direction, distance, screen) => {
+const cameraFor = ({ centre, radius, height, mostPx }, direction, distance, screen) => {
   const away = Math.max(distance, LEAST_RADII * radius);
   const pixelsHigh = (screen.height_px * height) / (2 * distance * Math.tan((screen.fov_degrees * Math.PI) / 360));
   const tangent = radius / Math.sqrt(away * away - radius * radius);
   const whole = (pixelsHigh * 2 * away * tangent) / height;
-  const side = Math.max(1, Math.ceil(Math.min(whole, MOST_PX)));
+  const side = Math.max(1, Math.ceil(Math.min(whole, mostPx)));
   const degrees = (360 / Math.PI) * Math.atan((tangent * side) / whole);
   const camera = new THREE.PerspectiveCamera(degrees, 1, 0.5 * (away - radius), 2 * (away + radius));
   camera.position.copy(centre).addScaledVector(direction, away);
@@ -115,12 +114,12 @@ const seenOf = (scene, plant, distance, screen, samples) => {
 const run = async () => {
   const jobs = await (await fetch("/jobs")).json();
   const results = [];
-  for (const { name, original, screen, levels } of jobs) {
+  for (const { name, original, screen, most_px: mostPx, levels } of jobs) {
     const [whole, truth] = [await load(original), await load(original)];
     withoutMips(truth);
     const box = new THREE.Box3().setFromObject(whole);
     const [size, sphere] = [box.getSize(new THREE.Vector3()), box.getBoundingSphere(new THREE.Sphere())];
-    const plant = { centre: sphere.center, radius: sphere.radius, height: size.y };
+    const plant = { centre: sphere.center, radius: sphere.radius, height: size.y, mostPx };
     const truths = new Map();
     const truthAt = (distance) => {
       if (!truths.has(distance)) {

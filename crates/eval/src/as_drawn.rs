@@ -120,9 +120,17 @@ impl AsDrawn {
         }
     }
 
+    /// How much a client shows of the original itself.
+    pub fn original_shown(&self) -> Shown {
+        self.shown_by(&self.original)
+    }
+
     /// How much a client shows of a simplified tree, without pictures being compared.
     pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> Shown {
-        let drawn = Drawn::of(simplified, &self.views, self.width_px);
+        self.shown_by(&Drawn::of(simplified, &self.views, self.width_px))
+    }
+
+    fn shown_by(&self, drawn: &Drawn) -> Shown {
         let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
         Shown {
             coverage_over_truth: drawn.covered_px() / truth_px,

@@ -19,6 +19,9 @@ const WITHIN: [f64; 2] = [0.9, 1.1];
 /// Coverage that is no farther off than this is not worth another try.
 const NEAR_ENOUGH: f64 = 0.04;
 
+/// As many specks a view as a level may show more than the original does by the same client.
+const MOST_MORE_SPECKS: f64 = 2.0;
+
 /// How often more or less of the leaves is cut out, until as much is seen as should be: leaves that
 /// hide each other answer less than in proportion.
 const TRIES: usize = 4;
@@ -51,13 +54,20 @@ pub struct LevelAsDrawn {
     /// From where the next takes over; for the last, where it is 64 pixels high, or half as high as
     /// where it begins if that is less.
     pub end: Shown,
+    /// Specks in a view of it, at the worse of the two, beyond those of the original.
+    pub more_specks_per_view: f64,
 }
 
 impl LevelAsDrawn {
-    /// The share by which coverage is off where it is off most.
+    /// The share by which coverage is off where it is off most; a speck too many counts as much
+    /// as a hundredth.
     fn error(&self) -> f64 {
         let of = |shown: &Shown| (shown.coverage_over_truth - 1.0).abs();
-        of(&self.begin).max(of(&self.end))
+        of(&self.begin).max(of(&self.end)) + 0.01 * self.specks_too_many()
+    }
+
+    fn specks_too_many(&self) -> f64 {
+        (self.more_specks_per_view - MOST_MORE_SPECKS).max(0.0)
     }
 
     /// By how much more should be seen, for coverage to be off as little as can be.
@@ -68,7 +78,7 @@ impl LevelAsDrawn {
 
     fn is_within(&self) -> bool {
         let within = |shown: &Shown| (WITHIN[0]..=WITHIN[1]).contains(&shown.coverage_over_truth);
-        within(&self.begin) && within(&self.end)
+        within(&self.begin) && within(&self.end) && self.specks_too_many() == 0.0
     }
 }
 
@@ -121,9 +131,12 @@ impl<'a> Client<'a> {
 
     /// How a level looks with its surfaces as they are.
     pub(super) fn as_drawn(&self, surfaces: &[Surface], [begin, end]: [f64; 2]) -> LevelAsDrawn {
+        let [(begin, of_begin), (end, of_end)] = [begin, end].map(|h| self.shown(surfaces, h));
+        let more = |shown: Shown, original: Shown| shown.specks_per_view - original.specks_per_view;
         LevelAsDrawn {
-            begin: self.shown(surfaces, begin),
-            end: self.shown(surfaces, end),
+            begin,
+            end,
+            more_specks_per_view: more(begin, of_begin).max(more(end, of_end)),
         }
     }
 
@@ -182,14 +195,15 @@ impl<'a> Client<'a> {
         best
     }
 
-    fn shown(&self, surfaces: &[Surface], pixels_high: f64) -> Shown {
+    /// What a client shows of a level, and of the original.
+    fn shown(&self, surfaces: &[Surface], pixels_high: f64) -> (Shown, Shown) {
         let mut truths = self.truths.borrow_mut();
         let truth = truths.entry(pixels_high.to_bits());
         let truth = truth.or_insert_with(|| {
             let (views, side) = self.views(pixels_high);
             AsDrawn::new(self.original, &views, side)
         });
-        truth.shown(surfaces)
+        (truth.shown(surfaces), truth.original_shown())
     }
 
     /// Views from where the screen shows the plant so high, and pixels a side of their pictures.

@@ -75,6 +75,7 @@ pub(super) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
             "coverage_as_drawn": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),
             "coverage_as_drawn_at_end": level.as_drawn.map(|seen| seen.end.coverage_over_truth),
             "specks_as_drawn": level.as_drawn.map(|seen| seen.begin.specks_per_view),
+            "more_specks_as_drawn": level.as_drawn.map(|seen| seen.more_specks_per_view),
         });
         if let Shape::Impostor(made) = &level.shape {
             let against = json!({
