@@ -51,6 +51,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1);
     let folder = folder.map_or_else(std::env::temp_dir, PathBuf::from);
     std::fs::create_dir_all(&folder)?;
+    compare_all(&folder)?;
+    Ok(())
+}
+
+/// Simplifies an oak behind a fence and among walls. For each, with the obstacle and without, the
+/// share of the leaves behind it that are left over that of the leaves before it.
+pub(crate) fn compare_all(folder: &Path) -> Result<Vec<(String, f64)>, Box<dyn Error>> {
     let options = GrowOptions {
         leaves: 10_000,
         seed: 3,
@@ -59,10 +66,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::write(folder.join("oak.glb"), &oak)?;
     let tree = Document::from_bytes("oak.glb", oak, None)?.into_tree(&[])?;
     let crown = Crown::of(tree.foliage());
+    let mut ratios = Vec::new();
     for site in [fence(&crown), walls(&crown)] {
-        compare(&site, &tree, &folder)?;
+        ratios.extend(compare(&site, &tree, folder)?);
     }
-    Ok(())
+    Ok(ratios)
 }
 
 /// The room that leaves take.
@@ -149,7 +157,7 @@ fn walls(crown: &Crown) -> Site {
 }
 
 /// Simplifies with the obstacle and without, counts, and draws.
-fn compare(site: &Site, tree: &Tree, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn compare(site: &Site, tree: &Tree, folder: &Path) -> Result<Vec<(String, f64)>, Box<dyn Error>> {
     let file = site.to_gltf();
     let name = format!("{}.gltf", site.name);
     std::fs::write(folder.join(&name), &file)?;
@@ -170,6 +178,7 @@ fn compare(site: &Site, tree: &Tree, folder: &Path) -> Result<(), Box<dyn Error>
         })
         .collect();
     let mut panels = vec![site.panel("original", &tree.foliage().leaves().len(), tree, None)?];
+    let mut ratios = Vec::new();
     println!("{}: {} views", site.name, views.len());
     for (title, occluders) in [("without", None), ("with", Some(Arc::new(obstacle)))] {
         let mut options = Options::to(Target::leaf_share(LEFT));
@@ -194,12 +203,13 @@ fn compare(site: &Site, tree: &Tree, folder: &Path) -> Result<(), Box<dyn Error>
             behind.1 / before.1
         );
         let title = format!("{title} {}", site.name);
+        ratios.push((title.clone(), behind.1 / before.1));
         panels.push(site.panel(&title, &result.lod.leaf_count(), tree, Some(&result.lod))?);
     }
     let picture = folder.join(format!("{}.png", site.name));
     contact_sheet(&panels).save(&picture)?;
     println!("  {}", picture.display());
-    Ok(())
+    Ok(ratios)
 }
 
 /// Which leaves own a pixel in some view.

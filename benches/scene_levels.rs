@@ -1,0 +1,375 @@
+//! Levels that a scene asks for: how light they are beside fixed shares, what three.js shows of
+//! them, specks, impostors, obstacles, and what a chain costs.
+//!
+//! `cargo bench --bench scene_levels [-- PART]`; PART is one of walk, impostor, coverage, specks,
+//! bake, chain, obstacles. Coverage needs node, Chromium and `npm ci --prefix tests/clients`.
+//! Also writes the charts `scene_levels-TREE-triangles.svg` and `scene_levels-TREE-flip.svg`.
+
+#[path = "../tests/clients/clients.rs"]
+mod clients;
+mod line_chart;
+#[allow(dead_code, reason = "its main is the example's")]
+#[path = "../crates/secateur/examples/obstacles.rs"]
+mod obstacles;
+mod rows;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use line_chart::{Line, line_chart};
+use rows::{Rows, Wanted, shared_tree};
+use secateur_gltf::Document;
+use secateur_model::Surface;
+use secateur_scene::impostor::Impostor;
+use secateur_scene::impostor::crossed::Planes;
+use serde_json::{Value, json};
+
+const COMMAND: &str = "cargo bench --bench scene_levels";
+
+/// The walk: away from a plant along a straight line, in metres.
+const WALK_M: [f64; 2] = [5.0, 80.0];
+
+/// Where levels for the walk may begin, in metres.
+const DISTANCES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
+
+/// The FLIP that levels may have.
+const MAX_FLIP: f64 = 0.05;
+
+/// Heights in pixels at which impostors are held against meshes.
+const IMPOSTOR_PX: [f64; 5] = [512.0, 256.0, 128.0, 64.0, 32.0];
+
+const TREES: [&str; 4] = [
+    "ez_oak_20k",
+    "ez_bush2",
+    "sap_birch_hex_9k",
+    "quat_commontree_1",
+];
+
+fn main() {
+    let wanted = Wanted::from_command_line();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut bench = Bench {
+        rows: Rows::create("scene_levels"),
+        folder: folder.path().to_owned(),
+    };
+    let parts: [(&str, fn(&mut Bench)); 7] = [
+        ("walk", Bench::walk),
+        ("impostor", Bench::impostor),
+        ("coverage", Bench::coverage),
+        ("specks", Bench::specks),
+        ("bake", Bench::bake),
+        ("chain", Bench::chain),
+        ("obstacles", Bench::obstacles),
+    ];
+    for (name, part) in parts {
+        if wanted.has(name) {
+            part(&mut bench);
+        }
+    }
+}
+
+struct Bench {
+    rows: Rows,
+    folder: PathBuf,
+}
+
+/// A level's first distance and its triangles.
+type Steps = Vec<(f64, f64)>;
+
+impl Bench {
+    /// Runs the program; its record, and the seconds that it took.
+    fn run(&self, arguments: &[&str]) -> (Value, f64) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_secateur"));
+        command.args(arguments).args(["--format", "json"]);
+        let start = Instant::now();
+        let output = command.current_dir(&self.folder).output();
+        let output = output.expect("the command starts");
+        let seconds = start.elapsed().as_secs_f64();
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments:?}: {complaint}");
+        let record = serde_json::from_slice(&output.stdout).expect("a record");
+        (record, seconds)
+    }
+
+    /// The chain of a tree, in a folder called `chain`.
+    fn lods(&self, tree: &Path, options: &[&str]) -> (Value, f64) {
+        let tree = tree.to_str().expect("a path in UTF-8");
+        let files = ["lods", tree, "-o", "chain", "--overwrite"];
+        self.run(&[&files[..], options].concat())
+    }
+
+    fn note(&mut self, part: &str, what: &str, quantity: &str, unit: &str, value: f64) {
+        let case = format!("{part}, {what}");
+        let command = format!("{COMMAND} -- {part}");
+        self.rows.note(&case, quantity, unit, value, &command);
+    }
+
+    /// Triangles over the walk: levels for its distances beside half, a quarter and a tenth, each
+    /// chain's from where its FLIP is within the bound.
+    fn walk(&mut self) {
+        for (name, tree) in trees(&TREES) {
+            let distances = DISTANCES_M.map(|d| d.to_string()).join(",");
+            let (ours, _) = self.lods(&tree, &["--distances", &distances]);
+            let (fixed, _) = self.lods(&tree, &["--levels", "0.5,0.25,0.1"]);
+            let original = ours["triangles"]["original"].as_f64().unwrap_or(f64::NAN);
+            let [ours, fixed] = [&ours, &fixed].map(|record| steps(record, original));
+            let [of_ours, of_fixed] = [&ours, &fixed].map(|steps| mean_over_walk(steps));
+            self.note("walk", name, "fixed_triangles", "", of_fixed);
+            self.note("walk", name, "scene_driven_triangles", "", of_ours);
+            self.note("walk", name, "ratio", "", of_ours / of_fixed);
+            // With a tenth at every distance, whatever its FLIP there.
+            let tenth = of_ours / (0.1 * original);
+            self.note("walk", name, "ratio_to_a_tenth_throughout", "", tenth);
+            let line = |name: &str, steps: &Steps| Line {
+                name: name.to_owned(),
+                points: DISTANCES_M.map(|d| (d, triangles_at(steps, d))).into(),
+            };
+            let lines = [
+                line("for the distances", &ours),
+                line("50, 25, 10 %", &fixed),
+            ];
+            let title = format!("{name}: triangles within a FLIP of {MAX_FLIP}");
+            self.chart(name, "triangles", &title, "distance in metres", &lines);
+        }
+    }
+
+    /// Crossed planes beside a mesh of as many triangles and the lightest mesh within the bound.
+    fn impostor(&mut self) {
+        for (name, tree) in trees(&["quat_commontree_1", "ez_bush2"]) {
+            let kinds = [
+                "flip_impostor",
+                "flip_mesh_of_same_cost",
+                "flip_lightest_mesh",
+            ];
+            let mut lines = kinds.map(|kind| Line {
+                name: kind.trim_start_matches("flip_").replace('_', " "),
+                points: Vec::new(),
+            });
+            let plant = height_of(&tree);
+            for height in IMPOSTOR_PX {
+                let screen = secateur_scene::Screen::default();
+                let distance = screen.distance(plant, height);
+                let at = distance.to_string();
+                let options = ["--distances", &at, "--impostor", "crossed"];
+                let (record, _) = self.lods(&tree, &options);
+                let level = &record["levels"][0];
+                let impostor = &level["impostor"];
+                let flips = [
+                    &level["flip_mean"],
+                    &impostor["same_cost_flip_mean"],
+                    &impostor["mesh_flip_mean"],
+                ];
+                for ((kind, line), flip) in kinds.iter().zip(&mut lines).zip(flips) {
+                    let what = format!("{name} at {height} pixels");
+                    if let Some(flip) = flip.as_f64() {
+                        self.note("impostor", &what, kind, "", flip);
+                        line.points.push((distance, flip));
+                    }
+                }
+            }
+            let title = format!("{name}: FLIP of impostor and meshes");
+            self.chart(name, "flip", &title, "distance in metres", &lines);
+        }
+    }
+
+    /// What three.js shows of levels from where they begin and from where they end.
+    fn coverage(&mut self) {
+        for (name, tree) in trees(&TREES[..3]) {
+            for chain in [&["--levels", "0.5,0.25,0.1"][..], &[]] {
+                let (record, _) = self.lods(&tree, chain);
+                std::fs::copy(&tree, self.folder.join("original.glb")).expect("a copy");
+                let jobs = self.folder.join("jobs.json");
+                std::fs::write(&jobs, coverage_job(&record).to_string()).expect("a file");
+                let Some(seen) = clients::show("coverage.js", &jobs) else {
+                    return;
+                };
+                let chain = if chain.is_empty() {
+                    "by heights"
+                } else {
+                    "50, 25, 10 %"
+                };
+                for level in seen {
+                    let number = |key: &str| level[key].as_f64().unwrap_or(f64::NAN);
+                    let what = format!(
+                        "{name} {chain}, LOD{} at {:.0} m",
+                        level["level"],
+                        number("distance")
+                    );
+                    for key in ["coverage_over_truth", "original_coverage_over_truth"] {
+                        self.note("coverage", &what, key, "", number(key));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Islands of up to 3 pixels beyond the original's, in simplified trees and in levels.
+    fn specks(&mut self) {
+        let all = [&TREES[..], &["sap_pine_needles_48k"]].concat();
+        for (name, tree) in trees(&all) {
+            for share in ["0.5", "0.1"] {
+                let from = tree.to_str().expect("a path in UTF-8");
+                let command = ["simplify", from, "-o", "simplified.glb", "--overwrite"];
+                self.run(&[&command[..], &["--triangles", share]].concat());
+                let (record, _) = self.lods(&tree, &["--levels", share]);
+                let level = record["levels"][0]["file"].as_str().unwrap_or_default();
+                for (kind, file) in [("simplify", "simplified.glb"), ("lods", level)] {
+                    for width in ["512", "128"] {
+                        let options = ["measure", from, file, "--as-drawn", width];
+                        let (record, _) = self.run(&options);
+                        let drawn = &record["as_drawn"];
+                        let drawn = drawn.get(0).unwrap_or(drawn);
+                        let number = |key: &str| drawn[key].as_f64().unwrap_or(f64::NAN);
+                        let more = number("specks_per_view") - number("original_specks_per_view");
+                        let what = format!("{name} to {share} by {kind}, {width} pixels");
+                        self.note("specks", &what, "specks_beyond_original", "a view", more);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Atlases of 1024 x 1024 texels.
+    fn bake(&mut self) {
+        for (name, tree) in trees(&TREES[..1]) {
+            let surfaces = surfaces_of(&tree);
+            let start = Instant::now();
+            let crossed = Impostor::crossed(&surfaces, Planes::ALL[2], 512.0);
+            let of_crossed = start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            let octahedral = Impostor::octahedral(&surfaces, 128.0);
+            let of_octahedral = start.elapsed().as_secs_f64();
+            let made = [
+                ("crossed planes", crossed, of_crossed),
+                ("octahedral views", octahedral, of_octahedral),
+            ];
+            for (kind, made, seconds) in made {
+                let facts = made.expect("a plant to see").facts();
+                assert_eq!(facts["atlas"], json!([1024, 1024]), "{kind}");
+                self.note("bake", &format!("{name}, {kind}"), "wall", "s", seconds);
+            }
+        }
+    }
+
+    /// A chain by distances beside one simplification to its coarsest mesh.
+    fn chain(&mut self) {
+        for (name, tree) in trees(&TREES[..1]) {
+            let plant = height_of(&tree);
+            let screen = secateur_scene::Screen::default();
+            let heights = [1080.0, 540.0, 270.0, 135.0, 64.0];
+            let distances = heights.map(|height| screen.distance(plant, height).to_string());
+            let distances = distances.join(",");
+            let options = ["--distances", &distances, "--impostor", "crossed"];
+            let (record, seconds) = self.lods(&tree, &options);
+            let levels = record["levels"].as_array().expect("levels");
+            let meshes = levels.iter().filter(|level| level["kind"] == "mesh");
+            let coarsest = meshes.filter_map(|level| level["triangles"].as_u64()).min();
+            let coarsest = coarsest.expect("a mesh").to_string();
+            let from = tree.to_str().expect("a path in UTF-8");
+            let simplify = ["simplify", from, "-o", "one.glb", "--overwrite"];
+            let (_, one) = self.run(&[&simplify[..], &["--triangles", &coarsest]].concat());
+            self.note("chain", name, "levels", "", levels.len() as f64);
+            self.note("chain", name, "wall", "s", seconds);
+            self.note("chain", name, "wall_of_one_simplification", "s", one);
+            self.note("chain", name, "ratio", "", seconds / one);
+        }
+    }
+
+    /// Leaves that an obstacle hides from all cameras, at a quarter of all leaves.
+    fn obstacles(&mut self) {
+        let found = obstacles::compare_all(&self.folder).expect("both scenes");
+        for (what, ratio) in found {
+            self.note("obstacles", &what, "behind_over_before", "", ratio);
+        }
+    }
+
+    fn chart(&self, tree: &str, what: &str, title: &str, across: &str, lines: &[Line]) {
+        let path = self
+            .rows
+            .folder()
+            .join(format!("scene_levels-{tree}-{what}.svg"));
+        let svg = line_chart(title, across, what, lines);
+        std::fs::write(path, svg).expect("the chart can be written");
+    }
+}
+
+/// Those of the trees that are there.
+fn trees<'a>(names: &[&'a str]) -> Vec<(&'a str, PathBuf)> {
+    let found = |name: &&'a str| Some((*name, shared_tree(&format!("{name}.glb"))?));
+    names.iter().filter_map(found).collect()
+}
+
+fn surfaces_of(tree: &Path) -> Vec<Surface> {
+    let document = Document::open(tree).expect("a tree");
+    let surfaces = document.surfaces(&[]).expect("surfaces");
+    surfaces.into_iter().map(|(surface, _)| surface).collect()
+}
+
+fn height_of(tree: &Path) -> f64 {
+    let surfaces = surfaces_of(tree);
+    let ys = || {
+        surfaces
+            .iter()
+            .flat_map(|s| s.positions.iter().map(|p| p.y))
+    };
+    ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min)
+}
+
+/// The levels of a chain that are within the bound where they begin; before the first the original.
+fn steps(record: &Value, original: f64) -> Steps {
+    let mut steps = vec![(0.0, original)];
+    let number = |level: &Value, key: &str| level[key].as_f64().unwrap_or(f64::NAN);
+    for level in record["levels"].as_array().expect("levels") {
+        // Levels for distances are within it where any triangles are; the first may begin nearer.
+        if number(level, "flip_mean") <= MAX_FLIP {
+            steps.push((number(level, "distance"), number(level, "triangles")));
+        }
+    }
+    steps
+}
+
+fn triangles_at(steps: &Steps, distance: f64) -> f64 {
+    let reached = steps
+        .iter()
+        .rev()
+        .find(|(from, _)| *from <= distance * 1.000_001);
+    reached.map_or(f64::NAN, |(_, triangles)| *triangles)
+}
+
+/// The mean over the walk, each metre counted alike.
+fn mean_over_walk(steps: &Steps) -> f64 {
+    let [near, far] = WALK_M;
+    let ends = steps
+        .iter()
+        .skip(1)
+        .map(|(from, _)| *from)
+        .chain([f64::INFINITY]);
+    let of_step = |((from, triangles), end): (&(f64, f64), f64)| {
+        triangles * (end.min(far) - from.max(near)).max(0.0)
+    };
+    steps.iter().zip(ends).map(of_step).sum::<f64>() / (far - near)
+}
+
+fn coverage_job(record: &Value) -> Value {
+    let levels = record["levels"].as_array().expect("levels");
+    let number = |level: &Value, key: &str| level[key].as_f64().unwrap_or(f64::NAN);
+    let shown = |(k, level): (usize, &Value)| {
+        let begin = number(level, "distance");
+        // The last is seen down to 64 pixels, or to half as many as it begins with.
+        let high = number(level, "pixels_high");
+        let last = begin * high / (high / 2.0).min(64.0);
+        let end = levels
+            .get(k + 1)
+            .map_or(last, |next| number(next, "distance"));
+        json!({ "file": level["file"], "distances": [begin, end] })
+    };
+    let levels: Vec<Value> = levels.iter().enumerate().map(shown).collect();
+    json!([{
+        "name": record["name"],
+        "original": "original.glb",
+        "screen": record["screen"],
+        "most_px": 256,
+        "levels": levels,
+    }])
+}
