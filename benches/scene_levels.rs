@@ -1,10 +1,11 @@
 //! Levels that a scene asks for: how light they are beside fixed shares, what three.js shows of
 //! them, specks, impostors, obstacles, and what a chain costs.
 //!
-//! `cargo bench --bench scene_levels [-- PART]`; PART is one of walk, impostor, coverage, specks,
-//! bake, chain, obstacles. Coverage needs node, Chromium and `npm ci --prefix tests/clients`.
+//! `cargo bench --bench scene_levels [-- PART]`; PART picks cases by name, such as `walk` or
+//! `specks, ez_bush2`. Coverage needs node, Chromium and `npm ci --prefix tests/clients`.
 //! Also writes the charts `scene_levels-TREE-triangles.svg` and `scene_levels-TREE-flip.svg`.
 
+#[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "../tests/clients/clients.rs"]
 mod clients;
 mod line_chart;
@@ -47,31 +48,25 @@ const TREES: [&str; 4] = [
 ];
 
 fn main() {
-    let wanted = Wanted::from_command_line();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut bench = Bench {
         rows: Rows::create("scene_levels"),
         folder: folder.path().to_owned(),
+        wanted: Wanted::from_command_line(),
     };
-    let parts: [(&str, fn(&mut Bench)); 7] = [
-        ("walk", Bench::walk),
-        ("impostor", Bench::impostor),
-        ("coverage", Bench::coverage),
-        ("specks", Bench::specks),
-        ("bake", Bench::bake),
-        ("chain", Bench::chain),
-        ("obstacles", Bench::obstacles),
-    ];
-    for (name, part) in parts {
-        if wanted.has(name) {
-            part(&mut bench);
-        }
-    }
+    bench.walk();
+    bench.impostor();
+    bench.coverage();
+    bench.specks();
+    bench.bake();
+    bench.chain();
+    bench.obstacles();
 }
 
 struct Bench {
     rows: Rows,
     folder: PathBuf,
+    wanted: Wanted,
 }
 
 /// A level's first distance and its triangles.
@@ -99,6 +94,13 @@ impl Bench {
         self.run(&[&files[..], options].concat())
     }
 
+    /// Those of the trees that a part is asked for of, and that are there.
+    fn trees<'a>(&self, part: &str, names: &[&'a str]) -> Vec<(&'a str, PathBuf)> {
+        let is_wanted = |name: &&&str| self.wanted.has(&format!("{part}, {name}"));
+        let found = |name: &&'a str| Some((*name, shared_tree(&format!("{name}.glb"))?));
+        names.iter().filter(is_wanted).filter_map(found).collect()
+    }
+
     fn note(&mut self, part: &str, what: &str, quantity: &str, unit: &str, value: f64) {
         let case = format!("{part}, {what}");
         let command = format!("{COMMAND} -- {part}");
@@ -108,7 +110,7 @@ impl Bench {
     /// Triangles over the walk: levels for its distances beside half, a quarter and a tenth, each
     /// chain's from where its FLIP is within the bound.
     fn walk(&mut self) {
-        for (name, tree) in trees(&TREES) {
+        for (name, tree) in self.trees("walk", &TREES) {
             let distances = DISTANCES_M.map(|d| d.to_string()).join(",");
             let (ours, _) = self.lods(&tree, &["--distances", &distances]);
             let (fixed, _) = self.lods(&tree, &["--levels", "0.5,0.25,0.1"]);
@@ -136,7 +138,7 @@ impl Bench {
 
     /// Crossed planes beside a mesh of as many triangles and the lightest mesh within the bound.
     fn impostor(&mut self) {
-        for (name, tree) in trees(&["quat_commontree_1", "ez_bush2"]) {
+        for (name, tree) in self.trees("impostor", &["quat_commontree_1", "ez_bush2"]) {
             let kinds = [
                 "flip_impostor",
                 "flip_mesh_of_same_cost",
@@ -175,7 +177,7 @@ impl Bench {
 
     /// What three.js shows of levels from where they begin and from where they end.
     fn coverage(&mut self) {
-        for (name, tree) in trees(&TREES[..3]) {
+        for (name, tree) in self.trees("coverage", &TREES[..3]) {
             for chain in [&["--levels", "0.5,0.25,0.1"][..], &[]] {
                 let (record, _) = self.lods(&tree, chain);
                 std::fs::copy(&tree, self.folder.join("original.glb")).expect("a copy");
@@ -207,7 +209,7 @@ impl Bench {
     /// Islands of up to 3 pixels beyond the original's, in simplified trees and in levels.
     fn specks(&mut self) {
         let all = [&TREES[..], &["sap_pine_needles_48k"]].concat();
-        for (name, tree) in trees(&all) {
+        for (name, tree) in self.trees("specks", &all) {
             for share in ["0.5", "0.1"] {
                 let from = tree.to_str().expect("a path in UTF-8");
                 let command = ["simplify", from, "-o", "simplified.glb", "--overwrite"];
@@ -232,7 +234,7 @@ impl Bench {
 
     /// Atlases of 1024 x 1024 texels.
     fn bake(&mut self) {
-        for (name, tree) in trees(&TREES[..1]) {
+        for (name, tree) in self.trees("bake", &TREES[..1]) {
             let surfaces = surfaces_of(&tree);
             let start = Instant::now();
             let crossed = Impostor::crossed(&surfaces, Planes::ALL[2], 512.0);
@@ -254,7 +256,7 @@ impl Bench {
 
     /// A chain by distances beside one simplification to its coarsest mesh.
     fn chain(&mut self) {
-        for (name, tree) in trees(&TREES[..1]) {
+        for (name, tree) in self.trees("chain", &TREES[..1]) {
             let plant = height_of(&tree);
             let screen = secateur_scene::Screen::default();
             let heights = [1080.0, 540.0, 270.0, 135.0, 64.0];
@@ -278,6 +280,9 @@ impl Bench {
 
     /// Leaves that an obstacle hides from all cameras, at a quarter of all leaves.
     fn obstacles(&mut self) {
+        if !self.wanted.has("obstacles") {
+            return;
+        }
         let found = obstacles::compare_all(&self.folder).expect("both scenes");
         for (what, ratio) in found {
             self.note("obstacles", &what, "behind_over_before", "", ratio);
@@ -292,12 +297,6 @@ impl Bench {
         let svg = line_chart(title, across, what, lines);
         std::fs::write(path, svg).expect("the chart can be written");
     }
-}
-
-/// Those of the trees that are there.
-fn trees<'a>(names: &[&'a str]) -> Vec<(&'a str, PathBuf)> {
-    let found = |name: &&'a str| Some((*name, shared_tree(&format!("{name}.glb"))?));
-    names.iter().filter_map(found).collect()
 }
 
 fn surfaces_of(tree: &Path) -> Vec<Surface> {

@@ -244,6 +244,8 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     lods(&["--distances", "-5"]).misused_saying(&["above 0"]);
     lods(&["--distances", "5,inf"]).misused_saying(&["above 0"]);
     lods(&["--distances", "5", "--levels", "0.5"]).misused_saying(&["cannot be used with"]);
+    // The grown oak's leaves are triangles, not cards.
+    lods(&["--textures", "fit"]).failed_saying(&["oak.glb: no texture with alpha"]);
     lods(&["--max-pop", "0"]).misused_saying(&["above 0"]);
     lods(&["--impostor", "cloud"]).misused_saying(&["invalid value"]);
     lods(&["--screen-height", "0"]).misused_saying(&["above 0"]);

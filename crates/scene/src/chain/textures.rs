@@ -54,7 +54,8 @@ pub struct LevelAsDrawn {
     /// From where the next takes over; for the last, where it is 64 pixels high, or half as high as
     /// where it begins if that is less.
     pub end: Shown,
-    /// Specks in a view of it, at the worse of the two, beyond those of the original.
+    /// Specks in a view of it, at the worse of the two, beyond those of the original, where a client
+    /// shows as much of that as there is: what fades away has no specks.
     pub more_specks_per_view: f64,
 }
 
@@ -132,11 +133,15 @@ impl<'a> Client<'a> {
     /// How a level looks with its surfaces as they are.
     pub(super) fn as_drawn(&self, surfaces: &[Surface], [begin, end]: [f64; 2]) -> LevelAsDrawn {
         let [(begin, of_begin), (end, of_end)] = [begin, end].map(|h| self.shown(surfaces, h));
-        let more = |shown: Shown, original: Shown| shown.specks_per_view - original.specks_per_view;
+        let more = |shown: Shown, original: Shown| {
+            let is_whole = original.coverage_over_truth >= WITHIN[0];
+            is_whole.then_some(shown.specks_per_view - original.specks_per_view)
+        };
+        let more = [more(begin, of_begin), more(end, of_end)];
         LevelAsDrawn {
             begin,
             end,
-            more_specks_per_view: more(begin, of_begin).max(more(end, of_end)),
+            more_specks_per_view: more.into_iter().flatten().reduce(f64::max).unwrap_or(0.0),
         }
     }
 

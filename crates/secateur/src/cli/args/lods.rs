@@ -45,9 +45,9 @@ pub(crate) struct Lods {
     /// show; levels that would show more are left out.
     #[arg(long, value_name = "F", value_parser = flip)]
     pub(crate) max_pop: Option<f64>,
-    /// Which textures cut-out leaves have.
-    #[arg(long, value_enum, default_value_t = TexturesName::Fit)]
-    pub(crate) textures: TexturesName,
+    /// Which textures cut-out leaves have [default: fit, where leaves are cut out].
+    #[arg(long, value_enum)]
+    pub(crate) textures: Option<TexturesName>,
     /// The height of the screen that the levels are for, in pixels.
     #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = above_zero)]
     pub(crate) screen_height: f64,

@@ -16,7 +16,7 @@ use super::names::{AlphaName, EngineName, JudgingViewsName, SidesName};
 
 pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
-pub(crate) use lods::{LayoutName, Lods};
+pub(crate) use lods::{LayoutName, Lods, TexturesName};
 pub(crate) use simplify::{MaxCoverage, Simplify};
 pub(crate) use stream::Stream;
 pub(crate) use study::{PlanName, Study};

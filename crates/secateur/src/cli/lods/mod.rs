@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use secateur_gltf::chain::{Level, PreparedChain};
-use secateur_gltf::{StagedFiles, WholeTree, WriteOptions};
+use secateur_gltf::{Document, StagedFiles, WholeTree, WriteOptions};
+use secateur_model::{AlphaMode, Surface};
 use secateur_raster::OpenEngine;
 use secateur_scene::chain::{Chain, Shape, Textures, chain};
 use serde_json::{Value, json};
 
-use super::args::{self, Common};
+use super::args::{self, Common, TexturesName};
 use super::failure::Failure;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
@@ -91,6 +92,12 @@ fn make(
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     output::check_spares(tree.items().document(), &outputs)?;
+    if args.textures == Some(TexturesName::Fit) && !has_cut_outs(tree.items().document())? {
+        return Err(Failure(format!(
+            "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
+            job.tree.display()
+        )));
+    }
     let warnings = tree.items().inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
@@ -152,6 +159,20 @@ fn make(
         rows,
         pretty,
     })
+}
+
+/// Whether the alpha of a texture cuts anything out of what is drawn.
+fn has_cut_outs(document: &Document) -> Result<bool, Failure> {
+    let cuts_out = |surface: &Surface| {
+        let alpha = surface.material.texture.as_ref();
+        let mut alpha = alpha
+            .into_iter()
+            .flat_map(|texture| texture.rgba.chunks_exact(4));
+        let is_mask = matches!(surface.material.alpha_mode, AlphaMode::Mask(_));
+        is_mask && alpha.any(|texel| texel[3] < u8::MAX)
+    };
+    let drawn = document.surfaces(&[])?;
+    Ok(drawn.iter().any(|(surface, _)| cuts_out(surface)))
 }
 
 fn write(

@@ -2,7 +2,7 @@
 
 use secateur::{Amount, Options, Target};
 use secateur_scene::Screen;
-use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Wanted};
+use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Textures, Wanted};
 use secateur_scene::impostor::Choice;
 
 use super::super::args;
@@ -32,7 +32,7 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
         impostor,
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
-        textures: args.textures.into(),
+        textures: args.textures.map_or(Textures::Fit, Into::into),
         screen: Screen {
             height_px: args.screen_height,
             field_of_view_degrees: args.fov,
