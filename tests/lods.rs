@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use secateur::{Document, Tree};
 use serde_json::Value;
 
-use crate::program::Bench;
+use crate::program::{Bench, shared_tree};
 use crate::tab::{DESKTOP, Tab};
 use crate::validator;
 
@@ -244,8 +244,6 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     lods(&["--distances", "-5"]).misused_saying(&["above 0"]);
     lods(&["--distances", "5,inf"]).misused_saying(&["above 0"]);
     lods(&["--distances", "5", "--levels", "0.5"]).misused_saying(&["cannot be used with"]);
-    // The grown oak's leaves are triangles, not cards.
-    lods(&["--textures", "fit"]).failed_saying(&["oak.glb: no texture with alpha"]);
     lods(&["--max-pop", "0"]).misused_saying(&["above 0"]);
     lods(&["--impostor", "cloud"]).misused_saying(&["invalid value"]);
     lods(&["--screen-height", "0"]).misused_saying(&["above 0"]);
@@ -256,6 +254,19 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
         .failed_saying(&["x.glb", "needs a folder"]);
     let twice = ["lods", "oak.glb", "./oak.glb", "-o", "chain"];
     bench.run(&twice).failed_saying(&["same name"]);
+    assert_eq!(bench.names(), ["oak.glb"]);
+}
+
+/// The birch's leaves are polygons without a texture.
+#[test]
+fn coverage_cannot_be_kept_where_nothing_is_cut_out() {
+    let Some(birch) = shared_tree("sap_birch_hex_9k.glb") else {
+        return;
+    };
+    let bench = Bench::new();
+    let lods = ["lods", birch.to_str().unwrap(), "-o", "chain"];
+    let run = bench.run(&[&lods[..], &["--textures", "fit"]].concat());
+    run.failed_saying(&["no texture with alpha cuts out its leaves"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }
 
