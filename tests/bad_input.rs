@@ -526,3 +526,27 @@ fn outputs_spare_what_the_input_names() {
     }
     assert_eq!(bench.read("tree.bin"), before);
 }
+
+/// A device that never ends is read as far as the budget allows, not until memory is used up.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_never_ends_is_refused() {
+    let bench = Bench::new();
+    let endless = "/dev/zero";
+    for line in [
+        "inspect /dev/zero --memory 4M",
+        "simplify oak.glb -o o.glb --leaves 9 --memory 100M --occluder /dev/zero",
+    ] {
+        let words: Vec<&str> = line.split(' ').collect();
+        bench
+            .run(&words)
+            .failed_saying(&[endless, "the file", "`--memory`"]);
+    }
+    // The order has no option for memory: half of what the process may have is its budget.
+    let lod =
+        "ulimit -v 600000; exec \"$SECATEUR\" lod oak.glb --order /dev/zero --leaves 9 -o o.glb";
+    bench
+        .run_in_shell(lod)
+        .failed_saying(&[endless, "the file"]);
+    assert_eq!(bench.names(), ["oak.glb"]);
+}

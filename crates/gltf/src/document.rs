@@ -8,8 +8,9 @@ use serde_json::Value;
 
 use super::buffer::{self, Buffer};
 use super::container::{self, Unpacked};
-use super::error::{ALLOW_MORE, Fault, GltfError, Problem};
+use super::error::{Fault, GltfError, Problem};
 use super::folder;
+use super::input::read_within;
 use super::property;
 use super::uri;
 use secateur_model::{Budget, Memory};
@@ -77,16 +78,7 @@ impl Document {
     /// if the file takes more memory than that.
     pub fn open_within(path: &Path, memory: Memory) -> Result<Self, GltfError> {
         let name = path.display().to_string();
-        let unreadable = |error| GltfError::new(&name, Problem::Unreadable(error));
-        let there = std::fs::metadata(path).map_err(unreadable)?;
-        if there.is_dir() {
-            let error = std::io::Error::from(std::io::ErrorKind::IsADirectory);
-            return Err(unreadable(error));
-        }
-        let mut budget = Budget::new(memory);
-        let fits = budget.take(there.len(), || "the file".to_owned(), ALLOW_MORE);
-        fits.map_err(|over| GltfError::new(&name, Problem::from(over)))?;
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let bytes = read_within(path, memory)?;
         Self::from_bytes_within(&name, bytes, Some(&folder::of(path)), memory)
     }
 

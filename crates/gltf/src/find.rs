@@ -8,7 +8,7 @@ use super::accessor::{Component, Shape};
 use super::choice::{self, Verdict};
 use super::cutouts::Cutouts;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
-use super::evidence;
+use super::judged::Judged;
 use super::parts::Part;
 use super::picture::Pictures;
 use super::property;
@@ -103,12 +103,13 @@ impl Document {
         with_wood: bool,
         inspection: &mut Inspection,
     ) -> Result<(Vec<Part>, Found, Option<Found>), Fault> {
-        let mut parts = self.parts()?;
-        let mut budget = self.budget;
-        let survey = self.survey(&parts, &mut budget)?;
-        let mut pictures = Pictures::new(self, budget);
-        let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
-        let verdicts = choice::judge(&survey.groups, &reasons);
+        let Judged {
+            mut parts,
+            survey,
+            mut pictures,
+            reasons,
+            verdicts,
+        } = self.judged()?;
         let choice = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
         report::primitives(inspection, self, &survey, &parts, reasons, selectors);
         report::extents(inspection, &survey, &parts);

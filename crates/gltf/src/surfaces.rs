@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::accessor::Shape;
 use super::choice;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
-use super::evidence;
+use super::judged::Judged;
 use super::material::{TextureUse, base_color_texture};
 use super::parts::{Part, check_limit};
 use super::picture::Pictures;
@@ -148,12 +148,13 @@ impl Document {
         selectors: &[Selector],
     ) -> Result<Vec<DrawnSurface>, GltfError> {
         let read = || -> Result<_, Fault> {
-            let mut parts = self.parts()?;
-            let mut budget = self.budget;
-            let survey = self.survey(&parts, &mut budget)?;
-            let mut pictures = Pictures::new(self, budget);
-            let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
-            let verdicts = choice::judge(&survey.groups, &reasons);
+            let Judged {
+                mut parts,
+                survey,
+                mut pictures,
+                verdicts,
+                ..
+            } = self.judged()?;
             // Without foliage a tree can still be looked at.
             let _ = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
             self.surfaces_of(&parts, &survey, &mut pictures, detail)

@@ -3,7 +3,8 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use secateur::{Lod, LodModel, RemovalOrder, StagedFiles, Tree, WriteOptions};
+use secateur::{Lod, LodModel, Memory, RemovalOrder, StagedFiles, Tree, WriteOptions};
+use secateur_gltf::read_within;
 use secateur_scene::order_file;
 
 use super::failure::Failure;
@@ -60,8 +61,7 @@ pub(crate) fn read(file: Option<&Path>, tree: &Tree) -> Result<LodModel, Failure
     };
     let read = match file {
         Some(path) => {
-            let bytes = std::fs::read(path);
-            let bytes = bytes.map_err(|e| Failure::of_file(path, "cannot be read", &e))?;
+            let bytes = read_within(path, Memory::Auto)?;
             order_file::read_order(&bytes, tree.foliage())
         }
         None => {

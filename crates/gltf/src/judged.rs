@@ -1,0 +1,40 @@
+//! The parts of a document and what each group of them is taken for, before anybody chooses.
+
+use super::Document;
+use super::choice::{self, Verdict};
+use super::error::Fault;
+use super::evidence::{self, Reason};
+use super::parts::Part;
+use super::picture::Pictures;
+use super::survey::Survey;
+
+/// A document's parts, looked at.
+pub(crate) struct Judged<'a> {
+    pub(crate) parts: Vec<Part>,
+    pub(crate) survey: Survey,
+    /// The images that the evidence needed, decoded, and the budget that they left.
+    pub(crate) pictures: Pictures<'a>,
+    /// For each group of the survey, why it may be foliage or not.
+    pub(crate) reasons: Vec<Vec<Reason>>,
+    /// For each group of the survey, what its reasons come to.
+    pub(crate) verdicts: Vec<Verdict>,
+}
+
+impl Document {
+    /// Surveys the parts, gathers the evidence and judges by it.
+    pub(crate) fn judged(&self) -> Result<Judged<'_>, Fault> {
+        let parts = self.parts()?;
+        let mut budget = self.budget;
+        let survey = self.survey(&parts, &mut budget)?;
+        let mut pictures = Pictures::new(self, budget);
+        let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
+        let verdicts = choice::judge(&survey.groups, &reasons);
+        Ok(Judged {
+            parts,
+            survey,
+            pictures,
+            reasons,
+            verdicts,
+        })
+    }
+}
