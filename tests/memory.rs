@@ -123,16 +123,17 @@ fn a_file_that_is_named_often_is_taken_once() {
     inspect("3M").failed_saying(&["buffers[1]", "`big.bin`", "4.0 MiB"]);
 }
 
-/// 1,000 leaves behind each other would take .4 GiB in these views: a process that may have .6 GiB
+/// 4,000 leaves behind each other would take .4 GiB in these views: a process that may have .6 GiB
 /// of addresses says so, where it was aborted in the middle.
 #[cfg(target_os = "linux")]
 #[test]
 fn limits_of_the_process_are_kept_to() {
-    let bench = pile(1000);
+    let bench = pile(4000);
+    // Drivers of GPUs do not keep to limits: the audit would ask one.
     let ran = bench.run_in_shell(
         "ulimit -v 600000; exec \"$SECATEUR\" simplify tree.gltf -o o.glb --leaves 9 --sides both \
-         --views 6 --resolution 256 --engine cpu --threads 2",
+         --views 6 --resolution 256 --engine cpu --threads 2 --no-audit",
     );
-    ran.failed_saying(&["1000 leaves behind each other", "`--memory`"]);
+    ran.failed_saying(&["4000 leaves behind each other", "`--memory`"]);
     assert!(!bench.path("o.glb").exists());
 }
