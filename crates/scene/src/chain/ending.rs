@@ -59,8 +59,11 @@ impl Maker<'_> {
         let is_lighter = triangles < mesh.triangles();
         let is_near = flip <= self.options.max_flip || flip <= of_mesh;
         let mut same_cost = None;
-        if is_lighter && is_near {
-            let equal = self.level(triangles, observer)?;
+        // A plant that cannot be made so light has no mesh to hold the impostor against.
+        if is_lighter
+            && (is_near || choice != Choice::Auto)
+            && let Ok(equal) = self.level(triangles, observer)
+        {
             let pictures = judge.of_surfaces(&equal.drawn.level.surfaces);
             same_cost = Some((equal.triangles() as u64, self::flip(&original, &pictures)));
         }

@@ -65,7 +65,7 @@ pub struct ImpostorLevel {
     /// That mesh's FLIP by the judge of the impostor, who stands as far off as it is seen from.
     pub mesh_flip_mean: f64,
     /// Triangles and FLIP of a mesh of as many triangles as the impostor has, by the same judge; none
-    /// where the impostor is no lighter than the mesh above, or too far from the plant.
+    /// where the impostor is no lighter than the mesh above, or no such mesh can be made.
     pub same_cost: Option<(u64, f64)>,
 }
 
