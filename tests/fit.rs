@@ -87,7 +87,7 @@ fn to_triangles_sizes_are_fitted_unasked() {
         "information",
     ];
     let fitted = run(&bench, "fitted.glb", &quarter);
-    assert_eq!(fitted["settings"]["fit"], 0.95);
+    assert_eq!(fitted["settings"]["fit"], 0.3);
     assert!(fitted["seconds"]["fit"].is_number());
     let none = run(
         &bench,

@@ -158,7 +158,15 @@ fn coarser_leaves_go_in_the_order_of_the_literal_algorithm() {
 fn an_error_is_one_against_the_leaves_as_they_were() {
     let bench = with_rowan();
     let run = |target: [&str; 2]| {
-        let coarse = ["--leaf-triangles", "2", "--preset", "information"];
+        let coarse = [
+            "--leaf-triangles",
+            "2",
+            "--preset",
+            "information",
+            "--views",
+            "dodecahedron",
+            "--fit=none",
+        ];
         let options = [&target[..], &coarse].concat();
         let (left, report) = simplified(&bench, "rowan.glb", &options);
         let error = report["driving_vmi_error_percent"].as_f64().unwrap();

@@ -157,6 +157,33 @@ impl ViewSet {
         }
     }
 
+    /// The tangent of half the field of view in which a sphere at three radii just fits,
+    /// `1 / sqrt 8`: 38.9 degrees.
+    pub const TAN_TIGHT: f64 = 0.353_553_390_593_273_8;
+
+    /// The same cameras with another field of view, given as the tangent of its half.
+    ///
+    /// # Errors
+    /// [`ViewError::FieldOfView`] if that is not a positive number.
+    pub fn with_field_of_view(&self, tan_half_fov: f64) -> Result<Self, ViewError> {
+        if !(tan_half_fov.is_finite() && tan_half_fov > 0.0) {
+            let degrees = 2.0 * tan_half_fov.atan().to_degrees();
+            return Err(ViewError::FieldOfView(degrees));
+        }
+        let views = self.views.iter().map(|view| View {
+            tan_half_fov,
+            ..*view
+        });
+        Ok(Self::new(views.collect()))
+    }
+
+    /// The same cameras and those of other sets behind them.
+    #[must_use]
+    pub fn followed_by(&self, others: &[Self]) -> Self {
+        let others = others.iter().flat_map(|set| &set.views);
+        Self::new(self.views.iter().chain(others).copied().collect())
+    }
+
     /// The same views turned as one about a point. What is no turn, being without length or
     /// not finite, turns nothing.
     #[must_use]
@@ -368,6 +395,22 @@ mod tests {
         // Nor is the paper's judge one that drives.
         for set in &driving {
             assert!(apart(&ViewSet::icosahedron(SPHERE), set) > 10.0);
+        }
+    }
+
+    /// A point where the sphere touches the view's cone lies on the border of a tight image.
+    #[test]
+    fn a_tight_field_of_view_just_holds_the_sphere() {
+        let tight = ViewSet::cube(SPHERE).with_field_of_view(ViewSet::TAN_TIGHT);
+        for view in tight.unwrap().views() {
+            let to_centre = SPHERE.centre - view.eye();
+            // Of a right angle with the radius on one side and 3 radii across from it.
+            let sine = SPHERE.radius / to_centre.length();
+            let along = sine / (1.0 - sine * sine).sqrt();
+            assert!((along - view.tan_half_fov()).abs() < 1e-12, "{along}");
+        }
+        for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(ViewSet::cube(SPHERE).with_field_of_view(wrong).is_err());
         }
     }
 

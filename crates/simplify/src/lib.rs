@@ -46,7 +46,9 @@ pub mod wood;
 pub use error::Error;
 pub use method::Method;
 pub use observe::{Shown, observe};
-pub use options::{Alpha, Fitting, LeafTriangles, Options, Resolution, Sides, as_seen};
+pub use options::{
+    Alpha, FieldOfView, Fitting, LeafTriangles, Options, Resolution, Sides, as_seen,
+};
 pub use passes::Passes;
 pub use preset::Preset;
 pub use run::{simplify, simplify_on, simplify_sharing, simplify_with};

@@ -5,23 +5,40 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use secateur_model::{Facing, Foliage, Leaf, Memory, PlantSkeleton};
-use secateur_raster::{Engine, MAX_RESOLUTION};
+use secateur_model::{BoundingSphere, Facing, Foliage, Leaf, Memory, PlantSkeleton};
+use secateur_raster::{Engine, MAX_RESOLUTION, View, ViewSet};
 use serde::{Deserialize, Serialize};
 
-use crate::fit::{DEFAULT_OUTLINE_WEIGHT, MAX_OUTLINE_WEIGHT, Objective};
+use crate::fit::{
+    DEFAULT_OUTLINE_WEIGHT, INFORMATION_OUTLINE_WEIGHT, MAX_OUTLINE_WEIGHT, Objective,
+};
 use crate::select::refuse;
+use crate::vds::ViewPlan;
 use crate::{Error, Method, Preset, Target, Views};
 
 /// Width and height of the images that areas are counted in. Spelled `auto` or as a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Resolution {
-    /// 256, or more where the leaves need it.
+    /// 256; and for [`Preset::Information`] and methods other than VDS more where the leaves need it.
     #[default]
     Auto,
     /// This many pixels, 1 to [`MAX_RESOLUTION`].
     Pixels(u32),
+}
+
+/// How much the built-in sets of views see. Spelled `tight` or as a number of degrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum FieldOfView {
+    /// The crown's bounding sphere just fits: 38.9 degrees.
+    Tight,
+    /// This many, above 0 and below 180. The paper's judge has 60, which leaves most of each image
+    /// empty.
+    Degrees(f64),
+    /// [`Self::Tight`] as the presets of this program have it, 60 degrees for the paper's.
+    #[default]
+    Auto,
 }
 
 /// How many triangles of its own a leaf keeps at most. Spelled `auto`, `keep` or as a number.
@@ -50,9 +67,9 @@ pub enum Fitting {
     /// grow as the preset has it; never for other methods.
     ///
     /// [`Preset::Look`]: as [`Self::Coverage`], but none where all leaves are left and one triangle
-    /// of a card shows all of it. [`Preset::Information`]: to triangles at
+    /// of a card shows all of it. [`Preset::Information`]: to leaves or triangles at
     /// [`Resolution::Auto`] as [`Self::Weight`] of
-    /// [`DEFAULT_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
+    /// [`INFORMATION_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
     /// triangle of a card shows all of it, and the driving views say so to a 400th of their
     /// information. None for the paper's presets.
     #[default]
@@ -62,7 +79,7 @@ pub enum Fitting {
     /// To the coverage of small blocks of 12 views from which no leaf was chosen, or, with
     /// [`Views::Cameras`], of these.
     Coverage,
-    /// To the outline and the information in 78 views from which no leaf was chosen, or, with
+    /// To the outline and the information in 30 views from which no leaf was chosen, or, with
     /// [`Views::Cameras`], in these; with this weight of a pixel of outline against a bit of
     /// VMI times a pixel, 0 to [`MAX_OUTLINE_WEIGHT`].
     Weight(f64),
@@ -108,6 +125,41 @@ impl fmt::Display for Resolution {
         match self {
             Self::Auto => f.write_str("auto"),
             Self::Pixels(pixels) => pixels.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for FieldOfView {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Tight => f.write_str("tight"),
+            Self::Degrees(degrees) => degrees.fmt(f),
+        }
+    }
+}
+
+impl FromStr for FieldOfView {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse()) {
+            ("auto", _) => Ok(Self::Auto),
+            ("tight", _) => Ok(Self::Tight),
+            (_, Ok(degrees)) if 0.0 < degrees && degrees < 180.0 => Ok(Self::Degrees(degrees)),
+            _ => Err("write tight or degrees above 0 and below 180".to_owned()),
+        }
+    }
+}
+
+impl FieldOfView {
+    /// The tangent of its half.
+    fn tan_half(self) -> f64 {
+        match self {
+            Self::Auto | Self::Tight => ViewSet::TAN_TIGHT,
+            // To the last bit, as everywhere.
+            Self::Degrees(60.0) => View::TAN_30_DEGREES,
+            Self::Degrees(degrees) => (degrees / 2.0).to_radians().tan(),
         }
     }
 }
@@ -196,7 +248,7 @@ macro_rules! spelled {
     )+ };
 }
 
-spelled!(Resolution, LeafTriangles, Fitting);
+spelled!(Resolution, FieldOfView, LeafTriangles, Fitting);
 
 /// What a run is to do; [`Options::to`] has the defaults of the command line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -211,6 +263,9 @@ pub struct Options {
     pub engine: Engine,
     /// From where VDS looks.
     pub views: Views,
+    /// How much of its surroundings a view shows; cameras of one's own have fields of view of their own.
+    #[serde(default)]
+    pub field_of_view: FieldOfView,
     /// Width and height in pixels of the images in which VDS measures areas.
     pub resolution: Resolution,
     /// Whether holes of leaf textures count.
@@ -253,7 +308,8 @@ impl Options {
             target,
             method: Method::Vds(preset.vds()),
             engine: Engine::default(),
-            views: Views::default(),
+            views: preset.views(),
+            field_of_view: FieldOfView::default(),
             resolution: preset.resolution(),
             alpha: preset.alpha(),
             sides: preset.sides(),
@@ -266,6 +322,43 @@ impl Options {
         }
     }
 
+    /// All sets of views that a run about a foliage with this bounding sphere looks from, one after
+    /// the other.
+    pub fn driving(&self, sphere: BoundingSphere) -> Vec<ViewSet> {
+        self.plan(sphere).sets()
+    }
+
+    /// The views that it begins with.
+    pub fn first_views(&self, sphere: BoundingSphere) -> ViewSet {
+        self.plan(sphere).first()
+    }
+
+    pub(crate) fn plan(&self, sphere: BoundingSphere) -> ViewPlan {
+        self.views.plan(sphere).map(|set| self.framed(set))
+    }
+
+    /// [`Self::field_of_view`], decided.
+    pub fn field_of_view(&self) -> FieldOfView {
+        match self.field_of_view {
+            FieldOfView::Auto => self.preset.field_of_view(),
+            own => own,
+        }
+    }
+
+    fn framed(&self, views: &ViewSet) -> ViewSet {
+        self.framed_as(views, self.field_of_view())
+    }
+
+    /// Views with this field of view, but for cameras of the caller's.
+    pub(crate) fn framed_as(&self, views: &ViewSet, field_of_view: FieldOfView) -> ViewSet {
+        if self.views.are_cameras() {
+            return views.clone();
+        }
+        let tan_half = field_of_view.tan_half();
+        let framed = views.with_field_of_view(tan_half);
+        framed.expect("a field of view in range, as checked")
+    }
+
     /// What sizes are fitted to, if they are.
     pub fn objective(&self) -> Option<Objective> {
         let information = |outline_weight| Objective::Information { outline_weight };
@@ -276,14 +369,19 @@ impl Options {
             Fitting::Auto if !self.grows_as_its_preset_has_it() => None,
             Fitting::Auto => match self.preset {
                 Preset::Look => Some(Objective::Coverage),
-                Preset::Information => (matches!(self.target, Target::Triangles(_))
+                Preset::Information => (!matches!(self.target, Target::MaxErrorPercent(_))
                     && matches!(self.method, Method::Vds(_))
                     && self.resolution == Resolution::Auto)
-                    .then_some(information(DEFAULT_OUTLINE_WEIGHT)),
+                    .then_some(information(INFORMATION_OUTLINE_WEIGHT)),
                 // The paper fits nothing.
                 _ => None,
             },
         }
+    }
+
+    /// Whether VDS chooses leaves for pictures.
+    pub(crate) fn is_for_the_look(&self) -> bool {
+        self.preset == Preset::Look && self.method.vds().is_some()
     }
 
     fn grows_as_its_preset_has_it(&self) -> bool {
@@ -308,6 +406,11 @@ impl Options {
     /// [`Error`] with the first that is not.
     pub(crate) fn check(&self, foliage: &Foliage) -> Result<(), Error> {
         self.method.check(foliage, self.skeleton.as_deref())?;
+        if let FieldOfView::Degrees(degrees) = self.field_of_view
+            && !(0.0 < degrees && degrees < 180.0)
+        {
+            return refuse("field of view", degrees, "above 0 and below 180 degrees");
+        }
         if self.leaf_triangles == LeafTriangles::AtMost(0) {
             return refuse("number of a leaf's triangles", 0.0, "from 1 upwards");
         }
@@ -335,7 +438,7 @@ mod tests {
     #[test]
     fn sizes_are_fitted_unasked_where_all_else_is_left_to_the_program_too() {
         let usual = Some(Objective::Information {
-            outline_weight: DEFAULT_OUTLINE_WEIGHT,
+            outline_weight: INFORMATION_OUTLINE_WEIGHT,
         });
         let triangles = Target::triangle_share(0.5);
         let information = Options::with_preset(Preset::Information, triangles);
@@ -344,13 +447,13 @@ mod tests {
         assert_eq!(look.objective(), Some(Objective::Coverage));
         // Only what one asks to be shown best is fitted to coverage at any target and resolution.
         let pixels = Resolution::Pixels(512);
-        for target in [
-            Target::leaf_share(0.5),
-            Target::leaves(3),
-            Target::MaxErrorPercent(5.0),
+        for (target, of_information) in [
+            (Target::leaf_share(0.5), usual),
+            (Target::leaves(3), usual),
+            (Target::MaxErrorPercent(5.0), None),
         ] {
             let information = Options::with_preset(Preset::Information, target);
-            assert_eq!(information.objective(), None);
+            assert_eq!(information.objective(), of_information);
             assert_eq!(Options::to(target).objective(), Some(Objective::Coverage));
         }
         let at = |options: &Options, resolution| Options {
@@ -437,6 +540,12 @@ mod tests {
     fn a_value_has_one_spelling() {
         for text in ["auto", "256", "2048"] {
             assert_eq!(text.parse::<Resolution>().unwrap().to_string(), text);
+        }
+        for text in ["auto", "tight", "60", "38.9"] {
+            assert_eq!(text.parse::<FieldOfView>().unwrap().to_string(), text);
+        }
+        for bad in ["0", "180", "-1", "NaN", "wide"] {
+            assert!(bad.parse::<FieldOfView>().is_err(), "{bad}");
         }
         for text in ["auto", "keep", "2"] {
             assert_eq!(text.parse::<LeafTriangles>().unwrap().to_string(), text);

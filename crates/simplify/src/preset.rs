@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::vds::{Reference, Resize, VdsOptions};
-use crate::{Alpha, LeafTriangles, Resolution, Sides};
+use crate::{Alpha, FieldOfView, LeafTriangles, Resolution, Sides, Views};
 
 /// What a result is for. Each option can be changed afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,9 +16,9 @@ pub enum Preset {
     /// as dense as it was.
     #[default]
     Look,
-    /// The least VMI error, at the price of a crown that gets too dense: costs are measured
-    /// against the original, growth is in proportion to cost, and sizes of a budget of triangles
-    /// are fitted to outline and information.
+    /// The least VMI error, at the price of the look: costs are measured against the original in
+    /// views that turn from stage to stage, growth is in proportion to cost, and sizes are fitted to
+    /// outline and information in other views.
     Information,
     /// The paper as it is written (Entropy 2018, 20, 213, section 4): 20 views of 256 x 256,
     /// solid leaves, costs against the original, and of Eq. 5, whose share is only said to be
@@ -87,6 +87,19 @@ impl Preset {
             resize,
             ..VdsOptions::default()
         }
+    }
+
+    /// Where views stand.
+    pub fn views(self) -> Views {
+        match self {
+            Self::Information => Views::Turning,
+            _ => Views::Dodecahedron,
+        }
+    }
+
+    /// How much views see.
+    pub fn field_of_view(self) -> FieldOfView {
+        FieldOfView::Degrees(60.0)
     }
 
     /// How finely views look.

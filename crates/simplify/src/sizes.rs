@@ -7,7 +7,7 @@ use secateur_raster::ViewSet;
 
 use crate::fit::{Fit, Objective, fit_within};
 use crate::select::Steps;
-use crate::{Error, Fitting, Views};
+use crate::{Error, FieldOfView, Fitting, Options, Views};
 
 /// Sizes are fitted in images of at least this many pixels a side, that of the
 /// judging views: what is good for coarser ones is too large in finer ones.
@@ -15,6 +15,10 @@ const LEAST_RESOLUTION: u32 = 512;
 
 /// But of no more pixels over all views, those of 48 views of 1024 x 1024.
 const MOST_PIXELS: u64 = 48 << 20;
+
+/// And in the tight field of view, where the crown is as large in fewer pixels: 320, rounded up to
+/// whole blocks of 8.
+const LEAST_TIGHT_RESOLUTION: u32 = 320;
 
 /// What a fit to information gives for nothing: a 400th of it.
 const FREE_ERROR_PERCENT: f64 = 0.25;
@@ -38,17 +42,41 @@ pub(crate) fn is_fit_spared(
 pub(crate) struct SizePass {
     pub(crate) views: Vec<ViewSet>,
     pub(crate) objective: Objective,
-    /// Of the driving views, in pixels.
-    pub(crate) driving_resolution: u32,
+    /// Image width and height in pixels.
+    pub(crate) resolution: u32,
 }
 
 impl SizePass {
-    /// Information is lost at other resolutions than that of the driving views; coverage is
-    /// not.
-    fn least_resolution(&self) -> u32 {
-        match self.objective {
-            Objective::Information { .. } => self.driving_resolution,
-            Objective::Coverage => LEAST_RESOLUTION,
+    /// How a run about this sphere fits sizes; `shown` are the last views that drove, in images
+    /// of `driving_resolution` pixels a side. Information is lost at other resolutions than
+    /// that of the driving views; coverage is not.
+    pub(crate) fn new(
+        options: &Options,
+        sphere: BoundingSphere,
+        shown: &ViewSet,
+        objective: Objective,
+        driving_resolution: u32,
+    ) -> Self {
+        let views = fitting_views(options, sphere, shown, objective);
+        let tan_half = |set: &ViewSet| set.views()[0].tan_half_fov();
+        let is_tight = !options.views.are_cameras() && tan_half(&views[0]) == ViewSet::TAN_TIGHT;
+        let least = match is_tight {
+            true => LEAST_TIGHT_RESOLUTION,
+            false => LEAST_RESOLUTION,
+        };
+        // As large as leaves are in the driving views.
+        let as_driven = match objective {
+            Objective::Information { .. } => {
+                let wider = tan_half(&views[0]) / tan_half(shown);
+                let pixels = f64::from(driving_resolution) * wider;
+                (pixels / 8.0).ceil() as u32 * 8
+            }
+            Objective::Coverage => 0,
+        };
+        Self {
+            resolution: resolution(as_driven.max(least), &views),
+            views,
+            objective,
         }
     }
 
@@ -67,7 +95,7 @@ impl SizePass {
             original: foliage,
             left: &lod.foliage(foliage),
             views: &self.views,
-            resolution: resolution(self.least_resolution(), &self.views),
+            resolution: self.resolution,
             objective: self.objective,
             occluders,
         };
@@ -81,43 +109,57 @@ impl SizePass {
 }
 
 /// Where from sizes are fitted: one's own cameras; or views from which no leaf was chosen,
-/// since what is left was kept for what it shows in those. For information in sets of 20, 6
-/// and 12: VMI depends on how many views there are. For coverage 12 are enough: blocks of
-/// pixels are fitted to chance less easily than pixels.
+/// since what is left was kept for what it shows in those. For coverage 12 are enough: blocks of
+/// pixels are fitted to chance less easily than pixels. For information 30, in sets of 12, 6 and
+/// 12, since VMI depends on how many views there are; each just holds the crown. `shown` are the last
+/// views that drove.
 pub(crate) fn fitting_views(
-    views: &Views,
+    options: &Options,
     sphere: BoundingSphere,
-    driving: &ViewSet,
+    shown: &ViewSet,
     objective: Objective,
 ) -> Vec<ViewSet> {
-    match views {
-        Views::Cameras(_) => vec![driving.clone()],
-        Views::Turned { views, turn } => {
-            let sets = fitting_views(views, sphere, &views.around(sphere), objective);
-            let turned = sets.iter().map(|set| set.turned(sphere.centre, *turn));
-            turned.collect()
-        }
-        _ => {
-            let mut sets = match objective {
-                Objective::Information { .. } => {
-                    let mut sets = ViewSet::turned_dodecahedra(sphere).to_vec();
-                    sets.push(ViewSet::octahedron(sphere));
-                    sets
-                }
-                Objective::Coverage => Vec::new(),
-            };
-            sets.push(ViewSet::cuboctahedron(sphere));
-            sets.retain(|set| set != driving);
-            sets
-        }
+    if options.views.are_cameras() {
+        return vec![shown.clone()];
     }
+    let sets = unframed_views(&options.views, sphere, objective);
+    let frame = |set: &ViewSet| match (objective, options.field_of_view) {
+        (Objective::Information { .. }, FieldOfView::Auto) => {
+            options.framed_as(set, FieldOfView::Tight)
+        }
+        _ => options.framed_as(set, options.field_of_view()),
+    };
+    sets.iter().map(frame).collect()
 }
 
-/// The resolution at which sizes are fitted.
-fn resolution(driving: u32, sets: &[ViewSet]) -> u32 {
+fn unframed_views(views: &Views, sphere: BoundingSphere, objective: Objective) -> Vec<ViewSet> {
+    if let Views::Turned { views, turn } = views {
+        let sets = unframed_views(views, sphere, objective);
+        let turned = sets.iter().map(|set| set.turned(sphere.centre, *turn));
+        return turned.collect();
+    }
+    let mut sets = match objective {
+        Objective::Information { .. } => vec![
+            ViewSet::driving_icosahedron(sphere),
+            ViewSet::octahedron(sphere),
+        ],
+        Objective::Coverage => Vec::new(),
+    };
+    sets.push(ViewSet::cuboctahedron(sphere));
+    let driving = views.driving(sphere);
+    let is_driving = |set: &ViewSet| {
+        let of = |view| driving.iter().any(|d| d.views().contains(view));
+        set.views().iter().all(of)
+    };
+    sets.retain(|set| !is_driving(set));
+    sets
+}
+
+/// The resolution at which sizes are fitted, of one that is wished for.
+fn resolution(wished: u32, sets: &[ViewSet]) -> u32 {
     let views: usize = sets.iter().map(ViewSet::len).sum();
     let most = (MOST_PIXELS / views as u64).isqrt();
-    u64::from(driving.max(LEAST_RESOLUTION)).min(most) as u32
+    u64::from(wished).min(most) as u32
 }
 
 #[cfg(test)]
@@ -274,9 +316,30 @@ mod tests {
     fn images_are_at_least_as_fine_as_the_judging_ones() {
         let views = ViewSet::dodecahedron(crown().bounding_sphere().unwrap());
         assert_eq!(
-            [64, 512, 1024].map(|n| resolution(n, &[views.clone(), views.clone()])),
-            [512, 512, 1024]
+            [512, 1024].map(|n| resolution(n, &[views.clone(), views.clone()])),
+            [512, 1024]
         );
+        let sphere = crown().bounding_sphere().unwrap();
+        let pass = |objective, field_of_view, driving_px| {
+            let options = Options {
+                field_of_view,
+                ..to(Target::leaves(1))
+            };
+            let shown = options.first_views(sphere);
+            SizePass::new(&options, sphere, &shown, objective, driving_px).resolution
+        };
+        let [auto, tight] = [FieldOfView::Auto, FieldOfView::Tight];
+        let wide = FieldOfView::Degrees(60.0);
+        for (driving_px, expected) in [(64, [512, 512, 320, 512]), (1024, [512, 1024, 632, 1024])] {
+            let found = [
+                pass(Objective::Coverage, auto, driving_px),
+                pass(INFORMATION, wide, driving_px),
+                pass(INFORMATION, auto, driving_px),
+                // What is tight throughout is as fine throughout.
+                pass(INFORMATION, tight, driving_px).max(512),
+            ];
+            assert_eq!(found, expected);
+        }
         let many = ViewSet::new(vec![views.views()[0]; 4096]);
         assert_eq!(
             [64, 200].map(|n| resolution(n, std::slice::from_ref(&many))),
@@ -289,21 +352,24 @@ mod tests {
         let sphere = crown().bounding_sphere().unwrap();
         let octahedron = ViewSet::octahedron(sphere);
         for (views, driving, sizes) in [
-            (Views::Cube, ViewSet::cube(sphere), &[20, 20, 20, 6, 12][..]),
-            (Views::Octahedron, octahedron.clone(), &[20, 20, 20, 12]),
+            (Views::Cube, ViewSet::cube(sphere), &[12, 6, 12][..]),
+            (Views::Octahedron, octahedron.clone(), &[12, 12]),
         ] {
-            let others = fitting_views(&views, sphere, &driving, INFORMATION);
+            let options = Options {
+                views,
+                ..to(Target::leaves(1))
+            };
+            let others = fitting_views(&options, sphere, &driving, INFORMATION);
             let found: Vec<usize> = others.iter().map(ViewSet::len).collect();
             assert_eq!(found, sizes);
             let is_driving = |view| driving.views().contains(view);
             assert!(!others.iter().flat_map(ViewSet::views).any(is_driving));
         }
-        let own = fitting_views(
-            &Views::Cameras(octahedron.clone()),
-            sphere,
-            &octahedron,
-            INFORMATION,
-        );
+        let cameras = Options {
+            views: Views::Cameras(octahedron.clone()),
+            ..to(Target::leaves(1))
+        };
+        let own = fitting_views(&cameras, sphere, &octahedron, INFORMATION);
         assert_eq!(own, [octahedron]);
     }
 
@@ -313,7 +379,11 @@ mod tests {
         let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
         for views in [Views::Dodecahedron, Views::Octahedron] {
             let driving = views.around(sphere);
-            let upright = fitting_views(&views, sphere, &driving, INFORMATION);
+            let with = |views| Options {
+                views,
+                ..to(Target::leaves(1))
+            };
+            let upright = fitting_views(&with(views.clone()), sphere, &driving, INFORMATION);
             let turned = Views::Turned {
                 views: Box::new(views),
                 turn,
@@ -321,7 +391,7 @@ mod tests {
             let driving_turned = turned.around(sphere);
             let no_turn = driving.turned(sphere.centre, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
             assert_eq!(no_turn, driving);
-            let others = fitting_views(&turned, sphere, &driving_turned, INFORMATION);
+            let others = fitting_views(&with(turned), sphere, &driving_turned, INFORMATION);
             assert_eq!(others.len(), upright.len());
             for (a, b) in upright.iter().zip(&others) {
                 let turned = a.turned(sphere.centre, turn);

@@ -7,7 +7,7 @@ use secateur_raster::ViewSet;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::vds::{self, ViewPlan};
+use crate::vds::ViewPlan;
 
 /// Where the foliage is looked at from while it is simplified. Built-in sets are spelled by their
 /// names; cameras of one's own have none, and do not come back from their spelling.
@@ -19,7 +19,14 @@ pub enum Views {
     Dodecahedron,
     /// The 12 vertices of an icosahedron; not of one that judges.
     Icosahedron,
-    /// 92 views all around, those of the dodecahedron among them.
+    /// 32 views: those of the dodecahedron, and the icosahedron that judges nothing.
+    Both,
+    /// 60 views: the dodecahedron and two turned ones.
+    Dodecahedra,
+    /// The dodecahedron and three turned ones, 20 views at a time: see [`ViewPlan::turning`].
+    Turning,
+    /// 92 views all around, those of the dodecahedron among them. One of the sets that judge stands
+    /// among them too.
     Geodesic,
     /// The 8 corners of a cube.
     Cube,
@@ -31,7 +38,7 @@ pub enum Views {
     /// Cameras that the caller has placed.
     Cameras(ViewSet),
     /// Others, turned as one about the foliage's centre, and with them those in which sizes
-    /// are fitted; of the variable number the first set.
+    /// are fitted.
     Turned {
         /// The views before they are turned.
         views: Box<Self>,
@@ -46,6 +53,9 @@ impl Views {
         match self {
             Self::Dodecahedron => "dodecahedron",
             Self::Icosahedron => "icosahedron",
+            Self::Both => "32",
+            Self::Dodecahedra => "60",
+            Self::Turning => "turning",
             Self::Geodesic => "92",
             Self::Cube => "8",
             Self::Octahedron => "6",
@@ -60,6 +70,9 @@ impl Views {
         Some(match name {
             "dodecahedron" | "20" => Self::Dodecahedron,
             "icosahedron" | "12" => Self::Icosahedron,
+            "32" => Self::Both,
+            "60" => Self::Dodecahedra,
+            "turning" => Self::Turning,
             "92" => Self::Geodesic,
             "cube" | "8" => Self::Cube,
             "octahedron" | "6" => Self::Octahedron,
@@ -68,33 +81,49 @@ impl Views {
         })
     }
 
-    /// The cameras about a foliage with this bounding sphere; the first set of
-    /// the variable number.
+    /// The cameras about a foliage with this bounding sphere; the first set where there are
+    /// several, one after the other.
     pub fn around(&self, sphere: BoundingSphere) -> ViewSet {
-        match self {
-            Self::Dodecahedron | Self::Variable => ViewSet::dodecahedron(sphere),
-            Self::Icosahedron => ViewSet::driving_icosahedron(sphere),
-            Self::Geodesic => ViewSet::geodesic(sphere),
-            Self::Cube => ViewSet::cube(sphere),
-            Self::Octahedron => ViewSet::octahedron(sphere),
-            Self::Cameras(views) => views.clone(),
-            Self::Turned { views, turn } => views.around(sphere).turned(sphere.centre, *turn),
-        }
+        self.plan(sphere).first()
     }
 
     /// All sets that a run looks from, one after the other.
     pub fn driving(&self, sphere: BoundingSphere) -> Vec<ViewSet> {
+        self.plan(sphere).sets()
+    }
+
+    /// Whether the caller has placed the cameras.
+    pub(crate) fn are_cameras(&self) -> bool {
         match self {
-            Self::Variable => vds::variable(sphere).map(|(views, _)| views).into(),
-            fixed => vec![fixed.around(sphere)],
+            Self::Cameras(_) => true,
+            Self::Turned { views, .. } => views.are_cameras(),
+            _ => false,
         }
     }
 
     pub(crate) fn plan(&self, sphere: BoundingSphere) -> ViewPlan {
-        match self {
-            Self::Variable => ViewPlan::Variable(sphere),
-            fixed => ViewPlan::Fixed(fixed.around(sphere)),
-        }
+        ViewPlan::Fixed(match self {
+            Self::Variable => return ViewPlan::variable(sphere),
+            Self::Turning => return ViewPlan::turning(sphere),
+            Self::Turned { views, turn } => {
+                let plan = views.plan(sphere);
+                return plan.map(|set| set.turned(sphere.centre, *turn));
+            }
+            Self::Dodecahedron => ViewSet::dodecahedron(sphere),
+            Self::Icosahedron => ViewSet::driving_icosahedron(sphere),
+            Self::Both => {
+                let icosahedron = ViewSet::driving_icosahedron(sphere);
+                ViewSet::dodecahedron(sphere).followed_by(&[icosahedron])
+            }
+            Self::Dodecahedra => {
+                let [a, b, _] = ViewSet::turned_dodecahedra(sphere);
+                ViewSet::dodecahedron(sphere).followed_by(&[a, b])
+            }
+            Self::Geodesic => ViewSet::geodesic(sphere),
+            Self::Cube => ViewSet::cube(sphere),
+            Self::Octahedron => ViewSet::octahedron(sphere),
+            Self::Cameras(views) => views.clone(),
+        })
     }
 }
 

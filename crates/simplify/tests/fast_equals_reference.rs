@@ -141,11 +141,12 @@ fn any_resize() -> impl Strategy<Value = Resize> {
     ]
 }
 
-/// The view sets by name: 20, 12, 8, 6, and 0 for VNC.
+/// The view sets by name: 20, 12, 8, 6, 0 for VNC, and 1 for a rig that turns.
 fn plan(foliage: &Foliage, views: usize) -> ViewPlan {
     let sphere = foliage.bounding_sphere().unwrap();
     ViewPlan::Fixed(match views {
-        0 => return ViewPlan::Variable(sphere),
+        0 => return ViewPlan::variable(sphere),
+        1 => return ViewPlan::turning(sphere),
         6 => ViewSet::octahedron(sphere),
         8 => ViewSet::cube(sphere),
         12 => ViewSet::icosahedron(sphere),
@@ -162,7 +163,7 @@ proptest! {
         leaves in 60usize..68,
         seed in any::<u64>(),
         resolution in prop_oneof![Just(16u32), Just(24), Just(37)],
-        views in prop_oneof![6 => Just(6usize), 2 => Just(8), 1 => Just(12), 1 => Just(20), 2 => Just(0)],
+        views in prop_oneof![6 => Just(6usize), 2 => Just(8), 1 => Just(12), 1 => Just(20), 2 => Just(0), 1 => Just(1)],
         reference in prop_oneof![Just(Reference::Original), Just(Reference::Previous)],
         resize in any_resize(),
         ties in prop_oneof![Just(Ties::Order), Just(Ties::Spread)],

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use secateur_raster::read_cameras;
 use secateur_simplify::vds::VdsOptions;
-use secateur_simplify::{Fitting, Method, Options, Preset, Resolution, Target, Views};
+use secateur_simplify::{FieldOfView, Fitting, Method, Options, Preset, Resolution, Target, Views};
 use serde::{Deserialize, Serialize};
 
 use crate::flags::{TRIANGLES, flags};
@@ -66,7 +66,7 @@ impl Case {
 
     /// The same from the cameras of a file, by what rows call it.
     pub fn seen_from(mut self, name: &str, path: &Path) -> Self {
-        self.options.views = Views::default();
+        self.options.views = self.options.preset.views();
         self.cameras = Some(CameraFile {
             name: name.to_owned(),
             path: path.to_owned(),
@@ -201,6 +201,11 @@ impl Case {
 
     pub(crate) fn views(mut self, views: Views) -> Self {
         self.options.views = views;
+        self
+    }
+
+    pub(crate) fn seen_by(mut self, field_of_view: FieldOfView) -> Self {
+        self.options.field_of_view = field_of_view;
         self
     }
 

@@ -8,7 +8,7 @@ use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::{Borders, MeshoptOptions, Mode};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Ties, VdsOptions};
-use secateur_simplify::{Fitting, Method, Options, Preset, Views};
+use secateur_simplify::{FieldOfView, Fitting, Method, Options, Preset, Views};
 use serde::Serialize;
 
 use crate::LevelOf;
@@ -69,10 +69,13 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
     }
     match cameras {
         Some(name) => flags.push(format!("views {name}")),
-        None if options.views != Views::default() => {
+        None if options.views != options.preset.views() => {
             flags.push(format!("views {}", name_of(&options.views)));
         }
         None => {}
+    }
+    if options.field_of_view != FieldOfView::Auto {
+        flags.push(format!("field-of-view {}", options.field_of_view));
     }
     if options.resolution != options.preset.resolution() {
         flags.push(format!("resolution {}", options.resolution));

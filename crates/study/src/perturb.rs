@@ -286,7 +286,7 @@ mod tests {
         let foliage = ellipsoid_crown(50, 1, &EllipsoidCrown::default()).unwrap();
         let sphere = foliage.bounding_sphere().unwrap();
         let changed = Perturbation::Rotated(1).apply(&foliage, &options());
-        let views = changed.options.views.around(sphere);
+        let views = changed.options.first_views(sphere);
         let original = secateur_raster::ViewSet::dodecahedron(sphere);
         assert_eq!(views.len(), original.len());
         for (a, b) in original.views().iter().zip(views.views()) {

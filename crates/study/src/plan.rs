@@ -1,8 +1,8 @@
 //! Plans: lists of cases that answer one question each.
 
-use secateur_simplify::Views;
 use secateur_simplify::meshopt::Borders;
 use secateur_simplify::vds::{Resize, Ties};
+use secateur_simplify::{FieldOfView, Views};
 
 use crate::named_cases::{
     by_branches, coverage_kept, fsa, fsa_of_surfaces, fsa_without_slivers, information, look,
@@ -66,7 +66,13 @@ fn speed() -> Vec<Case> {
     ];
     cases.extend(fewer.map(|views| information().views(views)));
     cases.extend([64, 128, 256, 512, 1024].map(|pixels| information().pixels(pixels)));
+    let more = [Views::Dodecahedron, Views::Both, Views::Dodecahedra];
+    cases.extend(more.map(|views| information().views(views)));
+    // As many pixels for each leaf as 256 of 60 degrees have, and as many in all.
+    let tight = |pixels| information().seen_by(FieldOfView::Tight).pixels(pixels);
+    cases.extend([tight(160), tight(256), look().seen_by(FieldOfView::Tight)]);
     cases.extend([
+        look().views(Views::Turning),
         look().of_triangles(),
         information().of_triangles(),
         information().of_triangles().unfitted(),
@@ -191,6 +197,17 @@ mod tests {
             "resolution 1024",
         ];
         assert_eq!(labels, expected.map(|s| format!("preset information {s}")));
+        let labels: Vec<String> = speed()[12..19].iter().map(Case::setting).collect();
+        let expected = [
+            "preset information views dodecahedron",
+            "preset information views 32",
+            "preset information views 60",
+            "preset information field-of-view tight resolution 160",
+            "preset information field-of-view tight resolution 256",
+            "field-of-view tight",
+            "views turning",
+        ];
+        assert_eq!(labels, expected);
         let settings: Vec<String> = stability(&[]).iter().map(Case::label).collect();
         let expected = [
             "vds preset information views 92",
@@ -258,7 +275,7 @@ mod tests {
         ] {
             assert!(!case.has_prefixes(), "{}", case.label());
         }
-        for case in [look().unfitted(), information(), fsa()] {
+        for case in [look().unfitted(), information().unfitted(), fsa()] {
             assert!(case.has_prefixes(), "{}", case.label());
         }
         assert!(stochastic().takes_seeds() && !stochastic_of_seed(1).takes_seeds());

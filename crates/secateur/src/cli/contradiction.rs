@@ -1,6 +1,6 @@
 //! Options that contradict the preset they stand beside.
 
-use secateur::{Fitting, LeafTriangles, Preset, Resolution, Views};
+use secateur::{FieldOfView, Fitting, LeafTriangles, Preset, Resolution, Views};
 
 use super::args::{MaxCoverage, Simplify};
 use super::names::{AlphaName, MethodName, ReferenceName, TiesName, text};
@@ -15,14 +15,20 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
     let resize = args.resize.map(secateur::Resize::from);
     let is_vds = matches!(args.method, MethodName::Vds | MethodName::VdsReference);
     // The paper itself compares these three.
-    let views = Views::by_name(&args.views);
-    let is_papers = matches!(
-        views,
-        Some(Views::Dodecahedron | Views::Icosahedron | Views::Variable)
-    );
+    let is_papers = args.views.as_ref().is_none_or(|name| {
+        matches!(
+            Views::by_name(name),
+            Some(Views::Dodecahedron | Views::Icosahedron | Views::Variable)
+        )
+    });
     let others = [
         ("--method", !is_vds),
         ("--views", !is_papers),
+        (
+            "--field-of-view",
+            args.field_of_view
+                .is_some_and(|field| field != FieldOfView::Degrees(60.0)),
+        ),
         (
             "--resolution",
             args.resolution

@@ -109,11 +109,12 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     let about = json!({
         "views": match options.views {
-            Views::Cameras(_) => args.scene.scene.as_ref().map_or(args.views.clone(), |_| "scene".to_owned()),
-            _ => args.views.clone(),
+            Views::Cameras(_) => args.views.clone().unwrap_or_else(|| "scene".to_owned()),
+            _ => args.views.clone().unwrap_or_else(|| options.views.name().to_owned()),
         },
         "view_count": result.views.len(),
         "views_that_judge": driving_views_that_judge(run),
+        "field_of_view": options.field_of_view(),
         "resolution": result.resolution,
         "resolution_reason": result.resolution_reason,
         "preset": options.preset,
@@ -143,7 +144,7 @@ pub(crate) fn driving_views_that_judge(run: &Run<'_>) -> usize {
     let (Some(sphere), Ok(judging)) = about else {
         return 0;
     };
-    let sets = options.views.driving(sphere);
+    let sets = options.driving(sphere);
     let counts = (sets.iter()).map(|set| judging.views_that_judge(set, sphere.centre));
     if is_driven { counts.sum() } else { 0 }
 }

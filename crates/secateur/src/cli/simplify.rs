@@ -107,8 +107,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
 /// The outputs, none of which is known to be in the way of another file.
 fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
-    let cameras = Path::new(&args.views);
-    inputs.push(cameras);
+    inputs.extend(args.views.as_deref().map(Path::new));
     inputs.extend(args.scene.files());
     output::check_tree(&args.output, &inputs, write_options(args))?;
     let mut outputs = vec![args.output.as_path()];
@@ -141,7 +140,11 @@ pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
     Ok(Options {
         method: method(args),
         engine: args.engine.into(),
-        views: views(&args.views)?,
+        views: match &args.views {
+            Some(name) => views(name)?,
+            None => options.views.clone(),
+        },
+        field_of_view: args.field_of_view.unwrap_or(options.field_of_view),
         resolution: args.resolution.unwrap_or(options.resolution),
         alpha: args.alpha.map_or(options.alpha, Into::into),
         sides: args.sides.map_or(options.sides, Into::into),
@@ -206,8 +209,8 @@ fn views(name: &str) -> Result<Views, Error> {
     read_cameras(path).map(Views::Cameras).map_err(|mut error| {
         // A name that was mistyped is no file either.
         if !path.exists() {
-            error.reason += "; `--views` takes dodecahedron, icosahedron, 92, 8, 6, vnc or a JSON \
-                             file";
+            error.reason += "; `--views` takes dodecahedron, turning, icosahedron, 32, 60, 92, 8, \
+                             6, vnc or a JSON file";
         }
         Error::Cameras(error)
     })

@@ -360,3 +360,25 @@ fn runs_that_share_what_they_found_are_the_same() {
         }
     }
 }
+
+/// Leaves of a thousandth of the crown: far below a pixel at 256.
+#[test]
+fn small_leaves_get_more_pixels_for_information_and_not_for_the_look() {
+    let mut foliage = Foliage::default();
+    for k in 0..200u32 {
+        let place = DVec3::new(f64::from(k % 6), f64::from(k / 6 % 6), f64::from(k / 36)) / 6.0;
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| place + 0.004 * p);
+        let triangle = [LeafTriangle::plain(corners)];
+        foliage.push_leaf(&triangle, None).unwrap();
+    }
+    let resolution = |preset| {
+        let options = Options {
+            fit: Fitting::None,
+            audit: false,
+            ..Options::with_preset(preset, Target::leaves(199))
+        };
+        simplify(&foliage, &options).unwrap().resolution
+    };
+    assert_eq!(resolution(Preset::Look), 256);
+    assert!(resolution(Preset::Information) > 256);
+}

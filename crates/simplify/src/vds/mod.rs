@@ -15,6 +15,6 @@ mod resize;
 mod ties;
 
 pub use methods::{Fast, Literal};
-pub use options::{Reference, Resize, Ties, VdsOptions, VdsRun, ViewPlan};
+pub use options::{Reference, Resize, Ties, VdsOptions, VdsRun, ViewPlan, ViewStage};
 pub use outcome::{Progress, VdsError, VdsOutcome};
-pub(crate) use phases::{final_views, variable};
+pub(crate) use phases::final_views;

@@ -53,17 +53,93 @@ pub enum Ties {
 pub enum ViewPlan {
     /// The same views throughout.
     Fixed(ViewSet),
-    /// The paper's variable number of cameras about this sphere: 20 up to 10 %
-    /// simplification, 12 up to 30 %, 8 up to 50 %, then 6 (section 4.2).
-    Variable(BoundingSphere),
+    /// One set after the other, at least one.
+    Staged(Vec<ViewStage>),
 }
 
+/// A set of views, and how long it is looked from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewStage {
+    /// The views.
+    pub views: ViewSet,
+    /// It ends when this part of the leaves is gone, in thousandths; the last stage of a plan
+    /// ends where the run does.
+    pub gone_per_mille: usize,
+}
+
+/// What is left at the ends of the stages of [`ViewPlan::turning`], in thousandths of the leaves.
+const LEFT_AFTER_TURNS: [usize; 16] = [
+    700, 500, 350, 250, 175, 125, 90, 60, 40, 28, 20, 14, 10, 7, 5, 0,
+];
+
 impl ViewPlan {
+    /// The paper's variable number of cameras about a sphere: 20 up to 10 % simplification, 12 up
+    /// to 30 %, 8 up to 50 %, then 6 (section 4.2). Its icosahedron is one that judges nothing.
+    pub fn variable(sphere: BoundingSphere) -> Self {
+        let stages = [
+            (ViewSet::dodecahedron(sphere), 100),
+            (ViewSet::driving_icosahedron(sphere), 300),
+            (ViewSet::cube(sphere), 500),
+            (ViewSet::octahedron(sphere), 1000),
+        ];
+        Self::Staged(stages.map(ViewStage::from).into())
+    }
+
+    /// The dodecahedron and three turned ones, one after the other and over again; each until
+    /// three in ten of the leaves that it found are gone. What one of them does not see another
+    /// does, at the cost of 20 views at a time.
+    pub fn turning(sphere: BoundingSphere) -> Self {
+        let mut rigs = vec![ViewSet::dodecahedron(sphere)];
+        rigs.extend(ViewSet::turned_dodecahedra(sphere));
+        let stages = LEFT_AFTER_TURNS.iter().zip(rigs.iter().cycle());
+        let stages = stages.map(|(left, rig)| ViewStage::from((rig.clone(), 1000 - left)));
+        Self::Staged(stages.collect())
+    }
+
     /// The views that it begins with.
     pub(crate) fn first(&self) -> ViewSet {
         match self {
             Self::Fixed(views) => views.clone(),
-            Self::Variable(sphere) => ViewSet::dodecahedron(*sphere),
+            Self::Staged(stages) => stages[0].views.clone(),
+        }
+    }
+
+    /// All sets that it looks from, each once.
+    pub fn sets(&self) -> Vec<ViewSet> {
+        match self {
+            Self::Fixed(views) => vec![views.clone()],
+            Self::Staged(stages) => {
+                let mut sets: Vec<ViewSet> = Vec::new();
+                for stage in stages {
+                    if !sets.contains(&stage.views) {
+                        sets.push(stage.views.clone());
+                    }
+                }
+                sets
+            }
+        }
+    }
+
+    /// The same plan with other sets in the place of its own.
+    pub(crate) fn map(self, of: impl Fn(&ViewSet) -> ViewSet) -> Self {
+        match self {
+            Self::Fixed(views) => Self::Fixed(of(&views)),
+            Self::Staged(stages) => {
+                let with = |stage: ViewStage| ViewStage {
+                    views: of(&stage.views),
+                    ..stage
+                };
+                Self::Staged(stages.into_iter().map(with).collect())
+            }
+        }
+    }
+}
+
+impl From<(ViewSet, usize)> for ViewStage {
+    fn from((views, gone_per_mille): (ViewSet, usize)) -> Self {
+        Self {
+            views,
+            gone_per_mille,
         }
     }
 }

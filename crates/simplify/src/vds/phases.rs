@@ -1,6 +1,6 @@
 //! The view sets that a run goes through.
 
-use secateur_model::{BoundingSphere, Foliage};
+use secateur_model::Foliage;
 use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, ViewSet};
 
 use super::{VdsError, VdsOptions, VdsRun, ViewPlan};
@@ -18,17 +18,6 @@ pub(crate) fn phases(run: &VdsRun, foliage: &Foliage) -> Result<Vec<Phase>, VdsE
     check_options(&run.options)?;
     let fewest = run.target.fewest_leaves(foliage);
     phases_down_to(&run.views, run.resolution, foliage.leaves().len(), fewest)
-}
-
-/// The paper's variable number of views, and the per cent of the leaves that are gone when each
-/// set ends. Its icosahedron is one that judges nothing.
-pub(crate) fn variable(sphere: BoundingSphere) -> [(ViewSet, usize); 4] {
-    [
-        (ViewSet::dodecahedron(sphere), 10),
-        (ViewSet::driving_icosahedron(sphere), 30),
-        (ViewSet::cube(sphere), 50),
-        (ViewSet::octahedron(sphere), 100),
-    ]
 }
 
 fn check_options(options: &VdsOptions) -> Result<(), VdsError> {
@@ -54,21 +43,35 @@ fn phases_down_to(
             views: views.clone(),
             leaves_at_end: target,
         }],
-        ViewPlan::Variable(sphere) => {
+        ViewPlan::Staged(stages) => {
             let mut phases: Vec<Phase> = Vec::new();
-            for (views, percent) in variable(*sphere) {
-                let leaves_at_end = (leaf_count - leaf_count * percent / 100).max(target);
+            for stage in stages {
+                let leaves_at_end =
+                    (leaf_count - leaf_count * stage.gone_per_mille.min(1000) / 1000).max(target);
+                // Of few leaves a stage may have none to remove.
+                if phases
+                    .last()
+                    .is_some_and(|last| last.leaves_at_end == leaves_at_end)
+                {
+                    continue;
+                }
                 phases.push(Phase {
-                    views,
+                    views: stage.views.clone(),
                     leaves_at_end,
                 });
                 if leaves_at_end == target {
                     break;
                 }
             }
+            if let Some(last) = phases.last_mut() {
+                last.leaves_at_end = target;
+            }
             phases
         }
     };
+    if phases.is_empty() {
+        return Err(VdsError::NoViews);
+    }
     for phase in &phases {
         check(&phase.views, resolution)?;
     }
@@ -117,6 +120,7 @@ fn check(views: &ViewSet, resolution: u32) -> Result<(), VdsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use secateur_model::BoundingSphere;
 
     #[test]
     fn the_variable_plan_has_the_papers_ranges() {
@@ -124,7 +128,7 @@ mod tests {
             centre: glam::DVec3::ZERO,
             radius: 1.0,
         };
-        let variable = ViewPlan::Variable(sphere);
+        let variable = ViewPlan::variable(sphere);
         let plan = |leaves| {
             let phases = phases_down_to(&variable, 64, 1000, leaves).unwrap();
             phases
@@ -136,6 +140,13 @@ mod tests {
         assert_eq!(plan(600), [(20, 900), (12, 700), (8, 600)]);
         assert_eq!(plan(950), [(20, 950)]);
         assert_eq!(plan(5000), [(20, 1000),], "nothing to do");
+
+        let turning = phases_down_to(&ViewPlan::turning(sphere), 64, 1000, 3).unwrap();
+        let ends: Vec<usize> = turning.iter().map(|p| p.leaves_at_end).collect();
+        assert_eq!(ends[..4], [700, 500, 350, 250]);
+        assert_eq!(ends[13..], [7, 5, 3]);
+        assert!(turning.iter().all(|phase| phase.views.len() == 20));
+        assert!(turning[0].views == turning[4].views && turning[0].views != turning[1].views);
 
         let views = |left| final_views(&variable, 64, 1000, left).unwrap().len();
         assert_eq!([1000, 900, 899, 600, 100].map(views), [20, 20, 12, 8, 6]);

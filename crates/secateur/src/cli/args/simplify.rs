@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use secateur::{Fitting, LeafTriangles, Resolution, Target};
+use secateur::{FieldOfView, Fitting, LeafTriangles, Resolution, Target};
 
 use super::super::names::{
     AlphaName, ClusterSizeName, CornersName, EngineName, HausdorffName, MeshoptModeName,
@@ -47,20 +47,20 @@ pub(crate) struct Simplify {
     /// Where to rasterise; results are the same.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
-    /// Where to look from: dodecahedron (20 views), icosahedron (12), 92, 8, 6, vnc (20 views,
-    /// later 12, 8 and 6), or a JSON file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up",
-    /// "fov_y_degrees", "near"}]}.
-    #[arg(
-        long,
-        value_name = "VIEWS",
-        default_value = "dodecahedron",
-        conflicts_with = "scene"
-    )]
-    pub(crate) views: String,
+    /// Where to look from: dodecahedron (20 views), turning (20 at a time, which turn between
+    /// stages), icosahedron (12), 32, 60, 92, 8, 6, vnc (20 views, later 12, 8 and 6), or a JSON
+    /// file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up", "fov_y_degrees", "near"}]}
+    /// [default: dodecahedron; turning for information].
+    #[arg(long, value_name = "VIEWS", conflicts_with = "scene")]
+    pub(crate) views: Option<String>,
+    /// How much views see: tight (the crown just fits, 38.9 degrees), or degrees above 0 and below
+    /// 180 [default: 60].
+    #[arg(long, value_name = "tight|DEGREES", allow_negative_numbers = true, value_parser = field_of_view)]
+    pub(crate) field_of_view: Option<FieldOfView>,
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Width and height of the images in pixels: 1 to 2048, or auto: 256, more where the leaves
-    /// need it [default: auto; 256 for the paper's presets].
+    /// Width and height of the images in pixels: 1 to 2048, or auto: 256, for information more where the leaves
+    /// need it [default: auto; 256 for the look and the paper's presets].
     #[arg(long, value_name = "auto|N")]
     pub(crate) resolution: Option<Resolution>,
     /// What the result is for; other options override what look and information set, and
@@ -218,6 +218,15 @@ fn max_coverage(text: &str) -> Result<MaxCoverage, String> {
         ("none", _) => Ok(MaxCoverage(None)),
         (_, Ok(limit)) => Ok(MaxCoverage(Some(limit))),
         _ => Err("write none or a number from 0 upwards, such as 1".to_owned()),
+    }
+}
+
+fn field_of_view(text: &str) -> Result<FieldOfView, String> {
+    match text.parse() {
+        Ok(FieldOfView::Auto) | Err(_) => {
+            Err("write tight, or degrees above 0 and below 180".to_owned())
+        }
+        Ok(own) => Ok(own),
     }
 }
 

@@ -54,8 +54,8 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
     }
     let options = simplify::options(&args).map_err(|e| is_no_case(&e))?;
     let case = Case::new(options.clone(), level_of);
-    Ok(match options.views {
-        Views::Cameras(_) => case.seen_from(&args.views, Path::new(&args.views)),
+    Ok(match (options.views, &args.views) {
+        (Views::Cameras(_), Some(name)) => case.seen_from(name, Path::new(name)),
         _ => case,
     })
 }
