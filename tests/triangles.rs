@@ -163,8 +163,6 @@ fn an_error_is_one_against_the_leaves_as_they_were() {
             "2",
             "--preset",
             "information",
-            "--views",
-            "dodecahedron",
             "--fit=none",
         ];
         let options = [&target[..], &coarse].concat();
