@@ -28,7 +28,7 @@ use secateur_gltf::Tree;
 use secateur_model::{Lod, Surface};
 use secateur_raster::ViewSet;
 use secateur_simplify::fsa::FsaOptions;
-use secateur_simplify::meshopt::MeshoptOptions;
+use secateur_simplify::meshopt::{Borders, MeshoptOptions};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::{Method, Views};
 
@@ -47,7 +47,7 @@ const TREES: [&str; 12] = [
     "maple-105688",
 ];
 
-const CASES: [&str; 8] = [
+const CASES: [&str; 9] = [
     "look triangles",
     "look",
     "information triangles",
@@ -56,6 +56,7 @@ const CASES: [&str; 8] = [
     "stochastic",
     "meshopt",
     "meshopt preserve-area",
+    "meshopt dilate-borders",
 ];
 
 /// The width of pictures as they are drawn, in pixels.
@@ -176,7 +177,13 @@ fn options(case: &str, level: f64) -> Options {
             "meshopt" => options.method = Method::Meshopt(MeshoptOptions::default()),
             "preserve-area" => {
                 options.method = Method::Meshopt(MeshoptOptions {
-                    preserve_area: true,
+                    borders: Borders::PreserveArea,
+                    ..MeshoptOptions::default()
+                });
+            }
+            "dilate-borders" => {
+                options.method = Method::Meshopt(MeshoptOptions {
+                    borders: Borders::Dilate,
                     ..MeshoptOptions::default()
                 });
             }
