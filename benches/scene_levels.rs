@@ -116,7 +116,7 @@ impl Bench {
             let (fixed, _) = self.lods(&tree, &["--levels", "0.5,0.25,0.1"]);
             let original = ours["triangles"]["original"].as_f64().unwrap_or(f64::NAN);
             let [ours, fixed] = [&ours, &fixed].map(|record| steps(record, original));
-            let [of_ours, of_fixed] = [&ours, &fixed].map(|steps| mean_over_walk(steps));
+            let [of_ours, of_fixed] = [&ours, &fixed].map(mean_over_walk);
             self.note("walk", name, "fixed_triangles", "", of_fixed);
             self.note("walk", name, "scene_driven_triangles", "", of_ours);
             self.note("walk", name, "ratio", "", of_ours / of_fixed);
