@@ -1,40 +1,32 @@
 //! `secateur demo`: what a newcomer sees first.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use secateur::{
-    Document, Measurement, Method, Options, PreparedLod, Preset, Simplified, StagedFiles, Target,
-    Tree, WriteOptions, plant_to_glb,
-};
-use secateur_gltf::Detail;
+use secateur::{Amount, Options, StagedFiles, Target, plant_to_glb};
+use secateur_gltf::chain::{Layout, WrittenChain};
+use secateur_gltf::{Document, WholeTree};
 use secateur_plant::{GrowOptions, Species, grow};
+use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
-use secateur_scene::preview::{Facts, Level as Shown, Preview, page};
+use secateur_scene::chain::{Chain, ChainOptions, MAX_FLIP, Shape, Textures, Wanted, chain};
+use secateur_scene::impostor::Choice;
 use serde_json::{Value, json};
 
 use super::args::{self, Common};
 use super::failure::Failure;
+use super::lods::{self, Job};
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::simplify::{sentences, timed, warn_all};
+use super::simplify::timed;
 use super::summary::{columns, grouped, percent, size};
 use super::{interrupt, machine, output, record};
 
-/// The LODs, finest first, in per cent of the leaves.
+/// The levels, finest first, in per cent of all triangles.
 const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
 
-/// A LOD that is written, but for its name.
-struct Level {
-    percent: u32,
-    leaves: usize,
-    prepared: PreparedLod,
-    measured: Measurement,
-}
-
-/// Grows, simplifies to every level, and writes each. The levels are of one removal order; sizes
-/// are fitted at each of them.
+/// Grows an oak, makes a chain of it, and shows what became of it: on a sheet and on a page.
 pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     output::check_folder(&args.output)?;
@@ -49,67 +41,67 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let glb = plant_to_glb(&plant);
     let original = args.output.join("tree.glb");
     let name = original.display().to_string();
-    let memory = args.memory.memory;
-    let tree = Document::from_bytes_within(&name, glb.clone(), None, memory)?.into_tree(&[])?;
+    let document = Document::from_bytes_within(&name, glb.clone(), None, args.memory.memory)?;
+    let tree = document.into_whole_tree(&[])?;
     interrupt::check()?;
 
-    let mut results = Vec::new();
-    for percent in LEVELS_PERCENT {
-        let mut options = Options::to(Target::leaves(leaves_at(&tree, percent) as u64));
-        options.engine = args.engine.into();
-        options.memory = tree.memory_left();
-        let progress_bar = RunProgress::new(common);
-        let result =
-            secateur::simplify_with(tree.foliage(), &options, &mut |p| progress_bar.show(p))?;
-        warn_all(&sentences(&result));
-        results.push(result);
-    }
-    stages.extend(summed(&results));
+    let options = chain_options(args);
+    let triangle_views = tree.items().foliage().triangles().len() as u64 * 20;
+    let engine = OpenEngine::open(options.leaves.engine, triangle_views)
+        .map_err(|reason| Failure(reason.to_string()))?;
+    let progress_bar = RunProgress::new(common);
+    let made = timed(&mut stages, "levels", || {
+        chain(&tree, &options, &engine, &mut |p| progress_bar.show(p))
+            .map_err(|error| Failure(error.to_string()))
+    })?;
+    drop(progress_bar);
 
     interrupt::writing()?;
+    let job = Job {
+        tree: &original,
+        name: "tree".to_owned(),
+        layout: Layout::Files,
+        place: args.output.clone(),
+    };
     // All files are written before the first appears: what fails leaves nothing.
     let mut staged = StagedFiles::new();
-    let made = staged.make_folder(&args.output);
-    made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
+    let folder = staged.make_folder(&args.output);
+    folder.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     output::stage(&mut staged, &original, &glb)?;
-    let levels = prepare_levels(&mut stages, &args.output, &tree, &results)?;
+    let (written, files) = timed(&mut stages, "write", || {
+        Ok(lods::prepare(&tree, &job, &made, true)?.into_files())
+    })?;
+    staged.append(files);
     let sheet = args.output.join("contact-sheet.png");
     timed(&mut stages, "picture", || {
-        let exhibits = exhibits(&tree, &levels)?;
+        let exhibits = exhibits(&tree, &made)?;
         output::stage(&mut staged, &sheet, &picture::sheet(&exhibits)?)
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
-        output::stage(&mut staged, &page_file, preview(&tree, &levels)?.as_bytes())
+        let page = lods::preview(&tree, &job, &options, &made)?;
+        output::stage(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
-    let rows = rows(&tree, &levels, glb.len() as u64);
-    let result = &results[results.len() - 1];
+    let rows = rows(&tree, &job, &made, &written, glb.len() as u64);
     let record = json!({
         "species": Species::Oak.name(),
         "levels": rows,
         "picture": sheet.display().to_string(),
         "preview": page_file.display().to_string(),
-        "method": Method::Vds(Preset::default().vds()).name(),
-        "preset": Preset::default().name(),
-        "engine": result.engine,
-        "adapter": result.adapter,
-        "order_sha256": result.passes.in_one_order().sha256(),
-        "areas_sha256": result.areas.sha256(),
-        "resolution": result.resolution,
-        "resolution_reason": result.resolution_reason,
+        "preset": options.leaves.preset,
+        "engine": engine.name(),
+        "adapter": engine.adapter(),
+        "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
         "seed": args.seed,
-        "audit": result.audited_by,
+        "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
         "seconds": record::seconds(&stages, total),
         "peak_rss_bytes": machine::peak_rss_bytes(),
         "run": record::provenance("demo"),
     });
     let report = args.output.join("report.json");
     record::stage(&mut staged, Some(&report), &record)?;
-    let pretty = pretty(&tree, &levels, &sheet, glb.len() as u64, total);
-    for level in levels {
-        staged.append(level.prepared.into_files().1);
-    }
+    let pretty = pretty(&tree, &made, &sheet, total);
     staged.commit()?;
     Ok(Printed {
         pretty,
@@ -118,190 +110,124 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     })
 }
 
-fn leaves_at(tree: &Tree, percent: u32) -> usize {
-    let count = tree.foliage().leaves().len();
-    (count as f64 * f64::from(percent) / 100.0).round() as usize
-}
-
-/// The stages of all runs, each with its time over all of them.
-fn summed(results: &[Simplified]) -> Vec<(&'static str, f64)> {
-    let mut stages: Vec<(&'static str, f64)> = Vec::new();
-    for (stage, seconds) in results.iter().flat_map(|result| &result.seconds) {
-        let name = stage.name();
-        match stages.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, sum)) => *sum += seconds,
-            None => stages.push((name, *seconds)),
-        }
+fn chain_options(args: &args::Demo) -> ChainOptions {
+    let share = |percent: u32| Amount::Share(f64::from(percent) / 100.0);
+    let mut leaves = Options::to(Target::triangle_share(1.0));
+    leaves.engine = args.engine.into();
+    leaves.audit = false;
+    ChainOptions {
+        wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
+        screen: Screen::default(),
+        max_flip: MAX_FLIP,
+        leaves,
+        impostor: Choice::None,
+        shadow_steps: 1,
+        max_pop: None,
+        textures: Textures::Fit,
+        scene: None,
     }
-    stages
 }
 
-fn prepare_levels(
-    stages: &mut Vec<(&'static str, f64)>,
-    folder: &Path,
-    tree: &Tree,
-    results: &[Simplified],
-) -> Result<Vec<Level>, Failure> {
-    let mut levels = Vec::new();
-    let mut seconds = [0.0; 2];
-    for (percent, result) in LEVELS_PERCENT.into_iter().zip(results) {
-        let leaves = result.lod.leaf_count();
-        let path: PathBuf = folder.join(format!("tree-{percent:02}.glb"));
-        let start = Instant::now();
-        let prepared = tree.prepare_lod(&result.lod, &path, WriteOptions::default())?;
-        seconds[0] += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let again = prepared.document()?.into_tree(&[])?;
-        let measured = secateur::measure(tree.foliage(), again.foliage())?;
-        seconds[1] += start.elapsed().as_secs_f64();
-        levels.push(Level {
-            percent,
-            leaves,
-            prepared,
-            measured,
-        });
-    }
-    stages.extend([("write", seconds[0]), ("measure", seconds[1])]);
-    Ok(levels)
+/// What a level is called on the sheet and on the terminal: the share of all triangles it has.
+fn title(tree: &WholeTree, triangles: u64) -> String {
+    let all = tree.items().foliage().triangles().len() as f64;
+    format!("{:.0} %", 100.0 * triangles as f64 / all)
 }
 
-/// A page to look at the levels. From how far off each is seen was not judged: each is taken to be
-/// for half the height on the screen of the one before.
-fn preview(tree: &Tree, levels: &[Level]) -> Result<String, Failure> {
-    let screen = Screen::default();
-    let corners = tree.foliage().triangles().iter().flat_map(|t| t.corners);
-    let top = corners.map(|corner| corner.y).fold(0.0, f64::max);
-    let mut surfaces = vec![tree.document().surfaces_with(Detail::NormalMaps, &[])?];
-    let wood = tree.wood_triangle_count();
-    let mut facts = vec![Facts {
-        name: "original".to_owned(),
-        leaves: Some(tree.foliage().leaves().len() as u64),
-        triangles: tree.triangle_count(),
-        foliage_triangles: tree.leaf_triangle_count(),
-        wood_triangles: wood,
-        distance: 0.0,
-        pixels_high: None,
-        flip_mean: None,
-        silhouette_iou: None,
-        pop_flip: None,
-    }];
-    let mut pixels_high = screen.height_px;
-    for level in levels {
-        let document = level.prepared.document()?;
-        surfaces.push(document.surfaces_with(Detail::NormalMaps, &[])?);
-        facts.push(Facts {
-            name: format!("{} %", level.percent),
-            leaves: Some(level.leaves as u64),
-            triangles: level.prepared.written().triangles,
-            foliage_triangles: level.prepared.written().triangles.saturating_sub(wood),
-            wood_triangles: wood,
-            distance: screen.distance(top, pixels_high),
-            pixels_high: Some(pixels_high),
-            flip_mean: None,
-            silhouette_iou: Some(level.measured.silhouette_iou()),
-            pop_flip: None,
-        });
-        pixels_high /= 2.0;
-    }
-    let levels = surfaces.iter().zip(facts);
-    let levels: Vec<Shown<'_>> = levels
-        .map(|(surfaces, facts)| Shown { surfaces, facts })
-        .collect();
-    let preview = Preview {
-        title: "oak",
-        screen,
-        levels: &levels,
-    };
-    page(&preview).map_err(|error| Failure(error.to_string()))
-}
-
-fn exhibits(tree: &Tree, levels: &[Level]) -> Result<Vec<Exhibit>, Failure> {
-    let words = |leaves: usize, triangles: u64| {
-        let [leaves, triangles] = [leaves as u64, triangles].map(grouped);
+fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
+    let words = |leaves: u64, triangles: u64| {
+        let [leaves, triangles] = [leaves, triangles].map(grouped);
         format!("{leaves} leaves\n{triangles} triangles")
     };
+    let items = tree.items();
+    let original = items.document();
+    let leaves = tree.leaves().leaves().len() as u64;
     let mut exhibits = vec![Exhibit {
         title: "original".to_owned(),
-        subtitle: words(tree.foliage().leaves().len(), tree.triangle_count()),
-        surfaces: picture::surfaces(tree.document(), &[])?,
+        subtitle: words(leaves, items.foliage().triangles().len() as u64),
+        surfaces: picture::surfaces(original, &[])?,
     }];
-    for level in levels {
-        let document = level.prepared.document()?;
-        exhibits.push(Exhibit {
-            title: format!("{} %", level.percent),
-            subtitle: words(level.leaves, level.prepared.written().triangles),
-            surfaces: picture::surfaces(&document, &[])?,
-        });
+    for level in &made.levels {
+        if let Shape::Mesh(lod) = &level.shape {
+            let bytes = items.lod_to_bytes(lod)?;
+            let document =
+                Document::from_bytes_within(original.name(), bytes, None, original.memory())?;
+            exhibits.push(Exhibit {
+                title: title(tree, level.triangles()),
+                subtitle: words(level.leaves, level.triangles()),
+                surfaces: picture::surfaces(&document, &[])?,
+            });
+        }
     }
     Ok(exhibits)
 }
 
-fn rows(tree: &Tree, levels: &[Level], original_bytes: u64) -> Vec<Value> {
+fn rows(
+    tree: &WholeTree,
+    job: &Job<'_>,
+    made: &Chain,
+    written: &WrittenChain,
+    original_bytes: u64,
+) -> Vec<Value> {
     let original = json!({
         "level": "original",
-        "leaves": tree.foliage().leaves().len(),
-        "triangles": tree.triangle_count(),
+        "file": job.tree.display().to_string(),
+        "leaves": tree.leaves().leaves().len(),
+        "triangles": tree.items().foliage().triangles().len(),
+        "foliage_triangles": tree.leaves().triangles().len(),
+        "wood_triangles": tree.wood().triangles().len(),
         "bytes": original_bytes,
     });
-    let rows = levels.iter().map(|level| {
-        let about = json!({
-            "level": format!("{} %", level.percent),
-            "file": level.prepared.written().files[0].display().to_string(),
-            "leaves": level.leaves,
-            "triangles": level.prepared.written().triangles,
-            "bytes": level.prepared.written().bytes,
-        });
-        record::joined(about, record::overall(&level.measured))
+    let levels = lods::rows(job, made, written).into_iter();
+    let named = levels.zip(&made.levels).map(|(row, level)| {
+        record::joined(json!({ "level": title(tree, level.triangles()) }), row)
     });
-    std::iter::once(original).chain(rows).collect()
+    std::iter::once(original).chain(named).collect()
 }
 
-fn pretty(
-    tree: &Tree,
-    levels: &[Level],
-    sheet: &Path,
-    original_bytes: u64,
-    seconds: f64,
-) -> String {
+fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String {
     let heads = [
         "",
-        "leaves",
         "triangles",
-        "VMI error",
+        "leaves",
+        "wood",
+        "FLIP",
         "outline IoU",
-        "coverage",
-        "file",
+        "VMI error",
+        "textures",
     ];
-    let mut rows = vec![heads.map(str::to_owned).to_vec()];
-    let [leaves, triangles] =
-        [tree.foliage().leaves().len() as u64, tree.triangle_count()].map(grouped);
+    let mut table = vec![heads.map(str::to_owned).to_vec()];
     let none = || "-".to_owned();
-    rows.push(vec![
+    table.push(vec![
         "original".to_owned(),
-        leaves,
-        triangles,
+        grouped(tree.items().foliage().triangles().len() as u64),
+        grouped(tree.leaves().triangles().len() as u64),
+        grouped(tree.wood().triangles().len() as u64),
         none(),
         none(),
         none(),
-        size(original_bytes),
+        none(),
     ]);
-    for level in levels {
-        let measured = &level.measured;
-        rows.push(vec![
-            format!("{} %", level.percent),
-            grouped(level.leaves as u64),
-            grouped(level.prepared.written().triangles),
-            percent(measured.vmi_error_percent()),
-            format!("{:.3}", measured.silhouette_iou()),
-            format!("{:.3}", measured.coverage_ratio()),
-            size(level.prepared.written().bytes),
+    for level in &made.levels {
+        table.push(vec![
+            title(tree, level.triangles()),
+            grouped(level.triangles()),
+            grouped(level.foliage_triangles),
+            grouped(level.wood_triangles),
+            format!("{:.3}", level.flip_mean),
+            level
+                .silhouette_iou
+                .map_or_else(none, |iou| format!("{iou:.3}")),
+            level.vmi_error_percent.map_or_else(none, percent),
+            size(level.texture_bytes),
         ]);
     }
     format!(
-        "An oak, grown and simplified in {seconds:.1} s, judged from views it was not simplified by:\n\n\
+        "An oak, grown and made into a chain of levels in {seconds:.1} s, judged from views it was not simplified by:\n\n\
          {}\n\
-         See {}, and open preview.html beside it in a browser; the trees and report.json are there too.\n",
-        columns(&rows),
+         Triangles are those of leaves and of wood; FLIP is the visible difference, 0 to 1, at the height on the screen from which a level is seen.\n\
+         Open preview.html in a browser, or see {}; the tree, its levels (tree_LOD0.glb ...) and report.json are there too.\n",
+        columns(&table),
         sheet.display(),
     )
 }

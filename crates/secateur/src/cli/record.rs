@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::{
-    Inspection, Judging, Measurement, Objective, Options, StagedFiles, TakenFor, Views, Written,
-};
+use secateur::{Inspection, Judging, Objective, Options, StagedFiles, TakenFor, Views, Written};
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -164,12 +162,6 @@ fn files(paths: &[PathBuf]) -> Vec<String> {
 /// The size of a file, where it can be told.
 pub(crate) fn bytes_of(path: &Path) -> Option<u64> {
     std::fs::metadata(path).map(|m| m.len()).ok()
-}
-
-/// The metrics over all views.
-pub(crate) fn overall(measured: &Measurement) -> Value {
-    let about = json!({ "views": measured.views, "resolution": measured.resolution });
-    joined(json!(measured.overall), about)
 }
 
 /// Writes a record, where one is asked for, that appears with the others of `staged`.

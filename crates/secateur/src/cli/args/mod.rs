@@ -38,7 +38,7 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Grow a tree, simplify it, write LODs, a report and a picture: no input needed.
+    /// Grow a tree and make levels of detail of it, a page to look at them, a picture and a report: no input needed.
     Demo(Demo),
     /// Show what is in a tree: leaves, wood, materials; what was taken for foliage and why.
     Inspect(Inspect),

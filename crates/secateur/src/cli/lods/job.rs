@@ -11,12 +11,12 @@ use super::super::failure::Failure;
 use super::super::output;
 
 /// A tree to be done, and where its levels go.
-pub(super) struct Job<'a> {
-    pub(super) tree: &'a Path,
-    pub(super) name: String,
-    pub(super) layout: Layout,
+pub(crate) struct Job<'a> {
+    pub(crate) tree: &'a Path,
+    pub(crate) name: String,
+    pub(crate) layout: Layout,
     /// The file, or for the layout of files the folder.
-    pub(super) place: PathBuf,
+    pub(crate) place: PathBuf,
 }
 
 /// Where each tree's levels go.

@@ -22,9 +22,11 @@ use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::surroundings::Surroundings;
 use super::{interrupt, machine, output, record};
-use job::{Job, about, check_outputs, jobs, outputs};
-use page::preview;
-use rows::{facts, layout_name, rows};
+pub(crate) use job::Job;
+use job::{about, check_outputs, jobs, outputs};
+pub(crate) use page::preview;
+pub(crate) use rows::rows;
+use rows::{facts, layout_name};
 use table::pretty;
 use wanted::options;
 
@@ -116,7 +118,7 @@ fn make(
         let made = staged.make_folder(&args.output);
         made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
-    let (written, files) = write(args, &tree, job, &made)?.into_files();
+    let (written, files) = prepare(&tree, job, &made, args.overwrite)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
         let page = preview(&tree, job, &options, &made)?;
@@ -175,11 +177,12 @@ fn has_cut_outs(document: &Document) -> Result<bool, Failure> {
     Ok(drawn.iter().any(|(surface, _)| cuts_out(surface)))
 }
 
-fn write(
-    args: &args::Lods,
+/// The files of a chain, written under temporary names.
+pub(crate) fn prepare(
     tree: &WholeTree,
     job: &Job<'_>,
     made: &Chain,
+    overwrite: bool,
 ) -> Result<PreparedChain, Failure> {
     let levels = made.levels.iter().enumerate();
     let levels: Vec<Level<'_>> = levels
@@ -195,7 +198,7 @@ fn write(
             }
         })
         .collect();
-    let options = WriteOptions::default().overwrite(args.overwrite);
+    let options = WriteOptions::default().overwrite(overwrite);
     Ok(tree
         .items()
         .prepare_chain(&job.name, &levels, job.layout, &job.place, options)?)

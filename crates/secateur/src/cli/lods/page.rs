@@ -10,7 +10,7 @@ use super::super::failure::Failure;
 use super::job::{Job, about};
 
 /// The page, from the levels as a client would draw them.
-pub(super) fn preview(
+pub(crate) fn preview(
     tree: &WholeTree,
     job: &Job<'_>,
     options: &ChainOptions,

@@ -45,7 +45,8 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
     }
 }
 
-pub(super) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<Value> {
+/// The record of each level, finest first.
+pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<Value> {
     let levels = made.levels.iter().enumerate();
     let row = |(k, level): (usize, &ChainLevel)| {
         let place = |k: usize| match job.layout {
