@@ -64,7 +64,10 @@ fn shaders_are_valid_and_translate_to_every_backend() {
 
 #[test]
 fn shaders_compute_with_integers_only() {
-    for &(name, text) in ALL {
+    // Wind moves vertices on their way to the screen: nothing is compared with its last sums bit
+    // for bit, and its twin in `secateur-scene` says how far they may differ.
+    let exact = ALL.iter().filter(|(name, _)| *name != "wind.wgsl");
+    for &(name, text) in exact {
         let has_float = parse(name, text)
             .types
             .iter()

@@ -573,7 +573,7 @@ mod tests {
         let json = serde_json::to_value(&options).unwrap();
         assert_eq!(json["method"]["vds"]["resize"], "normalised");
         assert_eq!(json["fit"], "4");
-        assert_eq!(json["views"], "dodecahedron");
+        assert_eq!(json["views"], "turning");
         let again: Options = serde_json::from_value(json).unwrap();
         assert_eq!(again, options);
     }

@@ -1,13 +1,14 @@
 //! Labels of rows as one types them: `vds triangles preset look` is `vds --triangles --preset look`.
 
 /// The first words of options in settings; all others are values.
-const OPTIONS: [&str; 20] = [
+const OPTIONS: [&str; 21] = [
     "alpha",
     "area-weight",
     "branch-metric",
     "cluster-size",
     "corners",
     "dilate-borders",
+    "field-of-view",
     "fit",
     "hausdorff",
     "leaf-triangles",
