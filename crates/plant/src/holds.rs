@@ -62,7 +62,8 @@ mod tests {
     #[test]
     fn leaves_hang_on_the_axis_and_count_the_wood_below_them() {
         // A stem of 2 m, a branch to the left after the first, and a leaf half way along that.
-        let rules = Rules::parse("axiom: F(1) [+(90) F(0.5) leaf(0.1) F(0.5)] F(1) leaf(0.1);").unwrap();
+        let rules =
+            Rules::parse("axiom: F(1) [+(90) F(0.5) leaf(0.1) F(0.5)] F(1) leaf(0.1);").unwrap();
         let word = rules.derive(1.0, &mut Random::new(0)).unwrap();
         let skeleton = draw(&rules, &word).unwrap();
         let starts = starts_m(&skeleton.segments);

@@ -45,7 +45,6 @@ mod row_file;
 mod rows;
 mod run;
 mod scenes;
-mod shares;
 mod short_names;
 mod subject;
 mod summary;
@@ -53,6 +52,7 @@ mod survivor_bits;
 mod table;
 mod timed;
 mod tree_hash;
+mod triangle_levels;
 mod whole;
 
 pub use case::{Case, LevelOf};

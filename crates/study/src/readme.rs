@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{COLUMNS, Row, Study, groups, held_out, overlap, shares, spread, summarise};
+use super::{COLUMNS, Row, Study, groups, held_out, overlap, spread, summarise, triangle_levels};
 use crate::beaten::{self, beaten_as_drawn, lost_cases};
 use crate::complete_cases::note_of;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
@@ -49,7 +49,7 @@ pub fn readme(study: &Study<'_>) -> String {
     if let Some(note) = note_of(&partial) {
         let _ = writeln!(text, "{note}\n");
     }
-    if let Some(note) = shares::note_of(study.rows) {
+    if let Some(note) = triangle_levels::note_of(study.rows) {
         let _ = writeln!(text, "{note}\n");
     }
     who_is_beaten(&mut text, &given);

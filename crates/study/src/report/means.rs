@@ -6,7 +6,7 @@ use super::super::{COLUMNS, Column, Point, Row, summarise};
 use super::{Page, levels};
 use crate::chart::{chart, escaped};
 use crate::format::{duration, memory, number, overlap_of, percent};
-use crate::shares::is_of_triangles;
+use crate::triangle_levels::is_of_triangles;
 use secateur_eval::measure::Direction;
 
 /// What levels are shares of, and what else that means.

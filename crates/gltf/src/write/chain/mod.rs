@@ -4,6 +4,7 @@
 //! the same number in every copy, so that levels share it: materials, textures,
 //! images, skins, and vertices that they have in common.
 
+mod deduplicate;
 mod made;
 mod merged;
 mod node_trees;
@@ -12,7 +13,6 @@ mod one_mesh;
 mod plan;
 mod retexture;
 mod scene;
-mod tidy;
 mod vertices;
 
 use std::collections::{BTreeSet, HashSet};
@@ -273,7 +273,7 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
             LevelContent::Surface(_) => drop_skeleton(&mut draft),
         },
     }
-    tidy::tidy(&mut draft);
+    deduplicate::deduplicate_accessors(&mut draft);
     let mut content = finished(draft, &before, 0)?;
     content.notes = without_repeats(content.notes);
     Ok(content)

@@ -11,7 +11,7 @@ use super::super::references::{
 
 /// Lets new accessors with the same elements be one, and forgets those that
 /// nothing names: what was made on the way to something else.
-pub(super) fn tidy(draft: &mut Draft) {
+pub(super) fn deduplicate_accessors(draft: &mut Draft) {
     share_equal(draft);
     forget_unused(draft);
 }
