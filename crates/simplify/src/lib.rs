@@ -25,6 +25,7 @@ mod memory;
 pub mod meshopt;
 mod method;
 mod observe;
+mod option_values;
 mod options;
 mod passes;
 mod preset;
@@ -46,9 +47,8 @@ pub mod wood;
 pub use error::Error;
 pub use method::Method;
 pub use observe::{Shown, observe};
-pub use options::{
-    Alpha, FieldOfView, Fitting, LeafTriangles, Options, Resolution, Sides, as_seen,
-};
+pub use option_values::{Alpha, FieldOfView, Fitting, LeafTriangles, Resolution, Sides, as_seen};
+pub use options::Options;
 pub use passes::Passes;
 pub use preset::Preset;
 pub use run::{simplify, simplify_on, simplify_sharing, simplify_with};
