@@ -2,7 +2,7 @@
 
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::WrittenChain;
-use secateur_scene::chain::Chain;
+use secateur_scene::chain::{Chain, HEIGHTS_PX};
 
 use super::super::args;
 use super::super::summary::{columns, grouped, size};
@@ -70,6 +70,18 @@ pub(super) fn pretty(
     );
     for note in made.notes.iter().chain(&written.notes) {
         say("note", note.clone());
+    }
+    let is_sought = args.levels.is_empty() && args.triangles.is_empty();
+    let wanted = args
+        .distances
+        .as_ref()
+        .map_or(HEIGHTS_PX.len(), |at| at.0.len());
+    if is_sought && made.levels.len() < wanted {
+        say(
+            "more",
+            "levels come of a lower `--max-flip`, or of shares of all triangles: `--levels 0.5,0.25,0.1`"
+                .to_owned(),
+        );
     }
     text
 }
