@@ -19,7 +19,8 @@ fn a_demo_leaves_trees_a_report_and_a_picture() {
     // Budgets count the wood too, which has most of the triangles of such an oak.
     for (k, percent) in [(1, 50), (2, 25), (3, 10)] {
         let level = &levels[k];
-        assert!(triangles(level) <= all * percent / 100, "{level}");
+        // Shares are rounded to the nearest whole triangle.
+        assert!(100 * triangles(level) <= all * percent + 50, "{level}");
         assert!(level["vmi_error_percent"].is_f64(), "{level}");
         let inspected = bench.run(&["inspect", &format!("new/folder/tree_LOD{}.glb", k - 1)]);
         inspected.succeeded();
