@@ -14,7 +14,7 @@ use crate::fit::{DEFAULT_OUTLINE_WEIGHT, MAX_OUTLINE_WEIGHT};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Resolution {
-    /// 256; and for [`Preset::Information`] and methods other than VDS more where the leaves need it.
+    /// 256; and for [`Preset::Information`](crate::Preset::Information) and methods other than VDS more where the leaves need it.
     #[default]
     Auto,
     /// This many pixels, 1 to [`MAX_RESOLUTION`].
@@ -57,13 +57,13 @@ pub enum LeafTriangles {
 #[serde(try_from = "String", into = "String")]
 #[non_exhaustive]
 pub enum Fitting {
-    /// As the [`Preset`] has it, for [`Method::Vds`] and [`Method::VdsReference`] where leaves
+    /// As the [`Preset`](crate::Preset) has it, for [`Method::Vds`](crate::Method::Vds) and [`Method::VdsReference`](crate::Method::VdsReference) where leaves
     /// grow as the preset has it; never for other methods.
     ///
-    /// [`Preset::Look`]: as [`Self::Coverage`], but none where all leaves are left and one triangle
-    /// of a card shows all of it. [`Preset::Information`]: to leaves or triangles at
+    /// [`Preset::Look`](crate::Preset::Look): as [`Self::Coverage`], but none where all leaves are left and one triangle
+    /// of a card shows all of it. [`Preset::Information`](crate::Preset::Information): to leaves or triangles at
     /// [`Resolution::Auto`] as [`Self::Weight`] of
-    /// [`INFORMATION_OUTLINE_WEIGHT`], else none; nor where all leaves are left, one
+    /// [`INFORMATION_OUTLINE_WEIGHT`](crate::fit::INFORMATION_OUTLINE_WEIGHT), else none; nor where all leaves are left, one
     /// triangle of a card shows all of it, and the driving views say so to a 400th of their
     /// information. None for the paper's presets.
     #[default]
@@ -71,10 +71,10 @@ pub enum Fitting {
     /// Sizes stay as the method left them.
     None,
     /// To the coverage of small blocks of 12 views from which no leaf was chosen, or, with
-    /// [`Views::Cameras`], of these.
+    /// [`Views::Cameras`](crate::Views::Cameras), of these.
     Coverage,
     /// To the outline and the information in 30 views from which no leaf was chosen, or, with
-    /// [`Views::Cameras`], in these; with this weight of a pixel of outline against a bit of
+    /// [`Views::Cameras`](crate::Views::Cameras), in these; with this weight of a pixel of outline against a bit of
     /// VMI times a pixel, 0 to [`MAX_OUTLINE_WEIGHT`].
     Weight(f64),
 }

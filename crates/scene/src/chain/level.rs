@@ -49,7 +49,7 @@ pub struct ChainLevel {
 /// What a level is.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// The plant with fewer triangles: a LOD of [`WholeTree::items`].
+    /// The plant with fewer triangles: a LOD of [`WholeTree::items`](secateur_gltf::WholeTree::items).
     Mesh(Lod),
     /// A picture of it.
     Impostor(Box<ImpostorLevel>),
