@@ -23,7 +23,7 @@ const TREES: [&str; 5] = [
     "sap_birch_hex_9k.glb",
     "sap_pine_needles_48k.glb",
 ];
-/// Of the leaves.
+/// Shares of the leaves that levels keep, 0 to 1.
 const LEVELS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 const COMMAND: &str = "cargo bench --bench strips";
 /// The cache that ACMR and ATVR are of: first in, first out, 16 vertices, as meshoptimizer's own

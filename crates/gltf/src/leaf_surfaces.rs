@@ -11,7 +11,7 @@ use secateur_model::{LeafId, Surface};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LeafSurface {
-    /// What is drawn.
+    /// The triangles of these leaves, with their material.
     pub surface: Surface,
     /// Whether it is foliage. Then every triangle is a leaf's.
     pub is_foliage: bool,

@@ -21,6 +21,6 @@ pub struct Hold {
 pub struct PlantHolds {
     /// For each vertex of the wood.
     pub wood: Vec<Hold>,
-    /// For each leaf.
+    /// What each leaf hangs on, in the order of the foliage.
     pub leaves: Vec<Hold>,
 }

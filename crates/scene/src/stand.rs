@@ -53,7 +53,7 @@ fn turned(point: DVec3, yaw: f64) -> DVec3 {
 pub struct StandCamera {
     /// Its place in world space.
     pub eye: DVec3,
-    /// Where it looks.
+    /// The direction in which the camera looks.
     pub forward: DVec3,
     /// Its height in pixels and its vertical field of view.
     pub screen: Screen,

@@ -37,7 +37,7 @@ pub(crate) enum Chain {
     Shares,
 }
 
-/// A draw call.
+/// One draw call: what is drawn, and for which instances.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Call {
     /// A level of a chain, for items.
@@ -56,7 +56,7 @@ pub(crate) enum Call {
     Listed,
 }
 
-/// A frame.
+/// All draw calls of one frame, with the records of their instances.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DrawList {
     pub(crate) items: Vec<Item>,

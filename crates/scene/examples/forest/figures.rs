@@ -18,7 +18,7 @@ use crate::uploaded::Uploaded;
 /// Of the picture that methods are compared by.
 const LARGE: [u32; 2] = [1280, 720];
 
-/// Of paths.
+/// Width and height in pixels of the frames along a path.
 const SMALL: [u32; 2] = [640, 360];
 
 /// Hybrid's Table 1, without 750 and 1500.

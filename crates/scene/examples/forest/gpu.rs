@@ -5,7 +5,7 @@ use std::cell::Cell;
 use secateur_model::Texture;
 use wgpu::util::DeviceExt as _;
 
-/// An open device.
+/// An open graphics device, with the name of its adapter.
 pub(crate) struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,

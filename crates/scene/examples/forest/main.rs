@@ -46,7 +46,7 @@ use uploaded::Uploaded;
 const USAGE: &str = "usage: forest OUT.png [TREES [METHOD [TREE.glb]]], or forest figures [PART]; \
      TREES from 1 to 10000, METHOD one of full, chain, continuous, spheres, boxes, mix";
 
-/// Of a picture.
+/// Width and height of the picture in pixels.
 const SIZE: [u32; 2] = [1280, 720];
 
 const DEFAULT_TREES: usize = 2000;

@@ -23,7 +23,7 @@ pub(crate) struct Renderer<'a> {
     samples: wgpu::TextureView,
     depth: wgpu::TextureView,
     resolved: wgpu::Texture,
-    /// Bytes of these.
+    /// GPU memory that the frame's targets take, in bytes.
     pub(crate) target_bytes: u64,
 }
 

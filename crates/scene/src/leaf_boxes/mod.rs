@@ -24,7 +24,7 @@ pub use planes::{DiagonalPlane, PLANES, PlanePicture, diagonal_planes, picture, 
 /// A box that may be turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
-    /// Its middle.
+    /// The middle of the box, in the plant's own space.
     pub centre: DVec3,
     /// Unit vectors, square to each other, right-handed.
     pub axes: [DVec3; 3],
@@ -33,7 +33,7 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// Its volume.
+    /// The volume of the box, in cubic units of the plant.
     pub fn volume(&self) -> f64 {
         8.0 * self.half.element_product()
     }

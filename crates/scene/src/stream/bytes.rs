@@ -80,7 +80,7 @@ impl<'a> Numbers<'a> {
         Some(words.map(|word| u32::from_le_bytes(*word)).collect())
     }
 
-    /// Finite ones.
+    /// The next numbers; none if the bytes end before, or one is not finite.
     pub(super) fn floats(&mut self, count: usize) -> Option<Vec<f32>> {
         let floats: Vec<f32> = self.words(count)?.into_iter().map(f32::from_bits).collect();
         floats.iter().all(|x| x.is_finite()).then_some(floats)

@@ -10,7 +10,7 @@ const MAX_SIDE: u32 = 2048;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     pub(super) name: String,
-    /// Of the original.
+    /// How many leaves the original has.
     pub(super) leaves: u32,
     pub(super) triangles: u64,
     /// Of the removal order, all of which are made at first.
@@ -56,7 +56,7 @@ enum MipsName {
     Blended,
 }
 
-/// A material.
+/// A material as a stream carries it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Look {
     #[serde(default)]

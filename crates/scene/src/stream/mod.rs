@@ -100,9 +100,9 @@ pub enum StreamError {
     /// A body that cannot be followed.
     #[error("piece {number} of the stream is damaged: {what}")]
     Damaged {
-        /// Which.
+        /// The number of the piece, counted from the first.
         number: u32,
-        /// What is wrong.
+        /// What is wrong with it, as the end of a sentence.
         what: &'static str,
     },
     /// Bytes behind the last piece.

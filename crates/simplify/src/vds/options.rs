@@ -60,7 +60,7 @@ pub enum ViewPlan {
 /// A set of views, and how long it is looked from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewStage {
-    /// The views.
+    /// The views that drive this stage.
     pub views: ViewSet,
     /// It ends when this part of the leaves is gone, in thousandths; the last stage of a plan
     /// ends where the run does.
