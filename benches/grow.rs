@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use glam::DVec3;
-use program::Run;
+use program::TimedRun;
 use rows::{Rows, Wanted, exponent, repeats, shared_tree};
 use secateur_gltf::{Document, Tree, plant_to_glb};
 use secateur_model::{Foliage, Lod};
@@ -85,7 +85,7 @@ impl Bench {
         .map(OsStr::new)
         .to_vec();
         arguments.push(output.as_os_str());
-        let run = Run {
+        let run = TimedRun {
             case: &case,
             line: &line,
             arguments: &arguments,

@@ -71,7 +71,7 @@ fn main() {
             eprintln!("SKIPPED: {name} is not there");
             continue;
         };
-        let judge = Judge::new(&tree, asked.with_pictures);
+        let judge = JudgedTree::new(&tree, asked.with_pictures);
         for level in &asked.levels {
             for case in &asked.cases {
                 let found = judge.score(case, *level);
@@ -207,13 +207,13 @@ fn options(case: &str, level: f64) -> Options {
 }
 
 /// A tree that all cases are held against.
-struct Judge<'a> {
+struct JudgedTree<'a> {
     tree: &'a Tree,
     held_out: Original<'a>,
     pictures: Option<(Pictures, AsDrawn)>,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> JudgedTree<'a> {
     fn new(tree: &'a Tree, with_pictures: bool) -> Self {
         let judging = Judging::held_out(tree.foliage()).expect("leaves");
         let pictures = with_pictures.then(|| {

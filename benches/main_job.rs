@@ -10,7 +10,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use program::Run;
+use program::TimedRun;
 use rows::{Rows, Wanted, exponent, shared_tree};
 use secateur_gltf::plant_to_glb;
 use secateur_model::{AlphaMode, Material, Plant, Surface};
@@ -74,7 +74,7 @@ impl Bench {
         arguments.extend([OsStr::new("-o"), output.as_os_str()]);
         arguments.extend(target.iter().map(OsStr::new));
         arguments.extend(["--engine", "cpu"].map(OsStr::new));
-        let run = Run {
+        let run = TimedRun {
             case,
             line: &line,
             arguments: &arguments,

@@ -8,7 +8,7 @@ use std::time::Instant;
 use crate::rows::{Row, Rows, repeats};
 
 /// A run of the program that is timed.
-pub(crate) struct Run<'a> {
+pub(crate) struct TimedRun<'a> {
     pub(crate) case: &'a str,
     /// What is run, as rows say it.
     pub(crate) line: &'a str,
@@ -18,7 +18,7 @@ pub(crate) struct Run<'a> {
     pub(crate) stages: &'a [&'a str],
 }
 
-impl Run<'_> {
+impl TimedRun<'_> {
     /// Runs it again and again and notes seconds and peak memory; the least seconds.
     pub(crate) fn note(&self, rows: &mut Rows, folder: &Path) -> f64 {
         let mut least = f64::INFINITY;

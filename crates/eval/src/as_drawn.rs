@@ -25,7 +25,7 @@ pub struct AsDrawn {
     views: ViewSet,
     width_px: u32,
     truth: Vec<Truth>,
-    original: Drawn,
+    original: ViewPictures,
 }
 
 #[derive(Debug)]
@@ -36,7 +36,7 @@ struct Truth {
 }
 
 #[derive(Debug)]
-struct Drawn(Vec<(RgbaImage, Vec<bool>)>);
+struct ViewPictures(Vec<(RgbaImage, Vec<bool>)>);
 
 /// How a client's picture of a tree compares with what the original truly looks like; means over
 /// the views.
@@ -87,7 +87,7 @@ impl AsDrawn {
         });
         Self {
             truth: truth.collect(),
-            original: Drawn::of(original, views, width_px),
+            original: ViewPictures::of(original, views, width_px),
             views: views.clone(),
             width_px,
         }
@@ -95,7 +95,7 @@ impl AsDrawn {
 
     /// Draws a simplified tree from the same views, and compares.
     pub fn measure<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> AsDrawnMeasurement {
-        let drawn = Drawn::of(simplified, &self.views, self.width_px);
+        let drawn = ViewPictures::of(simplified, &self.views, self.width_px);
         let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
         let (mut both, mut any) = (0, 0);
         for ((_, a), (_, b)) in self.original.0.iter().zip(&drawn.0) {
@@ -127,10 +127,10 @@ impl AsDrawn {
 
     /// How much a client shows of a simplified tree, without pictures being compared.
     pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> Shown {
-        self.shown_by(&Drawn::of(simplified, &self.views, self.width_px))
+        self.shown_by(&ViewPictures::of(simplified, &self.views, self.width_px))
     }
 
-    fn shown_by(&self, drawn: &Drawn) -> Shown {
+    fn shown_by(&self, drawn: &ViewPictures) -> Shown {
         let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
         Shown {
             coverage_over_truth: drawn.covered_px() / truth_px,
@@ -138,7 +138,7 @@ impl AsDrawn {
         }
     }
 
-    fn flip(&self, drawn: &Drawn) -> f64 {
+    fn flip(&self, drawn: &ViewPictures) -> f64 {
         let pairs = self.truth.iter().zip(&drawn.0);
         let sum: f64 = pairs
             .map(|(truth, (image, _))| (FLIP_MEAN.of)(&truth.image, image))
@@ -160,7 +160,7 @@ pub fn measure_as_drawn<S: Borrow<Surface> + Sync>(
     AsDrawn::new(original, views, width_px).measure(simplified)
 }
 
-impl Drawn {
+impl ViewPictures {
     fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet, width_px: u32) -> Self {
         let mips = MipChains::of(surfaces);
         let drawn = views.views().iter().map(|view| {

@@ -87,7 +87,7 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
         "a pixel has 1 to 8 samples along a side, not {per_side}"
     );
     let lens = Lens::perspective(camera, options.width * per_side, options.height * per_side);
-    let scene = Scene {
+    let scene = SeenFrom {
         surfaces,
         seen: visibility(surfaces, &lens, Culling::Material, mips),
         mips,
@@ -113,7 +113,7 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
 }
 
 /// A scene and what is seen of it.
-struct Scene<'a, S> {
+struct SeenFrom<'a, S> {
     surfaces: &'a [S],
     seen: Visibility,
     mips: Option<&'a MipChains>,
@@ -122,7 +122,7 @@ struct Scene<'a, S> {
     lens: Lens,
 }
 
-impl<S: Borrow<Surface>> Scene<'_, S> {
+impl<S: Borrow<Surface>> SeenFrom<'_, S> {
     /// The mean linear colour of a pixel's samples. Light changes little within
     /// a pixel and costs most: it is found once for samples of one triangle, and
     /// once for the background.

@@ -11,7 +11,7 @@ use crate::light_depth::LightDepth;
 use crate::mips::MipChain;
 use crate::screen_triangle::ScreenTriangle;
 use crate::texel::{sample, sample_plain};
-use crate::visibility::{Place, face_weights, uv_steps};
+use crate::visibility::{PointInTriangle, face_weights, uv_steps};
 
 const SUN: Vec3 = Vec3::new(2.15, 2.0, 1.7);
 const SKY: Vec3 = Vec3::new(0.66, 0.74, 0.86);
@@ -123,7 +123,7 @@ pub(crate) struct Spot<'a> {
     corners: [usize; 3],
     weights: [f32; 3],
     triangle: &'a ScreenTriangle,
-    place: Place,
+    place: PointInTriangle,
     at: Vec2,
 }
 
@@ -135,7 +135,7 @@ impl<'a> Spot<'a> {
         triangle: &'a ScreenTriangle,
         at: Vec2,
     ) -> Option<Self> {
-        let place = Place::within(triangle)?;
+        let place = PointInTriangle::within(triangle)?;
         let corners = surface.triangles[triangle.face.triangle as usize];
         Some(Self {
             surface,

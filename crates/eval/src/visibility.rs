@@ -30,13 +30,13 @@ pub(crate) struct Visibility {
 
 /// What is needed to find a place within a triangle.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct PointInTriangle {
     origin: Vec2,
     second: Vec2,
     third: Vec2,
 }
 
-impl Place {
+impl PointInTriangle {
     /// `None` for a triangle that is seen edge-on.
     pub(crate) fn within(triangle: &ScreenTriangle) -> Option<Self> {
         let [a, b, c] = triangle.corners.map(|corner| corner.at);
@@ -74,7 +74,7 @@ pub(crate) fn face_weights(triangle: &ScreenTriangle, weights: [f32; 3]) -> [f32
 /// How far texture coordinates go from a sample to the next pixel to the right, and down.
 pub(crate) fn uv_steps(
     triangle: &ScreenTriangle,
-    place: &Place,
+    place: &PointInTriangle,
     at: Vec2,
     uvs: [Vec2; 3],
 ) -> [Vec2; 2] {
@@ -179,7 +179,7 @@ impl Band<'_> {
         surface: &Surface,
         mips: Option<&MipChain>,
     ) {
-        let Some(place) = Place::within(triangle) else {
+        let Some(place) = PointInTriangle::within(triangle) else {
             return;
         };
         let cutout = Cut::of(triangle, surface, mips);
@@ -246,7 +246,7 @@ impl<'a> Cut<'a> {
     fn is_there(
         &self,
         triangle: &ScreenTriangle,
-        place: &Place,
+        place: &PointInTriangle,
         at: Vec2,
         weights: [f32; 3],
     ) -> bool {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::error::Fault;
-use super::material::{Look, TextureUse};
+use super::material::{MaterialLook, TextureUse};
 use super::parts::check_limit;
 use super::picture::{Decoded, Pictures};
 use secateur_model::{AlphaMode, Cutout, Wrap};
@@ -40,7 +40,7 @@ impl Key {
 const MAX_MASK_BYTES: u64 = 256 << 20;
 
 /// The cutoff of a look's alpha, `None` where alpha is ignored.
-pub(crate) fn cutoff(look: &Look) -> Option<f32> {
+pub(crate) fn cutoff(look: &MaterialLook) -> Option<f32> {
     match look.alpha_mode {
         AlphaMode::Opaque => None,
         AlphaMode::Mask(cutoff) => Some(cutoff),
@@ -57,7 +57,7 @@ impl Cutouts {
     /// The index of the mask of a look, or `None` where every texel is kept.
     pub(crate) fn index(
         &mut self,
-        look: &Look,
+        look: &MaterialLook,
         pictures: &mut Pictures<'_>,
     ) -> Result<Option<u32>, Fault> {
         let Some(cutoff) = cutoff(look) else {

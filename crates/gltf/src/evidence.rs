@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Document;
 use super::cutouts::{cutoff, is_kept};
 use super::error::Fault;
-use super::material::Look;
+use super::material::MaterialLook;
 use super::name_evidence::{self, NameSays};
 use super::picture::{Decoded, Pictures};
 use super::shape_evidence::{self, Pieces};
@@ -136,7 +136,7 @@ fn add_names(
 /// are looked at.
 fn add_texture(
     reasons: &mut Vec<Reason>,
-    look: &Look,
+    look: &MaterialLook,
     pictures: &mut Pictures<'_>,
 ) -> Result<(), Fault> {
     const LEAST_SHARE: f64 = 0.02;

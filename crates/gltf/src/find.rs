@@ -24,7 +24,7 @@ const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
 
 /// Leaves and where they come from.
 #[derive(Default)]
-struct Found {
+struct FoundLeaves {
     foliage: Foliage,
     leaf_sources: Vec<LeafSource>,
     leaf_triangles: Vec<u32>,
@@ -102,7 +102,7 @@ impl Document {
         selectors: &[Selector],
         with_wood: bool,
         inspection: &mut Inspection,
-    ) -> Result<(Vec<Part>, Found, Option<Found>), Fault> {
+    ) -> Result<(Vec<Part>, FoundLeaves, Option<FoundLeaves>), Fault> {
         let Judged {
             mut parts,
             survey,
@@ -125,7 +125,7 @@ impl Document {
             let wood = match parts.iter().any(|part| part.is_foliage) {
                 // Warnings about textures of wood are no matter of leaves.
                 true => self.collect(&survey, &parts, &mut pictures, &mut Vec::new())?,
-                false => Found::default(),
+                false => FoundLeaves::default(),
             };
             for part in &mut parts {
                 part.is_foliage = true;
@@ -141,7 +141,7 @@ impl Document {
         parts: &[Part],
         pictures: &mut Pictures<'_>,
         warnings: &mut Vec<String>,
-    ) -> Result<Found, Fault> {
+    ) -> Result<FoundLeaves, Fault> {
         check_size(survey, parts, &mut pictures.budget)?;
         let mut cutouts = Cutouts::default();
         let mut skins: HashMap<usize, Skin> = HashMap::new();
@@ -152,9 +152,9 @@ impl Document {
                 skins.insert(index, skin);
             }
         }
-        let mut found = Found {
+        let mut found = FoundLeaves {
             foliage: Foliage::new(cutouts.masks),
-            ..Found::default()
+            ..FoundLeaves::default()
         };
         for (number, (part, index)) in parts.iter().zip(&survey.group_of_part).enumerate() {
             if part.is_foliage {
@@ -344,7 +344,7 @@ fn check_size(survey: &Survey, parts: &[Part], budget: &mut Budget) -> Result<()
     }
 }
 
-impl Found {
+impl FoundLeaves {
     /// These items, then those.
     fn joined(&self, others: &Self) -> Result<Self, Problem> {
         let first = self.leaf_triangles.len() as u32;

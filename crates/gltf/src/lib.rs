@@ -156,7 +156,7 @@ pub mod chain {
     pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        Chain, ChainFile, Layout, Level, LevelTexture, PreparedChain, WrittenChain,
+        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain,
     };
 }
 

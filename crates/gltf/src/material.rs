@@ -10,7 +10,7 @@ use secateur_model::{AlphaMode, Filters, Mips, Wrap};
 
 /// The base colour, alpha and sides of a material.
 #[derive(Clone, Debug)]
-pub(crate) struct Look {
+pub(crate) struct MaterialLook {
     /// Index in `materials`, or `None` for glTF's default material.
     pub(crate) material: Option<usize>,
     /// Its name, or empty.
@@ -80,11 +80,11 @@ impl UvTransform {
 
 impl Document {
     /// The look of a primitive's material.
-    pub(crate) fn look(&self, mesh: usize, primitive: usize) -> Result<Look, Fault> {
+    pub(crate) fn look(&self, mesh: usize, primitive: usize) -> Result<MaterialLook, Fault> {
         let json = self.primitive(mesh, primitive)?;
         let place = || self.primitive_place(mesh, primitive);
         let Some(index) = property::index(json, "material").at(place)? else {
-            return Ok(Look {
+            return Ok(MaterialLook {
                 material: None,
                 name: String::new(),
                 alpha_mode: AlphaMode::Opaque,
@@ -101,7 +101,7 @@ impl Document {
             .at(|| self.place("materials", index))
     }
 
-    fn read_look(&self, index: usize, json: &Value) -> Result<Look, Problem> {
+    fn read_look(&self, index: usize, json: &Value) -> Result<MaterialLook, Problem> {
         const NONE: Value = Value::Null;
         let glossy = property::extension(json, "KHR_materials_pbrSpecularGlossiness");
         let (pbr, color_name, texture_name) = match (json.get("pbrMetallicRoughness"), glossy) {
@@ -110,7 +110,7 @@ impl Document {
         };
         let color = property::numbers::<4>(pbr, color_name)?.unwrap_or([1.0; 4]);
         let texture = pbr.get(texture_name);
-        Ok(Look {
+        Ok(MaterialLook {
             material: Some(index),
             name: property::text(json, "name")?.unwrap_or("").to_owned(),
             alpha_mode: alpha_mode(json)?,

@@ -36,7 +36,7 @@ pub(crate) struct Pictures<'a> {
     document: &'a Document,
     decoded: Vec<Option<Decoded>>,
     /// The first entry of `images` that was decoded from each source.
-    first_of: HashMap<Source, usize>,
+    first_of: HashMap<ImageBytes, usize>,
     textures: HashMap<(usize, [Wrap; 2], Filters), Arc<Texture>>,
     texels: u64,
     /// What is left for images, and for what is made of them.
@@ -45,7 +45,7 @@ pub(crate) struct Pictures<'a> {
 
 /// Where the bytes of an image are; entries of `images` may share them.
 #[derive(Clone, PartialEq, Eq, Hash)]
-enum Source {
+enum ImageBytes {
     View(usize),
     /// A file, links followed.
     File(PathBuf),
@@ -239,15 +239,15 @@ fn decode(bytes: &[u8]) -> Result<RgbaImage, String> {
 
 impl Document {
     /// Where the bytes of an image are, if others may name the same place.
-    fn image_source(&self, index: usize) -> Option<Source> {
+    fn image_source(&self, index: usize) -> Option<ImageBytes> {
         let json = self.root.get("images")?.get(index)?;
         if let Some(view) = json.get("bufferView") {
-            return Some(Source::View(usize::try_from(view.as_u64()?).ok()?));
+            return Some(ImageBytes::View(usize::try_from(view.as_u64()?).ok()?));
         }
         let uri = json.get("uri")?.as_str()?;
         let relative = uri::file(uri)?;
         let file = folder::find(self.base_dir.as_deref(), &relative, uri);
-        file.ok().map(Source::File)
+        file.ok().map(ImageBytes::File)
     }
 
     /// Width and height of an image, if it is one that can be decoded.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Document;
 use super::error::{ALLOW_MORE, Fault, Problem};
 use super::leaves::{Leaves, find_leaves};
-use super::material::Look;
+use super::material::MaterialLook;
 use super::parts::{BYTES_A_PART, Part, check_limit};
 use super::selector::{Label, Labels};
 use secateur_model::Budget;
@@ -20,7 +20,7 @@ pub(crate) struct Group {
     pub(crate) nodes: Vec<usize>,
     /// How often it is drawn, instances counted.
     pub(crate) placements: usize,
-    pub(crate) look: Look,
+    pub(crate) look: MaterialLook,
     pub(crate) geometry: Geometry,
 }
 

@@ -10,12 +10,12 @@ use crate::{Foliage, LeafId, NewLeaf, Place, RemovalOrder};
 pub struct Lod {
     area_scales: Vec<Option<f64>>,
     /// In the order of their names; nothing where one is gone again.
-    made: Vec<Option<Made>>,
+    made: Vec<Option<MadeLeaf>>,
 }
 
 /// A leaf that was made, and its area as a multiple of that of its triangles.
 #[derive(Clone, Debug, PartialEq)]
-struct Made {
+struct MadeLeaf {
     leaf: NewLeaf,
     area_scale: f64,
 }
@@ -84,7 +84,7 @@ impl Lod {
                 .map(|s| s * survivors_area_scale)
         };
         let made = |(leaf, scale): (&NewLeaf, &f64)| {
-            Some(scale).filter(is_there).map(|&area_scale| Made {
+            Some(scale).filter(is_there).map(|&area_scale| MadeLeaf {
                 leaf: leaf.clone(),
                 area_scale,
             })
@@ -108,7 +108,7 @@ impl Lod {
 
     /// Adds a leaf to those that are left.
     pub fn make(&mut self, leaf: NewLeaf) {
-        self.made.push(Some(Made {
+        self.made.push(Some(MadeLeaf {
             leaf,
             area_scale: 1.0,
         }));

@@ -15,7 +15,7 @@ use crate::observe::{Shown, observe};
 use crate::passes::Passes;
 use crate::resolution::resolution_for;
 use crate::select::{Begun, Selection, Task};
-use crate::shared::{Found, Shared};
+use crate::shared::{KeptOrder, Shared};
 use crate::sizes::{SizePass, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
@@ -128,7 +128,7 @@ pub fn simplify_sharing(
         rasteriser: &within as &dyn Rasteriser,
         occluders,
     });
-    let run = Run {
+    let run = PassContext {
         foliage: &foliage,
         occluders: occluders.as_deref(),
         rasteriser: match &occluded {
@@ -213,7 +213,7 @@ const LOOK_RESOLUTION: u32 = 256;
 const LOOK_RESOLUTION_REASON: &str = "more pixels cost twice the time and change FLIP by 1 to 3 %";
 
 /// What all passes of a run know.
-struct Run<'a> {
+struct PassContext<'a> {
     foliage: &'a Foliage,
     options: &'a Options,
     /// In numbers of the foliage.
@@ -239,7 +239,7 @@ struct Draft {
     shows_the_same: bool,
 }
 
-impl Run<'_> {
+impl PassContext<'_> {
     /// Makes leaves coarser, has the method choose leaves, and cuts what goes beyond the target.
     fn select(
         &self,
@@ -294,7 +294,7 @@ impl Run<'_> {
                 .select(&task, &mut |done, at_most| clock.step(done, at_most))?,
         };
         if let (Some(shared), true) = (&mut shared, is_driven) {
-            shared.keep(Found {
+            shared.keep(KeptOrder {
                 shares,
                 coarse: coarse.clone(),
                 begun: Begun {

@@ -18,19 +18,19 @@ pub struct Shared {
     pub(crate) curves: Option<LossCurves>,
     /// What the views showed of the original.
     pub(crate) original: Option<(ViewSet, Vmi)>,
-    found: Vec<Found>,
+    found: Vec<KeptOrder>,
 }
 
 /// An order, and what it is of.
 #[derive(Clone, Debug)]
-pub(crate) struct Found {
+pub(crate) struct KeptOrder {
     /// How many triangles each leaf could keep; nothing where they kept all.
     pub(crate) shares: Option<Vec<usize>>,
     pub(crate) coarse: Option<Coarse>,
     pub(crate) begun: Begun,
 }
 
-impl Found {
+impl KeptOrder {
     /// Whether the order goes as far as a run of this task would.
     pub(crate) fn reaches(&self, task: &Task<'_>) -> bool {
         let order = &self.begun.order;
@@ -52,13 +52,13 @@ impl Found {
 
 impl Shared {
     /// Takes out the order of leaves that became coarser in this way.
-    pub(crate) fn take(&mut self, shares: &Option<Vec<usize>>) -> Option<Found> {
+    pub(crate) fn take(&mut self, shares: &Option<Vec<usize>>) -> Option<KeptOrder> {
         let known = self.found.iter().position(|found| found.shares == *shares);
         known.map(|index| self.found.swap_remove(index))
     }
 
     /// Keeps an order for later runs.
-    pub(crate) fn keep(&mut self, found: Found) {
+    pub(crate) fn keep(&mut self, found: KeptOrder) {
         self.found.push(found);
     }
 }

@@ -11,7 +11,7 @@ use crate::{
 
 /// The files that were drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Drawn {
+pub struct DrawnFiles {
     /// The number of rows that they show.
     pub rows: usize,
     /// The report, one HTML file.
@@ -26,7 +26,7 @@ pub struct Drawn {
 ///
 /// # Errors
 /// [`Error`] if there is no row, or a file can't be written.
-pub(crate) fn draw(folder: &Path, rows: &[Row], host: &dyn Host) -> Result<Drawn, Error> {
+pub(crate) fn draw(folder: &Path, rows: &[Row], host: &dyn Host) -> Result<DrawnFiles, Error> {
     let write = |path: &Path, bytes: &[u8]| host.write_file(path, bytes).map_err(Error::Refused);
     if rows.is_empty() {
         return Err(Error::Refused(format!(
@@ -49,7 +49,7 @@ pub(crate) fn draw(folder: &Path, rows: &[Row], host: &dyn Host) -> Result<Drawn
     write(&folder.join("README.md"), readme(&study).as_bytes())?;
     let path = folder.join("report.html");
     write(&path, report(&study, &pictures(folder, rows)).as_bytes())?;
-    Ok(Drawn {
+    Ok(DrawnFiles {
         rows: rows.len(),
         report: path,
         csv,

@@ -25,13 +25,13 @@ pub(crate) const WHAT_IS_BETTER: &str = "Small scenes, each made for one failure
 
 /// VMI error and silhouette IoU decide: neither says enough alone.
 #[derive(Clone, Copy, Debug)]
-struct Found<'r> {
+struct JudgedRow<'r> {
     row: &'r Row,
     vmi_error_percent: f64,
     silhouette_iou: f64,
 }
 
-impl<'r> Found<'r> {
+impl<'r> JudgedRow<'r> {
     fn of(row: &'r Row) -> Self {
         let value = |key: &str| row.values.get(key).copied().flatten();
         Self {
@@ -75,11 +75,11 @@ impl FailureCase {
     pub(crate) fn verdict<'r>(&self, rows: &'r [Row]) -> Option<Verdict<'r>> {
         let rows = self.rows(rows);
         let level = rows.iter().map(|row| row.level).min_by(f64::total_cmp)?;
-        let found: Vec<Found> = (rows.iter().filter(|row| row.level == level))
-            .map(|row| Found::of(row))
+        let found: Vec<JudgedRow> = (rows.iter().filter(|row| row.level == level))
+            .map(|row| JudgedRow::of(row))
             .collect();
         let suspect = found.iter().find(|f| f.row.label() == self.suspect)?;
-        let best_that_beats = |rival: &Found, is_own: bool| {
+        let best_that_beats = |rival: &JudgedRow, is_own: bool| {
             let better = found
                 .iter()
                 .filter(|f| (f.row.method == suspect.row.method) == is_own && f.beats(rival));

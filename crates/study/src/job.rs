@@ -10,13 +10,13 @@ use crate::{Case, Identity, Row, RowKey, StudyOptions};
 
 /// One case with one seed on one tree, and the levels that are missing.
 pub(crate) struct Job<'a> {
-    pub(crate) run: Run<'a>,
+    pub(crate) run: StudyRun<'a>,
     pub(crate) levels: Vec<f64>,
 }
 
 /// What is run, and the run whose survivors its own are held against.
 #[derive(Clone, Copy)]
-pub(crate) struct Run<'a> {
+pub(crate) struct StudyRun<'a> {
     pub(crate) case: &'a Case,
     /// For a case that takes seeds.
     pub(crate) seed: Option<u64>,
@@ -24,7 +24,7 @@ pub(crate) struct Run<'a> {
     pub(crate) reference: &'a Case,
 }
 
-impl Run<'_> {
+impl StudyRun<'_> {
     pub(crate) fn is_reference(&self) -> bool {
         std::ptr::eq(self.case, self.reference) && self.seed.unwrap_or(0) == 0
     }
@@ -62,7 +62,7 @@ pub(crate) fn jobs<'a>(
             false => vec![None],
         };
         for seed in seeds {
-            let run = Run {
+            let run = StudyRun {
                 case,
                 seed,
                 reference,

@@ -14,7 +14,7 @@ use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
 use crate::files::make_folder;
-use crate::job::Run;
+use crate::job::StudyRun;
 use crate::scenes::views_from;
 use crate::subject::Subject;
 use crate::survivor_bits::SurvivorBits;
@@ -29,7 +29,7 @@ const JPEG_QUALITY: u8 = 80;
 const DIFFERENCE_QUALITY: u8 = 60;
 
 /// The original of a tree, drawn once, that all its levels are compared with.
-pub(crate) struct Judge<'a> {
+pub(crate) struct LevelJudge<'a> {
     identity: &'a Identity,
     path: &'a Path,
     tree: &'a Tree,
@@ -43,7 +43,7 @@ pub(crate) struct Judge<'a> {
     portrait: RgbaImage,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> LevelJudge<'a> {
     /// Draws the original, and writes its picture.
     pub(crate) fn new(
         subject: &'a Subject,
@@ -90,8 +90,8 @@ impl<'a> Judge<'a> {
     }
 
     /// Measures a level, writes its pictures and returns its row.
-    pub(crate) fn row(&self, run: Run<'_>, ran: &Ran) -> Result<Row, Error> {
-        let Run { case, seed, .. } = run;
+    pub(crate) fn row(&self, run: StudyRun<'_>, ran: &Ran) -> Result<Row, Error> {
+        let StudyRun { case, seed, .. } = run;
         let foliage = self.tree.foliage();
         let measured = self.original.measure_lod(&ran.lod);
         let surfaces = surfaces_of(self.tree, self.path, &ran.lod)?;
@@ -169,7 +169,7 @@ impl<'a> Judge<'a> {
 
     /// The overlap of a level's survivors with those of the reference run, and the label of that
     /// run. The survivors of the reference run itself are written to a file, for later runs.
-    fn overlap(&self, run: Run<'_>, ran: &Ran) -> Result<(Option<f64>, String), Error> {
+    fn overlap(&self, run: StudyRun<'_>, ran: &Ran) -> Result<(Option<f64>, String), Error> {
         let label = run.reference.label();
         let name = file_name(&self.identity.file_stem(), &label, 0, ran.level);
         let path = self.folder.join(format!("kept/{name}.bits"));

@@ -59,7 +59,7 @@ pub use case::{Case, LevelOf};
 pub use chart::chart;
 pub use columns::{COLUMNS, Column, DRAWN_COLUMNS, DRAWN_WIDTHS_PX};
 pub use csv::to_csv;
-pub use draw::Drawn;
+pub use draw::DrawnFiles;
 pub use error::Error;
 pub use failure_case::FailureCase;
 pub use host::{Host, Provenance};

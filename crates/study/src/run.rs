@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use secateur_gltf::{Selector, Tree};
 use secateur_model::Memory;
 
-use crate::draw::{Drawn, draw};
+use crate::draw::{DrawnFiles, draw};
 use crate::files::make_folder;
 use crate::job::{Finished, Job, jobs, lacks_original_picture};
-use crate::judge::Judge;
+use crate::judge::LevelJudge;
 use crate::lock::Lock;
 use crate::row_file::{self, RowFile};
 use crate::subject::{Subject, subjects};
@@ -45,7 +45,7 @@ pub struct StudyOptions {
 ///
 /// # Errors
 /// [`Error`]; rows that are finished by then are kept.
-pub fn run(options: &StudyOptions, host: &dyn Host) -> Result<Drawn, Error> {
+pub fn run(options: &StudyOptions, host: &dyn Host) -> Result<DrawnFiles, Error> {
     let subjects = subjects(options)?;
     if !options.folder.exists() {
         // Not even a folder is left behind by a study that can't begin.
@@ -66,7 +66,7 @@ pub fn run(options: &StudyOptions, host: &dyn Host) -> Result<Drawn, Error> {
 ///
 /// # Errors
 /// [`Error`] if there are no rows, or a file can't be read or written.
-pub fn redraw(folder: &Path, host: &dyn Host) -> Result<Drawn, Error> {
+pub fn redraw(folder: &Path, host: &dyn Host) -> Result<DrawnFiles, Error> {
     let _lock = match folder.exists() {
         true => Some(Lock::take(folder)?),
         false => None,
@@ -74,7 +74,7 @@ pub fn redraw(folder: &Path, host: &dyn Host) -> Result<Drawn, Error> {
     draw_rows(folder, host)
 }
 
-fn draw_rows(folder: &Path, host: &dyn Host) -> Result<Drawn, Error> {
+fn draw_rows(folder: &Path, host: &dyn Host) -> Result<DrawnFiles, Error> {
     draw(folder, &current_rows(row_file::read(folder)?), host)
 }
 
@@ -172,7 +172,7 @@ fn run_tree(
     }
     let selectors = todo.subject.selectors(&options.selectors);
     let tree = Tree::open_within(&todo.subject.path, selectors, options.memory)?;
-    let judge = Judge::new(todo.subject, &tree, &todo.identity, &options.folder, host)?;
+    let judge = LevelJudge::new(todo.subject, &tree, &todo.identity, &options.folder, host)?;
     for job in &todo.jobs {
         let case = job.run.case;
         host.working_on(&format!(

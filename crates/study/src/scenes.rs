@@ -21,7 +21,7 @@ use crate::random::{direction, in_ball, stream};
 use crate::{Case, FailureCase};
 
 /// A scene: what is in it, what should go wrong, and what is tried.
-pub(crate) struct Scene {
+pub(crate) struct FailureScene {
     /// What rows call it, as a tree.
     pub(crate) name: &'static str,
     title: &'static str,
@@ -70,8 +70,8 @@ fn small_leaves() -> Vec<Case> {
 }
 
 /// All scenes, in the order of reports.
-pub(crate) const SCENES: [Scene; 8] = [
-    Scene {
+pub(crate) const SCENES: [FailureScene; 8] = [
+    FailureScene {
         name: "scene-sub-pixel",
         title: "Leaves below a pixel",
         about: "4,000 leaves of half a pixel's width at 256 x 256: most are seen in no view or in one, and cost nothing to prune.",
@@ -85,7 +85,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             }
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-needles",
         title: "Thin needles",
         about: "1,500 needles 15 pixels long and a quarter of a pixel wide at 256 x 256: rows of holes to a camera.",
@@ -99,7 +99,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             }
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-interior",
         title: "An interior seen from near",
         about: "3,000 leaves that fill a ball, driven from 3 radii and judged from within, at half a radius: what no driving view sees goes first.",
@@ -123,7 +123,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             }
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-ties",
         title: "Exact ties",
         about: "1,600 leaves numbered from left to right, driven at 64 x 64 pixels, where most are seen by no view and cost exactly nothing: ties in order eat the crown from its left.",
@@ -149,7 +149,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             }
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-blow-up",
         title: "Resize blow-up",
         about: "40 tight clumps of 40 leaves: the last leaf of a clump can take the area of all and become a plate.",
@@ -178,7 +178,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             }
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-sparse",
         title: "A sparse crown",
         about: "150 leaves far from each other, through which one looks: a leaf that grows covers what was sky.",
@@ -205,7 +205,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             }
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-big-leaf",
         title: "A single big leaf",
         about: "One leaf of a radius's width among 800 small ones: lots may fall on it, and merging may bend it away.",
@@ -230,7 +230,7 @@ pub(crate) const SCENES: [Scene; 8] = [
             crown.card(DVec3::new(0.2, 0.1, 0.1), 0.5, 0.5);
         },
     },
-    Scene {
+    FailureScene {
         name: "scene-clusters",
         title: "Clustered leaves",
         about: "30 clusters of 60 leaves with nothing between them: a leaf that grows for its neighbours has to stand for a whole cluster.",
@@ -263,7 +263,7 @@ pub(crate) const SCENES: [Scene; 8] = [
 
 /// All scenes as reports describe them.
 pub(crate) fn failure_cases() -> Vec<FailureCase> {
-    let of_scene = |scene: &Scene| FailureCase {
+    let of_scene = |scene: &FailureScene| FailureCase {
         tree: scene.name.to_owned(),
         title: scene.title.to_owned(),
         about: scene.about.to_owned(),
@@ -272,7 +272,7 @@ pub(crate) fn failure_cases() -> Vec<FailureCase> {
     SCENES.iter().map(of_scene).collect()
 }
 
-impl Scene {
+impl FailureScene {
     /// The scene as a plant, the same on every machine.
     pub(crate) fn plant(&self) -> Plant {
         let mut crown = Crown {

@@ -9,7 +9,7 @@ use secateur_plant::{GrowOptions, grow};
 
 use crate::files::make_folder;
 use crate::paper::{self, Model};
-use crate::scenes::{SCENES, Scene, near_cameras};
+use crate::scenes::{FailureScene, SCENES, near_cameras};
 use crate::{Case, Error, Host, Plan, StudyOptions, plan};
 
 const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.01];
@@ -28,13 +28,13 @@ pub(crate) struct Subject {
     pub(crate) judged_from_radii: Option<f64>,
     /// Whether it is studied as a whole plant too.
     pub(crate) is_seen_whole: bool,
-    made: Made,
+    origin: Origin,
 }
 
 /// Where a tree comes from.
-enum Made {
+enum Origin {
     ByOthers,
-    Scene(&'static Scene),
+    Scene(&'static FailureScene),
     Grown(&'static Model),
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
             judged_by: of_user,
             judged_from_radii: None,
             is_seen_whole: has(Plan::Whole),
-            made: Made::ByOthers,
+            origin: Origin::ByOthers,
         });
     }
     let folder = options.folder.join("trees");
@@ -86,7 +86,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 judged_by: JudgingViews::HeldOut,
                 judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
                 is_seen_whole: false,
-                made: Made::Scene(scene),
+                origin: Origin::Scene(scene),
             });
         }
     }
@@ -103,7 +103,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 judged_by: JudgingViews::Icosahedron,
                 judged_from_radii: None,
                 is_seen_whole: false,
-                made: Made::Grown(model),
+                origin: Origin::Grown(model),
             });
         }
     }
@@ -153,8 +153,8 @@ fn check_names(subjects: &[Subject]) -> Result<(), Error> {
 impl Subject {
     /// The levels that are run if the user names none.
     pub(crate) fn levels(&self) -> &'static [f64] {
-        match self.made {
-            Made::Scene(_) => &SCENE_LEVELS,
+        match self.origin {
+            Origin::Scene(_) => &SCENE_LEVELS,
             _ => &LEVELS,
         }
     }
@@ -162,8 +162,8 @@ impl Subject {
     /// The selectors of its foliage: the user's for the user's trees, none for trees that the
     /// study makes.
     pub(crate) fn selectors<'s>(&self, of_user: &'s [Selector]) -> &'s [Selector] {
-        match self.made {
-            Made::ByOthers => of_user,
+        match self.origin {
+            Origin::ByOthers => of_user,
             _ => &[],
         }
     }
@@ -171,7 +171,7 @@ impl Subject {
     /// Fails if a tree of the user's can't be read, so that a study does not find out in the
     /// middle.
     pub(crate) fn check(&self, of_user: &[Selector], memory: Memory) -> Result<(), Error> {
-        if matches!(self.made, Made::ByOthers) {
+        if matches!(self.origin, Origin::ByOthers) {
             Tree::open_within(&self.path, of_user, memory)?;
         }
         Ok(())
@@ -179,10 +179,10 @@ impl Subject {
 
     /// Writes the tree, if the study makes it, and cameras that go with it.
     pub(crate) fn prepare(&self, host: &dyn Host) -> Result<(), Error> {
-        let plant = match self.made {
-            Made::ByOthers => return Ok(()),
-            Made::Scene(scene) => scene.plant(),
-            Made::Grown(model) => grown(model)?,
+        let plant = match self.origin {
+            Origin::ByOthers => return Ok(()),
+            Origin::Scene(scene) => scene.plant(),
+            Origin::Grown(model) => grown(model)?,
         };
         let write = |path: &Path, bytes: &[u8]| host.write_file(path, bytes);
         make_folder(self.path.parent().unwrap_or(Path::new(".")))?;

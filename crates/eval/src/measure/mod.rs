@@ -12,7 +12,7 @@ pub use metric::{
     VMI_ERROR_PERCENT,
 };
 pub use scores::{Measurement, RigMeasurement, Scores};
-use seen::Drawn;
+use seen::SeenScene;
 pub use seen::SeenView;
 
 use glam::DVec3;
@@ -171,7 +171,7 @@ pub struct Original<'f> {
     foliage: &'f Foliage,
     judging: Judging,
     /// For each set of views.
-    drawn: Vec<Drawn>,
+    drawn: Vec<SeenScene>,
 }
 
 impl<'f> Original<'f> {

@@ -22,7 +22,7 @@ pub struct SeenView {
 
 /// A scene as all its views see it, as far as it is judged.
 #[derive(Clone, Debug)]
-pub(super) struct Drawn {
+pub(super) struct SeenScene {
     vmi: Vmi,
     views: Vec<DrawnView>,
 }
@@ -35,7 +35,7 @@ struct DrawnView {
 }
 
 /// Draws a scene once in every view.
-pub(super) fn draw(scene: &Scene<'_>) -> Drawn {
+pub(super) fn draw(scene: &Scene<'_>) -> SeenScene {
     let leaf_count = scene.foliage.leaves().len();
     let views = scene.views.views().par_iter();
     let drawn: Vec<(Vec<u32>, DrawnView)> = views
@@ -55,14 +55,14 @@ pub(super) fn draw(scene: &Scene<'_>) -> Drawn {
         .collect();
     let (rows, views): (Vec<Vec<u32>>, Vec<DrawnView>) = drawn.into_iter().unzip();
     let table = AreaTable::from_rows(leaf_count, rows.concat());
-    Drawn {
+    SeenScene {
         vmi: Vmi::of(&table, &LgTable::new()),
         views,
     }
 }
 
 /// Holds two scenes of the same views and resolution against each other.
-pub(super) fn compare(original: &Drawn, simplified: &Drawn) -> Vec<SeenView> {
+pub(super) fn compare(original: &SeenScene, simplified: &SeenScene) -> Vec<SeenView> {
     let vmis = original.vmi.scaled().iter().zip(simplified.vmi.scaled());
     let views = original.views.iter().zip(&simplified.views);
     let seen = views.zip(vmis).map(|((a, b), vmis)| {

@@ -214,7 +214,7 @@ pub(super) fn uses_by_mesh(tree: &Tree) -> BTreeMap<usize, Vec<Use>> {
 type Changes<'t> = Vec<(usize, &'t [u32], Option<u64>)>;
 
 /// New leaves: their primitive, area scale (its bits) and the vertices that they copy.
-type Made = Vec<(usize, u64, Vec<(u32, usize)>)>;
+type MadeLeaves = Vec<(usize, u64, Vec<(u32, usize)>)>;
 
 /// Of places that change alike, with how many it is tried to share a mesh.
 const MOST_TRIED: usize = 64;
@@ -224,7 +224,7 @@ const MOST_TRIED: usize = 64;
 /// place and hold numbers of `places`.
 pub(super) fn group_by_edits(tree: &Tree, edits: &LeafEdits, places: &[&Use]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    let mut known: HashMap<(Changes, Made), Vec<usize>> = HashMap::new();
+    let mut known: HashMap<(Changes, MadeLeaves), Vec<usize>> = HashMap::new();
     for (number, place) in places.iter().enumerate() {
         let key = (changes(tree, edits, place), made(tree, edits, place));
         let alike = known.entry(key).or_default();
@@ -255,8 +255,8 @@ fn changes<'t>(tree: &Tree, edits: &LeafEdits<'t>, place: &Use) -> Changes<'t> {
     changes
 }
 
-fn made(tree: &Tree, edits: &LeafEdits, place: &Use) -> Made {
-    let mut made = Made::new();
+fn made(tree: &Tree, edits: &LeafEdits, place: &Use) -> MadeLeaves {
+    let mut made = MadeLeaves::new();
     for &part in &place.parts {
         for &(leaf, area_scale) in edits.made.get(&part).into_iter().flatten() {
             let triangles = tree.triangles_of(&tree.leaf_sources[leaf.donor.index()]);

@@ -12,11 +12,11 @@ use serde_json::json;
 use crate::small_tree::SmallTree;
 
 /// `tree/small.gltf` with its buffer and its image, to be moved about.
-struct Place {
+struct CopiedTree {
     folder: tempfile::TempDir,
 }
 
-impl Place {
+impl CopiedTree {
     fn new() -> Self {
         let mut tree = SmallTree::squares();
         tree.append("images", json!({"uri": "maps/leaf.png"}));
@@ -65,7 +65,7 @@ impl Place {
 
 #[test]
 fn a_buffer_outside() {
-    let place = Place::new();
+    let place = CopiedTree::new();
     place.open("tree/small.gltf").unwrap();
     place.replace_by_link("tree/small.bin", "outside/small.bin");
     place.assert_leads_out("buffers[0]", "small.bin");
@@ -73,21 +73,21 @@ fn a_buffer_outside() {
 
 #[test]
 fn an_image_outside() {
-    let place = Place::new();
+    let place = CopiedTree::new();
     place.replace_by_link("tree/maps/leaf.png", "outside/leaf.png");
     place.assert_leads_out("images[0]", "maps/leaf.png");
 }
 
 #[test]
 fn a_linked_folder() {
-    let place = Place::new();
+    let place = CopiedTree::new();
     place.replace_by_link("tree/maps", "outside/maps");
     place.assert_leads_out("images[0]", "maps/leaf.png");
 }
 
 #[test]
 fn a_folder_of_which_ours_is_the_beginning_is_outside() {
-    let place = Place::new();
+    let place = CopiedTree::new();
     fs::create_dir(place.path("tree-2")).unwrap();
     place.replace_by_link("tree/small.bin", "tree-2/small.bin");
     place.assert_leads_out("buffers[0]", "small.bin");
@@ -96,7 +96,7 @@ fn a_folder_of_which_ours_is_the_beginning_is_outside() {
 #[test]
 fn something_outside_that_is_no_file() {
     // It must not be opened: a device could give bytes without end.
-    let place = Place::new();
+    let place = CopiedTree::new();
     fs::remove_file(place.path("tree/small.bin")).unwrap();
     symlink("/dev/zero", place.path("tree/small.bin")).unwrap();
     place.assert_leads_out("buffers[0]", "small.bin");
@@ -104,7 +104,7 @@ fn something_outside_that_is_no_file() {
 
 #[test]
 fn links_that_stay_in_the_folder_are_followed() {
-    let place = Place::new();
+    let place = CopiedTree::new();
     place.replace_by_link("tree/small.bin", "tree/maps/small.bin");
     place.replace_by_link("tree/maps", "tree/textures");
     place.open("tree/small.gltf").unwrap();
@@ -113,7 +113,7 @@ fn links_that_stay_in_the_folder_are_followed() {
 #[test]
 fn a_link_to_the_gltf_itself_is_followed() {
     // The user named it; what belongs to the file is where the file is.
-    let place = Place::new();
+    let place = CopiedTree::new();
     symlink(place.path("tree/small.gltf"), place.path("outside/a.gltf")).unwrap();
     place.open("outside/a.gltf").unwrap();
     // So is one on the way to it.

@@ -9,7 +9,7 @@ mod word;
 use std::ops::Range;
 
 use crate::Random;
-use crate::language::{Code, Place, Production, Rules, RulesError, Template, cut};
+use crate::language::{Code, Production, RulePosition, Rules, RulesError, Template, cut};
 
 use context::Contexts;
 use word::ENDS;
@@ -73,7 +73,7 @@ struct Derivation<'a> {
     candidates: Vec<(u32, f64)>,
     looks: u64,
     /// The production that was taken last.
-    last: Option<Place>,
+    last: Option<RulePosition>,
 }
 
 impl<'a> Derivation<'a> {

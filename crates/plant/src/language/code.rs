@@ -2,7 +2,7 @@
 
 use crate::Random;
 
-use super::{Place, RulesError};
+use super::{RulePosition, RulesError};
 
 /// The frame of an expression starts with these two.
 pub(super) const DETAIL: u16 = 0;
@@ -146,17 +146,17 @@ pub(crate) struct Code {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Program {
     pub(super) ops: Vec<Op>,
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<RulePosition>,
 }
 
 impl Program {
-    pub(super) fn push(&mut self, op: Op, place: Place) {
+    pub(super) fn push(&mut self, op: Op, place: RulePosition) {
         self.ops.push(op);
         self.places.push(place);
     }
 
     /// Whether an expression holds this operation.
-    pub(super) fn contains(&self, code: Code, wanted: impl Fn(Op) -> bool) -> Option<Place> {
+    pub(super) fn contains(&self, code: Code, wanted: impl Fn(Op) -> bool) -> Option<RulePosition> {
         let range = code.start as usize..code.end as usize;
         let at = range.clone().find(|&at| wanted(self.ops[at]))?;
         Some(self.places[at])

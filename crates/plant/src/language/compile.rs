@@ -10,7 +10,7 @@ use super::places::Places;
 use super::rules::{Production, Template};
 use super::size::check_size;
 use super::symbols::{Symbols, head_parts};
-use super::{Grammar, Place, Rule, Rules, RulesError, Settings, settings};
+use super::{Grammar, Rule, RulePosition, Rules, RulesError, Settings, settings};
 
 impl Rules {
     /// Reads a rule file.
@@ -48,7 +48,7 @@ struct Compiler<'a> {
     /// For each symbol, whether contexts look through it.
     ignored: Vec<bool>,
     axiom: Option<std::ops::Range<u32>>,
-    iterations: Option<(Code, Place)>,
+    iterations: Option<(Code, RulePosition)>,
     max_modules: Option<usize>,
     settings: Settings,
 }
@@ -56,7 +56,7 @@ struct Compiler<'a> {
 impl Compiler<'_> {
     fn compile(mut self, statements: Pairs<'_, Rule>) -> Result<Rules, RulesError> {
         self.names = Names::of_file();
-        let mut end = Place { line: 1, column: 1 };
+        let mut end = RulePosition { line: 1, column: 1 };
         for statement in statements {
             let place = self.place(&statement);
             let rule = statement.as_rule();
@@ -107,7 +107,7 @@ impl Compiler<'_> {
         })
     }
 
-    fn place(&self, pair: &Pair<'_, Rule>) -> Place {
+    fn place(&self, pair: &Pair<'_, Rule>) -> RulePosition {
         self.places.at(pair.as_span().start())
     }
 
@@ -141,7 +141,11 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    fn set_iterations(&mut self, inner: Pairs<'_, Rule>, at: Place) -> Result<(), RulesError> {
+    fn set_iterations(
+        &mut self,
+        inner: Pairs<'_, Rule>,
+        at: RulePosition,
+    ) -> Result<(), RulesError> {
         once(self.iterations.is_some(), at, "iterations")?;
         let value = only(inner, Rule::expression);
         self.iterations = Some((self.expression(value)?, at));
@@ -178,7 +182,7 @@ impl Compiler<'_> {
         settings::set(&mut self.settings, &name, &values)
     }
 
-    fn set_axiom(&mut self, inner: Pairs<'_, Rule>, at: Place) -> Result<(), RulesError> {
+    fn set_axiom(&mut self, inner: Pairs<'_, Rule>, at: RulePosition) -> Result<(), RulesError> {
         once(self.axiom.is_some(), at, "axiom")?;
         let word = only(inner, Rule::word);
         self.axiom = Some(self.word(word)?);
@@ -187,7 +191,7 @@ impl Compiler<'_> {
 
     fn word(&mut self, word: Pair<'_, Rule>) -> Result<std::ops::Range<u32>, RulesError> {
         let start = self.templates.len() as u32;
-        let mut open: Vec<Place> = Vec::new();
+        let mut open: Vec<RulePosition> = Vec::new();
         for item in word.into_inner() {
             let place = self.place(&item);
             let template = match item.as_rule() {
@@ -209,7 +213,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn bracket(&self, name: &str, place: Place) -> Template {
+    fn bracket(&self, name: &str, place: RulePosition) -> Template {
         Template {
             symbol: self.symbols.of_turtle(name),
             arguments: Vec::new(),
@@ -217,7 +221,11 @@ impl Compiler<'_> {
         }
     }
 
-    fn template(&mut self, module: Pair<'_, Rule>, place: Place) -> Result<Template, RulesError> {
+    fn template(
+        &mut self,
+        module: Pair<'_, Rule>,
+        place: RulePosition,
+    ) -> Result<Template, RulesError> {
         let mut inner = module.into_inner();
         let symbol = inner.next().expect("a module has a symbol");
         let arguments: Vec<_> = inner.filter(|p| p.as_rule() == Rule::expression).collect();
@@ -233,7 +241,11 @@ impl Compiler<'_> {
         })
     }
 
-    fn production(&mut self, inner: Pairs<'_, Rule>, place: Place) -> Result<(), RulesError> {
+    fn production(
+        &mut self,
+        inner: Pairs<'_, Rule>,
+        place: RulePosition,
+    ) -> Result<(), RulesError> {
         self.names.enter_production();
         let mut production = Production {
             symbol: 0,
@@ -311,7 +323,7 @@ impl Compiler<'_> {
     }
 }
 
-fn once(is_there: bool, place: Place, what: &str) -> Result<(), RulesError> {
+fn once(is_there: bool, place: RulePosition, what: &str) -> Result<(), RulesError> {
     match is_there {
         true => Err(RulesError::at(place, format!("`{what}` is given twice"))),
         false => Ok(()),

@@ -9,23 +9,23 @@ use super::Rule;
 
 /// A place in a rule file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Place {
+pub struct RulePosition {
     /// The line, from 1.
     pub line: u32,
     /// The column in characters, from 1.
     pub column: u32,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for RulePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "line {}, column {}", self.line, self.column)
     }
 }
 
 /// Where a pair starts, for errors: counted from the start of its line.
-pub(super) fn place_of(pair: &Pair<'_, Rule>) -> Place {
+pub(super) fn place_of(pair: &Pair<'_, Rule>) -> RulePosition {
     let (line, column) = pair.line_col();
-    Place {
+    RulePosition {
         line: line as u32,
         column: column as u32,
     }
@@ -36,13 +36,13 @@ pub(super) fn place_of(pair: &Pair<'_, Rule>) -> Place {
 #[error("{place}: {message}")]
 pub struct RulesError {
     /// Where in the file.
-    pub place: Place,
+    pub place: RulePosition,
     /// What is wrong there, and what was expected; one sentence without an end.
     pub message: String,
 }
 
 impl RulesError {
-    pub(crate) fn at(place: Place, message: impl Into<String>) -> Self {
+    pub(crate) fn at(place: RulePosition, message: impl Into<String>) -> Self {
         Self {
             place,
             message: message.into(),
@@ -54,7 +54,7 @@ impl RulesError {
         let place = match error.line_col {
             pest::error::LineColLocation::Pos(at) | pest::error::LineColLocation::Span(at, _) => at,
         };
-        let place = Place {
+        let place = RulePosition {
             line: place.0 as u32,
             column: place.1 as u32,
         };

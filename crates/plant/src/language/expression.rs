@@ -7,7 +7,7 @@ use pest::iterators::Pair;
 use super::code::{Code, DETAIL, Function, ITERATION, Op, Program};
 use super::error::place_of;
 use super::places::Places;
-use super::{Place, Rule, RulesError, cut};
+use super::{Rule, RulePosition, RulesError, cut};
 
 /// The most names that are known at once.
 const MAX_NAMES: usize = 10_000;
@@ -100,7 +100,7 @@ impl Expressions<'_> {
         Ok(Code { start, end })
     }
 
-    fn place(&self, pair: &Pair<'_, Rule>) -> Place {
+    fn place(&self, pair: &Pair<'_, Rule>) -> RulePosition {
         self.places.at(pair.as_span().start())
     }
 

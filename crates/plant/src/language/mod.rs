@@ -104,7 +104,7 @@ mod symbols;
 pub(crate) use code::Code;
 pub(crate) use commands::{Command, POP, PUSH, command_of};
 pub(crate) use error::cut;
-pub use error::{Place, RulesError};
+pub use error::{RulePosition, RulesError};
 pub use rules::Rules;
 pub(crate) use rules::{Production, Template};
 pub use settings::{Bark, Outline, Settings, Shrinks};

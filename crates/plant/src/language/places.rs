@@ -1,6 +1,6 @@
 //! Lines and columns of a rule file.
 
-use super::Place;
+use super::RulePosition;
 
 /// Bytes between places that are known: counting goes no further than this.
 const STRIDE_BYTES: usize = 256;
@@ -11,13 +11,13 @@ const STRIDE_BYTES: usize = 256;
 pub(super) struct Places<'a> {
     text: &'a str,
     /// The first character at or after each multiple of the stride, and its place.
-    known: Vec<(usize, Place)>,
+    known: Vec<(usize, RulePosition)>,
 }
 
 impl<'a> Places<'a> {
     pub(super) fn new(text: &'a str) -> Self {
         let mut known = Vec::with_capacity(text.len() / STRIDE_BYTES + 1);
-        let mut place = Place { line: 1, column: 1 };
+        let mut place = RulePosition { line: 1, column: 1 };
         for (offset, c) in text.char_indices() {
             if offset >= known.len() * STRIDE_BYTES {
                 known.push((offset, place));
@@ -28,9 +28,9 @@ impl<'a> Places<'a> {
     }
 
     /// The place of the character that starts at this byte, or of the text's end.
-    pub(super) fn at(&self, byte: usize) -> Place {
+    pub(super) fn at(&self, byte: usize) -> RulePosition {
         let next = self.known.partition_point(|(offset, _)| *offset <= byte);
-        let start = Place { line: 1, column: 1 };
+        let start = RulePosition { line: 1, column: 1 };
         let (offset, place) = match next {
             0 => (0, start),
             _ => self.known[next - 1],
@@ -41,13 +41,13 @@ impl<'a> Places<'a> {
 }
 
 /// The place after a character at `place`.
-fn after(c: char, place: Place) -> Place {
+fn after(c: char, place: RulePosition) -> RulePosition {
     match c {
-        '\n' => Place {
+        '\n' => RulePosition {
             line: place.line + 1,
             column: 1,
         },
-        _ => Place {
+        _ => RulePosition {
             line: place.line,
             column: place.column + 1,
         },

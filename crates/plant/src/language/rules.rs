@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::code::{Code, Program};
-use super::{Place, Settings};
+use super::{RulePosition, Settings};
 
 /// A symbol together with its number of parameters; `F(1)` and `F(1, 0)` are two.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub(crate) struct Template {
     pub(crate) symbol: u16,
     /// An expression for each parameter.
     pub(crate) arguments: Vec<Code>,
-    pub(crate) place: Place,
+    pub(crate) place: RulePosition,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub(crate) struct Production {
     /// Whether a module that it does not match now may match later: it has a
     /// context, or asks for the iteration.
     pub(crate) may_match_later: bool,
-    pub(crate) place: Place,
+    pub(crate) place: RulePosition,
 }
 
 /// A rule file, ready to be derived: see [`language`](crate::language) for what
@@ -52,7 +52,7 @@ pub struct Rules {
     /// For each symbol, whether contexts look through it.
     pub(crate) ignored: Vec<bool>,
     pub(crate) constants: Vec<Code>,
-    pub(crate) iterations: Option<(Code, Place)>,
+    pub(crate) iterations: Option<(Code, RulePosition)>,
     pub(crate) max_modules: usize,
     pub(crate) uses_detail: bool,
     /// Whether any production asks for the iteration.

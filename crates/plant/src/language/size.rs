@@ -1,13 +1,13 @@
 //! Files that are too large or too deep, refused before they are parsed.
 
-use super::{Place, Rules, RulesError};
+use super::{RulePosition, Rules, RulesError};
 
 /// The most parentheses within one another.
 const MAX_NESTING: usize = 24;
 
 /// Refuses what would nest too deeply for the parser's own stack.
 pub(super) fn check_size(text: &str) -> Result<(), RulesError> {
-    let start = Place { line: 1, column: 1 };
+    let start = RulePosition { line: 1, column: 1 };
     if text.len() > Rules::MAX_BYTES {
         let message = format!("the file has more than {} bytes", Rules::MAX_BYTES);
         return Err(RulesError::at(start, message));
@@ -23,7 +23,7 @@ pub(super) fn check_size(text: &str) -> Result<(), RulesError> {
                 _ => {}
             }
             if depth > MAX_NESTING {
-                let place = Place {
+                let place = RulePosition {
                     line: number,
                     column,
                 };

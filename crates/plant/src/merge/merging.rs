@@ -9,7 +9,7 @@ const NONE: u32 = u32::MAX;
 
 /// What a cluster is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum ClusterPart {
     /// A single leaf, from 0.
     Leaf(u32),
     /// The cluster on top of this stick.
@@ -98,14 +98,14 @@ impl<'a> Merging<'a> {
     }
 
     /// What becomes one cluster on the parent when this stick is replaced.
-    pub(super) fn parts(&self, stick: u32) -> Vec<Part> {
+    pub(super) fn parts(&self, stick: u32) -> Vec<ClusterPart> {
         let parent = self.parent_of(stick);
         let cluster = |of: usize| {
             let is_there = !self.clusters[of].is_empty();
-            is_there.then_some(Part::ClusterOf(of as u32))
+            is_there.then_some(ClusterPart::ClusterOf(of as u32))
         };
-        let own = |of: usize| self.own[of].iter().copied().map(Part::Leaf);
-        let mut parts: Vec<Part> = cluster(parent).into_iter().collect();
+        let own = |of: usize| self.own[of].iter().copied().map(ClusterPart::Leaf);
+        let mut parts: Vec<ClusterPart> = cluster(parent).into_iter().collect();
         parts.extend(cluster(stick as usize));
         parts.extend(own(stick as usize));
         if self.kept_children[parent] == 1 {
@@ -141,14 +141,14 @@ impl<'a> Merging<'a> {
         let mut leaves = std::mem::take(&mut self.clusters[parent]);
         for part in parts {
             match part {
-                Part::Leaf(leaf) => {
+                ClusterPart::Leaf(leaf) => {
                     gathered.add(&[leaf], &self.discs);
                     leaves.push(leaf);
                 }
-                Part::ClusterOf(of) if of as usize == parent => {
+                ClusterPart::ClusterOf(of) if of as usize == parent => {
                     gathered.add(&leaves, &self.discs);
                 }
-                Part::ClusterOf(of) => {
+                ClusterPart::ClusterOf(of) => {
                     let more = std::mem::take(&mut self.clusters[of as usize]);
                     gathered.add(&more, &self.discs);
                     leaves.extend(more);

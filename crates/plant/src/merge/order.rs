@@ -6,7 +6,7 @@ use secateur_model::{
 };
 
 use super::clusters::{Card, ClusterSize, Disc};
-use super::merging::{Merging, Part};
+use super::merging::{ClusterPart, Merging};
 use super::sticks::{in_order, replaced_below};
 
 /// Merges leaves until `leaves` are left: stick by stick, the largest HR first, two
@@ -82,10 +82,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn name_of(&self, part: Part) -> LeafId {
+    fn name_of(&self, part: ClusterPart) -> LeafId {
         match part {
-            Part::Leaf(leaf) => LeafId::from_index(leaf as usize),
-            Part::ClusterOf(stick) => self.names[stick as usize].expect("a cluster has a name"),
+            ClusterPart::Leaf(leaf) => LeafId::from_index(leaf as usize),
+            ClusterPart::ClusterOf(stick) => {
+                self.names[stick as usize].expect("a cluster has a name")
+            }
         }
     }
 

@@ -75,14 +75,14 @@ pub(super) struct Download {
 }
 
 /// What is copied: a buffer, the first byte, the number of bytes; both multiples of 4.
-pub(super) type Part<'a> = (&'a wgpu::Buffer, u64, u64);
+pub(super) type BufferRange<'a> = (&'a wgpu::Buffer, u64, u64);
 
 impl Download {
     /// Records the copies. `spare` is the buffer of an earlier download.
     pub(super) fn record(
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
-        parts: &[Part<'_>],
+        parts: &[BufferRange<'_>],
         spare: Option<wgpu::Buffer>,
     ) -> Self {
         let mut ends = Vec::with_capacity(parts.len());

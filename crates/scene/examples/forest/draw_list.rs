@@ -32,7 +32,7 @@ pub(crate) struct Listed {
 
 /// Which chain of levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Chain {
+pub(crate) enum ChainKind {
     Halvings,
     Shares,
 }
@@ -42,7 +42,7 @@ pub(crate) enum Chain {
 pub(crate) enum Call {
     /// A level of a chain, for items.
     Level {
-        chain: Chain,
+        chain: ChainKind,
         level: usize,
         items: Range<u32>,
     },
@@ -62,7 +62,7 @@ pub(crate) struct DrawList {
     pub(crate) items: Vec<Item>,
     pub(crate) listed: Vec<Listed>,
     pub(crate) calls: Vec<Call>,
-    levels: BTreeMap<(Chain, usize), Vec<Item>>,
+    levels: BTreeMap<(ChainKind, usize), Vec<Item>>,
     boxes: BTreeMap<usize, Vec<Item>>,
 }
 
@@ -74,7 +74,7 @@ impl DrawList {
     }
 
     /// Leaves and wood of a level of a chain.
-    pub(crate) fn level(&mut self, chain: Chain, level: usize, item: Item) {
+    pub(crate) fn level(&mut self, chain: ChainKind, level: usize, item: Item) {
         self.levels.entry((chain, level)).or_default().push(item);
     }
 

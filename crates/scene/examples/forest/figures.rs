@@ -10,7 +10,7 @@ use crate::gpu::Gpu;
 use crate::methods::{Method, Scheme, Stand};
 use crate::pipelines::Pipelines;
 use crate::placing;
-use crate::renderer::{Drawn, Renderer};
+use crate::renderer::{FrameCost, Renderer};
 use crate::rows::{Row, Rows, Wanted};
 use crate::species::Species;
 use crate::uploaded::Uploaded;
@@ -237,7 +237,7 @@ impl Figures<'_> {
                     for place in 0..places {
                         let share = place as f64 / places as f64;
                         let camera = placing::around(count, radius, share, SMALL);
-                        let (drawn, seconds): (Drawn, Seconds) = timed(|| {
+                        let (drawn, seconds): (FrameCost, Seconds) = timed(|| {
                             let list = stand.frame(method, &camera, camera.eye);
                             renderer.draw(&list, &camera)
                         });

@@ -34,7 +34,7 @@ fn key(corners: [DVec3; 3]) -> TriangleKey {
 
 /// The leaves of a plant, or its pieces of wood, with all their levels.
 #[derive(Debug)]
-pub(crate) struct Part {
+pub(crate) struct PlantPart {
     pub(crate) foliage: Foliage,
     pub(crate) model: LodModel,
     pub(crate) prefix: PrefixBuffers,
@@ -45,7 +45,7 @@ pub(crate) struct Part {
     first_triangle: Vec<usize>,
 }
 
-impl Part {
+impl PlantPart {
     /// Finds the triangles of the foliage in the surface that they are drawn as.
     pub(crate) fn new(foliage: Foliage, model: LodModel, surface: Surface) -> Result<Self, String> {
         let drawn: HashMap<TriangleKey, [u32; 3]> = surface

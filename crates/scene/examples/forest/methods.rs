@@ -5,7 +5,7 @@ use secateur_scene::leaf_boxes::{OrientedBox, cut};
 use secateur_scene::stand::{Instance, LeavesByHeight, StandCamera, seen};
 use secateur_scene::view_dependent::{Both, InFrontOf, LargerThan, OutsideSphere, ViewDependent};
 
-use crate::draw_list::{Chain, DrawList, Item, Listed};
+use crate::draw_list::{ChainKind, DrawList, Item, Listed};
 use crate::species::Species;
 use crate::uploaded::{PICTURE_SIDE, SHARES, Uploaded};
 
@@ -131,11 +131,11 @@ impl Stand<'_> {
     ) {
         let leaves = self.leaves_of(tree.pixels_high);
         match method {
-            Method::Full => list.level(Chain::Halvings, 0, item(tree, 1.0)),
+            Method::Full => list.level(ChainKind::Halvings, 0, item(tree, 1.0)),
             Method::Chain => {
                 let levels = &self.uploaded.halvings;
                 let coarsest = levels.iter().rposition(|level| level.leaf_count >= leaves);
-                list.level(Chain::Halvings, coarsest.unwrap_or(0), item(tree, 1.0));
+                list.level(ChainKind::Halvings, coarsest.unwrap_or(0), item(tree, 1.0));
             }
             Method::Continuous => {
                 self.push_leaves(list, tree, leaves, 1.0);
@@ -299,14 +299,14 @@ impl Stand<'_> {
         };
         let band = tree.distance / (SCHEME_REACH * self.species.sphere.radius) * 5.0;
         match band as usize {
-            0 => list.level(Chain::Halvings, 0, item(tree, 1.0)),
+            0 => list.level(ChainKind::Halvings, 0, item(tree, 1.0)),
             band @ 1..=3 => {
                 let level = SHARES.iter().position(|share| *share == left[band - 1]);
                 let level = level.expect("a mesh for each share of the schemes");
-                list.level(Chain::Shares, level, item(tree, 1.0));
+                list.level(ChainKind::Shares, level, item(tree, 1.0));
             }
             _ if self.uploaded.boxes.is_some() => list.box_planes(0, item(tree, 1.0)),
-            _ => list.level(Chain::Shares, SHARES.len() - 1, item(tree, 1.0)),
+            _ => list.level(ChainKind::Shares, SHARES.len() - 1, item(tree, 1.0)),
         }
     }
 }

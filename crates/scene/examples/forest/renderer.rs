@@ -5,7 +5,7 @@ use image::RgbaImage;
 use secateur_scene::stand::StandCamera;
 use wgpu::{BufferUsages, IndexFormat};
 
-use crate::draw_list::{Call, Chain, DrawList};
+use crate::draw_list::{Call, ChainKind, DrawList};
 use crate::gpu::Gpu;
 use crate::pipelines::{COLOR, DEPTH, Pipelines, SAMPLES};
 use crate::uploaded::{ChainLevel, Uploaded, UploadedMesh};
@@ -29,7 +29,7 @@ pub(crate) struct Renderer<'a> {
 
 /// What a frame took.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Drawn {
+pub(crate) struct FrameCost {
     pub(crate) triangles: u64,
     pub(crate) calls: usize,
     /// Bytes of records that were uploaded for it.
@@ -60,7 +60,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Draws a list, and waits until it is done.
-    pub(crate) fn draw(&self, list: &DrawList, camera: &StandCamera) -> Drawn {
+    pub(crate) fn draw(&self, list: &DrawList, camera: &StandCamera) -> FrameCost {
         let before = self.gpu.bytes_made();
         let frame = self.gpu.buffer(&frame(camera), BufferUsages::UNIFORM);
         let items = self.gpu.buffer(&list.items, BufferUsages::STORAGE);
@@ -86,9 +86,9 @@ impl<'a> Renderer<'a> {
                 entries: &entries,
             });
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut drawn = Drawn {
+        let mut drawn = FrameCost {
             bytes,
-            ..Drawn::default()
+            ..FrameCost::default()
         };
         {
             let view = self.resolved.create_view(&Default::default());
@@ -130,7 +130,7 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    fn calls(&self, pass: &mut wgpu::RenderPass<'_>, list: &DrawList, drawn: &mut Drawn) {
+    fn calls(&self, pass: &mut wgpu::RenderPass<'_>, list: &DrawList, drawn: &mut FrameCost) {
         let (uploaded, pipelines) = (self.uploaded, self.pipelines);
         // Calls of one kind after each other: pipelines are set as seldom as can be.
         let kinds: [fn(&Call) -> bool; 5] = [
@@ -181,8 +181,8 @@ impl<'a> Renderer<'a> {
                 items,
             } => {
                 let levels = match chain {
-                    Chain::Halvings => &self.uploaded.halvings,
-                    Chain::Shares => &self.uploaded.shares,
+                    ChainKind::Halvings => &self.uploaded.halvings,
+                    ChainKind::Shares => &self.uploaded.shares,
                 };
                 let ChainLevel { leaves, wood, .. } = &levels[*level];
                 pass.set_pipeline(&self.pipelines.plain_leaves);

@@ -11,7 +11,7 @@ use secateur_scene::leaf_boxes::{BoxLimits, LeafBox, leaf_boxes};
 use secateur_simplify::whole::WholePlant;
 use secateur_simplify::{Fitting, Options, Preset, Resolution, Target, simplify, sphere_of};
 
-use crate::geometry::Part;
+use crate::geometry::PlantPart;
 
 /// Leaves of the plant that is grown where no other is named.
 pub(crate) const LEAVES: u32 = 20_000;
@@ -33,8 +33,8 @@ const WOOD_STEP: f64 = 1.3;
 /// The plant.
 pub(crate) struct Species {
     pub(crate) name: String,
-    pub(crate) leaves: Part,
-    pub(crate) wood: Part,
+    pub(crate) leaves: PlantPart,
+    pub(crate) wood: PlantPart,
     /// About leaves and wood.
     pub(crate) sphere: BoundingSphere,
     /// Empty for a plant without a skeleton.
@@ -87,8 +87,8 @@ impl Species {
         };
         Ok(Self {
             sphere: sphere_of(tree.items().foliage())?,
-            leaves: Part::new(tree.leaves().clone(), leaf_model, leaf_surface)?,
-            wood: Part::new(tree.wood().clone(), wood_model, wood_surface)?,
+            leaves: PlantPart::new(tree.leaves().clone(), leaf_model, leaf_surface)?,
+            wood: PlantPart::new(tree.wood().clone(), wood_model, wood_surface)?,
             name,
             boxes,
             wood_steps,

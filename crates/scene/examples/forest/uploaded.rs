@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use secateur_scene::leaf_boxes::{PLANES, PlanePicture, diagonal_planes, picture};
 
-use crate::geometry::{Mesh, Part};
+use crate::geometry::{Mesh, PlantPart};
 use crate::gpu::Gpu;
 use crate::pipelines::{COLOR, Pipelines};
 use crate::species::Species;
@@ -82,7 +82,7 @@ fn entries<'a>(bound: &'a [(u32, &'a wgpu::Buffer)]) -> Vec<wgpu::BindGroupEntry
 }
 
 impl UploadedPart {
-    fn new(gpu: &Gpu, pipelines: &Pipelines, part: &Part, bytes: &mut Bytes) -> Self {
+    fn new(gpu: &Gpu, pipelines: &Pipelines, part: &PlantPart, bytes: &mut Bytes) -> Self {
         let before = gpu.bytes_made();
         let (mesh, first_index) = part.prefix_mesh();
         let prefix = UploadedMesh::new(gpu, &mesh);

@@ -27,7 +27,7 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     let start = Instant::now();
     check_outputs(args)?;
     let mut stages = Vec::new();
-    let source = Source::of(args)?;
+    let source = RuleSource::of(args)?;
     let name = &source.name;
     let (plant, lod) = timed(&mut stages, "grow", || {
         tracing::info!("growing {name}");
@@ -98,7 +98,7 @@ struct Lod {
     record: Value,
 }
 
-fn grown(source: &Source, args: &args::Grow) -> Result<(Plant, Option<Lod>), Failure> {
+fn grown(source: &RuleSource, args: &args::Grow) -> Result<(Plant, Option<Lod>), Failure> {
     let (rules, name) = (&*source.rules, &*source.name);
     let (leaves, seed) = (args.leaves, args.seed);
     let Some(amount) = args.lod else {
@@ -131,14 +131,14 @@ fn check_outputs(args: &args::Grow) -> Result<(), Failure> {
 }
 
 /// Rules and what they are called.
-struct Source {
+struct RuleSource {
     name: String,
     rules: Cow<'static, Rules>,
     /// The user's own file.
     file: Option<PathBuf>,
 }
 
-impl Source {
+impl RuleSource {
     /// A species, or else a file: what ends in .lsys or has a folder in its name.
     fn of(args: &args::Grow) -> Result<Self, Failure> {
         let path = Path::new(&args.species);

@@ -30,7 +30,7 @@ impl FromStr for Amount {
 }
 
 /// A level and what there is to say about it.
-pub(crate) struct Level {
+pub(crate) struct GrownLevel {
     pub(crate) skeleton: Skeleton,
     pub(crate) name: String,
     pub(crate) record: Value,
@@ -42,7 +42,7 @@ pub(crate) fn level(
     skeleton: &Skeleton,
     amount: Amount,
     args: &args::Grow,
-) -> Result<Level, Failure> {
+) -> Result<GrownLevel, Failure> {
     check_depth(&skeleton.segments).map_err(|e| Failure(format!("{name}: {e}")))?;
     match args.lod_method {
         LodMethod::Chain => of_chain(name, skeleton, amount),
@@ -50,7 +50,7 @@ pub(crate) fn level(
     }
 }
 
-fn of_chain(name: &str, skeleton: &Skeleton, amount: Amount) -> Result<Level, Failure> {
+fn of_chain(name: &str, skeleton: &Skeleton, amount: Amount) -> Result<GrownLevel, Failure> {
     let chain = Chain::of(skeleton, Metric::BranchingLength);
     let levels = match amount {
         Amount::Level(level) => level,
@@ -60,7 +60,7 @@ fn of_chain(name: &str, skeleton: &Skeleton, amount: Amount) -> Result<Level, Fa
         }
     };
     check(name, levels, chain.levels())?;
-    Ok(Level {
+    Ok(GrownLevel {
         skeleton: chain.skeleton(levels),
         name: format!("{levels} of {} levels of its chain", chain.levels()),
         record: json!({
@@ -93,7 +93,7 @@ fn of_scheme(
     skeleton: &Skeleton,
     amount: Amount,
     args: &args::Grow,
-) -> Result<Level, Failure> {
+) -> Result<GrownLevel, Failure> {
     let levels = merge_levels(skeleton, &args.scheme, args.cluster_size.into());
     let count = levels.len();
     let number = match amount {
@@ -108,7 +108,7 @@ fn of_scheme(
     check(name, number, count)?;
     let level = levels.into_iter().nth(number - 1);
     let level = level.expect("the number of a level was checked");
-    Ok(Level {
+    Ok(GrownLevel {
         name: format!("level {number} of {count} by merging"),
         record: json!({
             "method": "merge",

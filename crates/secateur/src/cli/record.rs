@@ -46,7 +46,7 @@ pub(crate) fn foliage(inspection: &Inspection) -> Value {
 }
 
 /// A result and all that went into it.
-pub(crate) struct Run<'a> {
+pub(crate) struct RunRecord<'a> {
     pub(crate) input: &'a Path,
     pub(crate) subject: &'a Subject,
     pub(crate) outcome: &'a Outcome,
@@ -59,7 +59,7 @@ pub(crate) struct Run<'a> {
 }
 
 /// The record of a `simplify`.
-pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
+pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
     let (subject, result) = (run.subject, &run.outcome.result);
     let leaves = subject.leaves();
     json!({
@@ -102,7 +102,7 @@ pub(crate) fn of_simplify(run: &Run<'_>, args: &args::Simplify) -> Value {
 
 /// How it was asked for, and what was decided meanwhile. Options of the method are spelled as the
 /// library spells them.
-fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
+fn settings(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
     let (result, options) = (&run.outcome.result, run.options);
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     let about = json!({
@@ -134,7 +134,7 @@ fn settings(run: &Run<'_>, args: &args::Simplify) -> Value {
 
 /// How many of the views that leaves were chosen or sized from are held-out views, by which
 /// `measure` judges.
-pub(crate) fn driving_views_that_judge(run: &Run<'_>) -> usize {
+pub(crate) fn driving_views_that_judge(run: &RunRecord<'_>) -> usize {
     let options = run.options;
     let is_driven = options.method.vds().is_some() || options.objective().is_some();
     let foliage = run.subject.leaves();

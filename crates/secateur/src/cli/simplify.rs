@@ -17,7 +17,7 @@ use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::{self, Run};
+use super::record::{self, RunRecord};
 use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
 use super::{interrupt, machine, order, output};
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if let Some(folder) = &args.debug_images {
         stage_debug_images(&mut staged, folder, &options, &subject, result)?;
     }
-    let run = Run {
+    let run = RunRecord {
         input: &args.tree,
         subject: &subject,
         outcome: &outcome,
@@ -340,7 +340,7 @@ fn fitted_to(objective: Objective) -> String {
 }
 
 /// Whether `measure` looks from elsewhere than what drove the run.
-fn who_judges(run: &Run<'_>) -> String {
+fn who_judges(run: &RunRecord<'_>) -> String {
     match record::driving_views_that_judge(run) {
         0 => "`secateur measure` judges by others".to_owned(),
         count => {
@@ -349,7 +349,7 @@ fn who_judges(run: &Run<'_>) -> String {
     }
 }
 
-fn pretty(run: &Run<'_>, args: &args::Simplify) -> String {
+fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     let (result, written): (&Simplified, &Written) = (&run.outcome.result, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
     let numbers = |name: &str, before: u64, after: u64| {

@@ -61,7 +61,7 @@ pub fn simplify_drawn_by(
                 views: &phase.views,
                 resolution,
             };
-            Look::at(rasteriser, &scene, &table)
+            ViewsOfLod::at(rasteriser, &scene, &table)
         };
         let original = look(&Lod::original(leaf_count));
         while lod.leaf_count() > phase.leaves_at_end {
@@ -132,7 +132,7 @@ fn choose(
     options: &VdsOptions,
     lod: &Lod,
     original: &Vmi,
-    look: &(impl Fn(&Lod) -> Look + Sync),
+    look: &(impl Fn(&Lod) -> ViewsOfLod + Sync),
 ) -> Choice {
     let reference = match options.reference {
         Reference::Original => original.clone(),
@@ -142,7 +142,7 @@ fn choose(
     let evaluate = |&leaf: &LeafId| {
         let mut without = lod.clone();
         without.remove(leaf);
-        let Look { vmi, covered_px } = look(&without);
+        let ViewsOfLod { vmi, covered_px } = look(&without);
         Pruned {
             leaf,
             cost: deviations(&reference, &vmi).map(i64::abs).sum(),
@@ -166,12 +166,12 @@ fn deviations<'a>(from: &'a Vmi, to: &'a Vmi) -> impl Iterator<Item = i64> + 'a 
 }
 
 /// What the views see.
-struct Look {
+struct ViewsOfLod {
     vmi: Vmi,
     covered_px: u64,
 }
 
-impl Look {
+impl ViewsOfLod {
     fn at(rasteriser: &impl Rasteriser, scene: &Scene<'_>, table: &LgTable) -> Self {
         let areas = areas(rasteriser, scene);
         Self {

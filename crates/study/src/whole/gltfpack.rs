@@ -7,7 +7,7 @@ use std::time::Instant;
 use secateur_gltf::Document;
 use secateur_model::{Memory, Surface};
 
-use super::{Made, count};
+use super::{PlantOutcome, count};
 use crate::{Error, Host};
 
 /// At most this many ratios are tried for a level.
@@ -55,7 +55,7 @@ impl Gltfpack {
         budget: u64,
         memory: Memory,
         host: &dyn Host,
-    ) -> Result<Made, Error> {
+    ) -> Result<PlantOutcome, Error> {
         let mut best = run(tree, level, memory)?;
         let (mut low, mut high) = (level, 1.0);
         for _ in 1..MOST_TRIES {
@@ -75,7 +75,7 @@ impl Gltfpack {
                 best = other;
             }
         }
-        Ok(Made {
+        Ok(PlantOutcome {
             leaves_final: 0,
             wood_triangles_final: None,
             seconds: best.seconds,

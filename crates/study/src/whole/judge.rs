@@ -9,13 +9,13 @@ use secateur_eval::{Camera, Judging};
 use secateur_gltf::WholeTree;
 use secateur_model::Surface;
 
-use super::{Made, WholeCounts, WholeJob, count};
+use super::{PlantOutcome, WholeCounts, WholeJob, count};
 use crate::judge::{self, PictureFile, file_name, opaque, portrait};
 use crate::subject::Subject;
 use crate::{Error, Host, Identity, LevelOf, Row, Values};
 
 /// The original, drawn once, that all levels are compared with.
-pub(super) struct Judge<'a> {
+pub(super) struct PlantJudge<'a> {
     identity: &'a Identity,
     folder: &'a Path,
     host: &'a dyn Host,
@@ -27,7 +27,7 @@ pub(super) struct Judge<'a> {
     pub(super) triangles_original: u64,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> PlantJudge<'a> {
     pub(super) fn new(
         subject: &Subject,
         tree: &WholeTree,
@@ -57,7 +57,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Measures a level, writes its pictures and returns its row.
-    pub(super) fn row(&self, job: WholeJob, made: &Made) -> Result<Row, Error> {
+    pub(super) fn row(&self, job: WholeJob, made: &PlantOutcome) -> Result<Row, Error> {
         let drawn = WholePictures::of(&made.surfaces, &self.judging.rigs);
         let measured = self.pictures.measure(&drawn);
         let ious = &measured.outline_iou;

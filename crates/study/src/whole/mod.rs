@@ -19,7 +19,7 @@ use crate::subject::Subject;
 use crate::{Error, Host, Identity, RowKey, StudyOptions};
 
 pub(crate) use gltfpack::Gltfpack;
-use judge::Judge;
+use judge::PlantJudge;
 pub(crate) use table::{WHAT_IS_COMPARED, tables};
 
 /// The levels that are run if the user names none.
@@ -78,7 +78,7 @@ pub(crate) struct WholeJob {
 }
 
 /// What came of one.
-struct Made {
+struct PlantOutcome {
     surfaces: Vec<Surface>,
     /// As a row's of the same names; 0 leaves in files of other programs, which know none.
     leaves_final: u64,
@@ -92,7 +92,7 @@ struct Made {
     command: String,
 }
 
-impl Made {
+impl PlantOutcome {
     fn triangles(&self) -> u64 {
         count(&self.surfaces)
     }
@@ -152,7 +152,7 @@ impl Bench<'_> {
         let (options, host) = (self.options, self.host);
         let path: &Path = &subject.path;
         let tree = open(path, subject, options, options.memory)?;
-        let judge = Judge::new(subject, &tree, identity, &options.folder, host)?;
+        let judge = PlantJudge::new(subject, &tree, identity, &options.folder, host)?;
         for job in jobs {
             let [method, setting] = job.case.method_and_setting();
             host.working_on(&format!("{}: {method} {setting}", subject.name));

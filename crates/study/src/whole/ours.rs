@@ -9,7 +9,7 @@ use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{WholePlant, simplify_keeping_wood};
 use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Target};
 
-use super::{Made, WholeCase};
+use super::{PlantOutcome, WholeCase};
 use crate::judge::surfaces_of;
 use crate::{Error, Host};
 
@@ -23,7 +23,7 @@ pub(super) fn made(
     case: WholeCase,
     level: f64,
     host: &dyn Host,
-) -> Result<Option<Made>, Error> {
+) -> Result<Option<PlantOutcome>, Error> {
     let options = Options {
         audit: false,
         memory: tree.items().memory_left(),
@@ -54,7 +54,7 @@ pub(super) fn made(
     };
     let lod = tree.joined(&made.leaves.lod, &made.wood);
     let [_, setting] = case.method_and_setting();
-    Ok(Some(Made {
+    Ok(Some(PlantOutcome {
         surfaces: surfaces_of(tree.items(), path, &lod)?,
         leaves_final: made.leaves.lod.foliage(leaves).leaves().len() as u64,
         wood_triangles_final: Some(made.wood_triangles as u64),

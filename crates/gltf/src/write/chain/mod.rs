@@ -127,7 +127,7 @@ impl<'a> Level<'a> {
 /// The files of a chain, and what they hold.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Chain {
+pub struct ChainFiles {
     /// One file, or one for each level.
     pub files: Vec<ChainFile>,
     /// Triangles of each level, finest first, each instance counted.
@@ -169,10 +169,10 @@ impl Tree {
         name: &str,
         levels: &[Level],
         layout: Layout,
-    ) -> Result<Chain, GltfError> {
+    ) -> Result<ChainFiles, GltfError> {
         let failed = |fault: Fault| self.document.error(fault);
         check(name, levels, layout).map_err(|problem| failed(Problem::Chain(problem).into()))?;
-        let mut chain = Chain {
+        let mut chain = ChainFiles {
             files: Vec::new(),
             triangles: Vec::new(),
             notes: Vec::new(),

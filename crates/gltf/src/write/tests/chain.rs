@@ -12,7 +12,7 @@ use super::every_encoding::one_gone_one_grown;
 use super::fixture::{FLOAT, Fixture, UNSIGNED_BYTE, UNSIGNED_SHORT, read};
 use super::fixture::{square_indices, squares};
 use super::validator::assert_valid;
-use crate::chain::{Chain, ChainProblem, Layout, Level, LevelTexture};
+use crate::chain::{ChainFiles, ChainProblem, Layout, Level, LevelTexture};
 use crate::error::Problem;
 use crate::{Detail, Document, Tree, WriteOptions};
 use secateur_model::{
@@ -46,12 +46,12 @@ fn levels(lods: &[Lod]) -> Vec<Level<'_>> {
     lods.iter().enumerate().map(level).collect()
 }
 
-fn chain(tree: &Tree, layout: Layout) -> Chain {
+fn chain(tree: &Tree, layout: Layout) -> ChainFiles {
     tree.chain_to_bytes("oak", &levels(&lods(tree)), layout)
         .unwrap()
 }
 
-fn document(chain: &Chain, file: usize) -> Document {
+fn document(chain: &ChainFiles, file: usize) -> Document {
     let bytes = chain.files[file].bytes.clone();
     Document::from_bytes("chain.glb", bytes, None).unwrap()
 }

@@ -108,7 +108,7 @@ pub fn simplify_from(
     let leaves_at_end = job.target.fewest_leaves(foliage).min(leaf_count);
     let table = LgTable::new();
     let cores = rayon::current_num_threads().min(MAX_CORES);
-    let mut run = Run {
+    let mut run = FastRun {
         foliage,
         options: &job.options,
         resolution: job.resolution,
@@ -156,7 +156,7 @@ enum Ended {
 }
 
 /// What lasts over all phases.
-struct Run<'a> {
+struct FastRun<'a> {
     foliage: &'a Foliage,
     options: &'a VdsOptions,
     resolution: u32,
@@ -170,7 +170,7 @@ struct Run<'a> {
     progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> FastRun<'a> {
     fn scene<'s>(&'s self, lod: &'s Lod, views: &'s ViewSet) -> Scene<'s> {
         Scene {
             foliage: self.foliage,

@@ -23,7 +23,7 @@ fn assert_every_pick_is_the_cheapest(
     change(&mut job);
     let phases = phases(&job, &crown).unwrap();
     let table = LgTable::new();
-    let mut run = Run {
+    let mut run = FastRun {
         foliage: &crown,
         options: &job.options,
         resolution: job.resolution,

@@ -11,7 +11,7 @@ use super::shared::{Job, Shared};
 use super::spin_pool::SpinPool;
 use super::split::Split;
 use super::view_slice::ViewSlice;
-use super::{Ended, Run, leaf_id};
+use super::{Ended, FastRun, leaf_id};
 use crate::vds::outcome::{Progress, VdsError};
 use crate::vds::resize::{Pruned, covered_px, growths};
 use crate::vds::{Reference, Resize, VdsOptions};
@@ -37,7 +37,7 @@ struct Lead {
 
 impl<'a> ViewSetLoop<'a> {
     pub(super) fn new<'r: 'a>(
-        run: &Run<'r>,
+        run: &FastRun<'r>,
         views: &'a ViewSet,
         cores: usize,
     ) -> Result<Self, VdsError> {
@@ -92,7 +92,7 @@ impl<'a> ViewSetLoop<'a> {
 
     pub(super) fn prune_down_to(
         &mut self,
-        run: &mut Run<'_>,
+        run: &mut FastRun<'_>,
         leaves: usize,
     ) -> Result<Ended, VdsError> {
         let Self {
@@ -136,7 +136,7 @@ impl<'a> ViewSetLoop<'a> {
 
     /// One step in which every leaf is looked at, for what should be found.
     #[cfg(test)]
-    pub(super) fn step_and_exhaustively(&mut self, run: &mut Run<'_>) -> (Finds, Finds) {
+    pub(super) fn step_and_exhaustively(&mut self, run: &mut FastRun<'_>) -> (Finds, Finds) {
         let Self {
             shared, pool, lead, ..
         } = self;
@@ -165,7 +165,7 @@ impl Lead {
     }
 
     /// The leaves that fill the gap of the cheapest, and how large they become.
-    fn grow(&mut self, run: &Run<'_>, shared: &Shared<'_>, finds: Finds) -> Vec<Growth> {
+    fn grow(&mut self, run: &FastRun<'_>, shared: &Shared<'_>, finds: Finds) -> Vec<Growth> {
         let leaf = leaf_id(finds.cheapest.leaf);
         let deviation = match run.options.resize {
             Resize::Deficit => shared.deviation_without(finds.cheapest.leaf),
