@@ -14,7 +14,7 @@ pub(crate) struct Rows {
     machine: String,
 }
 
-/// What was measured.
+/// One measured value: its case and quantity, and how it was measured.
 pub(crate) struct Row<'a> {
     pub(crate) case: &'a str,
     pub(crate) quantity: &'a str,

@@ -1,4 +1,4 @@
-//! What is printed.
+//! Tests what the commands print: summaries, tables and JSON.
 
 use serde_json::Value;
 

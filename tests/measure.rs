@@ -1,4 +1,4 @@
-//! Judging.
+//! Tests of `secateur measure`: figures, view sets and refusals.
 
 use serde_json::Value;
 

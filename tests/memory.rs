@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::program::Bench;
 use crate::small_files::{put_changed, two_leaves, two_leaves_json};
 
-/// A tree whose two leaves stand at one place so many times.
+/// A tree whose two leaves stand at one place, repeated this often.
 fn pile(leaves: usize) -> Bench {
     let bench = Bench::new();
     let nodes: Vec<_> = (0..leaves / 2).map(|_| json!({ "mesh": 0 })).collect();

@@ -8,7 +8,7 @@ use secateur::plant_to_glb;
 use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
-/// Leaves of [`oak`].
+/// The number of leaves of the tree that [`oak`] writes.
 pub(crate) const OAK_LEAVES: u64 = 240;
 
 /// A small oak as GLB.

@@ -205,7 +205,7 @@ fn differing(a: &RgbaImage, b: &RgbaImage) -> f64 {
     other.count() as f64 / (f64::from(a.width()) * f64::from(a.height()))
 }
 
-/// The picture of the first so many bytes.
+/// The picture of the first `bytes` bytes.
 fn shown(tab: &mut Tab, bytes: &Value) -> RgbaImage {
     tab.ask(&format!(
         "streaming.showBytes({bytes}).then(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0)))))"

@@ -11,7 +11,7 @@ fn simplified(bench: &Bench, options: &[&str]) -> Value {
     bench.json("r.json")
 }
 
-/// Before and after.
+/// What the report says of this key: the count before and the count after.
 fn counts(report: &Value, key: &str) -> [u64; 2] {
     ["original", "final"].map(|when| report[key][when].as_u64().unwrap())
 }

@@ -11,7 +11,7 @@ use serde_json::Value;
 pub(crate) struct Visit {
     /// Of the window, in CSS pixels.
     pub(crate) width_px: u64,
-    /// See `probe.js`.
+    /// What `probe.js` found on the page, as it returned it.
     pub(crate) found: Value,
 }
 

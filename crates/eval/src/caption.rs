@@ -1,4 +1,4 @@
-//! Words on pictures.
+//! Writes labels on pictures: the captions of sheets and the names of their cells.
 
 use std::convert::Infallible;
 

@@ -1,4 +1,4 @@
-//! Texture look-ups.
+//! Looks up texels as a sampler does: wraps, filters and mip levels.
 
 use std::sync::LazyLock;
 

@@ -1,4 +1,4 @@
-//! Filling an inspection.
+//! Fills an [`Inspection`](crate::Inspection) from a loaded tree.
 
 use glam::DVec3;
 

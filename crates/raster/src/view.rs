@@ -1,4 +1,4 @@
-//! One camera.
+//! One camera: where it stands, where it looks, and how it projects points to pixels.
 
 use glam::{DQuat, DVec3};
 

@@ -117,7 +117,7 @@ pub fn seen(instances: &[Instance], sphere: BoundingSphere, camera: &StandCamera
     seen
 }
 
-/// How many leaves a plant needs at a height on the screen: so many for each pixel of a square of
+/// How many leaves a plant needs at a height on the screen: a number for each pixel of a square of
 /// that side, since that is how its picture grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeavesByHeight {

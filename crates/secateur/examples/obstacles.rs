@@ -36,7 +36,7 @@ struct Board {
     world_from_board: DMat4,
 }
 
-/// A tree's surroundings.
+/// What stands around a tree, and the cameras that look at it from there.
 struct Site {
     name: &'static str,
     boards: Vec<Board>,

@@ -40,7 +40,7 @@ pub enum Error {
         "no leaf is seen in any of the {views} views: all are hidden, or out of sight; move what stands before them, or the cameras"
     )]
     NothingSeen {
-        /// Number of views.
+        /// The number of views that were looked from.
         views: usize,
     },
     /// Leaves and what hides them are together too many.

@@ -101,7 +101,7 @@ impl Options {
         self.views.plan(sphere).map(|set| self.framed(set))
     }
 
-    /// [`Self::field_of_view`], decided.
+    /// The field of view to draw with: [`Self::field_of_view`], or the preset's where it is `None`.
     pub fn field_of_view(&self) -> FieldOfView {
         match self.field_of_view {
             FieldOfView::Auto => self.preset.field_of_view(),

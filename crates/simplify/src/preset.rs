@@ -89,7 +89,7 @@ impl Preset {
         }
     }
 
-    /// Where views stand.
+    /// The view set that the preset drives from.
     pub fn views(self) -> Views {
         match self {
             Self::Information => Views::Turning,

@@ -37,7 +37,7 @@ enum Crown {
 struct Lots(Random);
 
 impl Lots {
-    /// -1 to 1.
+    /// A random number from -1 to 1.
     fn signed(&mut self) -> f64 {
         self.0.between(-1.0, 1.0)
     }

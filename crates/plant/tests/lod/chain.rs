@@ -1,4 +1,4 @@
-//! The multiresolution chain.
+//! Tests of the multiresolution chain: every prefix of its branches is a plant.
 
 use glam::DVec3;
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};

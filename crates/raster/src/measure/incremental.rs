@@ -116,7 +116,7 @@ impl<'t> IncrementalVmi<'t> {
         self.table
     }
 
-    /// Number of views.
+    /// The number of views that areas are kept of.
     #[inline]
     pub fn view_count(&self) -> usize {
         self.view_count

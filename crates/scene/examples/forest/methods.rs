@@ -31,9 +31,9 @@ pub(crate) enum Method {
 /// How fast levels lose leaves (L-plants VI).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scheme {
-    /// 50-25-12.5-12.5.
+    /// Shares of trees by level, finest first: 50, 25, 12.5 and 12.5 per cent.
     Halving,
-    /// 25-25-25-25.
+    /// A quarter of the trees at each level.
     Even,
 }
 
@@ -46,19 +46,19 @@ pub(crate) const RULE: LeavesByHeight = LeavesByHeight {
 /// A mix draws trees of more pixels view-dependently.
 const NEAR_PX: f64 = 320.0;
 
-/// A leaf stands for so many pixels in radius where it needs no detail.
+/// The radius in pixels up to which a leaf needs no more detail.
 const LEAF_RADIUS_PX: f64 = 6.0;
 
-/// Boxes of up to so many times their pictures' texels are drawn as pictures.
+/// Boxes are drawn as pictures up to this number of pixels a texel of their pictures.
 const TEXEL_PX: f64 = 1.0;
 
-/// A box fades into what is below it until it is so much larger.
+/// A box fades into what is below it until it is larger by this share.
 const BLEND: f64 = 0.3;
 
 /// The last steps before its removal over which a leaf fades, as a share of all steps.
 const FADE: f64 = 0.0;
 
-/// A scheme's levels end at so many bands of equal width, up to this distance in radii of the plant.
+/// Where the last of a scheme's levels ends, in radii of the plant; its bands are equally wide.
 const SCHEME_REACH: f64 = 50.0;
 
 impl Method {
@@ -76,7 +76,7 @@ impl Method {
     }
 }
 
-/// Trees to draw.
+/// All trees of the forest: their species, its buffers, and where each stands.
 pub(crate) struct Stand<'a> {
     pub(crate) species: &'a Species,
     pub(crate) uploaded: &'a Uploaded,

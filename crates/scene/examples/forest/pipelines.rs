@@ -2,7 +2,7 @@
 
 use crate::gpu::Gpu;
 
-/// Samples a pixel.
+/// Samples a pixel takes in multisampling.
 pub(crate) const SAMPLES: u32 = 4;
 
 pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -21,7 +21,7 @@ pub(crate) struct Pipelines {
     pub(crate) model: wgpu::BindGroupLayout,
     /// Camera, items, lists, sampler.
     pub(crate) frame: wgpu::BindGroupLayout,
-    /// A picture.
+    /// The layout of a material's bindings: its texture and sampler.
     pub(crate) material: wgpu::BindGroupLayout,
     /// Pictures and planes of boxes.
     pub(crate) box_pictures: wgpu::BindGroupLayout,

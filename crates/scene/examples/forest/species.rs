@@ -27,10 +27,10 @@ const BOXES: BoxLimits = BoxLimits {
     least_volume: 0.01,
 };
 
-/// The numbers of leaves for which wood is looked up, each so many times the one before.
+/// Wood is looked up for numbers of leaves that rise by this factor.
 const WOOD_STEP: f64 = 1.3;
 
-/// The plant.
+/// A species of the forest: one plant with all that its instances share.
 pub(crate) struct Species {
     pub(crate) name: String,
     pub(crate) leaves: PlantPart,

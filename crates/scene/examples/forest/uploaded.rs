@@ -18,7 +18,7 @@ pub(crate) struct UploadedMesh {
     pub(crate) index_count: u32,
 }
 
-/// Leaves or wood.
+/// The leaves of a plant, or its wood, as buffers on the GPU.
 pub(crate) struct UploadedPart {
     pub(crate) prefix: UploadedMesh,
     /// By places, and one more.

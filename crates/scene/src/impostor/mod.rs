@@ -31,7 +31,7 @@ pub enum Choice {
     /// The chain ends in a mesh.
     #[default]
     None,
-    /// Crossed planes.
+    /// Planes that cross along the main axes of the crown, each with a picture.
     Crossed,
     /// Views from all directions in one texture, laid out as an octahedron that is folded open.
     Octahedral,

@@ -41,7 +41,7 @@ pub(super) fn packed(body: &[u8]) -> Vec<u8> {
     }
 }
 
-/// A body of so many bytes, or nothing where there is none. Takes no more memory than that, and
+/// A body of this number of bytes, or nothing where there is none. Takes no more memory than that, and
 /// no more than the limit times what it is packed in.
 pub(super) fn unpacked(packed: &[u8], bytes: u32) -> Option<Vec<u8>> {
     if u64::from(bytes) > MOST_UNPACKED * packed.len() as u64 {

@@ -20,7 +20,7 @@ const GROWTH: f64 = 1.15;
 /// A stream, and how far it has to be read for each of its levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stream {
-    /// The whole stream.
+    /// The stream's bytes; each prefix that ends with a piece is a plant.
     pub bytes: Vec<u8>,
     /// Its pieces, the coarsest level first.
     pub pieces: Vec<Piece>,

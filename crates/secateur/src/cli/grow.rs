@@ -1,4 +1,4 @@
-//! `secateur grow`.
+//! Runs `secateur grow`: grows a plant from a species or a rule file and writes it.
 
 use std::borrow::Cow;
 use std::fs::File;

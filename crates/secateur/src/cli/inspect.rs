@@ -1,4 +1,4 @@
-//! `secateur inspect`.
+//! Runs `secateur inspect`: says what a file holds and what of it are leaves.
 
 use std::path::Path;
 

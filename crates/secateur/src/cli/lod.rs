@@ -1,4 +1,4 @@
-//! `secateur lod`.
+//! Runs `secateur lod`: takes any level out of a removal order that was kept.
 
 use std::path::Path;
 use std::time::Instant;

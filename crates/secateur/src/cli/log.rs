@@ -39,7 +39,7 @@ pub(crate) fn error(failure: &Failure) {
     );
 }
 
-/// `secateur: warning: ...`
+/// Formats an event as one line: `secateur: warning: ...`.
 struct Line;
 
 impl<S, N> FormatEvent<S, N> for Line

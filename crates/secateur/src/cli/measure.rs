@@ -1,4 +1,4 @@
-//! `secateur measure`.
+//! Runs `secateur measure`: judges a simplified tree against its original.
 
 use std::path::Path;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! `secateur simplify`.
+//! Runs `secateur simplify`: one tree in, one level out, with its report.
 
 use std::path::Path;
 use std::time::Instant;

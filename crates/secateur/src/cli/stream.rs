@@ -1,4 +1,4 @@
-//! `secateur stream`.
+//! Runs `secateur stream`: writes a plant as a stream, or reads what has arrived of one.
 
 use std::fs::File;
 use std::io::Read as _;

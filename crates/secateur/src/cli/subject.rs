@@ -105,7 +105,7 @@ impl Subject {
         Ok(skeleton.map(Arc::new))
     }
 
-    /// Simplifies the tree.
+    /// Simplifies the tree and shows progress meanwhile.
     pub(crate) fn simplified(
         &self,
         options: &Options,

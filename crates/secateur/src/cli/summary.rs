@@ -1,6 +1,6 @@
-//! Numbers for reading.
+//! Formats numbers and tables for people.
 
-/// 20160 as "20,160".
+/// Groups digits by three: 20160 becomes "20,160".
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);

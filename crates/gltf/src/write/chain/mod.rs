@@ -72,7 +72,7 @@ pub struct LevelTexture {
 /// A level of a chain.
 #[derive(Clone, Debug)]
 pub struct Level<'a> {
-    /// What it shows.
+    /// The geometry of the level: a LOD of the tree, or a surface of its own, such as an impostor.
     pub content: LevelContent<'a>,
     /// What its node, its mesh and, in the layout of files, its file are called.
     pub name: String,

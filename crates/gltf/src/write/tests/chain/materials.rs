@@ -1,0 +1,149 @@
+//! Levels with textures of their own, and pictures as levels.
+
+use super::fixtures::*;
+use super::*;
+
+#[test]
+fn a_picture_is_the_last_level_in_every_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = picture();
+    let mut files = Vec::new();
+    for (name, fixture) in all() {
+        let tree = fixture.tree();
+        let lods = lods(&tree);
+        for layout in LAYOUTS {
+            let what = format!("{name}, {layout:?}");
+            let mut levels = levels(&lods[..2]);
+            levels.push(Level::of_surface("oak", 2, &picture, facts(2)));
+            let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+            assert_eq!(chain.triangles[2], 2, "{what}");
+            let is_alone = layout == Layout::Files;
+            let last = document(&chain, if is_alone { 2 } else { 0 });
+            let node = node_named(&last.root, "oak_LOD2");
+            assert_eq!(triangles_below(&last, node), 2, "{what}");
+            assert_eq!(last.root["nodes"][node]["extras"]["distance"], 20, "{what}");
+            let mesh = last.root["nodes"][node]["mesh"].as_u64().unwrap() as usize;
+            let primitive = &last.root["meshes"][mesh]["primitives"][0];
+            // Along u is along x; the top of the picture is up.
+            let tangents = primitive["attributes"]["TANGENT"].as_u64().unwrap();
+            let tangents = last.elements(tangents as usize).unwrap();
+            let tangents: Vec<[f64; 4]> = tangents.vectors::<4>().collect();
+            assert_eq!(tangents, [[1.0, 0.0, 0.0, 1.0]; 4], "{what}");
+            let material = primitive["material"].as_u64().unwrap() as usize;
+            let material = &last.root["materials"][material];
+            assert_eq!(material["alphaMode"], "MASK", "{what}");
+            assert_eq!(material["doubleSided"], true, "{what}");
+            if is_alone {
+                let count = |list: &str| last.root[list].as_array().map_or(0, Vec::len);
+                let counts = ["nodes", "meshes", "materials", "textures", "images"].map(count);
+                assert_eq!(counts, [1, 1, 1, 2, 2], "{what}: nothing of the tree");
+            }
+            for file in &chain.files {
+                let path = folder
+                    .path()
+                    .join(format!("{name}-{layout:?}-{}", file.name));
+                std::fs::write(&path, &file.bytes).unwrap();
+                files.push(path);
+            }
+        }
+    }
+    assert_valid(&files);
+    let mut warnings = warnings(&files);
+    warnings.retain(|code| code != "NODE_SKINNED_MESH_NON_ROOT");
+    assert_eq!(warnings, [""; 0]);
+}
+
+/// A texture of 2 x 2 texels of this colour, with a sampler of its own.
+fn own_texture(color: [u8; 4], mips: Mips) -> LevelTexture {
+    LevelTexture {
+        material: 1,
+        texture: Arc::new(Texture {
+            width: 2,
+            height: 2,
+            rgba: color.repeat(4),
+            wrap: [Wrap::ClampToEdge; 2],
+            filters: Filters {
+                mips,
+                ..Filters::default()
+            },
+        }),
+    }
+}
+
+/// The material of the leaves of a level.
+fn leaf_material(document: &Document, level: usize) -> usize {
+    let node = node_named(&document.root, &format!("oak_LOD{level}"));
+    let mesh = document.root["nodes"][node]["mesh"].as_u64().unwrap();
+    let primitives = document.root["meshes"][mesh as usize]["primitives"].as_array();
+    let last = primitives.unwrap().last().unwrap();
+    last["material"].as_u64().unwrap() as usize
+}
+
+/// Leaf textures differ by level; what nobody needs any more is gone, and all else of the material
+/// is as it was.
+#[test]
+fn levels_have_textures_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let tree = encodings::textured().tree();
+    let lods = lods(&tree);
+    let own = [
+        vec![],
+        vec![own_texture([10, 200, 30, 255], Mips::None)],
+        vec![own_texture([90, 80, 10, 128], Mips::Blended)],
+    ];
+    let original = &tree.document.root["materials"][1];
+    for layout in LAYOUTS {
+        for is_all in [false, true] {
+            let what = format!("{layout:?}, all {is_all}");
+            let mut levels = levels(&lods);
+            for (number, level) in levels.iter_mut().enumerate() {
+                level.textures = &own[if is_all { number.max(1) } else { number }];
+            }
+            let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+            let mut images = 0;
+            for (number, level) in levels.iter().enumerate() {
+                let file = if layout == Layout::Files { number } else { 0 };
+                let document = document(&chain, file);
+                let number = leaf_material(&document, number);
+                let drawn = document.drawn(Detail::Color, &[]).unwrap();
+                let leaf = drawn.iter().find(|d| d.material == Some(number));
+                // With MSFT_lod only the finest level is in the scene.
+                assert!(leaf.is_some() || layout == Layout::Msft, "{what}");
+                let shown = leaf.and_then(|leaf| leaf.surface.material.texture.as_ref());
+                if let (Some(shown), [own]) = (shown, level.textures) {
+                    assert_eq!(**shown, *own.texture, "{what}");
+                }
+                let mut material = document.root["materials"][number].clone();
+                let index = &mut material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
+                *index = 0.into();
+                assert_eq!(material, *original, "{what}");
+                images = document.root["images"].as_array().unwrap().len();
+                if layout == Layout::Files {
+                    assert_eq!(images, 1, "{what}");
+                }
+                let of_material = document.images_of_material(number);
+                let found = (of_material[0].size, of_material[0].has_mips);
+                let expected = match level.textures {
+                    [own] => ([2, 2], own.texture.filters.mips != Mips::None),
+                    _ => ([1, 1], true),
+                };
+                assert_eq!(found, expected, "{what}");
+                assert!(of_material[0].is_base_color && of_material.len() == 1);
+            }
+            if layout != Layout::Files {
+                // The one of the tree is replaced where no level keeps it; equal ones are not shared.
+                assert_eq!(images, 3, "{what}");
+            }
+            for file in &chain.files {
+                let path = folder
+                    .path()
+                    .join(format!("{layout:?}-{is_all}-{}", file.name));
+                std::fs::write(&path, &file.bytes).unwrap();
+                files.push(path);
+            }
+        }
+    }
+    assert_valid(&files);
+    assert_eq!(warnings(&files), [""; 0]);
+}
