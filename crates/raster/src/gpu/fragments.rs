@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::chunk::{Window, chunks_of_views, windows_of_at_most};
-use super::lists::Lists;
+use super::lists::{FRAGMENT_BYTES, Lists};
 use super::memory::{Download, GrowingBuffer};
 use super::pieces::{Piece, PiecePool};
 use super::stages::{
@@ -15,9 +15,6 @@ use super::stages::{
 };
 use super::{Device, GpuError, cutouts, long_lists};
 use crate::{AreaTable, Fragments, Scene, TooManyFragments};
-
-/// Bytes of a fragment.
-pub(super) const FRAGMENT_BYTES: u64 = 8;
 
 /// Bytes of fragments to have on the GPU at a time.
 const MAX_LIST_BYTES: u64 = 64 << 20;

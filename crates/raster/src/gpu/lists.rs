@@ -1,8 +1,10 @@
 //! Lists of fragments from the GPU, window by window, put together view by view.
 
 use super::chunk::Window;
-use super::fragments::FRAGMENT_BYTES;
 use crate::{Fragment, ViewFragments};
+
+/// Bytes of a fragment on the GPU: its depth and its leaf, 32 bits each.
+pub(super) const FRAGMENT_BYTES: u64 = 8;
 
 /// The lists of fragments that have come back from the GPU, in the order of their pixels.
 pub(super) struct Lists {
