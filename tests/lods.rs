@@ -100,13 +100,24 @@ fn the_default_chain_keeps_the_difference_where_it_can() {
     let record = bench.json("r.json");
     assert_eq!(record["layout"], "siblings");
     let made = levels(&record);
-    assert!((1..=4).contains(&made.len()), "{made:?}");
-    for level in made {
-        let is_finest = count(&level["triangles"]) == count(&made[0]["triangles"]);
-        assert!(
-            level["flip_mean"].as_f64().unwrap() <= 0.05 || is_finest,
-            "{level}"
-        );
+    for (level, height) in made.iter().rev().zip([135.0, 270.0, 540.0, 1080.0]) {
+        assert_eq!(level["pixels_high"], height);
+        assert!(level["flip_mean"].as_f64().unwrap() <= 0.05, "{level}");
+    }
+    // Four steps would be more than the tree has, which is said.
+    let notes = record["notes"].as_array().unwrap();
+    let says = |note: &Value| {
+        note.as_str()
+            .unwrap()
+            .contains("no level begins at 1080 pixels")
+    };
+    assert!(made.len() == 3 && notes.iter().any(says), "{notes:?}");
+    // The coarsest is as light as the difference lets it be, and each finer one a step heavier.
+    assert!(made[2]["flip_mean"].as_f64().unwrap() > 0.03, "{}", made[2]);
+    for pair in made.windows(2) {
+        let [finer, coarser] = [&pair[0], &pair[1]].map(|level| count(&level["triangles"]));
+        let step = finer as f64 / coarser as f64;
+        assert!((1.5..=1.9).contains(&step), "{finer} over {coarser}");
     }
     let document = Document::open(&bench.path("oak_lods.glb")).unwrap();
     let names: Vec<&str> = document.json()["nodes"]

@@ -60,15 +60,6 @@ pub struct AsDrawnMeasurement {
     pub original_flip_mean: f64,
 }
 
-/// How much of a tree a client shows; see [`AsDrawnMeasurement`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Shown {
-    /// Pixels that it covers over those that the original truly covers.
-    pub coverage_over_truth: f64,
-    /// Islands of up to 3 pixels in a view.
-    pub specks_per_view: f64,
-}
-
 impl AsDrawn {
     /// Draws an original from views, in pictures of `width_px` x `width_px` pixels.
     ///
@@ -117,24 +108,6 @@ impl AsDrawn {
             original_specks_per_view: self.original.specks_per_view(self.width_px as usize),
             flip_mean: self.flip(&drawn),
             original_flip_mean: self.flip(&self.original),
-        }
-    }
-
-    /// How much a client shows of the original itself.
-    pub fn original_shown(&self) -> Shown {
-        self.shown_by(&self.original)
-    }
-
-    /// How much a client shows of a simplified tree, without pictures being compared.
-    pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> Shown {
-        self.shown_by(&ViewPictures::of(simplified, &self.views, self.width_px))
-    }
-
-    fn shown_by(&self, drawn: &ViewPictures) -> Shown {
-        let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
-        Shown {
-            coverage_over_truth: drawn.covered_px() / truth_px,
-            specks_per_view: drawn.specks_per_view(self.width_px as usize),
         }
     }
 
@@ -194,7 +167,7 @@ fn options(width_px: u32, samples: u32) -> RenderOptions {
 }
 
 /// Number of islands of at most [`SPECK_PX`] pixels; pixels that touch at a corner belong together.
-fn specks(is_covered: &[bool], width: usize) -> usize {
+pub(crate) fn specks(is_covered: &[bool], width: usize) -> usize {
     let mut is_seen = vec![false; is_covered.len()];
     let mut island = Vec::new();
     let mut count = 0;
@@ -224,7 +197,7 @@ fn specks(is_covered: &[bool], width: usize) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use glam::{DVec3, Vec2, Vec3};
     use secateur_model::{AlphaMode, Filters, Finish, Material, Mips, Texture, Wrap};
@@ -250,7 +223,7 @@ mod tests {
     }
 
     /// A card of 1 x 1 that faces +z, whose texture shows thin stripes: a quarter of it.
-    fn striped(mips: Mips) -> Surface {
+    pub(crate) fn striped(mips: Mips) -> Surface {
         let stripe = |x: u32| if x.is_multiple_of(4) { 255 } else { 0 };
         let texture = Texture {
             width: 64,
@@ -286,11 +259,15 @@ mod tests {
         }
     }
 
-    /// The view holds the card exactly: 64 pixels are a texel each, 16 are four.
+    /// It holds the card exactly: 64 pixels are a texel each, 16 are four.
+    pub(crate) fn card_view() -> ViewSet {
+        let view = View::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 0.5, 0.01).unwrap();
+        ViewSet::new(vec![view])
+    }
+
     #[test]
     fn stripes_fade_away_with_mips_and_not_in_truth() {
-        let view = View::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 0.5, 0.01).unwrap();
-        let views = ViewSet::new(vec![view]);
+        let views = card_view();
         let measured = |mips: Mips, width_px: u32| {
             let card = [striped(mips)];
             measure_as_drawn(&card, &card, &views, width_px)

@@ -16,6 +16,7 @@
 //! Nothing here knows how a tree was simplified: only geometry and images.
 
 mod as_drawn;
+mod as_drawn_coverage;
 mod camera;
 mod caption;
 mod contact_sheet;
@@ -31,7 +32,8 @@ mod shading;
 mod texel;
 mod visibility;
 
-pub use as_drawn::{AsDrawn, AsDrawnMeasurement, Shown, measure_as_drawn};
+pub use as_drawn::{AsDrawn, AsDrawnMeasurement, measure_as_drawn};
+pub use as_drawn_coverage::{AsDrawnCoverage, Shown};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
 pub use measure::{

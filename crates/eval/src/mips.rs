@@ -11,9 +11,9 @@ use std::ops::{Add, Mul};
 use std::sync::Arc;
 
 use glam::{Vec2, Vec4};
-use secateur_model::{Mips, Surface, Texture};
+use secateur_model::{Material, Mips, Surface, Texture};
 
-use crate::texel::{blend_texels, color_of, is_whole, nearest_texel, srgb_byte};
+use crate::texel::{alpha_cutoff, blend_texels, color_of, is_whole, nearest_texel, srgb_byte};
 
 /// A texture and its mip levels.
 #[derive(Debug)]
@@ -28,9 +28,19 @@ pub(crate) struct MipChains(Vec<Option<Arc<MipChain>>>);
 impl MipChains {
     /// Makes the chains of all base colour textures, each once.
     pub(crate) fn of<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
+        Self::of_those(surfaces, |_| true)
+    }
+
+    /// Only those that cut something out.
+    pub(crate) fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
+        Self::of_those(surfaces, |material| alpha_cutoff(material).is_some())
+    }
+
+    fn of_those<S: Borrow<Surface>>(surfaces: &[S], is_needed: impl Fn(&Material) -> bool) -> Self {
         let mut known: HashMap<*const Texture, Arc<MipChain>> = HashMap::new();
         let chains = surfaces.iter().map(|surface| {
-            let texture = surface.borrow().material.texture.as_ref();
+            let material = &surface.borrow().material;
+            let texture = material.texture.as_ref().filter(|_| is_needed(material));
             let texture = texture.filter(|texture| is_whole(texture))?;
             let chain = known.entry(Arc::as_ptr(texture));
             let chain = chain.or_insert_with(|| Arc::new(MipChain::of(texture)));
@@ -39,7 +49,7 @@ impl MipChains {
         Self(chains.collect())
     }
 
-    /// The chain of a surface's texture; none if it has no texture.
+    /// The chain of a surface's texture; none if it has no texture, or one that is not needed.
     pub(crate) fn of_surface(&self, surface: u32) -> Option<&MipChain> {
         self.0[surface as usize].as_deref()
     }

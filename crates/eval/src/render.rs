@@ -112,6 +112,22 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
     }
 }
 
+/// By pixel, row by row, whether a camera sees anything but the background at its middle, in a
+/// square picture of `side` pixels.
+pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    camera: &Camera,
+    side: u32,
+    mips: Option<&MipChains>,
+) -> Vec<bool> {
+    let lens = Lens::perspective(camera, side, side);
+    let seen = visibility(surfaces, &lens, Culling::Material, mips);
+    seen.frontmost
+        .iter()
+        .map(|index| *index != NOTHING)
+        .collect()
+}
+
 /// A scene and what is seen of it.
 struct SeenFrom<'a, S> {
     surfaces: &'a [S],

@@ -108,11 +108,9 @@ where
     let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
     let low = [floor(at.x), floor(at.y)];
     let share = at - Vec2::new(low[0] as f32, low[1] as f32);
-    let get = |dx: i64, dy: i64| {
-        let x = wrapped(texture.wrap[0], low[0] + dx, size[0]);
-        let y = wrapped(texture.wrap[1], low[1] + dy, size[1]);
-        texel(texture, 4 * (y * size[0] as usize + x))
-    };
+    let columns = [0, 1].map(|dx| wrapped(texture.wrap[0], low[0] + dx, size[0]));
+    let rows = [0, 1].map(|dy| wrapped(texture.wrap[1], low[1] + dy, size[1]));
+    let get = |x: usize, y: usize| texel(texture, 4 * (rows[y] * size[0] as usize + columns[x]));
     let top = get(0, 0) * (1.0 - share.x) + get(1, 0) * share.x;
     let bottom = get(0, 1) * (1.0 - share.x) + get(1, 1) * share.x;
     top * (1.0 - share.y) + bottom * share.y
@@ -133,8 +131,11 @@ pub(crate) fn is_whole(texture: &Texture) -> bool {
 
 /// [`Wrap::texel`] for sizes that are no power of two.
 fn wrapped(wrap: Wrap, texel: i64, size: u32) -> usize {
+    let is_power = size.is_power_of_two();
     let size = i64::from(size);
     let wrapped = match wrap {
+        // The remainder without a division, which would take longer than all else.
+        Wrap::Repeat if is_power => texel & (size - 1),
         Wrap::Repeat => texel.rem_euclid(size),
         Wrap::ClampToEdge => texel.clamp(0, size - 1),
         Wrap::MirroredRepeat => {
@@ -152,10 +153,10 @@ mod tests {
     #[test]
     fn wrapping_agrees_with_the_model() {
         for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
-            for texel in -20..20 {
+            for (texel, size) in (-20..20).flat_map(|texel| [(texel, 8), (texel, 1)]) {
                 assert_eq!(
-                    wrapped(wrap, texel.into(), 8),
-                    wrap.texel(texel, 8) as usize
+                    wrapped(wrap, texel.into(), size),
+                    wrap.texel(texel, size) as usize
                 );
             }
         }

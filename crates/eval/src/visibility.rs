@@ -1,6 +1,7 @@
 //! The z-buffer: which triangle is frontmost at each sample.
 
 use std::borrow::Borrow;
+use std::ops::Range;
 
 use glam::Vec2;
 use rayon::prelude::*;
@@ -13,8 +14,12 @@ use crate::texel::{alpha_cutoff, sample_alpha};
 
 /// Rows of samples that one task fills.
 const BAND_ROWS: usize = 32;
+/// Width and height of the blocks of samples that are skipped where all of them are nearer.
+const BLOCK: usize = 8;
 /// Shared edges must not show the background through rounding.
 const EDGE_SLACK: f32 = -1e-5;
+/// By how much of what is added up in f32 a share may be off, and more.
+const ROUNDING: f32 = 4e-6;
 /// No triangle is in front.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
@@ -48,6 +53,32 @@ impl PointInTriangle {
             second: Vec2::new(ac.y, -ac.x) * inverse,
             third: Vec2::new(-ab.y, ab.x) * inverse,
         })
+    }
+
+    /// Of these columns of a row those that the triangle may cover, and few others.
+    fn columns(&self, row: usize, columns: Range<usize>) -> Range<usize> {
+        let down = row as f32 + 0.5 - self.origin.y;
+        // Each share, and the first as what is left of 1, is linear along the row.
+        let (second, third) = (self.second, self.third);
+        let shares = [
+            (1.0 - (second.y + third.y) * down, -(second.x + third.x)),
+            (second.y * down, second.x),
+            (third.y * down, third.x),
+        ];
+        let rounding = ROUNDING * (1.0 + (second.y.abs() + third.y.abs()) * down.abs());
+        let (mut low, mut high) = (columns.start as f32, columns.end as f32);
+        for (at_origin, slope) in shares {
+            let edge = self.origin.x + (EDGE_SLACK - at_origin) / slope;
+            let slack = 2.0 + rounding / slope.abs();
+            match slope > 0.0 {
+                true => low = low.max(edge - slack),
+                false if slope < 0.0 => high = high.min(edge + slack),
+                false => {}
+            }
+        }
+        let first = (low.max(0.0) as usize).max(columns.start);
+        let end = (high.max(0.0) as usize).min(columns.end);
+        first..end.max(first)
     }
 
     /// The shares of the three corners at a point of the raster.
@@ -122,12 +153,7 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
         .zip(&bands)
         .enumerate()
         .for_each(|(index, ((frontmost, nearness), members))| {
-            let mut band = Band {
-                first_row: index * BAND_ROWS,
-                width,
-                frontmost,
-                nearness,
-            };
+            let mut band = Band::new(index * BAND_ROWS, width, frontmost, nearness);
             for &member in members {
                 let triangle = &triangles[member as usize];
                 let surface = surfaces[triangle.face.surface as usize].borrow();
@@ -149,15 +175,23 @@ fn is_front(triangle: &ScreenTriangle) -> bool {
     (b - a).perp_dot(c - a) < 0.0
 }
 
+/// Places in `triangles`, the nearest first: of what is hidden little is then looked at closely.
 fn triangles_by_band(triangles: &[ScreenTriangle], height: usize) -> Vec<Vec<u32>> {
+    let nearest = |triangle: &ScreenTriangle| {
+        let corners = triangle.corners.iter().map(|corner| corner.nearness);
+        corners.fold(f32::MIN, f32::max)
+    };
+    let nearest = triangles.iter().map(nearest).zip(0..);
+    let mut nearest_first: Vec<(f32, u32)> = nearest.collect();
+    nearest_first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let mut bands = vec![Vec::new(); height.div_ceil(BAND_ROWS)];
-    for (index, triangle) in triangles.iter().enumerate() {
-        let [a, b, c] = triangle.corners.map(|corner| corner.at.y);
+    for (_, index) in nearest_first {
+        let [a, b, c] = triangles[index as usize].corners.map(|corner| corner.at.y);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let first = low.max(0.0) as usize / BAND_ROWS;
         let last = (high as usize / BAND_ROWS).min(bands.len().saturating_sub(1));
         for band in bands.iter_mut().take(last + 1).skip(first) {
-            band.push(index as u32);
+            band.push(index);
         }
     }
     bands
@@ -169,9 +203,40 @@ struct Band<'a> {
     width: usize,
     frontmost: &'a mut [u32],
     nearness: &'a mut [f32],
+    /// Row by row of blocks, how near the farthest sample of each is: what is farther is hidden there.
+    blocks: Vec<Block>,
 }
 
-impl Band<'_> {
+/// What is known of a block of [`BLOCK`] x [`BLOCK`] samples.
+#[derive(Clone, Copy)]
+struct Block {
+    /// Nothing in it is farther than this.
+    farthest: f32,
+    /// Whether something came nearer since.
+    is_stale: bool,
+}
+
+impl<'a> Band<'a> {
+    fn new(
+        first_row: usize,
+        width: usize,
+        frontmost: &'a mut [u32],
+        nearness: &'a mut [f32],
+    ) -> Self {
+        let empty = Block {
+            farthest: f32::NEG_INFINITY,
+            is_stale: false,
+        };
+        let block_rows = (nearness.len() / width.max(1)).div_ceil(BLOCK);
+        Self {
+            first_row,
+            width,
+            frontmost,
+            nearness,
+            blocks: vec![empty; block_rows * width.div_ceil(BLOCK)],
+        }
+    }
+
     fn draw(
         &mut self,
         index: u32,
@@ -184,29 +249,83 @@ impl Band<'_> {
         };
         let cutout = Cut::of(triangle, surface, mips);
         let [a, b, c] = triangle.corners.map(|corner| corner.at);
+        let nearness = triangle.corners.map(|corner| corner.nearness);
+        let nearest = nearest_of(nearness);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let rows = self.first_row..self.first_row + self.nearness.len() / self.width;
         let columns = sample_range(low.x, high.x, 0..self.width);
-        for row in sample_range(low.y, high.y, rows) {
-            for column in columns.clone() {
-                let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
-                let weights = place.weights(at);
-                if weights.iter().any(|&w| w < EDGE_SLACK) {
+        let rows = sample_range(low.y, high.y, rows);
+        if columns.is_empty() || rows.is_empty() {
+            return;
+        }
+        let rows = rows.start - self.first_row..rows.end - self.first_row;
+        for block_row in rows.start / BLOCK..rows.end.div_ceil(BLOCK) {
+            let rows = rows.start.max(block_row * BLOCK)..rows.end.min((block_row + 1) * BLOCK);
+            let mut spans = [const { 0..0 }; BLOCK];
+            for (span, row) in spans.iter_mut().zip(rows.clone()) {
+                *span = place.columns(row + self.first_row, columns.clone());
+            }
+            for block_column in columns.start / BLOCK..columns.end.div_ceil(BLOCK) {
+                if nearest < self.farthest_in(block_row, block_column) {
                     continue;
                 }
-                let near = weighted(triangle.corners.map(|corner| corner.nearness), weights);
-                let sample = (row - self.first_row) * self.width + column;
-                if near > self.nearness[sample] && cutout.is_there(triangle, &place, at, weights) {
-                    self.nearness[sample] = near;
-                    self.frontmost[sample] = index;
+                let within = block_column * BLOCK..(block_column + 1) * BLOCK;
+                let mut is_changed = false;
+                for (span, row) in spans.iter().zip(rows.clone()) {
+                    for column in span.start.max(within.start)..span.end.min(within.end) {
+                        let at =
+                            Vec2::new(column as f32 + 0.5, (row + self.first_row) as f32 + 0.5);
+                        let weights = place.weights(at);
+                        let [first, second, third] = weights;
+                        if first < EDGE_SLACK || second < EDGE_SLACK || third < EDGE_SLACK {
+                            continue;
+                        }
+                        let near = weighted(nearness, weights);
+                        let sample = row * self.width + column;
+                        let known = self.nearness[sample];
+                        // Of equally near triangles the first of the scene is seen, whichever is
+                        // drawn first.
+                        let is_before =
+                            near > known || (near == known && index < self.frontmost[sample]);
+                        if is_before && cutout.is_there(triangle, &place, at, weights) {
+                            self.nearness[sample] = near;
+                            self.frontmost[sample] = index;
+                            is_changed = true;
+                        }
+                    }
                 }
+                let block = block_row * self.width.div_ceil(BLOCK) + block_column;
+                self.blocks[block].is_stale |= is_changed;
             }
         }
     }
+
+    /// How near the farthest sample of a block is.
+    fn farthest_in(&mut self, block_row: usize, block_column: usize) -> f32 {
+        let number = block_row * self.width.div_ceil(BLOCK) + block_column;
+        if self.blocks[number].is_stale {
+            let columns = block_column * BLOCK..self.width.min((block_column + 1) * BLOCK);
+            let rows = self.nearness.chunks(self.width);
+            let rows = rows.skip(block_row * BLOCK).take(BLOCK);
+            let samples = rows.flat_map(|row| &row[columns.clone()]);
+            self.blocks[number] = Block {
+                farthest: samples.copied().fold(f32::INFINITY, f32::min),
+                is_stale: false,
+            };
+        }
+        self.blocks[number].farthest
+    }
+}
+
+/// At least as near as any sample of a triangle of these corners, rounding included.
+fn nearest_of(corners: [f32; 3]) -> f32 {
+    let nearest = corners.into_iter().fold(f32::MIN, f32::max);
+    let largest = corners.into_iter().map(f32::abs).fold(0.0, f32::max);
+    nearest + 1e-4 * largest
 }
 
 /// The samples whose centres lie between two coordinates, within a range.
-fn sample_range(low: f32, high: f32, within: std::ops::Range<usize>) -> std::ops::Range<usize> {
+fn sample_range(low: f32, high: f32, within: Range<usize>) -> Range<usize> {
     let first = ((low - 0.5).floor().max(0.0) as usize).max(within.start);
     let end = ((high + 0.5).ceil().max(0.0) as usize).min(within.end);
     first..end.max(first)
@@ -262,3 +381,6 @@ impl<'a> Cut<'a> {
         alpha * weighted(face.alphas, weights) >= face.cutoff
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -142,7 +142,7 @@ pub fn simplify_sharing(
         engine,
         budget,
     };
-    let mut draft = run.select(shared, &mut clock)?;
+    let mut draft = run.select(shared.as_deref_mut(), &mut clock)?;
     if options.occluders.is_some() && run.shows_nothing(&draft.shown)? {
         let views = draft.shown.views.len();
         return Err(Error::NothingSeen { views });
@@ -159,7 +159,7 @@ pub fn simplify_sharing(
         clock.begin(Stage::Fit)?;
         let shown = &draft.shown.views;
         let pass = SizePass::new(options, sphere, shown, objective, resolution);
-        run.size(&mut draft, &pass, &mut clock)?;
+        run.size(&mut draft, &pass, shared, &mut clock)?;
     }
     let lod = draft.passes.lod();
     let audited_by = match options.audit {
@@ -441,10 +441,24 @@ impl PassContext<'_> {
 
     /// Fits the sizes of what is left, where that changes anything and keeps to the error that is
     /// asked for.
-    fn size(&self, draft: &mut Draft, pass: &SizePass, clock: &mut Clock<'_>) -> Result<(), Error> {
+    fn size(
+        &self,
+        draft: &mut Draft,
+        pass: &SizePass,
+        shared: Option<&mut Shared>,
+        clock: &mut Clock<'_>,
+    ) -> Result<(), Error> {
         let lod = draft.passes.lod();
         let mut steps = |done, at_most| clock.step(done, at_most);
-        let factors = pass.factors(self.foliage, &lod, self.occluders, self.budget, &mut steps)?;
+        let hidden_by = self.occluders;
+        let factors = pass.factors(
+            self.foliage,
+            &lod,
+            hidden_by,
+            self.budget,
+            shared,
+            &mut steps,
+        )?;
         let Some(factors) = factors else {
             return Ok(());
         };

@@ -9,6 +9,7 @@ use secateur_raster::measure::vmi::Vmi;
 
 use crate::Target;
 use crate::coarsen::{Coarse, LossCurves};
+use crate::fit::DrawnOriginals;
 use crate::select::{Begun, Selection, Task};
 
 /// What earlier runs over the same foliage, by the same options but for the target, found.
@@ -18,6 +19,8 @@ pub struct Shared {
     pub(crate) curves: Option<LossCurves>,
     /// What the views showed of the original.
     pub(crate) original: Option<(ViewSet, Vmi)>,
+    /// What the views in which sizes are fitted show of the original.
+    pub(crate) originals: Option<DrawnOriginals>,
     found: Vec<KeptOrder>,
 }
 

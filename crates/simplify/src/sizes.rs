@@ -7,7 +7,7 @@ use secateur_raster::ViewSet;
 
 use crate::fit::{Fit, Objective, fit_within};
 use crate::select::Steps;
-use crate::{Error, FieldOfView, Fitting, Options, Views};
+use crate::{Error, FieldOfView, Fitting, Options, Shared, Views};
 
 /// Sizes are fitted in images of at least this many pixels a side, that of the
 /// judging views: what is good for coarser ones is too large in finer ones.
@@ -81,7 +81,8 @@ impl SizePass {
     }
 
     /// By what the area of each leaf that is left is to be multiplied, in the order of
-    /// [`Lod::all_leaves`]; nothing if all leaves keep their sizes. `steps` gets leaves tried and
+    /// [`Lod::all_leaves`]; nothing if all leaves keep their sizes. What fits of other levels
+    /// drew is taken from `shared`. `steps` gets leaves tried and
     /// to be tried at most.
     pub(crate) fn factors(
         &self,
@@ -89,6 +90,7 @@ impl SizePass {
         lod: &Lod,
         occluders: Option<&Foliage>,
         budget: Budget,
+        shared: Option<&mut Shared>,
         steps: &mut Steps<'_>,
     ) -> Result<Option<Vec<f64>>, Error> {
         let way = Fit {
@@ -99,7 +101,8 @@ impl SizePass {
             objective: self.objective,
             occluders,
         };
-        match fit_within(&way, budget, steps)? {
+        let originals = shared.map(|shared| &mut shared.originals);
+        match fit_within(&way, budget, originals, steps)? {
             ControlFlow::Continue(factors) => {
                 Ok(factors.iter().any(|f| *f != 1.0).then_some(factors))
             }

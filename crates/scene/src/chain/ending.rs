@@ -7,8 +7,13 @@ use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
 use super::maker::{Made, Maker};
 use super::textures::{Chosen, Client, LevelSurfaces, bytes_of, end_of, texture_bytes};
+use crate::impostor::crossed::Planes;
 use crate::impostor::judge::{Judge, best_crossed, flip, largest_flip};
 use crate::impostor::{Choice, Impostor};
+
+/// Two crossed planes whose FLIP is this many times what is wanted are given up: to bake more of them
+/// takes as long as to make a level.
+const HOPELESS: f64 = 2.0;
 
 /// What of a level a picture is drawn of.
 pub(super) enum Pictured {
@@ -50,6 +55,7 @@ impl Maker<'_> {
                 let flip = flip(&original, &judge.of_impostor(&made));
                 (made, flip)
             }),
+            Choice::Auto => self.crossed_unless_hopeless(&original, of_mesh, &judge, height),
             _ => best_crossed(&self.look.original, &original, &judge, height),
         };
         let Some((impostor, flip)) = found else {
@@ -90,6 +96,23 @@ impl Maker<'_> {
             same_cost,
         };
         Ok(Some((level, height, flip)))
+    }
+
+    /// The crossed planes that look most like the plant; the fewest alone where these are so far from
+    /// it that more will not do.
+    fn crossed_unless_hopeless(
+        &self,
+        original: &Pictures,
+        of_mesh: f64,
+        judge: &Judge,
+        height: f64,
+    ) -> Option<(Impostor, f64)> {
+        let fewest = Impostor::crossed(&self.look.original, Planes::ALL[0], height)?;
+        let of_fewest = flip(original, &judge.of_impostor(&fewest));
+        match of_fewest > HOPELESS * of_mesh.max(self.options.max_flip) {
+            true => Some((fewest, of_fewest)),
+            false => best_crossed(&self.look.original, original, judge, height),
+        }
     }
 
     /// The levels with what switching to each shows, but for those that show more than is wanted.

@@ -10,6 +10,7 @@ mod maker;
 mod options;
 mod scene_look;
 mod textures;
+mod which;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
@@ -17,16 +18,12 @@ use secateur_simplify::Observer;
 
 use ending::Pictured;
 pub use error::ChainError;
-use ladder::Ladder;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
-use maker::{Made, Maker};
+use maker::Maker;
 pub use options::{ChainOptions, HEIGHTS_PX, MAX_FLIP, MAX_LEVELS, Wanted};
 pub use scene_look::SceneLook;
 pub use textures::{LevelAsDrawn, Textures, show};
-
-/// A level that is sought has at most this share of the triangles of the one before it: to switch
-/// for less would not pay.
-const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
+use which::{asked, lightest, spread};
 
 /// Makes a chain of a tree.
 ///
@@ -41,45 +38,11 @@ pub fn chain(
     options.check()?;
     let maker = Maker::new(tree, options, engine)?;
     let mut notes = Vec::new();
-    let mut made: Vec<(Made, f64, f64)> = Vec::new();
-    match &options.wanted {
-        Wanted::Triangles(amounts) => {
-            for amount in amounts {
-                let level = maker.level(amount.of(maker.all), observer)?;
-                if is_no_less(&level, made.last().map(|(level, ..)| level), maker.all) {
-                    notes.push(format!(
-                        "a level of {} triangles is left out: it would be as large as the one before",
-                        level.triangles()
-                    ));
-                    continue;
-                }
-                let before = made.last().map_or(f64::INFINITY, |(_, height, _)| *height);
-                let (height, flip) = maker.height_for(&level, before);
-                made.push((level, height, flip));
-            }
-        }
-        Wanted::Heights(_) | Wanted::Distances(_) => {
-            let mut ladder = Ladder::new(&maker);
-            let mut first = 0;
-            for (height, place) in maker.heights() {
-                let rung = ladder.lightest(height, first, observer)?;
-                let level = ladder.level(rung, observer)?;
-                if let Some((before, ..)) = made.last()
-                    && level.triangles() as f64 > MOST_OF_BEFORE * before.triangles() as f64
-                {
-                    notes.push(format!(
-                        "no level begins at {place}: the lightest within the difference has {} triangles, which saves less than a third of the {} before",
-                        level.triangles(),
-                        before.triangles()
-                    ));
-                    continue;
-                }
-                let flip = maker.flip(level, height);
-                made.push((level.clone(), height, flip));
-                first = rung;
-            }
-        }
-    }
+    let mut made = match &options.wanted {
+        Wanted::Triangles(amounts) => asked(&maker, amounts, &mut notes, observer)?,
+        Wanted::Heights(_) => spread(&maker, &mut notes, observer)?,
+        Wanted::Distances(_) => lightest(&maker, &mut notes, observer)?,
+    };
     let impostor = maker.impostor(&made, &mut notes, observer)?;
     if let Some((_, height, _)) = &impostor {
         made.retain(|(_, begins, _)| begins > height);
@@ -117,12 +80,4 @@ pub fn chain(
         ));
     }
     Ok(Chain { levels, notes })
-}
-
-fn is_no_less(level: &Made, before: Option<&Made>, all: usize) -> bool {
-    match before {
-        Some(before) => level.triangles() >= before.triangles(),
-        // The first level may be the tree as it is.
-        None => level.triangles() > all,
-    }
 }

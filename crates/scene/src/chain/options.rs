@@ -22,10 +22,12 @@ pub const MAX_LEVELS: usize = 8;
 pub enum Wanted {
     /// Levels of these numbers of triangles of the whole plant, finest first.
     Triangles(Vec<Amount>),
-    /// For each of these heights on the screen in pixels, the largest first, the fewest triangles
-    /// within the difference.
+    /// For these heights on the screen in pixels, the largest first: the fewest triangles within the
+    /// difference at the last, and 1.7 times as many from each to the one before it, or more where the
+    /// difference asks for it.
     Heights(Vec<f64>),
-    /// The same for these distances in units of the file (metres), the nearest first.
+    /// For each of these distances in units of the file (metres), the nearest first, the fewest
+    /// triangles within the difference.
     Distances(Vec<f64>),
 }
 

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use secateur_eval::{AsDrawn, Shown};
+use secateur_eval::{AsDrawnCoverage, Shown};
 use secateur_gltf::Document;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{AlphaMode, BoundingSphere, Mips, Surface, Texture};
@@ -25,6 +25,9 @@ const MOST_MORE_SPECKS: f64 = 2.0;
 /// How often more or less of the leaves is cut out, until as much is seen as should be: leaves that
 /// hide each other answer less than in proportion.
 const TRIES: usize = 4;
+
+/// Tries are looked at in every so many of the views; what is chosen is in all of them.
+const TRY_IN_EVERY: usize = 3;
 
 /// The last level is taken to be seen down to this height.
 const LAST_END_PX: f64 = 64.0;
@@ -109,7 +112,7 @@ pub(super) struct Client<'a> {
     screen: Screen,
     plant_height: f64,
     /// By height on the screen: the end of a level is where the next begins.
-    truths: RefCell<BTreeMap<u64, AsDrawn>>,
+    truths: RefCell<BTreeMap<u64, AsDrawnCoverage>>,
 }
 
 impl<'a> Client<'a> {
@@ -131,8 +134,13 @@ impl<'a> Client<'a> {
     }
 
     /// How a level looks with its surfaces as they are.
-    pub(super) fn as_drawn(&self, surfaces: &[Surface], [begin, end]: [f64; 2]) -> LevelAsDrawn {
-        let [(begin, of_begin), (end, of_end)] = [begin, end].map(|h| self.shown(surfaces, h));
+    pub(super) fn as_drawn(&self, surfaces: &[Surface], range: [f64; 2]) -> LevelAsDrawn {
+        self.as_drawn_in(surfaces, range, 1)
+    }
+
+    /// The same in every so many of the views.
+    fn as_drawn_in(&self, surfaces: &[Surface], range: [f64; 2], every: usize) -> LevelAsDrawn {
+        let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, h, every));
         let more = |shown: Shown, original: Shown| {
             let is_whole = original.coverage_over_truth >= WITHIN[0];
             is_whole.then_some(shown.specks_per_view - original.specks_per_view)
@@ -154,61 +162,76 @@ impl<'a> Client<'a> {
         wanted: Textures,
         is_first: bool,
     ) -> Chosen {
-        let of = |textures: Vec<LevelTexture>| {
+        let of = |textures: Vec<LevelTexture>, every: usize| {
             let surfaces = retextured(level, &textures);
             Chosen {
-                as_drawn: self.as_drawn(&surfaces, range),
+                as_drawn: self.as_drawn_in(&surfaces, range, every),
                 textures,
             }
         };
-        let kept = of(Vec::new());
-        if wanted == Textures::Keep || (is_first && kept.as_drawn.is_within()) {
-            return kept;
+        let mut best: Option<Chosen> = None;
+        if wanted == Textures::Keep || is_first {
+            let kept = of(Vec::new(), 1);
+            if wanted == Textures::Keep || kept.as_drawn.is_within() {
+                return kept;
+            }
+            best = Some(kept);
         }
         let pixels = range[0] / self.plant_height;
-        let mut best = kept;
         // Mips are smoother where they keep the coverage.
         for mips in [Mips::Blended, Mips::None] {
-            let mut made: Option<Chosen> = None;
+            let mut tried: Option<Chosen> = None;
             let mut gain = 1.0;
             for _ in 0..TRIES {
                 let textures = fitted_textures(level, pixels, mips, gain);
                 if textures.is_empty() {
                     break;
                 }
-                let next = of(textures);
+                let next = of(textures, TRY_IN_EVERY);
                 gain *= next.as_drawn.wanted_gain();
                 let error = next.as_drawn.error();
-                if made
+                if tried
                     .as_ref()
-                    .is_none_or(|made| error < made.as_drawn.error())
+                    .is_none_or(|tried| error < tried.as_drawn.error())
                 {
-                    made = Some(next);
+                    tried = Some(next);
                 }
                 if error <= NEAR_ENOUGH || !gain.is_finite() {
                     break;
                 }
             }
-            let Some(made) = made else { continue };
+            let Some(tried) = tried else { continue };
+            let made = of(tried.textures, 1);
             if made.as_drawn.is_within() {
                 return made;
             }
-            if made.as_drawn.error() < best.as_drawn.error() {
-                best = made;
+            if best
+                .as_ref()
+                .is_none_or(|best| made.as_drawn.error() < best.as_drawn.error())
+            {
+                best = Some(made);
             }
         }
-        best
+        let best_error = best.as_ref().map(|best| best.as_drawn.error());
+        let kept = match is_first {
+            true => None,
+            false => Some(of(Vec::new(), 1)),
+        };
+        let is_better = |kept: &Chosen| best_error.is_none_or(|e| kept.as_drawn.error() <= e);
+        kept.filter(is_better)
+            .or(best)
+            .expect("a first level was looked at as it is")
     }
 
     /// What a client shows of a level, and of the original.
-    fn shown(&self, surfaces: &[Surface], pixels_high: f64) -> (Shown, Shown) {
+    fn shown(&self, surfaces: &[Surface], pixels_high: f64, every: usize) -> (Shown, Shown) {
         let mut truths = self.truths.borrow_mut();
         let truth = truths.entry(pixels_high.to_bits());
         let truth = truth.or_insert_with(|| {
             let (views, side) = self.views(pixels_high);
-            AsDrawn::new(self.original, &views, side)
+            AsDrawnCoverage::new(self.original, &views, side)
         });
-        (truth.shown(surfaces), truth.original_shown())
+        (truth.shown(surfaces, every), truth.original_shown(every))
     }
 
     /// Views from where the screen shows the plant so high, and pixels a side of their pictures.

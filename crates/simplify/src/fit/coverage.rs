@@ -23,9 +23,9 @@ use secateur_model::{Budget, LeafId, OverMemory};
 use secateur_raster::LeafIdImage;
 use secateur_raster::abuffer::{ABuffer, FrontTwo};
 
-use super::Fit;
 use super::rounds::{Trial, chance_px};
 use super::sized_view::{Change, SizedView};
+use super::{DrawnOriginals, Fit};
 
 /// Width and height of a block in pixels.
 const BLOCK_PX: u32 = 8;
@@ -97,9 +97,13 @@ struct Effect {
 }
 
 impl<'a> Coverage<'a> {
-    pub(super) fn new(fit: &Fit<'a>, budget: &mut Budget) -> Result<Self, OverMemory> {
-        let of_view = |sized, _, original| CoveredView::new(sized, &original);
-        let views = fit.of_views(budget, of_view)?;
+    pub(super) fn new(
+        fit: &Fit<'a>,
+        budget: &mut Budget,
+        originals: Option<&DrawnOriginals>,
+    ) -> Result<Self, OverMemory> {
+        let of_view = |sized, _, original: &LeafIdImage| CoveredView::new(sized, original);
+        let views = fit.of_views(budget, originals, of_view)?;
         let views: Vec<CoveredView<'_>> = views.into_iter().flatten().collect();
         let covered = views.iter().flat_map(|view| &view.blocks.is_original);
         Ok(Self {

@@ -68,10 +68,10 @@ impl<'a> Information<'a> {
         budget: &mut Budget,
     ) -> Result<Self, OverMemory> {
         let [original_count, count] = [fit.original, fit.left].map(|f| f.leaves().len());
-        let sets = fit.of_views(budget, |sized, view, image| {
-            let view = OutlinedView::new(sized, view, &image);
+        let sets = fit.of_views(budget, None, |sized, view, image| {
+            let view = OutlinedView::new(sized, view, image);
             let areas_px = view.areas_px(count);
-            (view, (cpu::histogram(&image, original_count), areas_px))
+            (view, (cpu::histogram(image, original_count), areas_px))
         })?;
         let mut information = Vec::new();
         let of_set = |views: Vec<_>| {

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use secateur_model::{Budget, Foliage, Lod, OverMemory};
 use secateur_raster::occluders::{Occluded, Occlusion};
 use secateur_raster::{
-    CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, ViewSet, cpu,
+    CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, View, ViewSet, cpu,
 };
 
 use self::coverage::Coverage;
@@ -99,17 +99,14 @@ impl<'a> Fit<'a> {
     fn of_views<T: Send>(
         &self,
         budget: &mut Budget,
-        of: impl Fn(SizedView<'a>, usize, LeafIdImage) -> T + Sync,
+        originals: Option<&DrawnOriginals>,
+        of: impl Fn(SizedView<'a>, usize, &LeafIdImage) -> T + Sync,
     ) -> Result<Vec<Vec<T>>, OverMemory> {
-        let lods = [self.original, self.left].map(|f| Lod::original(f.leaves().len()));
-        let of_set = |views: &'a ViewSet| {
-            let scene = |foliage, lod| Scene {
-                foliage,
-                lod,
-                views,
-                resolution: self.resolution,
-            };
-            let [original, left] = [scene(self.original, &lods[0]), scene(self.left, &lods[1])];
+        let all_left = Lod::original(self.left.leaves().len());
+        let all = Lod::original(self.original.leaves().len());
+        let of_set = |(set, views): (usize, &'a ViewSet)| {
+            let left = self.scene(self.left, &all_left, views);
+            let original = self.scene(self.original, &all, views);
             let room = Room::for_lists(budget, &left, FIT_NOT)?;
             let fragments = match self.among_occluders() {
                 Some(occluded) => occluded.fragments_within(&left, room.most()),
@@ -127,10 +124,6 @@ impl<'a> Fit<'a> {
                 let occlusion = self
                     .occluders
                     .map(|occluders| Occlusion::of(occluders, view, self.resolution));
-                let drawn = match self.among_occluders() {
-                    Some(occluded) => occluded.leaf_ids(&original, view).expect(DRAWN),
-                    None => cpu::draw_leaf_ids(&original, view),
-                };
                 let sized = SizedView::new(
                     self.left,
                     view,
@@ -138,11 +131,68 @@ impl<'a> Fit<'a> {
                     occlusion.as_slice(),
                     self.resolution,
                 );
-                of(sized, number, drawn)
+                match originals {
+                    Some(originals) => of(sized, number, &originals.sets[set][number]),
+                    None => of(sized, number, &self.leaf_ids(&original, view)),
+                }
             });
             Ok(made.collect())
         };
-        self.views.iter().map(of_set).collect()
+        self.views.iter().enumerate().map(of_set).collect()
+    }
+
+    fn scene<'s>(&self, foliage: &'s Foliage, lod: &'s Lod, views: &'s ViewSet) -> Scene<'s> {
+        Scene {
+            foliage,
+            lod,
+            views,
+            resolution: self.resolution,
+        }
+    }
+
+    fn leaf_ids(&self, scene: &Scene<'_>, view: &View) -> LeafIdImage {
+        match self.among_occluders() {
+            Some(occluded) => occluded.leaf_ids(scene, view).expect(DRAWN),
+            None => cpu::draw_leaf_ids(scene, view),
+        }
+    }
+
+    /// The original's leaf IDs in all views, unless they would take more than [`MOST_SHARED_BYTES`].
+    fn draw_originals(&self) -> Option<DrawnOriginals> {
+        let views: u64 = self.views.iter().map(|set| set.len() as u64).sum();
+        if 4 * views * u64::from(self.resolution).pow(2) > MOST_SHARED_BYTES {
+            return None;
+        }
+        let all = Lod::original(self.original.leaves().len());
+        let of_set = |views: &ViewSet| {
+            let scene = self.scene(self.original, &all, views);
+            let drawn = views.views().par_iter();
+            drawn.map(|view| self.leaf_ids(&scene, view)).collect()
+        };
+        Some(DrawnOriginals {
+            views: self.views.to_vec(),
+            resolution: self.resolution,
+            sets: self.views.iter().map(of_set).collect(),
+        })
+    }
+}
+
+/// The most that is kept of an original from fit to fit.
+const MOST_SHARED_BYTES: u64 = 32 << 20;
+
+/// An original's leaf IDs in the views in which sizes are fitted, 4 bytes a pixel: fits of several levels
+/// of one plant share them.
+#[derive(Clone, Debug)]
+pub struct DrawnOriginals {
+    views: Vec<ViewSet>,
+    resolution: u32,
+    sets: Vec<Vec<LeafIdImage>>,
+}
+
+impl DrawnOriginals {
+    /// Whether these are what a fit would draw of the same original among the same occluders.
+    fn is_for(&self, fit: &Fit<'_>) -> bool {
+        self.resolution == fit.resolution && self.views == fit.views
     }
 }
 
@@ -165,13 +215,14 @@ pub fn fit(
     fit: &Fit<'_>,
     progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> ControlFlow<(), Vec<f64>> {
-    match fit_within(fit, Budget::unlimited(), progress) {
+    match fit_within(fit, Budget::unlimited(), None, progress) {
         Ok(factors) => factors,
         Err(over) => unreachable!("nothing is too much: {over}"),
     }
 }
 
-/// [`fit`], with this much memory.
+/// [`fit`], with this much memory. `originals` are those that an earlier fit of coverage of the same
+/// original among the same occluders drew, and then those of this one.
 ///
 /// # Errors
 /// [`OverMemory`] if what the views show takes more.
@@ -181,12 +232,21 @@ pub fn fit(
 pub fn fit_within(
     fit: &Fit<'_>,
     mut budget: Budget,
+    originals: Option<&mut Option<DrawnOriginals>>,
     progress: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<ControlFlow<(), Vec<f64>>, OverMemory> {
     let is_seen = fit.views.iter().all(|set| !set.is_empty());
     assert!(is_seen && !fit.views.is_empty(), "at least one view");
     match fit.objective {
-        Objective::Coverage => Ok(fitted(Coverage::new(fit, &mut budget)?, progress)),
+        Objective::Coverage => {
+            let originals = originals.and_then(|originals| {
+                let known = originals.take().filter(|known| known.is_for(fit));
+                *originals = known.or_else(|| fit.draw_originals());
+                originals.as_ref()
+            });
+            let coverage = Coverage::new(fit, &mut budget, originals)?;
+            Ok(fitted(coverage, progress))
+        }
         Objective::Information { outline_weight } => {
             assert!((0.0..=MAX_OUTLINE_WEIGHT).contains(&outline_weight));
             let table = LgTable::new();

@@ -16,8 +16,9 @@ pub(crate) struct Lods {
     /// of them.
     #[arg(short, long, value_name = "DIR|OUT.glb")]
     pub(crate) output: PathBuf,
-    /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: the
-    /// lightest levels for heights on the screen of 1080, 540, 270 and 135 pixels].
+    /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: four
+    /// levels for heights on the screen of 1080, 540, 270 and 135 pixels, the coarsest as light as
+    /// `--max-flip` lets it be].
     #[arg(long, value_name = "R,R,...", value_delimiter = ',', value_parser = share, conflicts_with = "triangles")]
     pub(crate) levels: Vec<f64>,
     /// The levels as numbers of triangles, the finest first, such as 20000,5000,1000.

@@ -154,7 +154,7 @@ proptest! {
         let original = crown(90, seed);
         let left = thinned(&original, every, scale);
         let views = views_of(&original);
-        let mut trial = Coverage::new(&of(&original, &left, &views), &mut Budget::unlimited()).unwrap();
+        let mut trial = Coverage::new(&of(&original, &left, &views), &mut Budget::unlimited(), None).unwrap();
         let mut last = trial.objective();
         prop_assert_eq!(last, objective_drawn(&original, &left, &trial.scales));
         // All leaves at once see nothing of each other, and are often undone together.
@@ -173,7 +173,7 @@ proptest! {
         let original = crown(60, seed);
         let left = thinned(&original, 2, 2.0);
         let views = views_of(&original);
-        let mut trial = Coverage::new(&of(&original, &left, &views), &mut Budget::unlimited()).unwrap();
+        let mut trial = Coverage::new(&of(&original, &left, &views), &mut Budget::unlimited(), None).unwrap();
         let leaf = LeafId::from_index(seed as usize % 30);
         let effects = trial.views.iter_mut().map(|v| v.effects(leaf, [to, 1.0])[0]);
         let effects: Vec<Effect> = effects.collect();

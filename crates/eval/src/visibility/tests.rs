@@ -1,0 +1,148 @@
+//! What is seen is what a plain z-buffer shows.
+
+use super::*;
+use crate::lens::Projected;
+use crate::screen_triangle::Face;
+use proptest::prelude::*;
+
+fn triangle(corners: [[f32; 2]; 3]) -> ScreenTriangle {
+    ScreenTriangle {
+        face: Face {
+            surface: 0,
+            triangle: 0,
+        },
+        corners: corners.map(|[x, y]| Projected {
+            at: Vec2::new(x, y),
+            nearness: 1.0,
+            inverse_w: 1.0,
+        }),
+        shares: [Vec2::ZERO, Vec2::X, Vec2::Y],
+    }
+}
+
+/// The same, each sample against each triangle in scene order.
+fn literal(triangles: &[ScreenTriangle], surface: &Surface, side: usize) -> Vec<u32> {
+    let mut frontmost = vec![NOTHING; side * side];
+    let mut nearness = vec![f32::NEG_INFINITY; side * side];
+    for (index, triangle) in triangles.iter().enumerate() {
+        let Some(place) = PointInTriangle::within(triangle) else {
+            continue;
+        };
+        let cutout = Cut::of(triangle, surface, None);
+        let corners = triangle.corners.map(|corner| corner.at);
+        let [low, high] = [
+            corners.into_iter().fold(Vec2::MAX, Vec2::min),
+            corners.into_iter().fold(Vec2::MIN, Vec2::max),
+        ];
+        for row in sample_range(low.y, high.y, 0..side) {
+            for column in sample_range(low.x, high.x, 0..side) {
+                let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
+                let weights = place.weights(at);
+                let near = weighted(triangle.corners.map(|c| c.nearness), weights);
+                let sample = row * side + column;
+                if weights.iter().all(|weight| *weight >= EDGE_SLACK)
+                    && near > nearness[sample]
+                    && cutout.is_there(triangle, &place, at, weights)
+                {
+                    nearness[sample] = near;
+                    frontmost[sample] = index as u32;
+                }
+            }
+        }
+    }
+    frontmost
+}
+
+/// One triangle of a card whose mask is a chessboard.
+fn chessboard() -> Surface {
+    let alpha = |k: u32| {
+        if (k % 8 + k / 8).is_multiple_of(2) {
+            255
+        } else {
+            0
+        }
+    };
+    Surface {
+        positions: vec![glam::DVec3::ZERO; 3],
+        normals: Vec::new(),
+        uvs: vec![Vec2::ZERO, 3.0 * Vec2::X, 3.0 * Vec2::Y],
+        colors: Vec::new(),
+        triangles: vec![[0, 1, 2]],
+        material: std::sync::Arc::new(Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            texture: Some(std::sync::Arc::new(secateur_model::Texture {
+                width: 8,
+                height: 8,
+                rgba: (0..64).flat_map(|k| [255, 255, 255, alpha(k)]).collect(),
+                wrap: [secateur_model::Wrap::Repeat; 2],
+                filters: secateur_model::Filters::default(),
+            })),
+            alpha_mode: secateur_model::AlphaMode::Mask(0.5),
+            double_sided: true,
+            finish: secateur_model::Finish::default(),
+        }),
+    }
+}
+
+fn corner() -> impl Strategy<Value = [f32; 2]> {
+    [-40f32..120.0, -40f32..120.0]
+}
+
+proptest! {
+    /// Nearest first and block by block, with ties: what is seen is what a plain z-buffer shows.
+    #[test]
+    fn what_is_seen_does_not_depend_on_the_order_of_drawing(
+        corners in prop::collection::vec([corner(), corner(), corner()], 1..40),
+        depths in prop::collection::vec([0u8..4, 0u8..4, 0u8..4], 40),
+    ) {
+        const SIDE: usize = 80;
+        let surface = chessboard();
+        let triangles: Vec<ScreenTriangle> = corners.iter().zip(&depths).map(|(corners, depths)| {
+            let mut made = triangle(*corners);
+            for (corner, depth) in made.corners.iter_mut().zip(depths) {
+                corner.nearness = f32::from(*depth);
+            }
+            made
+        }).collect();
+        let mut frontmost = vec![NOTHING; SIDE * SIDE];
+        let mut nearness = vec![f32::NEG_INFINITY; SIDE * SIDE];
+        for (number, members) in triangles_by_band(&triangles, SIDE).iter().enumerate() {
+            let first = number * BAND_ROWS;
+            let samples = first * SIDE..SIDE * SIDE.min(first + BAND_ROWS);
+            let mut band = Band::new(
+                first, SIDE, &mut frontmost[samples.clone()], &mut nearness[samples],
+            );
+            for &member in members {
+                band.draw(member, &triangles[member as usize], &surface, None);
+            }
+        }
+        prop_assert_eq!(frontmost, literal(&triangles, &surface, SIDE));
+    }
+
+    /// Slivers and large triangles, on the raster and beyond it.
+    #[test]
+    fn no_column_that_a_triangle_covers_is_left_out(
+        a in corner(), b in corner(), c in corner(), thin in 0f32..1.0, row in 0usize..80,
+    ) {
+        // As thin grows the third corner comes to lie on the edge between the others.
+        let c = [0, 1].map(|k| c[k] + (0.5 * (a[k] + b[k]) - c[k]) * thin.powf(0.01));
+        let Some(place) = PointInTriangle::within(&triangle([a, b, c])) else {
+            return Ok(());
+        };
+        let columns = place.columns(row, 0..80);
+        for column in 0..80usize {
+            let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
+            let is_in = place.weights(at).iter().all(|weight| *weight >= EDGE_SLACK);
+            let [x, y] = [at.x, at.y];
+            let is_near = |k: usize, at: f32| {
+                let of = [a[k], b[k], c[k]];
+                let (low, high) = of.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+                (low - 0.5..=high + 0.5).contains(&at)
+            };
+            if is_in && is_near(0, x) && is_near(1, y) {
+                prop_assert!(columns.contains(&column), "{column} of {columns:?}");
+            }
+        }
+    }
+}
