@@ -322,12 +322,89 @@ fn levels_of_another_run_are_not_replaced_unasked() {
     let bench = Bench::new();
     let lods = ["lods", "oak.glb", "-o", "chain", "--levels", "0.2"];
     bench.run(&lods).succeeded();
+    let others = ["lods", "oak.glb", "-o", "chain", "--levels", "0.3"];
     bench
-        .run(&lods)
+        .run(&others)
         .failed_saying(&["oak_LOD0.glb", "is there already", "--overwrite"]);
     bench
-        .run(&[&lods[..], &["--overwrite"]].concat())
+        .run(&[&others[..], &["--overwrite"]].concat())
         .succeeded();
+}
+
+/// Two trees, of which one call makes both, the next none, and others what is missing or has changed.
+#[test]
+fn what_is_finished_and_unchanged_is_not_done_again() {
+    let bench = Bench::new();
+    std::fs::copy(bench.path("oak.glb"), bench.path("ash.glb")).unwrap();
+    let run = |levels: &str| {
+        bench.run(&[
+            "lods", "oak.glb", "ash.glb", "-o", "chain", "--levels", levels, "--report", "r.json",
+        ])
+    };
+    let kept = || -> Vec<bool> {
+        let record = bench.json("r.json");
+        let trees = record["trees"].as_array().unwrap();
+        trees
+            .iter()
+            .map(|tree| tree["kept"].as_bool().unwrap())
+            .collect()
+    };
+    run("0.2,0.1").succeeded();
+    assert_eq!(kept(), [false, false]);
+    let first = bench.json("r.json");
+    let level = bench.read("chain/oak_LOD1.glb");
+    let ran = run("0.2,0.1").succeeded();
+    assert_eq!(kept(), [true, true]);
+    assert!(
+        ran.stdout.contains("as it was made before"),
+        "{}",
+        ran.stdout
+    );
+    assert_eq!(
+        bench.json("r.json")["trees"][0]["levels"],
+        first["trees"][0]["levels"]
+    );
+    // Ended before its last level had its name: that tree is done again, to the same bytes.
+    std::fs::remove_file(bench.path("chain/oak_LOD1.glb")).unwrap();
+    run("0.2,0.1").succeeded();
+    assert_eq!(kept(), [false, true]);
+    assert_eq!(bench.read("chain/oak_LOD1.glb"), level);
+    // A level that someone has changed is not the program's own any more.
+    std::fs::write(bench.path("chain/ash_LOD0.glb"), "mine").unwrap();
+    run("0.2,0.1").failed_saying(&["ash_LOD0.glb", "is there already"]);
+    assert_eq!(bench.read("chain/ash_LOD0.glb"), b"mine");
+    std::fs::remove_file(bench.path("chain/ash_LOD0.glb")).unwrap();
+    // Other options, and another tree of the same name, are other levels.
+    run("0.2,0.05").failed_saying(&["oak_LOD0.glb", "is there already"]);
+    let fewer = [
+        "simplify",
+        "oak.glb",
+        "-o",
+        "oak.glb.glb",
+        "--leaves",
+        "100",
+    ];
+    bench.run(&fewer).succeeded();
+    std::fs::rename(bench.path("oak.glb.glb"), bench.path("oak.glb")).unwrap();
+    run("0.2,0.1").failed_saying(&["oak_LOD0.glb", "is there already"]);
+}
+
+/// Of two trees the second is broken: nothing is made of the first.
+#[test]
+fn a_broken_tree_among_others_stops_them_all_before_anything_is_written() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("broken.glb"), &bench.read("oak.glb")[..500]).unwrap();
+    let run = bench.run(&[
+        "lods",
+        "oak.glb",
+        "broken.glb",
+        "-o",
+        "chain",
+        "--levels",
+        "0.2",
+    ]);
+    run.failed_saying(&["broken.glb"]);
+    assert_eq!(bench.names(), ["broken.glb", "oak.glb"]);
 }
 
 /// The files of a run's record, in its folder.

@@ -72,4 +72,5 @@ pub use report::{Picture, Study, report};
 pub use rows::{Identity, Row, RowKey, Values, current_rows, read_rows, to_line};
 pub use run::{StudyOptions, redraw, run};
 pub use summary::{Group, Point, Spread, groups, overlap, pareto, spread, summarise};
+pub use tree_hash::tree_sha256;
 pub use whole::WholeCounts;

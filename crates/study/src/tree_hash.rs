@@ -15,7 +15,7 @@ use crate::Error;
 ///
 /// # Errors
 /// [`Error::Gltf`] if the tree or a buffer of it can't be read.
-pub(crate) fn tree_sha256(path: &Path, memory: Memory) -> Result<String, Error> {
+pub fn tree_sha256(path: &Path, memory: Memory) -> Result<String, Error> {
     let document = Document::open_within(path, memory)?;
     let mut hasher = Sha256::new();
     let read = |path: &Path| fs::read(path).map_err(|e| Error::of_file(path, "cannot be read", e));

@@ -118,6 +118,15 @@ impl StagedFiles {
         self.made_folders.append(&mut others.made_folders);
     }
 
+    /// The places of the files, and where each is until it gets its name, in the order in which they were
+    /// added.
+    pub fn pending(&self) -> impl Iterator<Item = (&Path, &Path)> {
+        self.steps.iter().filter_map(|step| match step {
+            Step::Rename { temporary, place } => Some((place.as_path(), &**temporary)),
+            Step::SyncFolders | Step::Remove(_) => None,
+        })
+    }
+
     /// Where the file that was added last is until it gets its name.
     pub(super) fn last_temporary(&self) -> Option<&Path> {
         self.steps.iter().rev().find_map(|step| match step {

@@ -44,3 +44,8 @@ pub(crate) fn writing() -> Result<(), SimplifyError> {
     WRITING.store(true, Ordering::Relaxed);
     Ok(())
 }
+
+/// The files are there, and work goes on: a second signal may end it at once again.
+pub(crate) fn written() {
+    WRITING.store(false, Ordering::Relaxed);
+}

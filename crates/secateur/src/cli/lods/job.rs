@@ -9,6 +9,7 @@ use secateur_scene::chain::MAX_LEVELS;
 use super::super::args::{self, LayoutName};
 use super::super::failure::Failure;
 use super::super::output;
+use super::finished::Finished;
 
 /// A tree to be done, and where its levels go.
 pub(crate) struct Job<'a> {
@@ -92,17 +93,26 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
     let places: Vec<PathBuf> = jobs.iter().flat_map(places).collect();
     let beside = [&args.report, &args.preview].into_iter().flatten();
     let outputs: Vec<&Path> = places.iter().chain(beside).map(PathBuf::as_path).collect();
-    output::check_distinct(&outputs)?;
-    if !args.overwrite {
-        let there = |file: &&PathBuf| std::fs::symlink_metadata(file).is_ok();
-        if let Some(file) = places.iter().find(there) {
-            return Err(Failure(format!(
-                "{}: is there already; give another folder, or `--overwrite`",
-                file.display()
-            )));
-        }
+    output::check_distinct(&outputs)
+}
+
+/// Refuses files in the places of a tree's levels, but for those that a call like this one wrote.
+pub(super) fn check_free(
+    args: &args::Lods,
+    job: &Job<'_>,
+    finished: Option<&Finished>,
+) -> Result<(), Failure> {
+    let is_in_the_way = |file: &&PathBuf| {
+        let is_there = std::fs::symlink_metadata(file).is_ok();
+        is_there && !finished.is_some_and(|finished| finished.wrote(args, file))
+    };
+    match places(job).iter().find(is_in_the_way) {
+        Some(file) if !args.overwrite => Err(Failure(format!(
+            "{}: is there already; give another folder, or `--overwrite`",
+            file.display()
+        ))),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// The files that a tree's levels may become.

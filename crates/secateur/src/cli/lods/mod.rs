@@ -1,5 +1,6 @@
 //! `secateur lods`: the chain of levels that an engine loads.
 
+mod finished;
 mod job;
 mod page;
 mod rows;
@@ -22,8 +23,9 @@ use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::surroundings::Surroundings;
 use super::{interrupt, machine, output, record};
+use finished::Finished;
 pub(crate) use job::Job;
-use job::{about, check_outputs, jobs, outputs};
+use job::{about, check_free, check_outputs, jobs, outputs};
 pub(crate) use page::preview;
 pub(crate) use rows::rows;
 use rows::{facts, layout_name};
@@ -37,7 +39,20 @@ struct Done {
     pretty: String,
 }
 
-/// Makes a chain of each tree.
+impl Done {
+    /// As an earlier call left it.
+    fn again(finished: Finished) -> Self {
+        let kept = "  kept       as it was made before: neither the tree nor what was asked for has changed\n";
+        Self {
+            record: record::joined(finished.record, json!({ "kept": true })),
+            rows: finished.rows,
+            pretty: finished.pretty + kept,
+        }
+    }
+}
+
+/// Makes a chain of each tree, one after the other: what is finished when the program ends stays, and
+/// is not done again by the next call.
 pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     let jobs = jobs(args)?;
@@ -46,11 +61,33 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     let surroundings = args.scene.read(args.memory.memory, &outputs)?;
-    let mut trees = Vec::new();
-    // All files are written before the first appears: what fails leaves nothing.
-    let mut staged = StagedFiles::new();
+    let mut keys = Vec::new();
+    let mut finished = Vec::new();
     for job in &jobs {
-        trees.push(make(args, common, job, &surroundings, &mut staged)?);
+        let key = finished::key(args, job)?;
+        let known = Finished::of(args, job, &key).filter(|_| !args.overwrite);
+        check_free(args, job, known.as_ref())?;
+        keys.push(key);
+        finished.push(known);
+    }
+    let is_done = |known: &Finished| known.is_whole(args);
+    if jobs.len() > 1 {
+        // What cannot be read is refused before anything is made of the others.
+        for (job, known) in jobs.iter().zip(&finished) {
+            if !known.as_ref().is_some_and(is_done) {
+                opened(args, job)?;
+            }
+        }
+    }
+    let mut trees = Vec::new();
+    for ((job, key), known) in jobs.iter().zip(keys).zip(finished) {
+        trees.push(match known {
+            Some(known) if is_done(&known) => Done::again(known),
+            known => {
+                let may_overwrite = args.overwrite || known.is_some();
+                make(args, common, (job, key, may_overwrite), &surroundings)?
+            }
+        });
     }
     let total = start.elapsed().as_secs_f64();
     let mut record = match &mut trees[..] {
@@ -68,9 +105,8 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
         }),
     );
     if let Some(report) = &args.report {
-        output::stage(&mut staged, report, format!("{record:#}\n").as_bytes())?;
+        output::write_file(report, format!("{record:#}\n").as_bytes())?;
     }
-    staged.commit()?;
     Ok(Printed {
         pretty: trees.iter().map(|done| done.pretty.as_str()).collect(),
         rows: trees.into_iter().flat_map(|done| done.rows).collect(),
@@ -78,17 +114,8 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     })
 }
 
-fn make(
-    args: &args::Lods,
-    common: &Common,
-    job: &Job<'_>,
-    surroundings: &Surroundings,
-    staged: &mut StagedFiles,
-) -> Result<Done, Failure> {
-    let start = Instant::now();
-    let mut options = options(args);
-    surroundings.apply(&mut options.leaves);
-    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
+/// The tree of a job, if a chain can be made of it.
+fn opened(args: &args::Lods, job: &Job<'_>) -> Result<WholeTree, Failure> {
     tracing::info!("reading {}", job.tree.display());
     let tree = WholeTree::open_within(job.tree, &args.foliage.foliage, args.memory.memory)?;
     let outputs = outputs(args, job);
@@ -100,6 +127,20 @@ fn make(
             job.tree.display()
         )));
     }
+    Ok(tree)
+}
+
+fn make(
+    args: &args::Lods,
+    common: &Common,
+    (job, key, may_overwrite): (&Job<'_>, String, bool),
+    surroundings: &Surroundings,
+) -> Result<Done, Failure> {
+    let start = Instant::now();
+    let mut options = options(args);
+    surroundings.apply(&mut options.leaves);
+    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
+    let tree = opened(args, job)?;
     let warnings = tree.items().inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
@@ -113,16 +154,16 @@ fn make(
     .map_err(|error| Failure(about(job.tree, &error.to_string())))?;
     drop(progress_bar);
 
-    interrupt::writing()?;
+    let mut staged = StagedFiles::new();
     if job.place != args.output {
         let made = staged.make_folder(&args.output);
         made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
-    let (written, files) = prepare(&tree, job, &made, args.overwrite)?.into_files();
+    let (written, files) = prepare(&tree, job, &made, may_overwrite)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
         let page = preview(&tree, job, &options, &made)?;
-        output::stage(staged, file, page.as_bytes())?;
+        output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
     let rows = rows(job, &made, &written);
@@ -154,8 +195,13 @@ fn make(
         "seconds": record::seconds(&[], seconds),
         "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
         "warnings": warnings,
+        "kept": false,
     });
     let pretty = pretty(&tree, job, args, &made, &written, seconds);
+    let staged = finished::noted(args, job, key, (&record, &rows, &pretty), staged)?;
+    interrupt::writing()?;
+    staged.commit()?;
+    interrupt::written();
     Ok(Done {
         record,
         rows,

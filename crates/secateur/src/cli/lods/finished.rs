@@ -1,0 +1,135 @@
+//! What an earlier call made of a tree, so that it is not done again: a hidden file beside the levels
+//! says of what they were made, by which program, and what is in them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use secateur_gltf::StagedFiles;
+use secateur_study::tree_sha256;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::super::args;
+use super::super::failure::Failure;
+use super::super::{machine, output};
+use super::job::Job;
+use super::wanted::options;
+
+/// The levels of a tree as an earlier call left them.
+#[derive(Debug, Deserialize, Serialize)]
+pub(super) struct Finished {
+    key: String,
+    files: Vec<Known>,
+    pub(super) record: Value,
+    pub(super) rows: Vec<Value>,
+    pub(super) pretty: String,
+}
+
+/// A file of the levels; in the folder of the levels it goes by its name alone.
+#[derive(Debug, Deserialize, Serialize)]
+struct Known {
+    file: PathBuf,
+    sha256: String,
+}
+
+/// What the levels of a tree depend on, as a SHA-256: the program, the options, and all files that are
+/// read. Trees that cannot be read are refused here.
+pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
+    let memory = args.memory.memory;
+    let sha256 = |path: &Path| tree_sha256(path, memory).map_err(|e| Failure(e.to_string()));
+    let mut files = vec![sha256(job.tree)?];
+    for path in args.scene.files() {
+        files.push(sha256(path)?);
+    }
+    let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
+    let about = (
+        (env!("CARGO_PKG_VERSION"), machine::commit()),
+        (files, args.scene.scene.is_some()),
+        (&job.name, job.layout, args.textures.is_some()),
+        selectors.collect::<Vec<_>>(),
+        (memory, &args.preview),
+        options(args),
+    );
+    Ok(hex(&Sha256::digest(format!("{about:?}"))))
+}
+
+/// Where it is noted what a tree became; nowhere if its levels go into a file that was named.
+fn note(args: &args::Lods, job: &Job<'_>) -> Option<PathBuf> {
+    let is_file = job.place == args.output && job.layout != secateur_gltf::chain::Layout::Files;
+    let name = format!(".{}_lods.json", job.name);
+    (!is_file).then(|| args.output.join(name))
+}
+
+impl Finished {
+    /// What a call of the same key left of a tree, finished or not; nothing if there was none.
+    pub(super) fn of(args: &args::Lods, job: &Job<'_>, key: &str) -> Option<Self> {
+        let text = fs::read(note(args, job)?).ok()?;
+        let found: Self = serde_json::from_slice(&text).ok()?;
+        (found.key == key).then_some(found)
+    }
+
+    /// Whether all files are there as they were written.
+    pub(super) fn is_whole(&self, args: &args::Lods) -> bool {
+        self.files.iter().all(|known| known.is_there(args))
+    }
+
+    /// Whether this is a file that the call wrote, and nobody changed.
+    pub(super) fn wrote(&self, args: &args::Lods, file: &Path) -> bool {
+        let is_it = |known: &&Known| args.output.join(&known.file) == file;
+        let known = self.files.iter().find(is_it);
+        known.is_some_and(|known| known.is_there(args))
+    }
+}
+
+impl Known {
+    fn is_there(&self, args: &args::Lods) -> bool {
+        // A path that is not in the folder stays as it is only if it is absolute.
+        let place = args.output.join(&self.file);
+        fs::read(place).is_ok_and(|bytes| hex(&Sha256::digest(bytes)) == self.sha256)
+    }
+}
+
+/// The files of a tree with what is noted of them, which gets its name first: whatever is there
+/// of the others if the program is ended then is known to be its own.
+pub(super) fn noted(
+    args: &args::Lods,
+    job: &Job<'_>,
+    key: String,
+    made: (&Value, &[Value], &str),
+    files: StagedFiles,
+) -> Result<StagedFiles, Failure> {
+    let Some(place) = note(args, job) else {
+        return Ok(files);
+    };
+    let mut known = Vec::new();
+    for (place, temporary) in files.pending() {
+        let bytes =
+            fs::read(temporary).map_err(|e| Failure::of_file(place, "cannot be read", &e))?;
+        let in_folder = place.strip_prefix(&args.output).map(Path::to_owned);
+        known.push(Known {
+            file: match in_folder {
+                Ok(file) => file,
+                Err(_) => std::path::absolute(place).unwrap_or_else(|_| place.to_owned()),
+            },
+            sha256: hex(&Sha256::digest(bytes)),
+        });
+    }
+    let (record, rows, pretty) = made;
+    let finished = Finished {
+        key,
+        files: known,
+        record: record.clone(),
+        rows: rows.to_vec(),
+        pretty: pretty.to_owned(),
+    };
+    let text = serde_json::to_string_pretty(&finished).expect("values of JSON");
+    let mut all = StagedFiles::new();
+    output::stage(&mut all, &place, format!("{text}\n").as_bytes())?;
+    all.append(files);
+    Ok(all)
+}
+
+fn hex(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
