@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use serde_json::{Value, json};
 
+use super::beyond_cards;
 use super::compact_vertices::drop_unused_vertices;
 use super::draft::Draft;
 use super::drop_unreferenced::{
@@ -52,6 +53,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
     drop_order(&mut draft, tree, lod);
+    beyond_cards::clear(&mut draft, tree, &[lod])?;
     drop_unused_vertices(&mut draft, &before)?;
     let triangles = count_triangles(tree, &edits)?;
     finished(draft, &before, triangles)

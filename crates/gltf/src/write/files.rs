@@ -129,9 +129,11 @@ impl PreparedLod {
 impl Tree {
     /// The tree with the leaves of a LOD, as a GLB.
     ///
-    /// All that is no removed or resized leaf stays as it was. Images in files
-    /// of their own stay there: the GLB names them by the same URIs. The same
-    /// input gives the same bytes.
+    /// All that is no removed or resized leaf stays as it was, but for the alpha
+    /// cutoff and the wrap of materials whose cards became single triangles, where
+    /// coarse mip maps would show specks beside them ([`Written::notes`] says so).
+    /// Images in files of their own stay there: the GLB names them by the same
+    /// URIs. The same input gives the same bytes.
     ///
     /// # Errors
     /// [`GltfError`] if a part of the file that was not needed to find the

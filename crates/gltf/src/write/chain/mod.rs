@@ -22,6 +22,7 @@ use serde_json::{Map, Value};
 
 pub use on_disk::{PreparedChain, WrittenChain};
 
+use super::beyond_cards;
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;
 use super::drop_unreferenced::{References, drop_meshes};
@@ -262,6 +263,11 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
             node_trees::build(&mut draft, tree, levels)?
         }
     };
+    let lods = levels.iter().filter_map(|level| match level.content {
+        LevelContent::Tree(lod) => Some(lod),
+        LevelContent::Surface(_) => None,
+    });
+    beyond_cards::clear(&mut draft, tree, &lods.collect::<Vec<_>>())?;
     retexture::retexture(&mut draft, levels, &nodes.levels);
     scene::arrange(&mut draft, name, levels, layout, nodes);
     drop_undrawn_meshes(&mut draft);

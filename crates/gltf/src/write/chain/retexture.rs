@@ -7,6 +7,9 @@ use std::collections::{BTreeSet, HashMap};
 
 use serde_json::{Value, json};
 
+use super::super::base_color::{
+    base_color_texture_mut, sampler_number, texture_users, textures_of,
+};
 use super::super::draft::Draft;
 use super::super::drop_unreferenced::{drop_extension, remove_field};
 use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, png_bytes, wrap_code};
@@ -14,7 +17,6 @@ use super::super::references::{as_index, items, knows_all_extensions};
 use super::scene::children;
 use super::{Level, LevelTexture, undrawn_meshes};
 use crate::material::base_color_texture;
-use crate::surfaces::for_each_texture;
 use secateur_model::{Mips, Texture};
 
 /// Whether the JSON of an object is of a format.
@@ -70,11 +72,6 @@ fn uses_format(root: &Value, name: &str) -> bool {
         let extensions = texture.get("extensions");
         extensions.is_some_and(|all| all.get(name).is_some())
     })
-}
-
-fn textures_of(root: &Value) -> impl Iterator<Item = &Value> {
-    let textures = root.get("textures").and_then(Value::as_array);
-    textures.into_iter().flatten()
 }
 
 /// The images of a texture, in whatever format.
@@ -143,27 +140,6 @@ fn push_material(draft: &mut Draft, own: &LevelTexture, is_alone: bool) -> Optio
     Some(own.material)
 }
 
-fn base_color_texture_mut(material: &mut Value) -> Option<&mut Value> {
-    const PLACES: [&str; 2] = [
-        "/pbrMetallicRoughness/baseColorTexture",
-        "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
-    ];
-    let place = usize::from(material.get("pbrMetallicRoughness").is_none());
-    material.pointer_mut(PLACES[place])
-}
-
-/// How many places of materials name a texture.
-fn texture_users(root: &Value, texture: usize) -> usize {
-    let mut count = 0;
-    let materials = root.get("materials").and_then(Value::as_array);
-    for material in materials.into_iter().flatten() {
-        for_each_texture(material, &mut |number| {
-            count += usize::from(number == texture);
-        });
-    }
-    count
-}
-
 fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool) -> usize {
     let view = draft.push_image(png_bytes(texture));
     let mut fields = draft.root["textures"][old].clone();
@@ -196,19 +172,7 @@ fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool
         "wrapT": wrap_t,
     });
     let old_sampler = fields.get("sampler").and_then(as_index);
-    let known = draft.root.get("samplers").and_then(Value::as_array);
-    let known = known.and_then(|all| all.iter().position(|other| *other == sampler));
-    let samplers = textures_of(&draft.root).map(|one| one.get("sampler").and_then(as_index));
-    let is_last = samplers.filter(|other| *other == old_sampler).count() == 1;
-    let sampler = match (known, old_sampler.filter(|_| is_alone && is_last)) {
-        // Two samplers may be equal, but none may be left over.
-        (_, Some(old_sampler)) => {
-            draft.root["samplers"][old_sampler] = sampler;
-            old_sampler
-        }
-        (Some(known), None) => known,
-        (None, None) => draft.push("samplers", sampler),
-    };
+    let sampler = sampler_number(draft, sampler, old_sampler.filter(|_| is_alone));
     fields["source"] = source.into();
     fields["sampler"] = sampler.into();
     // A copy in another format would show the texture as it was.

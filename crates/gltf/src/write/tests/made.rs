@@ -135,7 +135,7 @@ fn places_whose_new_leaves_agree_share_a_mesh() {
 
 /// The first leaf gone; in its place a triangle in its plane, twice as far out about the
 /// first corner of its own first triangle.
-fn beyond_its_corners(tree: &Tree) -> Lod {
+pub(super) fn beyond_its_corners(tree: &Tree) -> Lod {
     let leaf = LeafId::new(1).unwrap();
     let corner = |weights, like| NewCorner {
         place: Place::InPlaneOf {

@@ -1,5 +1,6 @@
 //! LODs of small trees in every encoding, and of real ones.
 
+mod beyond_cards;
 mod chain;
 mod check;
 #[allow(

@@ -1,0 +1,48 @@
+//! Base colour textures in the JSON of a draft, and samplers of their own.
+
+use serde_json::Value;
+
+use super::draft::Draft;
+use super::references::as_index;
+use crate::surfaces::for_each_texture;
+
+pub(super) fn textures_of(root: &Value) -> impl Iterator<Item = &Value> {
+    let textures = root.get("textures").and_then(Value::as_array);
+    textures.into_iter().flatten()
+}
+
+pub(super) fn base_color_texture_mut(material: &mut Value) -> Option<&mut Value> {
+    const PLACES: [&str; 2] = [
+        "/pbrMetallicRoughness/baseColorTexture",
+        "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
+    ];
+    let place = usize::from(material.get("pbrMetallicRoughness").is_none());
+    material.pointer_mut(PLACES[place])
+}
+
+/// How many places of materials name a texture.
+pub(super) fn texture_users(root: &Value, texture: usize) -> usize {
+    let mut count = 0;
+    let materials = root.get("materials").and_then(Value::as_array);
+    for material in materials.into_iter().flatten() {
+        for_each_texture(material, &mut |number| {
+            count += usize::from(number == texture);
+        });
+    }
+    count
+}
+
+/// The number of a sampler with these fields: one that is there already, or a new one. `old` is the
+/// sampler of the only texture that is to have it instead: where no other texture uses that, it is
+/// changed in place. Two samplers may then be equal, but none is left over.
+pub(super) fn sampler_number(draft: &mut Draft, sampler: Value, old: Option<usize>) -> usize {
+    let samplers = textures_of(&draft.root).map(|one| one.get("sampler").and_then(as_index));
+    let is_last = samplers.filter(|other| *other == old).count() == 1;
+    if let Some(old) = old.filter(|_| is_last) {
+        draft.root["samplers"][old] = sampler;
+        return old;
+    }
+    let known = draft.root.get("samplers").and_then(Value::as_array);
+    let known = known.and_then(|all| all.iter().position(|other| *other == sampler));
+    known.unwrap_or_else(|| draft.push("samplers", sampler))
+}

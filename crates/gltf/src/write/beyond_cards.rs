@@ -1,0 +1,174 @@
+//! What clients show beside cards that became triangles: nothing, if it can be helped.
+//!
+//! A triangle around what a card shows reaches beyond the card, where its texture is empty or
+//! repeats far enough away. In coarse mip maps that is not so: what is shown on the other side of
+//! the texture is mixed in, and where the mean of all alpha passes the test, the whole triangle is
+//! shown, which is narrow at its tips: specks in the air. So the texture is clamped where its rim
+//! is empty and nothing needs it repeated, and the cutoff is raised above the mean alpha where that
+//! changes hardly a texel of the texture itself.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use super::base_color::{base_color_texture_mut, sampler_number, texture_users};
+use super::draft::Draft;
+use super::plant::wrap_code;
+use super::references::as_index;
+use crate::error::Fault;
+use crate::material::{MaterialLook, base_color_texture};
+use crate::picture::{Decoded, Picture, Pictures};
+use crate::tree::Tree;
+use secateur_model::{AlphaMode, Lod, Mips, Place, Wrap};
+
+/// Steps of alpha, of 255, by which the coarsest mip level may be above the mean: each level is
+/// rounded.
+const ROUNDING: f64 = 2.0;
+
+/// One in this many of the texels that pass the test may fail it with a higher cutoff.
+const LOST_PART: u64 = 100;
+
+/// Texture coordinates that are beyond the rim by no more than this do not need the wrap.
+const RIM: f64 = 1e-3;
+
+/// Changes the materials of leaves that reach beyond their cards in any of these levels.
+pub(super) fn clear(draft: &mut Draft, tree: &Tree, lods: &[&Lod]) -> Result<(), Fault> {
+    // The primitive that shows a material, by the material.
+    let mut reaching: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
+    for (leaf, _) in lods.iter().flat_map(|lod| lod.made()) {
+        let is_beyond = |place: &Place| matches!(place, Place::InPlaneOf { .. });
+        if leaf.triangles.iter().flatten().any(|c| is_beyond(&c.place)) {
+            let part = &tree.parts[tree.leaf_sources[leaf.donor.index()].part as usize];
+            let primitive = tree.document.primitive(part.mesh, part.primitive)?;
+            if let Some(material) = primitive.get("material").and_then(as_index) {
+                reaching.insert(material, [part.mesh, part.primitive]);
+            }
+        }
+    }
+    let mut pictures = Pictures::new(&tree.document, tree.document.budget);
+    for (material, [mesh, primitive]) in reaching {
+        let look = tree.document.look(mesh, primitive)?;
+        let AlphaMode::Mask(cutoff) = look.alpha_mode else {
+            continue;
+        };
+        let texture = look.texture.filter(|t| t.filters.mips != Mips::None);
+        let Some(image) = texture.and_then(|texture| texture.image) else {
+            continue;
+        };
+        let Decoded::Picture(picture) = pictures.get(image)? else {
+            continue;
+        };
+        let place = tree.document.place("materials", material);
+        let is_kept = |alpha: u8| f64::from(alpha) * alpha_step(&look) >= f64::from(cutoff);
+        if is_rim_clear(&picture, is_kept) && needs_no_wrap(tree, material, &look)? {
+            clamp(draft, material);
+            draft.notes.push(format!(
+                "{place}: its texture is clamped, so that none of it shows beside leaves that became single triangles"
+            ));
+        }
+        if let Some(raised) = raised_cutoff(&picture, &look, f64::from(cutoff)) {
+            draft.root["materials"][material]["alphaCutoff"] = json!(raised);
+            draft.notes.push(format!(
+                "{place}: its alphaCutoff is {raised} instead of {cutoff}, so that leaves that became single triangles show no specks from afar"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What a step of 1 of 255 of a texel's alpha is after the material's factor.
+fn alpha_step(look: &MaterialLook) -> f64 {
+    f64::from(look.base_color[3]) / 255.0
+}
+
+/// A cutoff that the mean alpha does not pass; none where it does not pass the old one, where more
+/// than half of the texture is there, so that nothing would be farther from the truth than all of
+/// it, or where the texture itself would lose more than hardly anything.
+fn raised_cutoff(picture: &Picture, look: &MaterialLook, cutoff: f64) -> Option<f64> {
+    let step = alpha_step(look);
+    let texels = |alpha: &u8| picture.tally.texels(*alpha);
+    let all: u64 = (0..=255).map(|alpha| texels(&alpha)).sum();
+    let sum: u64 = (0..=255).map(|a| u64::from(a) * texels(&a)).sum();
+    let mean = sum as f64 / all as f64;
+    // In four digits, which a reader of the file can take in.
+    let raised = (((mean + ROUNDING) * step) * 1e4).ceil() / 1e4;
+    let count = |least: f64| -> u64 {
+        let passes = |alpha: &u8| f64::from(*alpha) * step >= least;
+        (0..=255).filter(passes).map(|alpha| texels(&alpha)).sum()
+    };
+    let (before, after) = (count(cutoff), count(raised));
+    let is_sparse = mean < 127.5;
+    let is_harmless = LOST_PART * (before - after.min(before)) <= before;
+    (raised > cutoff && is_sparse && is_harmless).then_some(raised)
+}
+
+/// Whether no texel at the rim passes the test.
+fn is_rim_clear(picture: &Picture, is_kept: impl Fn(u8) -> bool) -> bool {
+    let image = &picture.image;
+    let (right, bottom) = (image.width() - 1, image.height() - 1);
+    let rows = (0..=right).flat_map(|x| [(x, 0), (x, bottom)]);
+    let columns = (0..=bottom).flat_map(|y| [(0, y), (right, y)]);
+    let mut rim = rows.chain(columns);
+    !rim.any(|(x, y)| is_kept(image.get_pixel(x, y).0[3]))
+}
+
+/// Whether the texture repeats, and nothing in the file that shows the material lies beyond its rim.
+fn needs_no_wrap(tree: &Tree, material: usize, look: &MaterialLook) -> Result<bool, Fault> {
+    let document = &tree.document;
+    let Some(texture) = look.texture.filter(|t| t.wrap != [Wrap::ClampToEdge; 2]) else {
+        return Ok(false);
+    };
+    let meshes = document.root.get("meshes").and_then(Value::as_array);
+    for (mesh, fields) in meshes.into_iter().flatten().enumerate() {
+        let primitives = fields.get("primitives").and_then(Value::as_array);
+        for (number, primitive) in primitives.into_iter().flatten().enumerate() {
+            let has_variants = primitive
+                .pointer("/extensions/KHR_materials_variants")
+                .is_some();
+            if has_variants {
+                return Ok(false);
+            }
+            if primitive.get("material").and_then(as_index) != Some(material) {
+                continue;
+            }
+            let uvs = document.texture_coordinates(mesh, number, texture.uv_set)?;
+            let mut uvs = uvs.into_iter().flatten();
+            let is_within = |uv: glam::DVec2| {
+                let uv = texture.transform.apply(uv);
+                uv.min_element() >= -RIM && uv.max_element() <= 1.0 + RIM
+            };
+            if !uvs.all(is_within) {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
+}
+
+/// Gives the base colour texture of a material a sampler that clamps.
+fn clamp(draft: &mut Draft, material: usize) {
+    let fields = &draft.root["materials"][material];
+    let number = base_color_texture(fields).and_then(|info| info.get("index"));
+    let Some(number) = number.and_then(as_index) else {
+        return;
+    };
+    let is_alone = texture_users(&draft.root, number) == 1;
+    let mut texture = draft.root["textures"][number].clone();
+    let old = texture.get("sampler").and_then(as_index);
+    let mut sampler = match old {
+        Some(old) => draft.root["samplers"][old].clone(),
+        None => json!({}),
+    };
+    for side in ["wrapS", "wrapT"] {
+        sampler[side] = wrap_code(Wrap::ClampToEdge).into();
+    }
+    texture["sampler"] = sampler_number(draft, sampler, old.filter(|_| is_alone)).into();
+    if is_alone {
+        draft.root["textures"][number] = texture;
+        return;
+    }
+    let own = draft.push("textures", texture);
+    if let Some(info) = base_color_texture_mut(&mut draft.root["materials"][material]) {
+        info["index"] = own.into();
+    }
+}
