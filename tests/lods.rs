@@ -246,6 +246,9 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     lods(&["--levels", eight, "--impostor", "crossed"]).failed_saying(&["one too many"]);
     lods(&["--levels", "0.1,0.5"]).failed_saying(&["from fine to coarse"]);
     lods(&["--triangles", "500,500"]).failed_saying(&["from fine to coarse"]);
+    lods(&["--levels", "0.5,0"]).failed_saying(&["a level of no triangles"]);
+    lods(&["--triangles", "0"]).failed_saying(&["a level of no triangles"]);
+    lods(&["--levels", "0.000001"]).failed_saying(&["no leaf and no piece of wood is left"]);
     lods(&["--levels", "1.5"]).misused_saying(&["from 0 to 1"]);
     lods(&["--levels", "0.5", "--triangles", "9"]).misused_saying(&["cannot be used with"]);
     lods(&["--max-flip", "0"]).misused_saying(&["above 0"]);

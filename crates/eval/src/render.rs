@@ -12,7 +12,7 @@ use crate::lens::Lens;
 use crate::mips::{MipChain, MipChains};
 use crate::shading::{Lighting, Spot};
 use crate::texel::srgb_byte;
-use crate::visibility::{Culling, NOTHING, Visibility, visibility};
+use crate::visibility::{Culling, NOTHING, Visibility, outline, visibility};
 
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,11 +121,7 @@ pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
     mips: Option<&MipChains>,
 ) -> Vec<bool> {
     let lens = Lens::perspective(camera, side, side);
-    let seen = visibility(surfaces, &lens, Culling::Material, mips);
-    seen.frontmost
-        .iter()
-        .map(|index| *index != NOTHING)
-        .collect()
+    outline(surfaces, &lens, mips)
 }
 
 /// A scene and what is seen of it.

@@ -134,6 +134,36 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
     culling: Culling,
     mips: Option<&MipChains>,
 ) -> Visibility {
+    drawn(surfaces, lens, (culling, Seek::Frontmost), mips)
+}
+
+/// By sample, row by row, whether a client draws anything there: as [`visibility`], but what is
+/// covered is looked at no more.
+pub(crate) fn outline<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    lens: &Lens,
+    mips: Option<&MipChains>,
+) -> Vec<bool> {
+    let seen = drawn(surfaces, lens, (Culling::Material, Seek::Any), mips);
+    let is_covered = seen.frontmost.iter().map(|index| *index != NOTHING);
+    is_covered.collect()
+}
+
+/// Which triangle is sought at each sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Seek {
+    /// The one that hides all others.
+    Frontmost,
+    /// Whichever is found first.
+    Any,
+}
+
+fn drawn<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    lens: &Lens,
+    (culling, seek): (Culling, Seek),
+    mips: Option<&MipChains>,
+) -> Visibility {
     let mut triangles = screen_triangles(surfaces, lens);
     if culling == Culling::Material {
         triangles.retain(|triangle| {
@@ -153,7 +183,7 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
         .zip(&bands)
         .enumerate()
         .for_each(|(index, ((frontmost, nearness), members))| {
-            let mut band = Band::new(index * BAND_ROWS, width, frontmost, nearness);
+            let mut band = Band::new(index * BAND_ROWS, width, seek, (frontmost, nearness));
             for &member in members {
                 let triangle = &triangles[member as usize];
                 let surface = surfaces[triangle.face.surface as usize].borrow();
@@ -201,7 +231,9 @@ fn triangles_by_band(triangles: &[ScreenTriangle], height: usize) -> Vec<Vec<u32
 struct Band<'a> {
     first_row: usize,
     width: usize,
+    seek: Seek,
     frontmost: &'a mut [u32],
+    /// Infinite where no other triangle is sought.
     nearness: &'a mut [f32],
     /// Row by row of blocks, how near the farthest sample of each is: what is farther is hidden there.
     blocks: Vec<Block>,
@@ -220,8 +252,8 @@ impl<'a> Band<'a> {
     fn new(
         first_row: usize,
         width: usize,
-        frontmost: &'a mut [u32],
-        nearness: &'a mut [f32],
+        seek: Seek,
+        (frontmost, nearness): (&'a mut [u32], &'a mut [f32]),
     ) -> Self {
         let empty = Block {
             farthest: f32::NEG_INFINITY,
@@ -231,6 +263,7 @@ impl<'a> Band<'a> {
         Self {
             first_row,
             width,
+            seek,
             frontmost,
             nearness,
             blocks: vec![empty; block_rows * width.div_ceil(BLOCK)],
@@ -273,6 +306,11 @@ impl<'a> Band<'a> {
                 let mut is_changed = false;
                 for (span, row) in spans.iter().zip(rows.clone()) {
                     for column in span.start.max(within.start)..span.end.min(within.end) {
+                        let sample = row * self.width + column;
+                        let known = self.nearness[sample];
+                        if known == f32::INFINITY {
+                            continue;
+                        }
                         let at =
                             Vec2::new(column as f32 + 0.5, (row + self.first_row) as f32 + 0.5);
                         let weights = place.weights(at);
@@ -281,14 +319,15 @@ impl<'a> Band<'a> {
                             continue;
                         }
                         let near = weighted(nearness, weights);
-                        let sample = row * self.width + column;
-                        let known = self.nearness[sample];
                         // Of equally near triangles the first of the scene is seen, whichever is
                         // drawn first.
                         let is_before =
                             near > known || (near == known && index < self.frontmost[sample]);
                         if is_before && cutout.is_there(triangle, &place, at, weights) {
-                            self.nearness[sample] = near;
+                            self.nearness[sample] = match self.seek {
+                                Seek::Frontmost => near,
+                                Seek::Any => f32::INFINITY,
+                            };
                             self.frontmost[sample] = index;
                             is_changed = true;
                         }

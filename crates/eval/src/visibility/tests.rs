@@ -105,19 +105,24 @@ proptest! {
             }
             made
         }).collect();
-        let mut frontmost = vec![NOTHING; SIDE * SIDE];
-        let mut nearness = vec![f32::NEG_INFINITY; SIDE * SIDE];
-        for (number, members) in triangles_by_band(&triangles, SIDE).iter().enumerate() {
-            let first = number * BAND_ROWS;
-            let samples = first * SIDE..SIDE * SIDE.min(first + BAND_ROWS);
-            let mut band = Band::new(
-                first, SIDE, &mut frontmost[samples.clone()], &mut nearness[samples],
-            );
-            for &member in members {
-                band.draw(member, &triangles[member as usize], &surface, None);
+        let drawn = |seek| {
+            let mut frontmost = vec![NOTHING; SIDE * SIDE];
+            let mut nearness = vec![f32::NEG_INFINITY; SIDE * SIDE];
+            for (number, members) in triangles_by_band(&triangles, SIDE).iter().enumerate() {
+                let first = number * BAND_ROWS;
+                let samples = first * SIDE..SIDE * SIDE.min(first + BAND_ROWS);
+                let rows = (&mut frontmost[samples.clone()], &mut nearness[samples]);
+                let mut band = Band::new(first, SIDE, seek, rows);
+                for &member in members {
+                    band.draw(member, &triangles[member as usize], &surface, None);
+                }
             }
-        }
-        prop_assert_eq!(frontmost, literal(&triangles, &surface, SIDE));
+            frontmost
+        };
+        let expected = literal(&triangles, &surface, SIDE);
+        let is_covered = |seen: &[u32]| seen.iter().map(|index| *index != NOTHING).collect::<Vec<_>>();
+        prop_assert_eq!(is_covered(&drawn(Seek::Any)), is_covered(&expected));
+        prop_assert_eq!(drawn(Seek::Frontmost), expected);
     }
 
     /// Slivers and large triangles, on the raster and beyond it.

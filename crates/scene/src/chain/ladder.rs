@@ -10,9 +10,9 @@ use super::maker::{Made, Maker};
 /// do; the last has .78 % of all.
 const RUNGS: usize = 29;
 
-/// The rung that is tried first, of an eighth of all triangles: levels at which pictures of 256
+/// The rung that is tried first, of a tenth of all triangles: levels at which pictures of 256
 /// pixels differ by .05 have a tenth to a quarter on the trees that it was tried with.
-const FIRST: usize = 12;
+const FIRST: usize = 13;
 
 /// By how much the logarithm of FLIP rises from rung to rung, until two rungs tell.
 const USUAL_SLOPE: f64 = 0.1;
@@ -81,8 +81,8 @@ impl<'a, 'm> Ladder<'a, 'm> {
             }
             let next = there.find(|rung| (low..high).contains(rung));
             if next.is_none()
-                && let (Some((rung, over)), Some(slope)) = (within, self.slope)
-                && over + slope > NOT_WORTH_A_TRY
+                && let Some((rung, over)) = within
+                && over + self.slope.unwrap_or(USUAL_SLOPE) > NOT_WORTH_A_TRY
             {
                 return Ok(rung);
             }
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn the_next_rung_is_where_the_difference_should_be_crossed() {
         assert_eq!(guess(None, None, 0.1, 0, RUNGS), FIRST);
-        assert_eq!(guess(None, None, 0.1, 12, RUNGS), 12);
+        assert_eq!(guess(None, None, 0.1, 14, RUNGS), 14);
         // Three tenths too much are three rungs finer, as much to spare three coarser.
         assert_eq!(guess(None, Some((10, 0.31)), 0.1, 0, 10), 6);
         assert_eq!(guess(Some((10, -0.31)), None, 0.1, 11, RUNGS), 13);

@@ -13,7 +13,7 @@ use super::error::ChainError;
 use super::scene_look::{SceneLook, tight_cameras, walk_around};
 use super::textures::LevelSurfaces;
 use crate::Screen;
-use crate::impostor::judge::Judge;
+use crate::impostor::judge::{self, Judge};
 
 /// Pictures that levels are judged by have at most this many pixels a side, those of `measure`: to
 /// draw larger ones would take longer than to make the level.
@@ -124,8 +124,7 @@ impl Look {
             .entry(side)
             .or_insert_with(|| self.pictures(&self.original, side));
         let of_level = self.pictures(&drawn.level.surfaces, side);
-        let found = original.measure(&of_level);
-        let flip = found.overall.get("flip_mean").unwrap_or(f64::NAN);
+        let flip = judge::flip(original, &of_level);
         drawn.flips.borrow_mut().insert(side, flip);
         flip
     }

@@ -80,6 +80,11 @@ impl ChainOptions {
                 (distances.len(), distances.windows(2).all(|w| w[0] < w[1]))
             }
         };
+        if let Wanted::Triangles(amounts) = &self.wanted
+            && amounts.iter().any(|amount| amount.of(usize::MAX) == 0)
+        {
+            return refused("a level of no triangles shows nothing: ask for more than 0");
+        }
         let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
         if let Wanted::Heights(all) | Wanted::Distances(all) = &self.wanted
             && !all.iter().all(|x| is_above_zero(*x))

@@ -37,7 +37,10 @@ const LEAST_RADII: f64 = 3.0;
 
 /// Pictures have at most so many pixels a side: of what the screen shows larger they show the
 /// middle.
-const MOST_PX: f64 = 384.0;
+const MOST_PX: f64 = 256.0;
+
+/// Specks of larger ones are those of the middle of so many pixels a side.
+const SPECKS_PX: f64 = 384.0;
 
 /// What leaves of a level show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -231,16 +234,37 @@ impl<'a> Client<'a> {
             let (views, side) = self.views(pixels_high);
             AsDrawnCoverage::new(self.original, &views, side)
         });
-        (truth.shown(surfaces, every), truth.original_shown(every))
+        let per_picture = (self.side_of_whole(pixels_high).min(SPECKS_PX) / MOST_PX).powi(2);
+        let of_picture = |shown: Shown| Shown {
+            specks_per_view: shown.specks_per_view * per_picture.max(1.0),
+            ..shown
+        };
+        let shown = [truth.shown(surfaces, every), truth.original_shown(every)];
+        let [level, original] = shown.map(of_picture);
+        (level, original)
     }
 
-    /// Views from where the screen shows the plant so high, and pixels a side of their pictures.
-    fn views(&self, pixels_high: f64) -> (ViewSet, u32) {
+    /// How far off the screen shows the plant so high, and the tangent of half the field of view that
+    /// then just holds it.
+    fn frame(&self, pixels_high: f64) -> (f64, f64) {
         let radius = self.sphere.radius;
         let distance = self.screen.distance(self.plant_height, pixels_high);
         let distance = distance.max(LEAST_RADII * radius);
         let tangent = radius / (distance * distance - radius * radius).sqrt();
-        let whole = pixels_high * 2.0 * distance * tangent / self.plant_height;
+        (distance, tangent)
+    }
+
+    /// Pixels a side of a picture of the whole plant there.
+    fn side_of_whole(&self, pixels_high: f64) -> f64 {
+        let (distance, tangent) = self.frame(pixels_high);
+        pixels_high * 2.0 * distance * tangent / self.plant_height
+    }
+
+    /// Views from where the screen shows the plant so high, and pixels a side of their pictures.
+    fn views(&self, pixels_high: f64) -> (ViewSet, u32) {
+        let (distance, tangent) = self.frame(pixels_high);
+        let radius = self.sphere.radius;
+        let whole = self.side_of_whole(pixels_high);
         let side = whole.clamp(1.0, MOST_PX).ceil();
         let tangent = tangent * side / whole;
         let from_afar = |view: &View| {

@@ -26,7 +26,14 @@ pub(super) fn asked(
 ) -> Result<Vec<Placed>, ChainError> {
     let mut made: Vec<Placed> = Vec::new();
     for amount in amounts {
-        let level = maker.level(amount.of(maker.all), observer)?;
+        let triangles = amount.of(maker.all);
+        let level = maker.level(triangles, observer)?;
+        if level.triangles() == 0 {
+            return Err(ChainError::Wanted(format!(
+                "no leaf and no piece of wood is left with {triangles} of {} triangles: ask for more",
+                maker.all
+            )));
+        }
         if is_no_less(&level, made.last().map(|(level, ..)| level), maker.all) {
             notes.push(format!(
                 "a level of {} triangles is left out: it would be as large as the one before",

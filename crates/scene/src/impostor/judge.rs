@@ -79,14 +79,13 @@ impl Judge {
 
 /// Mean FLIP of pictures against others, over all views.
 pub fn flip(a: &Pictures, b: &Pictures) -> f64 {
-    let found = a.measure(b);
-    found.overall.get("flip_mean").unwrap_or(f64::NAN)
+    let flips = a.flips(b);
+    flips.iter().sum::<f64>() / flips.len() as f64
 }
 
 /// That of the view in which it is largest.
 pub fn largest_flip(a: &Pictures, b: &Pictures) -> f64 {
-    let found = a.measure(b);
-    found.worst.get("flip_mean").unwrap_or(f64::NAN)
+    a.flips(b).into_iter().fold(0.0, f64::max)
 }
 
 /// The crossed planes that look most like the plant, lit by baked normals or flat, and their FLIP.
