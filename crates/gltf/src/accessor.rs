@@ -334,19 +334,20 @@ impl Document {
             None => Cow::Owned(vec![0; accessor.count * size]),
             Some(view) => {
                 let stride = self.stride(&accessor, view)?;
-                let data = self.view_bytes(view)?;
+                let held = self.held_view(view)?;
                 let start = accessor.byte_offset as u128;
                 let extent = match accessor.count {
                     0 => 0,
                     count => (count - 1) * stride + size,
                 };
                 // A compressed view may hold less than its JSON says.
-                self.check_range(view, start, start + extent as u128, data.len() as u64)
+                self.check_range(view, start, start + extent as u128, held.len() as u64)
                     .at(|| self.place("accessors", index))?;
                 let start = if extent == 0 { 0 } else { accessor.byte_offset };
-                let data = &data[start..start + extent];
+                let data = held.bytes(start..start + extent);
+                let data = data.at(|| self.place("bufferViews", view))?;
                 if stride == size {
-                    Cow::Borrowed(data)
+                    data
                 } else {
                     let element = |i: usize| &data[i * stride..i * stride + size];
                     Cow::Owned((0..accessor.count).flat_map(element).copied().collect())

@@ -1,11 +1,14 @@
 //! Buffers: fetching their bytes.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::Value;
 
+use super::binary_chunk::BinaryChunk;
 use super::error::{ALLOW_MORE, At, Fault, Problem, shortened};
 use super::folder;
 use super::property;
@@ -29,20 +32,62 @@ pub(crate) enum BufferSource {
 #[derive(Clone, Debug)]
 pub(crate) struct Buffer {
     /// At least `length` bytes, shared by all buffers of one file.
-    shared: Arc<Vec<u8>>,
+    shared: Arc<BinaryChunk>,
     /// `byteLength`, or 0 for a placeholder.
     length: usize,
     pub(crate) source: BufferSource,
 }
 
 impl Buffer {
-    /// Exactly `byteLength` bytes, or none for a placeholder.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        &self.shared[..self.length]
+    /// `byteLength`, or 0 for a placeholder.
+    pub(crate) fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Some of its bytes.
+    ///
+    /// # Errors
+    /// As [`BinaryChunk::bytes`].
+    ///
+    /// # Panics
+    /// If the range ends beyond the buffer.
+    pub(crate) fn bytes(&self, range: Range<usize>) -> Result<Cow<'_, [u8]>, Problem> {
+        assert!(range.end <= self.length, "the range is within the buffer");
+        self.shared.bytes(range)
+    }
+
+    /// Appends some of its bytes to others.
+    ///
+    /// # Errors
+    /// As [`BinaryChunk::bytes`].
+    ///
+    /// # Panics
+    /// If the range ends beyond the buffer.
+    pub(crate) fn append_to(
+        &self,
+        others: &mut Vec<u8>,
+        range: Range<usize>,
+    ) -> Result<(), Problem> {
+        assert!(range.end <= self.length, "the range is within the buffer");
+        self.shared.append_to(others, range)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn is_on_disk(&self) -> bool {
+        matches!(*self.shared, BinaryChunk::Disk(_))
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        Self {
+            shared: Arc::new(BinaryChunk::Memory(bytes.to_vec())),
+            length: bytes.len(),
+            source: BufferSource::DataUri,
+        }
     }
 }
 
-/// How many bytes are in memory.
+/// How many bytes there are.
 pub(crate) fn distinct_bytes(buffers: &[Buffer]) -> u64 {
     let all = buffers
         .iter()
@@ -53,7 +98,7 @@ pub(crate) fn distinct_bytes(buffers: &[Buffer]) -> u64 {
 /// Fetches the bytes of all buffers.
 pub(crate) fn load_all(
     root: &Value,
-    mut chunk: Option<Vec<u8>>,
+    mut chunk: Option<BinaryChunk>,
     base_dir: Option<&Path>,
     budget: &mut Budget,
 ) -> Result<Vec<Buffer>, Fault> {
@@ -73,7 +118,7 @@ pub(crate) fn load_all(
 
 fn load(
     json: &Value,
-    chunk: Option<Vec<u8>>,
+    chunk: Option<BinaryChunk>,
     files: &mut Files,
     budget: &mut Budget,
 ) -> Result<Buffer, Problem> {
@@ -89,7 +134,7 @@ fn load(
                 budget.take(uri.len() as u64, what, ALLOW_MORE)?;
             }
             match uri::resolve(uri)? {
-                Target::Data(bytes) => (Arc::new(bytes), BufferSource::DataUri),
+                Target::Data(bytes) => (in_memory(bytes), BufferSource::DataUri),
                 Target::File { relative, uri } => {
                     let file = files.read(&relative, uri, length, budget)?;
                     (file, BufferSource::File)
@@ -118,7 +163,7 @@ struct Files<'a> {
     base_dir: Option<&'a Path>,
     /// By the file, links followed, how much of it some buffer needs.
     longest: HashMap<PathBuf, u64>,
-    read: HashMap<PathBuf, Arc<Vec<u8>>>,
+    read: HashMap<PathBuf, Arc<BinaryChunk>>,
 }
 
 impl<'a> Files<'a> {
@@ -151,7 +196,7 @@ impl<'a> Files<'a> {
         uri: &str,
         length: u64,
         budget: &mut Budget,
-    ) -> Result<Arc<Vec<u8>>, Problem> {
+    ) -> Result<Arc<BinaryChunk>, Problem> {
         let file = folder::find(self.base_dir, relative, uri)?;
         if let Some(known) = self.read.get(&file) {
             return Ok(Arc::clone(known));
@@ -163,15 +208,19 @@ impl<'a> Files<'a> {
         let there = std::fs::metadata(&file).map_or(longest, |there| there.len());
         let what = || format!("the file `{}`", shortened(uri));
         budget.take(there.min(longest), what, ALLOW_MORE)?;
-        let bytes = Arc::new(folder::read_file(&file, uri, longest)?);
+        let bytes = in_memory(folder::read_file(&file, uri, longest)?);
         self.read.insert(file, Arc::clone(&bytes));
         Ok(bytes)
     }
 }
 
+fn in_memory(bytes: Vec<u8>) -> Arc<BinaryChunk> {
+    Arc::new(BinaryChunk::Memory(bytes))
+}
+
 fn placeholder() -> Buffer {
     Buffer {
-        shared: Arc::default(),
+        shared: in_memory(Vec::new()),
         length: 0,
         source: BufferSource::Placeholder,
     }
@@ -204,11 +253,9 @@ mod tests {
         let mut budget = Budget::new(secateur_model::Memory::Bytes(7));
         let loaded = load_all(&root, None, Some(folder.path()), &mut budget).unwrap();
         assert_eq!(budget.left(), 1);
-        let bytes: Vec<&[u8]> = loaded.iter().map(Buffer::bytes).collect();
-        assert_eq!(
-            bytes,
-            [&[1, 2][..], &[1, 2, 3, 4, 5, 6], &[1, 2, 3, 4, 5, 6]]
-        );
+        let bytes = loaded.iter().map(|b| b.bytes(0..b.len()).unwrap());
+        let expected: [&[u8]; 3] = [&[1, 2], &[1, 2, 3, 4, 5, 6], &[1, 2, 3, 4, 5, 6]];
+        assert!(bytes.eq(expected));
         assert_eq!(distinct_bytes(&loaded), 6);
     }
 }

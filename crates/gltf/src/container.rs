@@ -7,14 +7,19 @@
 //! crate could be used here: it turns the JSON into its own structures, which
 //! loses what it does not know.
 
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
+use std::path::Path;
 
 use serde_json::Value;
 
+use super::binary_chunk::{BinaryChunk, ChunkOnDisk};
 use super::error::{ALLOW_MORE, Problem};
 use super::property;
 use secateur_model::{Budget, Memory};
 
+const MAGIC: &[u8; 4] = b"glTF";
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 /// Chunks start and end at multiples of this many bytes.
@@ -26,7 +31,7 @@ const BYTES_CHUNK: [u8; 4] = *b"BIN\0";
 pub(crate) struct Unpacked {
     pub(crate) root: Value,
     /// The bytes of the GLB's second chunk, if there is one.
-    pub(crate) chunk: Option<Vec<u8>>,
+    pub(crate) chunk: Option<BinaryChunk>,
     /// How much memory the file may take.
     pub(crate) memory: Memory,
     /// What is left of it.
@@ -37,20 +42,18 @@ pub(crate) struct Unpacked {
 pub(crate) fn unpack(mut file: Vec<u8>, memory: Memory) -> Result<Unpacked, Problem> {
     let mut budget = Budget::new(memory);
     budget.take(file.len() as u64, || "the file".to_owned(), ALLOW_MORE)?;
-    let (json, chunk) = if file.starts_with(b"glTF") {
-        chunks(&file)?
+    let (json, chunk) = if file.starts_with(MAGIC) {
+        let four_bytes = |at: usize| file.get(at..at + 4)?.try_into().ok();
+        chunks(file.len(), &mut |at| Ok(four_bytes(at)))?
     } else {
         (0..file.len(), None)
     };
-    let parsed_bytes = parsed_bytes(&file[json.clone()]);
-    budget.take(parsed_bytes, || "its JSON".to_owned(), ALLOW_MORE)?;
-    let root = parse_json(&file[json])?;
-    check_version(&root)?;
+    let root = parse(&file[json], &mut budget)?;
     // In the file's own memory: the chunk is nearly all of a large file.
     let chunk = chunk.map(|range| {
         file.truncate(range.end);
         file.drain(..range.start);
-        file
+        BinaryChunk::Memory(file)
     });
     Ok(Unpacked {
         root,
@@ -79,12 +82,75 @@ fn parsed_bytes(json: &[u8]) -> u64 {
     values * BYTES_A_VALUE + names * BYTES_A_NAME + json.len() as u64
 }
 
-/// Where the JSON of a GLB is, and its bytes, if it has any.
-fn chunks(file: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), Problem> {
-    let (Some(version), Some(length)) = (word(file, 4), word(file, 8)) else {
+/// Parses the JSON of a file, with memory for it.
+fn parse(json: &[u8], budget: &mut Budget) -> Result<Value, Problem> {
+    budget.take(parsed_bytes(json), || "its JSON".to_owned(), ALLOW_MORE)?;
+    let root = parse_json(json)?;
+    check_version(&root)?;
+    Ok(root)
+}
+
+/// [`unpack`] of a GLB of at least `least_bytes` whose second chunk stays in its file; `None` for
+/// any other file.
+///
+/// # Errors
+/// [`Problem`] if it can't be read or is no glTF that can be used.
+pub(crate) fn unpack_on_disk(
+    path: &Path,
+    memory: Memory,
+    least_bytes: u64,
+) -> Result<Option<Unpacked>, Problem> {
+    let there = fs::metadata(path).map_err(Problem::Unreadable)?;
+    // A pipe can be read but once.
+    if !there.is_file() || there.len() < least_bytes {
+        return Ok(None);
+    }
+    let mut file = File::open(path).map_err(Problem::Unreadable)?;
+    let length = there.len() as usize;
+    let mut four_bytes = |at: usize| {
+        let is_there = at.checked_add(4).is_some_and(|end| end <= length);
+        let read = || -> io::Result<[u8; 4]> {
+            let mut bytes = [0; 4];
+            file.seek(SeekFrom::Start(at as u64))?;
+            file.read_exact(&mut bytes)?;
+            Ok(bytes)
+        };
+        is_there.then(read).transpose().map_err(Problem::Unreadable)
+    };
+    if four_bytes(0)?.as_ref() != Some(MAGIC) {
+        return Ok(None);
+    }
+    let (json, chunk) = chunks(length, &mut four_bytes)?;
+    let mut budget = Budget::new(memory);
+    budget.take(json.len() as u64, || "its JSON".to_owned(), ALLOW_MORE)?;
+    let mut whole = || -> io::Result<(Vec<u8>, Option<ChunkOnDisk>)> {
+        let mut text = vec![0; json.len()];
+        file.seek(SeekFrom::Start(json.start as u64))?;
+        file.read_exact(&mut text)?;
+        let of_chunk = |range| ChunkOnDisk::new(file.try_clone()?, range);
+        Ok((text, chunk.clone().map(of_chunk).transpose()?))
+    };
+    let (json, chunk) = whole().map_err(Problem::Unreadable)?;
+    Ok(Some(Unpacked {
+        root: parse(&json, &mut budget)?,
+        chunk: chunk.map(BinaryChunk::Disk),
+        memory,
+        budget,
+    }))
+}
+
+/// Four bytes of a file from here on; `None` where it ends before.
+type FourBytes<'a> = dyn FnMut(usize) -> Result<Option<[u8; 4]>, Problem> + 'a;
+
+/// Where the JSON of a GLB is, and its bytes, if it has any. `found` is the length of the file.
+fn chunks(
+    found: usize,
+    four_bytes: &mut FourBytes<'_>,
+) -> Result<(Range<usize>, Option<Range<usize>>), Problem> {
+    let (Some(version), Some(length)) = (word(four_bytes, 4)?, word(four_bytes, 8)?) else {
         return Err(Problem::Truncated {
             expected: HEADER_BYTES as u64,
-            found: file.len() as u64,
+            found: found as u64,
         });
     };
     if version != 2 {
@@ -94,18 +160,20 @@ fn chunks(file: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), Problem> 
         let reason = format!("its header gives a length of {length} bytes");
         return Err(Problem::DamagedGlb(reason));
     }
-    let file = file.get(..length).ok_or(Problem::Truncated {
-        expected: length as u64,
-        found: file.len() as u64,
-    })?;
+    if length > found {
+        return Err(Problem::Truncated {
+            expected: length as u64,
+            found: found as u64,
+        });
+    }
     let damaged = |reason: &str| Problem::DamagedGlb(reason.to_owned());
-    let json = match chunk_at(file, HEADER_BYTES)? {
+    let json = match chunk_at(length, four_bytes, HEADER_BYTES)? {
         Some(chunk) if chunk.kind == JSON_CHUNK => chunk.data,
         _ => return Err(damaged("its first chunk is not JSON")),
     };
     // Chunks of other types, and those that follow, are passed over: they are of
     // versions to come.
-    match chunk_at(file, json.end)? {
+    match chunk_at(length, four_bytes, json.end)? {
         Some(chunk) if chunk.kind == BYTES_CHUNK => Ok((json, Some(chunk.data))),
         Some(chunk) if chunk.kind == JSON_CHUNK => Err(damaged("it has two JSON chunks")),
         _ => Ok((json, None)),
@@ -118,32 +186,37 @@ struct Chunk {
     data: Range<usize>,
 }
 
-/// The chunk that starts here; `None` at the end of the file.
-fn chunk_at(file: &[u8], start: usize) -> Result<Option<Chunk>, Problem> {
-    if start == file.len() {
+/// The chunk that starts here; `None` at `end`, where the GLB ends.
+fn chunk_at(
+    end: usize,
+    four_bytes: &mut FourBytes<'_>,
+    start: usize,
+) -> Result<Option<Chunk>, Problem> {
+    if start == end {
         return Ok(None);
     }
-    let kind = file.get(start + 4..start + CHUNK_HEADER_BYTES);
-    let (Some(length), Some(kind)) = (word(file, start), kind) else {
+    let data = start + CHUNK_HEADER_BYTES;
+    let head = match data <= end {
+        true => word(four_bytes, start)?.zip(four_bytes(start + 4)?),
+        false => None,
+    };
+    let Some((length, kind)) = head else {
         let reason = "it ends within the header of a chunk";
         return Err(Problem::DamagedGlb(reason.to_owned()));
     };
-    let data = start + CHUNK_HEADER_BYTES;
-    let left = file.len() - data;
+    let left = end - data;
     if length > left {
         let reason = format!("a chunk of {length} bytes starts where only {left} are left");
         return Err(Problem::DamagedGlb(reason));
     }
-    let kind = kind.try_into().expect("four bytes");
     Ok(Some(Chunk {
         kind,
         data: data..data + length,
     }))
 }
 
-fn word(file: &[u8], start: usize) -> Option<usize> {
-    let bytes = file.get(start..start + 4)?.try_into().ok()?;
-    Some(u32::from_le_bytes(bytes) as usize)
+fn word(four_bytes: &mut FourBytes<'_>, at: usize) -> Result<Option<usize>, Problem> {
+    Ok(four_bytes(at)?.map(|bytes| u32::from_le_bytes(bytes) as usize))
 }
 
 fn parse_json(bytes: &[u8]) -> Result<Value, Problem> {
@@ -249,16 +322,21 @@ mod tests {
         for bytes in [&[][..], &[1, 2, 3, 4]] {
             let read = unpack(glb_bytes(&root, bytes.to_vec()).unwrap(), Memory::Auto).unwrap();
             assert_eq!(read.root, root);
-            assert_eq!(read.chunk.unwrap_or_default(), bytes);
+            let chunk = read.chunk.unwrap_or(BinaryChunk::Memory(Vec::new()));
+            assert_eq!(chunk.bytes(0..chunk.len()).unwrap(), bytes);
         }
     }
 
     #[test]
     fn chunks_of_types_to_come_are_passed_over() {
-        let with = |chunks: &[_]| unpack(glb(chunks), Memory::Auto).map(|read| read.chunk);
+        let with = |chunks: &[_]| {
+            let chunk = unpack(glb(chunks), Memory::Auto).unwrap().chunk?;
+            let bytes = chunk.bytes(0..chunk.len());
+            Some(bytes.unwrap().into_owned())
+        };
         let after = [(b"JSON", ASSET), (b"BIN\0", b"data"), (b"NEXT", b"abcd")];
-        assert_eq!(with(&after).unwrap(), Some(b"data".to_vec()));
-        assert_eq!(with(&[(b"JSON", ASSET), (b"NEXT", b"abcd")]).unwrap(), None);
+        assert_eq!(with(&after), Some(b"data".to_vec()));
+        assert_eq!(with(&[(b"JSON", ASSET), (b"NEXT", b"abcd")]), None);
     }
 
     #[test]

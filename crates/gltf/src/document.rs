@@ -15,6 +15,9 @@ use super::property;
 use super::uri;
 use secateur_model::{Budget, Memory};
 
+/// From which size on the buffer of a GLB stays in its file: less is read faster at once.
+const LARGE_GLB_BYTES: u64 = 64 << 20;
+
 /// A glTF file as it was found: its JSON, kept whole, and its buffers' bytes.
 #[derive(Debug)]
 pub struct Document {
@@ -77,9 +80,27 @@ impl Document {
     /// or an image is outside the file's own folder; [`Problem::Memory`] within it
     /// if the file takes more memory than that.
     pub fn open_within(path: &Path, memory: Memory) -> Result<Self, GltfError> {
+        Self::open_keeping(path, memory, LARGE_GLB_BYTES)
+    }
+
+    /// [`open_within`](Self::open_within), and the buffer of a GLB of at least so many bytes stays
+    /// in its file.
+    pub(crate) fn open_keeping(
+        path: &Path,
+        memory: Memory,
+        large_bytes: u64,
+    ) -> Result<Self, GltfError> {
         let name = path.display().to_string();
+        let folder = folder::of(path);
+        let large = || match container::unpack_on_disk(path, memory, large_bytes)? {
+            Some(unpacked) => Self::from_unpacked(&name, unpacked, Some(&folder)).map(Some),
+            None => Ok(None),
+        };
+        if let Some(document) = large().map_err(|fault: Fault| GltfError::new(&name, fault))? {
+            return Ok(document);
+        }
         let bytes = read_within(path, memory)?;
-        Self::from_bytes_within(&name, bytes, Some(&folder::of(path)), memory)
+        Self::from_bytes_within(&name, bytes, Some(&folder), memory)
     }
 
     /// Reads a file from memory. `name` is what errors call it; `base_dir` is

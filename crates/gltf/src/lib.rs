@@ -105,6 +105,7 @@
 //! | textured triangles as a file | `write/surfaces.rs` |
 
 mod accessor;
+mod binary_chunk;
 mod buffer;
 mod camera_path;
 mod chain_problem;

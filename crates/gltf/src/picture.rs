@@ -268,7 +268,7 @@ impl Document {
         let place = || self.place("images", index);
         if let Some(view) = property::index(json, "bufferView").at(place)? {
             property::entry(&self.root, "bufferViews", view).at(place)?;
-            return Ok(Ok(Cow::Borrowed(self.view_bytes(view)?)));
+            return Ok(Ok(self.view_bytes(view)?));
         }
         let uri = property::text(json, "uri")
             .and_then(|uri| uri.ok_or(Problem::Missing("uri")))

@@ -41,12 +41,13 @@ impl Document {
             .at(place);
         }
         let size = accessor.element_bytes();
-        let packed = |view, offset: usize, size: usize| -> Result<&[u8], Fault> {
-            let data = self.view_bytes(view)?;
+        let packed = |view, offset: usize, size: usize| -> Result<Cow<'_, [u8]>, Fault> {
+            let held = self.held_view(view)?;
             let end = offset as u128 + sparse.count as u128 * size as u128;
-            self.check_range(view, offset as u128, end, data.len() as u64)
+            self.check_range(view, offset as u128, end, held.len() as u64)
                 .at(place)?;
-            Ok(&data[offset..end as usize])
+            let bytes = held.bytes(offset..end as usize);
+            bytes.at(place)
         };
         let index_bytes = packed(
             sparse.index_view,
@@ -56,10 +57,10 @@ impl Document {
         let values = packed(sparse.value_view, sparse.value_offset, size)?;
         let indices = Elements {
             accessor: index_accessor,
-            bytes: Cow::Borrowed(index_bytes),
+            bytes: index_bytes,
         }
         .indices();
-        put_in(bytes, size, accessor.count, &indices, values).at(place)
+        put_in(bytes, size, accessor.count, &indices, &values).at(place)
     }
 
     fn sparse(&self, accessor: usize) -> Result<Sparse, Problem> {

@@ -1,31 +1,75 @@
 //! Buffer views: ranges of buffers.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use super::Document;
-use super::buffer::BufferSource;
+use super::buffer::{Buffer, BufferSource};
 use super::error::{At, Fault, Problem};
 use super::property;
 
+/// Where the bytes of a view are.
+pub(crate) enum Held<'a> {
+    Decompressed(&'a [u8]),
+    /// A range that is within the buffer.
+    InBuffer(&'a Buffer, Range<usize>),
+}
+
+impl<'a> Held<'a> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Decompressed(bytes) => bytes.len(),
+            Self::InBuffer(_, range) => range.len(),
+        }
+    }
+
+    /// Some of the view's bytes.
+    ///
+    /// # Errors
+    /// As [`Buffer::bytes`].
+    ///
+    /// # Panics
+    /// If the range ends beyond the view.
+    pub(crate) fn bytes(&self, part: Range<usize>) -> Result<Cow<'a, [u8]>, Problem> {
+        assert!(part.end <= self.len(), "the range is within the view");
+        match self {
+            Self::Decompressed(bytes) => Ok(Cow::Borrowed(&bytes[part])),
+            Self::InBuffer(buffer, range) => {
+                buffer.bytes(range.start + part.start..range.start + part.end)
+            }
+        }
+    }
+}
+
 impl Document {
     /// The bytes of `bufferViews[index]`, decompressed.
-    pub(crate) fn view_bytes(&self, index: usize) -> Result<&[u8], Fault> {
+    pub(crate) fn view_bytes(&self, index: usize) -> Result<Cow<'_, [u8]>, Fault> {
+        let held = self.held_view(index)?;
+        let bytes = held.bytes(0..held.len());
+        bytes.at(|| self.place("bufferViews", index))
+    }
+
+    /// Where the bytes of `bufferViews[index]` are, decompressed.
+    pub(crate) fn held_view(&self, index: usize) -> Result<Held<'_>, Fault> {
         let json = property::entry(&self.root, "bufferViews", index)?;
         let place = || self.place("bufferViews", index);
         if let Some(bytes) = self.decompressed(index, json)? {
-            return Ok(bytes);
+            return Ok(Held::Decompressed(bytes));
         }
         let buffer = property::required_index(json, "buffer").at(place)?;
         let offset = property::whole(json, "byteOffset").at(place)?.unwrap_or(0);
         let length = self.view_length(index)?;
-        self.buffer_range(buffer, offset, length).at(place)
+        let (buffer, range) = self.buffer_range(buffer, offset, length).at(place)?;
+        Ok(Held::InBuffer(buffer, range))
     }
 
-    /// A range of a buffer's bytes.
+    /// A range of a buffer, which is within it.
     pub(crate) fn buffer_range(
         &self,
         buffer: usize,
         offset: u64,
         length: u64,
-    ) -> Result<&[u8], Problem> {
+    ) -> Result<(&Buffer, Range<usize>), Problem> {
         let data = self.buffers.get(buffer).ok_or(Problem::NoSuch {
             list: "buffers",
             index: buffer,
@@ -35,15 +79,15 @@ impl Document {
             return Err(Problem::NoBytes);
         }
         let (start, end) = (u128::from(offset), u128::from(offset) + u128::from(length));
-        if end > data.bytes().len() as u128 {
+        if end > data.len() as u128 {
             return Err(Problem::OutOfRange {
                 start,
                 end,
                 container: self.place("buffers", buffer),
-                length: data.bytes().len() as u64,
+                length: data.len() as u64,
             });
         }
-        Ok(&data.bytes()[start as usize..end as usize])
+        Ok((data, start as usize..end as usize))
     }
 
     /// Whether a range lies within a view's `length` bytes.

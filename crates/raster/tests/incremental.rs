@@ -62,7 +62,8 @@ fn scene<'a>(foliage: &'a Foliage, lod: &'a Lod, views: &'a ViewSet) -> Scene<'a
 }
 
 impl<'a> Kept<'a> {
-    fn new(foliage: &'a Foliage, views: &'a ViewSet, table: &'a LgTable) -> Self {
+    /// With areas of all leaves, or of those that are seen.
+    fn new(foliage: &'a Foliage, views: &'a ViewSet, table: &'a LgTable, is_of_all: bool) -> Self {
         let leaf_count = foliage.leaves().len();
         let lod = Lod::original(leaf_count);
         let (fragments, areas) = cpu::fragments_and_areas(&scene(foliage, &lod, views));
@@ -70,7 +71,10 @@ impl<'a> Kept<'a> {
             foliage,
             views,
             a_buffer: ABuffer::new(fragments.into_views(), leaf_count),
-            vmi: IncrementalVmi::new(&areas, table),
+            vmi: match is_of_all {
+                true => IncrementalVmi::new(&areas, table),
+                false => IncrementalVmi::of_seen(&areas, table),
+            },
             leaf_fragments: LeafFragments::new(RESOLUTION),
             events: Events::default(),
         }
@@ -128,10 +132,11 @@ proptest! {
     fn what_is_kept_up_to_date_is_what_is_drawn_anew(
         foliage in any_foliage(),
         edits in prop::collection::vec((any::<prop::sample::Index>(), any_edit()), 1..25),
+        is_of_all: bool,
     ) {
         let views = ViewSet::octahedron(foliage.bounding_sphere().unwrap());
         let table = LgTable::new();
-        let mut kept = Kept::new(&foliage, &views, &table);
+        let mut kept = Kept::new(&foliage, &views, &table, is_of_all);
         let mut lod = Lod::original(foliage.leaves().len());
         kept.assert_is_drawn_anew(&lod);
         for (index, edit) in edits {
@@ -170,10 +175,14 @@ proptest! {
     }
 
     #[test]
-    fn a_step_tells_what_it_changed(foliage in any_foliage(), scale in 0.1..9.0f64) {
+    fn a_step_tells_what_it_changed(
+        foliage in any_foliage(),
+        scale in 0.1..9.0f64,
+        is_of_all: bool,
+    ) {
         let views = ViewSet::octahedron(foliage.bounding_sphere().unwrap());
         let table = LgTable::new();
-        let mut kept = Kept::new(&foliage, &views, &table);
+        let mut kept = Kept::new(&foliage, &views, &table, is_of_all);
         let (before, original) = (kept.vmi.clone(), Vmi::of(&kept.vmi.area_table(), &table));
         kept.vmi.measure_from(&original);
         kept.edit(LeafId::from_index(0), Some(scale), None);

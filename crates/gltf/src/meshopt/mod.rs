@@ -97,13 +97,13 @@ impl Document {
         let what = || format!("{count} elements of {stride} bytes that are compressed");
         let mut budget = self.budget;
         budget.take(held.saturating_add(size), what, ALLOW_MORE)?;
-        let source = self.buffer_range(
+        let (buffer, range) = self.buffer_range(
             compressed.buffer,
             compressed.byte_offset,
             compressed.byte_length,
         )?;
         let bytes = compressed
-            .decode(source)
+            .decode(&buffer.bytes(range)?)
             .map_err(|error| Problem::Meshopt(error.0))?;
         self.decompressed_bytes.fetch_add(size, Ordering::Relaxed);
         Ok(bytes)

@@ -13,11 +13,11 @@ use super::drop_unreferenced::{
 };
 use super::leaf_edits::LeafEdits;
 use super::meshes::rewrite_meshes;
-use super::packing::{ViewBytes, pack};
+use super::packing::{PackProblem, ViewBytes, pack};
 use super::references::{items, len};
 use super::skeleton::rewrite_skeleton;
 use crate::Document;
-use crate::buffer::{Buffer, BufferSource};
+use crate::buffer::BufferSource;
 use crate::error::{At, Fault, Problem};
 use crate::order_extras::ORDER_EXTRAS_NAME;
 use crate::tree::Tree;
@@ -90,11 +90,14 @@ pub(super) fn finished(
     }
     decompress_views(&mut draft, &mut own)?;
     let bytes = ViewBytes {
-        buffers: document.buffers.iter().map(Buffer::bytes).collect(),
+        buffers: document.buffers.iter().collect(),
         own,
         partly_used,
     };
-    let buffer = pack(&mut draft.root, &bytes).map_err(|stray| stray_view(document, stray.0))?;
+    let buffer = pack(&mut draft.root, &bytes).map_err(|problem| match problem {
+        PackProblem::OutOfRange(view) => stray_view(document, view),
+        PackProblem::Unreadable(problem) => problem.into(),
+    })?;
     set_buffer(&mut draft.root, document, buffer.len());
     Ok(Content {
         triangles,
@@ -121,7 +124,7 @@ fn decompress_views<'d>(
         if extensions.is_empty() {
             remove_field(view, "extensions");
         }
-        own.insert(number, Cow::Borrowed(draft.document.view_bytes(number)?));
+        own.insert(number, draft.document.view_bytes(number)?);
         count += 1;
     }
     for name in COMPRESSIONS {

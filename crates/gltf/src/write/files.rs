@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::content::{Content, lod_content};
 use super::images::{self, Copy};
 use super::staged_files::StagedFiles;
+use crate::binary_chunk::BinaryChunk;
 use crate::container::{self, glb_bytes};
 use crate::document::Document;
 use crate::error::{Fault, GltfError, Problem};
@@ -100,7 +101,8 @@ impl PreparedLod {
             let mut unpacked = container::unpack(file, self.memory)?;
             if let Some(buffer) = &self.buffer {
                 super::drop_unreferenced::remove_field(&mut unpacked.root["buffers"][0], "uri");
-                unpacked.chunk = Some(fs::read(buffer).map_err(Problem::Unreadable)?);
+                let bytes = fs::read(buffer).map_err(Problem::Unreadable)?;
+                unpacked.chunk = Some(BinaryChunk::Memory(bytes));
             }
             Document::from_unpacked(&name, unpacked, self.images.as_deref())
         };

@@ -7,6 +7,8 @@ use std::ops::Range;
 use serde_json::Value;
 
 use super::references::{as_index, items, len};
+use crate::buffer::Buffer;
+use crate::error::Problem;
 
 /// Bytes keep their place modulo this, so that every component stays aligned.
 const ALIGNMENT: usize = 4;
@@ -22,7 +24,7 @@ enum Source {
 /// The bytes behind a file's buffer views.
 pub(super) struct ViewBytes<'a> {
     /// The buffers of the input, in its order.
-    pub(super) buffers: Vec<&'a [u8]>,
+    pub(super) buffers: Vec<&'a Buffer>,
     /// Bytes that replace what a view has in its buffer.
     pub(super) own: HashMap<usize, Cow<'a, [u8]>>,
     /// Views that lost an accessor: of these only what the remaining accessors
@@ -30,18 +32,24 @@ pub(super) struct ViewBytes<'a> {
     pub(super) partly_used: HashSet<usize>,
 }
 
-/// A buffer view whose bytes are not there.
-#[derive(Debug, PartialEq)]
-pub(super) struct ViewOutOfRange(pub(super) usize);
+/// Why the bytes of buffer views can't be packed.
+#[derive(Debug)]
+pub(super) enum PackProblem {
+    /// The bytes of this view are not there.
+    OutOfRange(usize),
+    /// A buffer can't be read.
+    Unreadable(Problem),
+}
 
 /// Packs what the buffer views of `root` name into one buffer and points them
 /// to it. Bytes that several views share stay shared.
-pub(super) fn pack(root: &mut Value, bytes: &ViewBytes) -> Result<Vec<u8>, ViewOutOfRange> {
+pub(super) fn pack(root: &mut Value, bytes: &ViewBytes) -> Result<Vec<u8>, PackProblem> {
     let views = (0..len(root, "bufferViews"))
         .map(|view| source_range(root, bytes, view))
         .collect::<Result<Vec<_>, _>>()?;
     let live = live_ranges(root, bytes, &views);
-    let (packed, map) = copy_ranges(bytes, &views, &live);
+    let copied = copy_ranges(bytes, &views, &live);
+    let (packed, map) = copied.map_err(PackProblem::Unreadable)?;
     for (view, fields) in items(root, "bufferViews").enumerate() {
         let (source, range) = &views[view];
         let (Some(first), Some(last)) = (live[view].first(), live[view].last()) else {
@@ -66,7 +74,7 @@ fn source_range(
     root: &Value,
     bytes: &ViewBytes,
     view: usize,
-) -> Result<(Source, Range<usize>), ViewOutOfRange> {
+) -> Result<(Source, Range<usize>), PackProblem> {
     if let Some(own) = bytes.own.get(&view) {
         return Ok((Source::View(view), 0..own.len()));
     }
@@ -78,7 +86,7 @@ fn source_range(
         let available = bytes.buffers.get(buffer)?.len();
         (start < end && end <= available).then_some((Source::Buffer(buffer), start..end))
     };
-    range().ok_or(ViewOutOfRange(view))
+    range().ok_or(PackProblem::OutOfRange(view))
 }
 
 /// For each view what has to stay of it: sorted, disjoint, relative to it.
@@ -211,7 +219,7 @@ fn copy_ranges(
     bytes: &ViewBytes,
     views: &[(Source, Range<usize>)],
     live: &[Vec<Range<usize>>],
-) -> (Vec<u8>, OffsetMap) {
+) -> Result<(Vec<u8>, OffsetMap), Problem> {
     let mut wanted: BTreeMap<Source, Vec<Range<usize>>> = BTreeMap::new();
     for ((source, view), ranges) in views.iter().zip(live) {
         let absolute = ranges
@@ -220,23 +228,21 @@ fn copy_ranges(
         wanted.entry(*source).or_default().extend(absolute);
     }
     let mut packed = Vec::new();
-    let mut map = BTreeMap::new();
+    let mut map: BTreeMap<Source, Vec<_>> = BTreeMap::new();
     for (source, mut ranges) in wanted {
         merge(&mut ranges);
-        let data: &[u8] = match source {
-            Source::Buffer(buffer) => bytes.buffers[buffer],
-            Source::View(view) => &bytes.own[&view],
-        };
-        let moves = ranges.into_iter().map(|range| {
+        let moves = map.entry(source).or_default();
+        for range in ranges {
             let gap = (range.start + ALIGNMENT - packed.len() % ALIGNMENT) % ALIGNMENT;
             packed.resize(packed.len() + gap, 0);
-            let new_start = packed.len();
-            packed.extend_from_slice(&data[range.clone()]);
-            (range, new_start)
-        });
-        map.insert(source, moves.collect());
+            moves.push((range.clone(), packed.len()));
+            match source {
+                Source::Buffer(buffer) => bytes.buffers[buffer].append_to(&mut packed, range)?,
+                Source::View(view) => packed.extend_from_slice(&bytes.own[&view][range]),
+            }
+        }
     }
-    (packed, OffsetMap(map))
+    Ok((packed, OffsetMap(map)))
 }
 
 /// Gives the accessors of partly used views their new offsets.
@@ -272,7 +278,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn view_bytes(buffer: &[u8]) -> ViewBytes<'_> {
+    fn view_bytes(buffer: &Buffer) -> ViewBytes<'_> {
         ViewBytes {
             buffers: vec![buffer],
             own: HashMap::new(),
@@ -283,7 +289,7 @@ mod tests {
     #[test]
     fn bytes_that_no_view_names_go_and_shared_ones_stay_shared() {
         // Views 4..8 and 6..10 overlap, 0..4 and 10..12 are nobody's.
-        let buffer: Vec<u8> = (0..12).collect();
+        let buffer = Buffer::of(&(0..12).collect::<Vec<u8>>());
         let mut root = json!({"bufferViews": [
             {"buffer": 0, "byteOffset": 4, "byteLength": 4},
             {"buffer": 0, "byteOffset": 6, "byteLength": 4}]});
@@ -297,7 +303,7 @@ mod tests {
     #[test]
     fn a_partly_used_view_keeps_what_its_accessors_name() {
         // Of five floats the first and the fourth are still used.
-        let buffer: Vec<u8> = (0..20).collect();
+        let buffer = Buffer::of(&(0..20).collect::<Vec<u8>>());
         let mut root = json!({
             "bufferViews": [{"buffer": 0, "byteLength": 20}],
             "accessors": [
@@ -316,7 +322,8 @@ mod tests {
     #[test]
     fn interleaved_accessors_keep_whole_strides() {
         // Two accessors of stride 8 over elements 1 and 2 of three.
-        let buffer: Vec<u8> = (0..24).collect();
+        let all: Vec<u8> = (0..24).collect();
+        let buffer = Buffer::of(&all);
         let mut root = json!({
             "bufferViews": [{"buffer": 0, "byteLength": 24, "byteStride": 8}],
             "accessors": [
@@ -326,7 +333,7 @@ mod tests {
         let mut bytes = view_bytes(&buffer);
         bytes.partly_used.insert(0);
         let packed = pack(&mut root, &bytes).unwrap();
-        assert_eq!(packed, buffer[8..]);
+        assert_eq!(packed, all[8..]);
         assert_eq!(root["accessors"][0]["byteOffset"], 0);
         assert_eq!(root["accessors"][1]["byteOffset"], 4);
     }
@@ -336,7 +343,8 @@ mod tests {
         let mut root = json!({"bufferViews": [
             {"buffer": 0, "byteLength": 8},
             {"buffer": 0, "byteOffset": 5, "byteLength": 1}]});
-        let mut bytes = view_bytes(&[1, 2, 3, 4, 5, 6, 7]);
+        let buffer = Buffer::of(&[1, 2, 3, 4, 5, 6, 7]);
+        let mut bytes = view_bytes(&buffer);
         bytes.own.insert(0, Cow::Borrowed(&[9; 8]));
         let packed = pack(&mut root, &bytes).unwrap();
         // Byte 5 keeps its place modulo 4.
@@ -350,10 +358,8 @@ mod tests {
         for (offset, length) in [(4, 4), (u64::MAX, 2), (0, 0)] {
             let mut root = json!({"bufferViews":
                 [{"buffer": 0, "byteOffset": offset, "byteLength": length}]});
-            assert_eq!(
-                pack(&mut root, &view_bytes(&[0; 6])),
-                Err(ViewOutOfRange(0))
-            );
+            let packed = pack(&mut root, &view_bytes(&Buffer::of(&[0; 6])));
+            assert!(matches!(packed, Err(PackProblem::OutOfRange(0))));
         }
     }
 }

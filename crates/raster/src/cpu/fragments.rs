@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId};
 
 use super::canvas::Canvas;
-use super::histogram;
+use super::histogram::table_of;
 use crate::occluders::Occlusion;
 use crate::snap::Snapper;
 use crate::{
@@ -89,10 +89,8 @@ pub fn fragments_and_areas(scene: &Scene<'_>) -> (Fragments, AreaTable) {
 
 /// The area table that the heads of lists show.
 pub fn areas_of_heads(fragments: &Fragments, leaf_count: usize) -> AreaTable {
-    let views = (0..fragments.views().len()).into_par_iter();
-    let rows = views.map(|view| histogram(&fragments.leaf_ids(view), leaf_count));
-    let rows: Vec<Vec<u32>> = rows.collect();
-    AreaTable::from_rows(leaf_count, rows.concat())
+    let views = fragments.views().len();
+    table_of(leaf_count, views, |view| fragments.leaf_ids(view))
 }
 
 /// Makes the fragments of one view at a time, reusing its memory.

@@ -12,10 +12,27 @@ use crate::{AreaTable, LeafIdImage, Scene};
 /// If the image holds a leaf number above `leaf_count`.
 pub fn histogram(image: &LeafIdImage, leaf_count: usize) -> Vec<u32> {
     let mut area_px = vec![0u32; leaf_count + 1];
+    count(image, &mut area_px);
+    area_px
+}
+
+fn count(image: &LeafIdImage, area_px: &mut [u32]) {
     for &leaf in &image.leaf_ids {
         area_px[leaf as usize] += 1;
     }
-    area_px
+}
+
+/// The area table of the images of some views, in which rows are counted where they lie: with many
+/// leaves it is large, and is not there twice.
+pub(super) fn table_of(
+    leaf_count: usize,
+    views: usize,
+    image: impl Fn(usize) -> LeafIdImage + Sync,
+) -> AreaTable {
+    let mut area_px = vec![0; views * (leaf_count + 1)];
+    let rows = area_px.par_chunks_mut(leaf_count + 1).enumerate();
+    rows.for_each(|(view, row)| count(&image(view), row));
+    AreaTable::from_rows(leaf_count, area_px)
 }
 
 /// The area table of a scene: draws every view and counts.
@@ -25,11 +42,8 @@ pub fn histogram(image: &LeafIdImage, leaf_count: usize) -> Vec<u32> {
 pub fn areas(scene: &Scene<'_>) -> AreaTable {
     scene.assert_in_range();
     let leaf_count = scene.foliage.leaves().len();
-    let rows: Vec<Vec<u32>> = scene
-        .views
-        .views()
-        .par_iter()
-        .map(|view| histogram(&draw_leaf_ids(scene, view), leaf_count))
-        .collect();
-    AreaTable::from_rows(leaf_count, rows.concat())
+    let views = scene.views.views();
+    table_of(leaf_count, views.len(), |view| {
+        draw_leaf_ids(scene, &views[view])
+    })
 }

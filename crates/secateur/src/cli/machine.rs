@@ -20,7 +20,7 @@ pub(crate) fn forget_peak_rss() {
 }
 
 /// The allocator of glibc keeps what is free for later, which the system counts as used.
-fn give_back_free_memory() {
+pub(crate) fn give_back_free_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: it touches nothing but what is free, and locks each arena meanwhile.
     unsafe {

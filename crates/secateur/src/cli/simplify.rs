@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use secateur::{
     ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders, MeshoptOptions,
-    Method, Objective, Options, PreparedLod, Preset, Resolution, Simplified, StagedFiles,
+    Method, Objective, Options, PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles,
     StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
     read_cameras,
 };
@@ -64,6 +64,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     );
 
     interrupt::writing()?;
+    machine::give_back_free_memory();
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
@@ -223,7 +224,12 @@ fn simplified(
     common: &Common,
 ) -> Result<Outcome, Failure> {
     let progress_bar = RunProgress::new(common);
-    let outcome = subject.simplified(options, &mut |progress| progress_bar.show(progress));
+    let outcome = subject.simplified(options, &mut |progress| {
+        if let Progress::Stage(_) = progress {
+            machine::give_back_free_memory();
+        }
+        progress_bar.show(progress)
+    });
     outcome.map_err(Failure::about(&args.tree))
 }
 

@@ -15,6 +15,7 @@ mod every_encoding;
 mod fixture;
 mod grown;
 mod images;
+mod left_on_disk;
 mod made;
 mod on_disk;
 mod particulars;

@@ -31,7 +31,7 @@ fn open(path: &Path) -> Tree {
 }
 
 /// Every other leaf goes; of those left every third grows by half.
-fn half(tree: &Tree) -> Lod {
+pub(super) fn half(tree: &Tree) -> Lod {
     let count = tree.foliage.leaves().len();
     let mut lod = Lod::original(count);
     for index in 0..count {

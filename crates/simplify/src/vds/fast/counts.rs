@@ -23,19 +23,26 @@ use std::ops::Deref;
 use secateur_raster::AreaTable;
 use secateur_raster::abuffer::Event;
 use secateur_raster::measure::incremental::{IncrementalVmi, LeafAreas};
+use secateur_raster::measure::rows::Rows;
 use secateur_raster::measure::vmi::Vmi;
 
 use super::changes::BackgroundDrift;
+use super::switches::{Mechanism, is_on};
 use crate::lg::{LG_FRACTION_BITS, LgTable};
 
 /// Pixels of a view for which what the background gains by them is kept.
 const GAINS: usize = 8;
+
+/// Leaves times views up to which tables have rows for all leaves, most of which are zeros where
+/// there are very many: rows of some take a look-up more.
+const MOST_ROWS_OF_ALL: usize = 1 << 22;
 
 /// Areas and VMI, measured from that of the original foliage, with what bounds need to know
 /// of the background.
 #[derive(Clone)]
 pub(super) struct Counts<'t> {
     pub table: &'t LgTable,
+    has_rows_of_all: bool,
     vmi: IncrementalVmi<'t>,
     /// Pixels of all views together, background included.
     pixels: u32,
@@ -62,9 +69,15 @@ impl<'t> Counts<'t> {
     /// The counts of areas in views of `pixels_per_view` pixels.
     pub(super) fn new(areas: &AreaTable, pixels_per_view: u32, table: &'t LgTable) -> Self {
         let view_count = areas.view_count();
+        let has_rows_of_all = is_on(Mechanism::RowsOfAll)
+            && (areas.leaf_count() + 1) * view_count <= MOST_ROWS_OF_ALL;
         let mut counts = Self {
             table,
-            vmi: IncrementalVmi::new(areas, table),
+            has_rows_of_all,
+            vmi: match has_rows_of_all {
+                true => IncrementalVmi::new(areas, table),
+                false => IncrementalVmi::of_seen(areas, table),
+            },
             pixels: pixels_per_view * view_count as u32,
             background_drift: BackgroundDrift::default(),
             background_gains: vec![[0; GAINS]; view_count],
@@ -73,6 +86,14 @@ impl<'t> Counts<'t> {
         };
         counts.note_gains();
         counts
+    }
+
+    /// The rows of another table by leaves or some of them, up to `count`.
+    pub(super) fn rows(&self, count: usize) -> Rows {
+        match self.has_rows_of_all {
+            true => Rows::of_all(count),
+            false => Rows::of_some(count),
+        }
     }
 
     /// A leaf as edges lead to it; the background for 0.

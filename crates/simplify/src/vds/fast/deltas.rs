@@ -5,6 +5,7 @@
 //! computing anew.
 
 use secateur_raster::measure::incremental::ChangedArea;
+use secateur_raster::measure::rows::Rows;
 use secateur_raster::prefetch::{prefetch, prefetch_range};
 
 use super::changes::Change;
@@ -25,8 +26,10 @@ pub(super) struct Deltas {
     split: Split,
     shard: usize,
     view_count: usize,
-    /// By row of the leaf, then view.
-    rows: Vec<i64>,
+    /// Where `deltas` has what, by row of the leaf.
+    rows: Rows,
+    /// By those, then view.
+    deltas: Vec<i64>,
     /// Leaves changed by the step.
     changed: Vec<u32>,
     /// By row, while the leaf is among the changed.
@@ -44,17 +47,24 @@ impl Deltas {
             split,
             shard,
             view_count,
-            rows: vec![0; row_count * view_count],
+            deltas: Vec::new(),
+            rows: counts.rows(row_count),
             changed: Vec::new(),
             change: vec![Change::NONE; row_count],
             incoming: Vec::new(),
         };
-        for leaf in 1..=counts.leaf_count() as u32 {
-            if split.shard(leaf) == shard {
-                let own = counts.target(leaf);
-                for (delta, &area) in deltas.row_mut(leaf).iter_mut().zip(own.areas) {
-                    *delta = -counts.table.term(area, own.lg_total);
-                }
+        let leaves = 1..=counts.leaf_count() as u32;
+        let seen = leaves
+            .filter(|leaf| split.shard(*leaf) == shard)
+            .map(|leaf| (leaf, counts.target(leaf)))
+            .filter(|(_, own)| own.total > 0);
+        for (leaf, _) in seen.clone() {
+            deltas.rows.own(split.row(leaf));
+        }
+        deltas.deltas = vec![0; deltas.rows.count() * view_count];
+        for (leaf, own) in seen {
+            for (delta, &area) in deltas.row_mut(leaf).iter_mut().zip(own.areas) {
+                *delta = -counts.table.term(area, own.lg_total);
             }
         }
         for edge in edges.all() {
@@ -69,12 +79,28 @@ impl Deltas {
 
     #[inline(always)]
     fn row(&self, leaf: u32) -> &[i64] {
-        &self.rows[self.split.row(leaf) * self.view_count..][..self.view_count]
+        let row = self.rows.row(self.split.row(leaf));
+        &self.deltas[row * self.view_count..][..self.view_count]
     }
 
     #[inline(always)]
     fn row_mut(&mut self, leaf: u32) -> &mut [i64] {
-        &mut self.rows[self.split.row(leaf) * self.view_count..][..self.view_count]
+        let start = self.rows.own(self.split.row(leaf)) * self.view_count;
+        if start == self.deltas.len() {
+            self.deltas.resize(start + self.view_count, 0);
+        }
+        &mut self.deltas[start..start + self.view_count]
+    }
+
+    /// Forgets the rows of leaves that no view shows any more.
+    pub(super) fn forget_unseen(&mut self, counts: &Counts<'_>) {
+        let unseen = counts.changed_areas().filter(|area| area.after.total == 0);
+        for leaf in unseen.map(|area| area.leaf) {
+            if leaf != 0 && self.split.shard(leaf) == self.shard {
+                debug_assert!(self.row(leaf).iter().all(|delta| *delta == 0));
+                self.rows.give_back(self.split.row(leaf));
+            }
+        }
     }
 
     #[inline(always)]
@@ -82,8 +108,8 @@ impl Deltas {
         if !is_on(Mechanism::PrefetchDeltas) {
             return;
         }
-        let start = self.split.row(leaf) * self.view_count;
-        prefetch_range(&self.rows, start, self.view_count);
+        let start = self.rows.row(self.split.row(leaf)) * self.view_count;
+        prefetch_range(&self.deltas, start, self.view_count);
     }
 
     /// Brings the deltas up to date with what a step [settled](Counts::settle)

@@ -3,8 +3,10 @@
 //! A leaf hides few others, so edges are few; each is found by its two leaves and in the
 //! list of those that lead to the same leaf.
 
+use secateur_raster::measure::rows::Rows;
 use secateur_raster::prefetch::prefetch;
 
+use super::counts::Counts;
 use super::edge_map::EdgeMap;
 use super::reveals::Reveals;
 use super::split::Split;
@@ -53,8 +55,9 @@ pub(super) struct Edges {
     all: Vec<Edge>,
     free: Vec<u32>,
     by_ends: EdgeMap,
-    /// By leaf they lead to.
+    /// By row of the leaf they lead to.
     incoming: Vec<Vec<u32>>,
+    rows: Rows,
     /// By row of the leaf they come from.
     to_background: Vec<u32>,
     touched: Vec<TouchedEdge>,
@@ -66,9 +69,12 @@ impl Edges {
     /// `events` are what leads from nothing but background to what is there.
     pub(super) fn new<'e>(
         events: impl Iterator<Item = &'e Event>,
-        (leaf_count, pixels_per_view): (usize, u32),
+        counts: &Counts<'_>,
+        pixels_per_view: u32,
         (split, shard): (Split, usize),
     ) -> Self {
+        let leaf_count = counts.leaf_count();
+        let rows = counts.rows(leaf_count + 1);
         let mut edges = Self {
             split,
             shard,
@@ -76,7 +82,8 @@ impl Edges {
             all: Vec::new(),
             free: Vec::new(),
             by_ends: EdgeMap::new(),
-            incoming: vec![Vec::new(); leaf_count + 1],
+            incoming: vec![Vec::new(); rows.count()],
+            rows,
             to_background: vec![NO_EDGE; split.rows(leaf_count)],
             touched: Vec::new(),
             changes: Vec::new(),
@@ -133,13 +140,13 @@ impl Edges {
     /// Asks for the memory of [`incoming`](Self::incoming).
     #[inline(always)]
     pub(super) fn prefetch_incoming(&self, to: u32) {
-        prefetch(&self.incoming, to as usize);
+        prefetch(&self.incoming, self.rows.row(to as usize));
     }
 
     /// The edges that lead to a leaf.
     #[inline]
     pub(super) fn incoming(&self, to: u32) -> &[u32] {
-        &self.incoming[to as usize]
+        &self.incoming[self.rows.row(to as usize)]
     }
 
     /// The edges that the step changed.
@@ -187,11 +194,16 @@ impl Edges {
             free,
             by_ends,
             incoming,
+            rows,
             to_background,
             ..
         } = self;
         by_ends.get_or_insert_with((from, to), || {
-            let list = &mut incoming[to as usize];
+            let row = rows.own(to as usize);
+            if row == incoming.len() {
+                incoming.push(Vec::new());
+            }
+            let list = &mut incoming[row];
             let edge = Edge {
                 from,
                 to,
@@ -252,8 +264,11 @@ impl Edges {
             self.to_background[self.split.row(from)] = NO_EDGE;
             return;
         }
-        let list = &mut self.incoming[to as usize];
+        let list = &mut self.incoming[self.rows.row(to as usize)];
         list.swap_remove(place as usize);
+        if list.is_empty() {
+            self.rows.give_back(to as usize);
+        }
         if let Some(&moved) = list.get(place as usize) {
             self.all[moved as usize].place = place;
         }

@@ -103,11 +103,7 @@ impl<'t> Shard<'t> {
         has_deviations: bool,
     ) -> Self {
         let events = slices.iter().flat_map(ViewSlice::events);
-        let edges = Edges::new(
-            events,
-            (counts.leaf_count(), pixels_per_view as u32),
-            (split, shard),
-        );
+        let edges = Edges::new(events, &counts, pixels_per_view as u32, (split, shard));
         let deltas = Deltas::new(&counts, &edges, (split, shard));
         let sight = Sight {
             counts: &counts,
@@ -177,6 +173,7 @@ impl<'t> Shard<'t> {
         edges.follow(slices.iter().flat_map(|slice| slice.events()));
         deltas.follow(counts, edges);
         edges.forget_step();
+        deltas.forget_unseen(counts);
         candidates.remove(pruned);
         deltas.for_each_changed(|deltas, leaf, change, [soon, later]| {
             let sight = Sight {

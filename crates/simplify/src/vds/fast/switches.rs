@@ -39,6 +39,8 @@ macro_rules! mechanisms {
 }
 
 mechanisms! {
+    /// Unless there are very many leaves, tables have a row for each.
+    RowsOfAll = "rows for all leaves",
     /// Leaves whose deltas are all zero wait outside the blocks.
     ZeroLeavesWait = "leaves without effect wait outside",
     /// The two cheapest leaves of the last step are evaluated first.

@@ -185,16 +185,26 @@ impl Candidates {
     fn build(&mut self, sight: Sight<'_>) {
         self.without_effect.clear();
         self.all_at_rebuild = self.all_left;
+        // Not there together with the new ones: of a million leaves they take 200 MB.
+        self.tops = Vec::new();
+        self.lanes = Vec::new();
+        self.blocks = Vec::new();
+        self.deltas = Vec::new();
+        self.widths = Vec::new();
         let order = std::mem::take(&mut self.order);
-        let mut keyed: Vec<_> = (0u32..)
+        let mut keyed: Vec<u64> = (0u32..)
             .zip(&order)
             .map(|(at, &leaf)| {
                 prefetch_ahead(sight, &order[at as usize..]);
-                (self.key(sight, leaf), at)
+                u64::from(self.key(sight, leaf)) << 32 | u64::from(at)
             })
             .collect();
         keyed.sort_unstable();
-        let order: Vec<u32> = keyed.iter().map(|(_, at)| order[*at as usize]).collect();
+        let order: Vec<u32> = keyed
+            .iter()
+            .map(|key| order[*key as u32 as usize])
+            .collect();
+        drop(keyed);
         let block_count = order.len().div_ceil(LANES);
         self.drift_at_rebuild = sight.counts.background_drift();
         let empty = Block::empty(self.epochs.current(), self.signs);
@@ -216,7 +226,10 @@ impl Candidates {
 
     /// Who need not be looked at last; by n to within a quarter; by what would go
     /// to the background. Among those, neighbours stay together.
-    fn key(&mut self, sight: Sight<'_>, leaf: u32) -> (bool, u32, u64, u32) {
+    fn key(&mut self, sight: Sight<'_>, leaf: u32) -> u32 {
+        if !is_on(Mechanism::SortedBlocks) {
+            return 0;
+        }
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
         let rise = sight.counts.background_rise(background_px);
         let deltas = self.row.iter().zip(sight.counts.areas(0));
@@ -224,10 +237,10 @@ impl Candidates {
             .map(|(d, &area)| (d - (u64::from(area) * rise) as i64).unsigned_abs())
             .sum();
         let exponent = n.max(4).ilog2();
-        if !is_on(Mechanism::SortedBlocks) {
-            return (false, 0, 0, 0);
-        }
-        (n == 0, exponent, n >> (exponent - 2), background_px.min(16))
+        // The quarter is below 8.
+        let quarter = (n >> (exponent - 2)) as u32;
+        let by_size = u32::from(n == 0) << 6 | exponent;
+        (by_size << 3 | quarter) << 5 | background_px.min(16)
     }
 
     /// Begins a step: `deviations` are those that costs are measured with.
