@@ -1,6 +1,7 @@
 //! The page to look at levels of detail, in a real browser, used as people use
 //! it; and its pictures against those of three.js.
 
+mod continuous;
 mod odd_card;
 
 use std::path::Path;
@@ -64,6 +65,7 @@ fn page_of(trees: &[&[u8]]) -> String {
         title: "A small <oak>",
         screen,
         levels: &levels,
+        continuous: None,
     };
     page(&preview).unwrap()
 }

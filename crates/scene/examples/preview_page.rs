@@ -62,6 +62,7 @@ fn write(output: &str, trees: &[String]) -> Result<usize, Box<dyn Error>> {
         title: &title.unwrap_or_default().to_string_lossy(),
         screen,
         levels: &levels,
+        continuous: None,
     })?;
     std::fs::write(output, &html)?;
     Ok(html.len())

@@ -210,6 +210,7 @@ impl Maker<'_> {
             silhouette_iou: None,
             vmi_error_percent: None,
             order_sha256: None,
+            order: None,
             textures: Vec::new(),
             texture_bytes: 0,
             as_drawn: None,

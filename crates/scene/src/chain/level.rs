@@ -1,7 +1,7 @@
 //! The levels of a chain.
 
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::Lod;
+use secateur_model::{Lod, RemovalOrder};
 
 use super::textures::LevelAsDrawn;
 use crate::impostor::Impostor;
@@ -38,6 +38,8 @@ pub struct ChainLevel {
     pub vmi_error_percent: Option<f64>,
     /// SHA-256 of all that was done to the leaves; none for impostors.
     pub order_sha256: Option<String>,
+    /// All that was done to the leaves, as one order; none for impostors.
+    pub order: Option<RemovalOrder>,
     /// Base colour textures of its own; empty where it has those of the tree.
     pub textures: Vec<LevelTexture>,
     /// What all images of its materials take, four bytes a texel, with mips where they are read.

@@ -146,6 +146,7 @@ impl<'a> Maker<'a> {
         let leaves = self.tree.leaves();
         let left = made.level.leaves.lod.foliage(leaves);
         let seen = self.leaves.measure(&left);
+        let order = made.level.leaves.passes.in_one_order();
         let screen = self.options.screen;
         Ok(ChainLevel {
             leaves: left.leaves().len() as u64,
@@ -159,7 +160,8 @@ impl<'a> Maker<'a> {
             shadow: 0,
             silhouette_iou: Some(seen.silhouette_iou()),
             vmi_error_percent: Some(seen.vmi_error_percent()),
-            order_sha256: Some(made.level.leaves.passes.in_one_order().sha256()),
+            order_sha256: Some(order.sha256()),
+            order: Some(order),
             textures: Vec::new(),
             texture_bytes: 0,
             as_drawn: None,

@@ -31,6 +31,17 @@ pub(super) struct Packed {
     colors: Option<usize>,
 }
 
+/// What a surface's vertices have: all lists of every vertex, integers as they are stored.
+pub(super) struct Arrays {
+    pub(super) positions: Vec<DVec3>,
+    /// Two a vertex.
+    pub(super) normals: Option<Vec<u16>>,
+    pub(super) uvs: Option<Vec<Vec2>>,
+    /// Four a vertex.
+    pub(super) colors: Option<Vec<u16>>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
 /// Appends a surface to the bytes.
 pub(super) fn pack(
     surface: &Surface,
@@ -38,7 +49,32 @@ pub(super) fn pack(
     material: usize,
     bytes: &mut Vec<u8>,
 ) -> Packed {
-    let (low, high) = bounds(&surface.positions);
+    let of_every_vertex = |count: usize| count == surface.positions.len();
+    let arrays = Arrays {
+        positions: surface.positions.clone(),
+        normals: of_every_vertex(surface.normals.len()).then(|| {
+            let normals = surface.normals.iter().map(|&n| octahedral(n));
+            normals.flatten().collect()
+        }),
+        uvs: of_every_vertex(surface.uvs.len()).then(|| surface.uvs.clone()),
+        colors: of_every_vertex(surface.colors.len()).then(|| {
+            let colors = surface.colors.iter().map(|c| c.to_array());
+            let parts = colors.flatten().map(|x| unorm16(f64::from(x)));
+            parts.collect()
+        }),
+        triangles: surface.triangles.clone(),
+    };
+    pack_arrays(&arrays, is_foliage, material, bytes)
+}
+
+/// [`pack`] of what is laid out already.
+pub(super) fn pack_arrays(
+    arrays: &Arrays,
+    is_foliage: bool,
+    material: usize,
+    bytes: &mut Vec<u8>,
+) -> Packed {
+    let (low, high) = bounds(&arrays.positions);
     let extent = high - low;
     let step = extent / f64::from(u16::MAX);
     let steps = |p: DVec3| {
@@ -48,30 +84,21 @@ pub(super) fn pack(
         });
         [x, y, z, 0]
     };
-    let of_every_vertex = |count: usize| count == surface.positions.len();
-    let positions: Vec<u16> = surface.positions.iter().flat_map(|&p| steps(p)).collect();
-    let normals = of_every_vertex(surface.normals.len()).then(|| {
-        let normals = surface.normals.iter().map(|&n| octahedral(n));
-        normals.flatten().collect::<Vec<u16>>()
-    });
-    let colors = of_every_vertex(surface.colors.len()).then(|| {
-        let colors = surface.colors.iter().map(|c| c.to_array());
-        let parts = colors.flatten().map(|x| unorm16(f64::from(x)));
-        parts.collect::<Vec<u16>>()
-    });
-    let has_uvs = of_every_vertex(surface.uvs.len());
+    let positions: Vec<u16> = arrays.positions.iter().flat_map(|&p| steps(p)).collect();
+    let normals = arrays.normals.as_ref();
+    let colors = arrays.colors.as_ref();
     Packed {
         is_foliage,
         material,
-        vertices: surface.positions.len(),
-        triangles: surface.triangles.len(),
+        vertices: arrays.positions.len(),
+        triangles: arrays.triangles.len(),
         origin: low.to_array(),
         step: step.to_array(),
         positions: push_differences(bytes, &positions, POSITION_STRIDE),
-        indices: push_indices(bytes, surface.triangles.as_flattened()),
-        normals: normals.map(|n| push_differences(bytes, &n, 2)),
-        uvs: has_uvs.then(|| push_floats(bytes, &surface.uvs)),
-        colors: colors.map(|c| push_differences(bytes, &c, 4)),
+        indices: push_words(bytes, arrays.triangles.as_flattened()),
+        normals: normals.map(|n| push_differences(bytes, n, 2)),
+        uvs: arrays.uvs.as_ref().map(|uvs| push_floats(bytes, uvs)),
+        colors: colors.map(|c| push_differences(bytes, c, 4)),
     }
 }
 
@@ -116,13 +143,13 @@ fn push_differences(bytes: &mut Vec<u8>, values: &[u16], stride: usize) -> usize
     offset
 }
 
-/// Appends each corner less the one before it.
-fn push_indices(bytes: &mut Vec<u8>, corners: &[u32]) -> usize {
+/// Appends each word, such as a corner, less the one before it.
+pub(super) fn push_words(bytes: &mut Vec<u8>, words: &[u32]) -> usize {
     let offset = align(bytes);
     let mut before = 0;
-    for &corner in corners {
-        bytes.extend(corner.wrapping_sub(before).to_le_bytes());
-        before = corner;
+    for &word in words {
+        bytes.extend(word.wrapping_sub(before).to_le_bytes());
+        before = word;
     }
     offset
 }

@@ -7,6 +7,7 @@
 //! Geometry is packed small (`geometry`), the pictures that levels share are in
 //! it once (`textures`), and `page/` holds what the browser runs.
 
+mod continuous;
 mod geometry;
 mod page;
 mod textures;
@@ -15,6 +16,7 @@ use secateur_model::Surface;
 
 use crate::Screen;
 
+pub use continuous::Continuous;
 pub use page::page;
 
 // What a page of a stream draws in the same way.
@@ -31,6 +33,9 @@ pub struct Preview<'a> {
     pub screen: Screen,
     /// The original first, then ever coarser ones.
     pub levels: &'a [Level<'a>],
+    /// The removal order of its leaves, where there is one: any number of them can be looked at then,
+    /// with the wood of the levels.
+    pub continuous: Option<Continuous<'a>>,
 }
 
 /// A level: how it looks, and its figures.

@@ -10,6 +10,7 @@ use glam::Vec3Swizzles as _;
 use secateur_model::{AlphaMode, Material};
 use serde::Serialize;
 
+use super::continuous::{self, PackedOrder};
 use super::geometry::{self, Packed};
 use super::textures::{Entry, Textures};
 use super::{Facts, Preview, PreviewError};
@@ -19,9 +20,10 @@ use super::{Facts, Preview, PreviewError};
 const TEMPLATE: &str = include_str!("page/page.html");
 
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("page/matrices.js"),
     include_str!("page/unpack.js"),
+    include_str!("page/continuous.js"),
     include_str!("page/renderer.js"),
     include_str!("page/orbit.js"),
     include_str!("page/levels.js"),
@@ -41,6 +43,7 @@ struct Scene<'a> {
     textures: Vec<Entry>,
     materials: Vec<Look>,
     levels: Vec<PackedLevel<'a>>,
+    continuous: Option<PackedOrder>,
 }
 
 #[derive(Serialize)]
@@ -85,12 +88,7 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
     for level in preview.levels {
         let mut surfaces = Vec::new();
         for (surface, is_foliage) in level.surfaces {
-            let look = look(&surface.material, &mut textures)?;
-            let known = materials.iter().position(|other| *other == look);
-            let material = known.unwrap_or_else(|| {
-                materials.push(look);
-                materials.len() - 1
-            });
+            let material = material(&surface.material, &mut materials, &mut textures)?;
             surfaces.push(geometry::pack(surface, *is_foliage, material, &mut bytes));
         }
         levels.push(PackedLevel {
@@ -98,6 +96,10 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
             surfaces,
         });
     }
+    let continuous = match &preview.continuous {
+        Some(shown) => continuous::pack(shown, &mut materials, &mut textures, &mut bytes)?,
+        None => None,
+    };
     let drawn = || original.surfaces.iter().flat_map(|(s, _)| &s.positions);
     let (low, high) = geometry::bounds(drawn());
     let middle = (low + high) / 2.0;
@@ -114,6 +116,7 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
         textures: textures.entries(),
         materials,
         levels,
+        continuous,
     };
     let scene = serde_json::to_string(&scene).expect("numbers and texts make JSON");
     Ok(filled(TEMPLATE, |mark| match mark {
@@ -127,6 +130,20 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
         "pictures" => STANDARD.encode(&textures.bytes),
         "script" => SCRIPTS.concat(),
         _ => unreachable!("the template has no other mark than these: {mark}"),
+    }))
+}
+
+/// The number of a material among those of the page.
+pub(super) fn material(
+    material: &Material,
+    materials: &mut Vec<Look>,
+    textures: &mut Textures,
+) -> Result<usize, PreviewError> {
+    let look = look(material, textures)?;
+    let known = materials.iter().position(|other| *other == look);
+    Ok(known.unwrap_or_else(|| {
+        materials.push(look);
+        materials.len() - 1
     }))
 }
 
@@ -232,6 +249,7 @@ mod tests {
             title,
             screen: Screen::default(),
             levels,
+            continuous: None,
         })
     }
 

@@ -50,6 +50,8 @@ mod write;
 
 use crate::preview::PreviewError;
 
+pub(crate) use part::{Leaves, Part};
+
 pub use page::stream_page;
 pub use read::{StreamReader, StreamedPlant, read_stream};
 pub use write::{Piece, Stream, stream_of_bodies, write_stream};

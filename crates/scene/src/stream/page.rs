@@ -9,9 +9,10 @@ use crate::preview::{escaped, filled};
 const TEMPLATE: &str = include_str!("page/page.html");
 
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("../preview/page/matrices.js"),
     include_str!("../preview/page/unpack.js"),
+    include_str!("../preview/page/continuous.js"),
     include_str!("../preview/page/renderer.js"),
     include_str!("../preview/page/orbit.js"),
     include_str!("../preview/page/levels.js"),

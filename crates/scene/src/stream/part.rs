@@ -8,21 +8,21 @@ use crate::preview::octahedral;
 
 /// A vertex as it is sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Vertex {
-    pub(super) position: Vec3,
-    pub(super) normal: [u16; 2],
-    pub(super) uv: Vec2,
-    pub(super) color: [u16; 4],
+pub(crate) struct Vertex {
+    pub(crate) position: Vec3,
+    pub(crate) normal: [u16; 2],
+    pub(crate) uv: Vec2,
+    pub(crate) color: [u16; 4],
 }
 
 /// A part of a plant at its own size.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part {
+pub(crate) struct Part {
     /// What it is scaled about.
-    pub(super) centre: Vec3,
-    pub(super) vertices: Vec<Vertex>,
+    pub(crate) centre: Vec3,
+    pub(crate) vertices: Vec<Vertex>,
     /// Corners among its own vertices.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 /// A vertex of a surface; white and upward where it has no colours or normals.
@@ -55,7 +55,7 @@ pub(super) fn part_of(surface: &Surface, triangles: &[u32], centre: DVec3) -> Pa
 }
 
 /// Where leaves lie in surfaces.
-pub(super) struct Leaves<'a> {
+pub(crate) struct Leaves<'a> {
     surfaces: &'a [LeafSurface],
     foliage: &'a Foliage,
     /// By leaf: its surface, and its place in that one's list.
@@ -65,7 +65,7 @@ pub(super) struct Leaves<'a> {
 impl<'a> Leaves<'a> {
     /// # Panics
     /// If the surfaces are not those of this foliage.
-    pub(super) fn new(surfaces: &'a [LeafSurface], foliage: &'a Foliage) -> Self {
+    pub(crate) fn new(surfaces: &'a [LeafSurface], foliage: &'a Foliage) -> Self {
         let mut places = vec![(u32::MAX, 0); foliage.leaves().len()];
         for (number, surface) in surfaces.iter().enumerate() {
             for (place, leaf) in surface.leaves.iter().enumerate() {
@@ -81,7 +81,7 @@ impl<'a> Leaves<'a> {
     }
 
     /// The surface of an original leaf, and the leaf.
-    pub(super) fn original(&self, leaf: LeafId) -> (usize, Part) {
+    pub(crate) fn original(&self, leaf: LeafId) -> (usize, Part) {
         let (number, place) = self.places[leaf.index()];
         let of = &self.surfaces[number as usize];
         let triangles = &of.leaves[place as usize].triangles;
@@ -90,7 +90,7 @@ impl<'a> Leaves<'a> {
     }
 
     /// The surface of a leaf that was made, its donor's, and the leaf.
-    pub(super) fn made(&self, made: &NewLeaf) -> (usize, Part) {
+    pub(crate) fn made(&self, made: &NewLeaf) -> (usize, Part) {
         let (number, place) = self.places[made.donor.index()];
         let of = &self.surfaces[number as usize];
         let donor = &of.leaves[place as usize];

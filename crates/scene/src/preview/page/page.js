@@ -17,6 +17,8 @@ const state = {
   distance: 0,
   level: 0,
   isAutomatic: true,
+  // Of the removal order, where its slider chooses the leaves; else null.
+  steps: null,
   show: { leaves: true, wood: true, wire: false },
   isTrueSize: false,
   isSpinning: false,
@@ -74,7 +76,7 @@ const draw = () => {
   const plain = { ...state.show, wire: false };
   const high = chain.pixelsHigh(state.distance);
   boxes().forEach(({ large, small }, k) => {
-    const level = k === 0 ? 0 : state.level;
+    const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps };
     const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
     const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
     picture(level, camera, large, state.show);
@@ -115,7 +117,7 @@ const frame = (now) => {
 
 const say = () => {
   const original = chain.facts[0];
-  const facts = chain.facts[state.level];
+  const facts = shownFacts();
   const parts = (f) => {
     const leaves = f.leaves === null ? "leaves" : `${count(f.leaves)} leaves`;
     return `${count(f.foliage_triangles)} in ${leaves} · ${count(f.wood_triangles)} in wood`;
@@ -131,13 +133,14 @@ const say = () => {
     $(id).replaceChildren(head, ...lines);
   };
   name("name-original", "Original", original, "");
-  name("name-level", facts.name, facts, state.level > 0 ? ` · ${share(facts.triangles, original.triangles)}` : "");
+  name("name-level", facts.name, facts, facts !== original ? ` · ${share(facts.triangles, original.triangles)}` : "");
   $("distance").value = Math.round(1000 * chain.share(state.distance));
   $("distance-text").textContent = `${metres(state.distance)} · ${Math.round(chain.pixelsHigh(state.distance))} px`;
   $("distance").setAttribute("aria-valuetext", $("distance-text").textContent);
   $("level").value = state.level;
   $("level").setAttribute("aria-valuetext", facts.name);
   $("level-text").textContent = facts.name;
+  sayLeaves();
   const pop = facts.pop_flip === null ? "" : facts.pop_flip.toFixed(3).replace(/^0/, "");
   $("switch").textContent = pop && `The switch to ${facts.name} shows a difference (FLIP) of at most ${pop} in any view.`;
   const pressed = {
@@ -155,13 +158,47 @@ const say = () => {
   ask();
 };
 
+// The facts of what is shown on the right.
+const shownFacts = () => {
+  const level = chain.facts[state.level];
+  if (state.steps === null) return level;
+  const { leaves, triangles } = renderer.order;
+  const foliage_triangles = triangles[state.steps];
+  const total = { triangles: foliage_triangles + level.wood_triangles, pop_flip: null };
+  return { ...level, name: `${count(leaves[state.steps])} leaves`, leaves: leaves[state.steps], foliage_triangles, ...total };
+};
+
+const sayLeaves = () => {
+  if (!renderer?.order) return;
+  const { leaves } = renderer.order;
+  // Where a level is shown the slider stands where it has as many leaves.
+  const steps = state.steps ?? renderer.order.stepsTo(chain.facts[state.level].leaves ?? leaves[0]);
+  $("steps").value = steps;
+  $("steps-text").textContent = count(leaves[steps]);
+  $("steps").setAttribute("aria-valuetext", `${count(leaves[steps])} leaves`);
+};
+
+// Shows the level after so many steps of the removal order, with the wood of the coarsest level of
+// at least as many leaves.
+const goToSteps = (steps) => {
+  if (!renderer?.order) return;
+  state.steps = clamp(Math.round(steps), 0, renderer.order.steps);
+  const leaves = renderer.order.leaves[state.steps];
+  state.level = Math.max(chain.facts.findLastIndex((f) => f.leaves !== null && f.leaves >= leaves), 0);
+  state.isAutomatic = false;
+  state.isWalking = false;
+  say();
+};
+
 const goTo = (distance) => {
+  state.steps = null;
   state.distance = clamp(distance, chain.nearest, chain.farthest);
   state.isAutomatic = true;
   state.level = chain.levelAt(state.distance);
   say();
 };
 const choose = (level) => {
+  state.steps = null;
   state.level = clamp(level, 0, levels - 1);
   state.isAutomatic = false;
   state.isWalking = false;
@@ -178,7 +215,7 @@ const walk = (step) => {
 // Automatic again.
 const follow = () => {
   state.isAutomatic = !state.isAutomatic;
-  if (state.isAutomatic) state.level = chain.levelAt(state.distance);
+  if (state.isAutomatic) Object.assign(state, { steps: null, level: chain.levelAt(state.distance) });
   say();
 };
 const flip = (of, key) => () => {
@@ -250,6 +287,7 @@ const listen = () => {
     goTo(chain.distanceAt(e.target.value / 1000));
   });
   $("level").addEventListener("input", (e) => choose(Number(e.target.value)));
+  $("steps").addEventListener("input", (e) => goToSteps(Number(e.target.value)));
   for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
   addEventListener("keydown", (e) => {
     if (e.ctrlKey || e.metaKey || e.altKey) return;
@@ -257,6 +295,7 @@ const listen = () => {
     if (/^[0-8]$/.test(key)) choose(Number(key));
     else if (key === "[") goTo(state.distance / 1.06);
     else if (key === "]") goTo(state.distance * 1.06);
+    else if (key === "," || key === ".") goToSteps(Number($("steps").value) + (key === "," ? -1 : 1) * Math.max(1, $("steps").max / 100));
     else if (keys[key]) actions[keys[key]]();
   });
   new ResizeObserver(ask).observe(canvas);
@@ -271,11 +310,12 @@ const tell = (text) => {
   $("message").textContent = text;
 };
 
-// A picture of one level alone, as PNG: for who compares renderers. The camera is
-// { eye, target, tangent (of half the field of view), near, far }.
-const pictureOf = (level, camera, width, height) => {
+// A picture of one level alone, as PNG, or of the removal order after some steps with that level's
+// wood: for who compares renderers. The camera is { eye, target, tangent (of half the field of view),
+// near, far }.
+const pictureOf = (level, camera, width, height, steps = null) => {
   Object.assign(canvas, { width, height });
-  picture(level, camera, { x: 0, y: 0, width, height }, { leaves: true, wood: true, wire: false });
+  picture({ level, steps }, camera, { x: 0, y: 0, width, height }, { leaves: true, wood: true, wire: false });
   const url = canvas.toDataURL("image/png");
   draw();
   return url;
@@ -293,9 +333,12 @@ const start = async () => {
     const made = new Renderer(canvas);
     await made.load(scene, bytesOf("geometry"), bytesOf("pictures"));
     renderer = made;
+    $("any-number").hidden = !renderer.order;
+    if (renderer.order) $("steps").max = renderer.order.steps;
+    sayLeaves();
     draw();
     tell("");
-    window.preview = { state, orbit, chain, light: { ...LIGHT, background: BACKGROUND }, draw, pictureOf };
+    window.preview = { state, orbit, chain, order: renderer.order, light: { ...LIGHT, background: BACKGROUND }, draw, pictureOf };
     document.documentElement.dataset.ready = Math.round(performance.now());
   } catch (error) {
     tell(error.message);

@@ -27,6 +27,23 @@ class Renderer {
       const { name } = gl.getActiveUniform(this.program, k);
       this.at[name] = gl.getUniformLocation(this.program, name);
     }
+    // A removal order, where there is one. Its textures must be there in any case.
+    this.order = null;
+    this.orderTextures = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
+  }
+
+  // A texture of texels of so many words.
+  words(texels, size) {
+    const { gl } = this;
+    const rows = Math.ceil(texels.length / size / ROW);
+    const filled = new Uint32Array(rows * ROW * size);
+    filled.set(texels);
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    const [internal, format] = size === 4 ? [gl.RGBA32UI, gl.RGBA_INTEGER] : [gl.RG32UI, gl.RG_INTEGER];
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, ROW, rows, 0, format, gl.UNSIGNED_INT, filled);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+    return texture;
   }
 
   link(...ids) {
@@ -52,6 +69,17 @@ class Renderer {
     this.textures = scene.textures.map((entry, k) => this.upload(entry, bitmaps[k]));
     this.materials = scene.materials;
     this.levels = scene.levels.map((level) => level.surfaces.map((surface) => this.mesh(surface, buffer)));
+    if (!scene.continuous) return;
+    this.order = new RemovalOrder(scene.continuous, buffer);
+    this.orderTextures = [this.words(this.order.leafTexels(), 4), this.words(this.order.sizeTexels(), 2)];
+    this.ordered = scene.continuous.surfaces.map((surface, k) => this.mesh(surface, buffer, this.order.surfaces[k].leaves));
+  }
+
+  // The meshes of a level, or of the removal order after some steps with the wood of a level.
+  meshes({ level, steps }) {
+    if (steps === null) return this.levels[level];
+    const prefix = (mesh, k) => ({ ...mesh, steps, triangles: this.order.trianglesAfter(k, steps) });
+    return [...this.levels[level].filter((mesh) => !mesh.is_foliage), ...this.ordered.map(prefix)];
   }
 
   upload(entry, bitmap) {
@@ -76,7 +104,8 @@ class Renderer {
     return texture;
   }
 
-  mesh(surface, buffer) {
+  // leaves: by vertex the place of its leaf in the removal order, where it is drawn by that.
+  mesh(surface, buffer, leaves = null) {
     const { gl } = this;
     const arrays = unpackSurface(surface, buffer);
     const vertices = gl.createVertexArray();
@@ -92,6 +121,12 @@ class Renderer {
     attribute(1, arrays.normals, 2, gl.SHORT, true, 0);
     attribute(2, arrays.uvs, 2, gl.FLOAT, false, 0);
     attribute(3, arrays.colors, 4, gl.UNSIGNED_SHORT, true, 0);
+    if (leaves) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, leaves, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(4);
+      gl.vertexAttribIPointer(4, 1, gl.UNSIGNED_INT, 0, 0);
+    }
     const triangles = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, arrays.indices, gl.STATIC_DRAW);
@@ -114,7 +149,8 @@ class Renderer {
     return mesh.buffers.lines;
   }
 
-  // Draws one level into a box of the canvas, in its pixels from the lower left.
+  // Draws one level, { level, steps } as meshes() has it, into a box of the canvas, in its pixels from
+  // the lower left.
   draw(level, camera, box, show) {
     const { gl, at } = this;
     gl.enable(gl.SCISSOR_TEST);
@@ -135,7 +171,12 @@ class Renderer {
     gl.uniform3fv(at.u_ground, LIGHT.ground);
     gl.uniform1i(at.u_texture, 0);
     gl.uniform1i(at.u_normal_map, 1);
-    const meshes = this.levels[level].filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
+    [at.u_leaves, at.u_sizes].forEach((sampler, k) => {
+      gl.uniform1i(sampler, 2 + k);
+      gl.activeTexture(gl.TEXTURE2 + k);
+      gl.bindTexture(gl.TEXTURE_2D, this.orderTextures[k]);
+    });
+    const meshes = this.meshes(level).filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
     const blends = (mesh) => this.materials[mesh.material].alpha === "blend";
     if (show.wire) {
       gl.enable(gl.POLYGON_OFFSET_FILL);
@@ -156,6 +197,10 @@ class Renderer {
     gl.bindVertexArray(mesh.vertices);
     gl.uniform3fv(at.u_origin, mesh.origin);
     gl.uniform3fv(at.u_step, mesh.step);
+    gl.uniform1i(at.u_has_sizes, mesh.steps !== undefined);
+    gl.uniform1ui(at.u_steps, mesh.steps ?? 0);
+    // What vertices of no removal order have.
+    gl.vertexAttribI4ui(4, 0, 0, 0, 0);
     // What vertices without colours have.
     gl.vertexAttrib4f(3, 1, 1, 1, 1);
   }

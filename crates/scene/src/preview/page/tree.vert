@@ -4,10 +4,18 @@ layout(location = 0) in vec3 a_steps;
 layout(location = 1) in vec2 a_octahedral;
 layout(location = 2) in vec2 a_uv;
 layout(location = 3) in vec4 a_color;
+layout(location = 4) in uint a_leaf;
 
 uniform mat4 u_clip_from_world;
 uniform vec3 u_origin;
 uniform vec3 u_step;
+// Whether leaves have the sizes of a level of a removal order, and its steps.
+uniform bool u_has_sizes;
+uniform uint u_steps;
+// Two texels a leaf: where its sizes begin and end, its centre.
+uniform highp usampler2D u_leaves;
+// From which step on, and the bits of the linear scale.
+uniform highp usampler2D u_sizes;
 
 out vec3 v_world;
 out vec3 v_normal;
@@ -22,8 +30,30 @@ vec3 unfolded(vec2 square) {
   return normalize(normal);
 }
 
+ivec2 texel(uint index) {
+  return ivec2(index & 2047u, index >> 11u);
+}
+
+// The last size that a step up to the level's gave it; 0 where it is not made yet.
+float scale_of(uint leaf) {
+  uvec2 range = texelFetch(u_leaves, texel(2u * leaf), 0).xy;
+  uint low = range.x;
+  uint high = range.y;
+  while (low < high) {
+    uint middle = low + (high - low) / 2u;
+    if (texelFetch(u_sizes, texel(middle), 0).x <= u_steps) low = middle + 1u;
+    else high = middle;
+  }
+  if (low == range.x) return 0.0;
+  return uintBitsToFloat(texelFetch(u_sizes, texel(low - 1u), 0).y);
+}
+
 void main() {
   v_world = u_origin + u_step * a_steps;
+  if (u_has_sizes) {
+    vec3 centre = uintBitsToFloat(texelFetch(u_leaves, texel(2u * a_leaf + 1u), 0).xyz);
+    v_world = centre + (v_world - centre) * scale_of(a_leaf);
+  }
   v_normal = unfolded(a_octahedral);
   v_uv = a_uv;
   v_color = a_color;

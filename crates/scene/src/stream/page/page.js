@@ -32,7 +32,7 @@ const draw = () => {
   const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   const box = { x: 0, y: 0, width, height };
-  renderer.draw(0, chain.closeUp(orbit, width / height), box, state.show);
+  renderer.draw({ level: 0, steps: null }, chain.closeUp(orbit, width / height), box, state.show);
 };
 const ask = () => {
   if (isAsked) return;

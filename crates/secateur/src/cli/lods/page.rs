@@ -1,10 +1,10 @@
 //! The page to look at a chain.
 
 use secateur_gltf::chain::LevelTexture;
-use secateur_gltf::{Detail, Document, GltfError, WholeTree};
-use secateur_model::Surface;
+use secateur_gltf::{Detail, Document, GltfError, LeafSurface, WholeTree};
+use secateur_model::{LodModel, Surface};
 use secateur_scene::chain::{Chain, ChainOptions, Shape, show};
-use secateur_scene::preview::{Facts, Level as Shown, Preview, page};
+use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
 
 use super::super::failure::Failure;
 use super::job::{Job, about};
@@ -71,10 +71,36 @@ pub(crate) fn preview(
         .zip(facts)
         .map(|(surfaces, facts)| Shown { surfaces, facts })
         .collect();
+    let of_order = removal_order(tree, made)?;
+    let continuous = of_order.as_ref().map(|(surfaces, model)| Continuous {
+        surfaces,
+        foliage: tree.leaves(),
+        model,
+    });
     let preview = Preview {
         title: &job.name,
         screen: options.screen,
         levels: &levels,
+        continuous,
     };
     page(&preview).map_err(|error| Failure(about(job.tree, &error.to_string())))
+}
+
+/// The order that led to the coarsest level, and the leaves that it is of; none where no level has
+/// one.
+fn removal_order(
+    tree: &WholeTree,
+    made: &Chain,
+) -> Result<Option<(Vec<LeafSurface>, LodModel)>, Failure> {
+    let orders = made.levels.iter().filter_map(|level| level.order.clone());
+    let Some(order) = orders.max_by_key(|order| order.len()) else {
+        return Ok(None);
+    };
+    let leaves = tree.leaves().leaves().len();
+    let mut surfaces = tree.items().leaf_surfaces(Detail::NormalMaps)?;
+    // Behind the leaves come pieces of wood, which are in surfaces of their own.
+    surfaces.retain(|of| of.leaves.iter().any(|leaf| leaf.leaf.index() < leaves));
+    let model = LodModel::new(order, tree.leaves());
+    let model = model.map_err(|error| Failure(error.to_string()))?;
+    Ok(Some((surfaces, model)))
 }
