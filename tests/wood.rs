@@ -45,10 +45,32 @@ fn a_budget_of_triangles_is_the_whole_plants() {
             assert!(after + 3 >= most || method != "vds", "{budget}: {after}");
             let wood = counts(&report, "wood_triangles");
             assert!(wood[1] > 0 && wood[1] < wood[0], "{method} {budget}");
-            assert_eq!(report["settings"]["wood"], "auto");
+            assert_eq!(report["settings"]["wood"], "geometry");
         }
     }
     crate::validator::assert_valid(&[bench.path("out.glb")]);
+}
+
+#[test]
+fn wood_gets_coarser_by_information_or_by_geometry() {
+    let bench = Bench::new();
+    let of = |wood: &str| {
+        let report = simplified(&bench, &["--wood", wood, "--triangles", "0.25"]);
+        assert_adds_up(&bench, &report);
+        let [before, after] = counts(&report, "triangles");
+        assert!(4 * after <= before + 2, "{wood}: {after} of {before}");
+        let left = counts(&report, "wood_triangles");
+        assert!(left[1] > 0 && left[1] < left[0], "{wood}: {left:?}");
+        (report, std::fs::read(bench.path("out.glb")).unwrap())
+    };
+    let [auto, geometry, vmi] = ["auto", "geometry", "vmi"].map(of);
+    assert_eq!(vmi.0["settings"]["wood"], "vmi");
+    crate::validator::assert_valid(&[bench.path("out.glb")]);
+    assert_eq!(geometry.0["settings"]["wood"], "geometry");
+    // What `auto` runs is named.
+    assert_eq!(auto.0["settings"]["wood"], "geometry");
+    assert_eq!(auto.1, geometry.1);
+    assert_ne!(vmi.1, geometry.1);
 }
 
 #[test]
@@ -97,7 +119,7 @@ fn targets_of_leaves_leave_the_wood_alone_unless_it_is_said() {
 #[test]
 fn a_plant_may_have_no_wood() {
     let bench = Bench::new();
-    for wood in ["auto", "keep"] {
+    for wood in ["auto", "keep", "vmi", "geometry"] {
         let all = ["--foliage", "material:*", "--wood", wood];
         let report = simplified(&bench, &[&all[..], &["--triangles", "0.5"]].concat());
         assert_eq!(counts(&report, "wood_triangles"), [0, 0]);

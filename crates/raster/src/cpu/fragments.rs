@@ -1,9 +1,10 @@
 //! Leaves to fragments: the A-buffer.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
-use secateur_model::{Foliage, LeafId};
+use secateur_model::{Cutout, Foliage, Leaf, LeafId, LeafTriangle};
 
 use super::canvas::Canvas;
 use super::histogram::table_of;
@@ -207,6 +208,30 @@ impl LeafFragments {
         area_scale: f64,
         views: &[View],
     ) -> &[(u32, u32)] {
+        let shape = (foliage.leaf(leaf), foliage.triangles_of(leaf));
+        self.draw(leaf.get(), shape, area_scale, foliage.cutouts(), views)
+    }
+
+    /// As [`Self::of`], of triangles that need not be of a foliage: at their own size, with the
+    /// facing and the cut-out of a leaf.
+    pub fn of_triangles(
+        &mut self,
+        triangles: &[LeafTriangle],
+        like: &Leaf,
+        cutouts: &[Arc<Cutout>],
+        views: &[View],
+    ) -> &[(u32, u32)] {
+        self.draw(1, (like, triangles), 1.0, cutouts, views)
+    }
+
+    fn draw(
+        &mut self,
+        leaf_number: u32,
+        (geometry, triangles): (&Leaf, &[LeafTriangle]),
+        area_scale: f64,
+        cutouts: &[Arc<Cutout>],
+        views: &[View],
+    ) -> &[(u32, u32)] {
         let Self {
             resolution,
             triangles: snapped,
@@ -215,23 +240,19 @@ impl LeafFragments {
             found,
         } = self;
         found.clear();
-        let triangles = foliage.triangles_of(leaf);
-        let geometry = foliage.leaf(leaf);
-        let cutout = geometry
-            .cutout()
-            .map(|index| &*foliage.cutouts()[index as usize]);
+        let cutout = geometry.cutout().map(|index| &*cutouts[index as usize]);
         let mut first_row = 0;
         for view in views {
             snapped.clear();
             Snapper::new(view, *resolution).snap_leaf(
-                leaf.get(),
+                leaf_number,
                 geometry,
                 triangles,
                 area_scale,
                 cutout,
                 |triangle| snapped.push(*triangle),
             );
-            canvas.draw(snapped, foliage.cutouts(), |x, y, depth| {
+            canvas.draw(snapped, cutouts, |x, y, depth| {
                 found.push(((first_row + y) * *resolution + x, depth));
             });
             first_row += *resolution;

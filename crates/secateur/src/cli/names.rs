@@ -57,6 +57,10 @@ WoodName => WoodMode {
     Keep,
     /// The wood stays as it was; a budget of triangles counts the leaves alone
     Ignore,
+    /// As auto, and pieces of wood get coarser by collapses that change the views' information least
+    Vmi,
+    /// As auto, and pieces of wood get coarser by their geometry
+    Geometry,
 });
 names!(PresetName => Preset {
     /// Pictures that look like the original: the crown stays as dense as it was

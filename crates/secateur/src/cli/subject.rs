@@ -50,7 +50,10 @@ impl Subject {
     ) -> Result<Self, Failure> {
         Ok(match mode {
             WoodMode::Ignore => Self::Leaves(Tree::open_within(path, selectors, memory)?),
-            mode => Self::Whole(WholeTree::open_within(path, selectors, memory)?, mode),
+            mode => {
+                let tree = WholeTree::open_within(path, selectors, memory)?;
+                Self::Whole(tree, mode.decided())
+            }
         })
     }
 
@@ -90,6 +93,7 @@ impl Subject {
         self.leaves().triangles().len() as u64 + self.wood_triangles()
     }
 
+    /// What becomes of the wood, decided.
     pub(crate) fn mode(&self) -> WoodMode {
         match self {
             Self::Leaves(_) => WoodMode::Ignore,
@@ -128,7 +132,7 @@ impl Subject {
         let (leaves, wood) = (tree.leaves(), tree.wood());
         let level = match mode {
             WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
-            _ => WholePlant::within(tree.items().foliage(), leaves, wood, options, &engine)?
+            mode => WholePlant::by(mode, tree.items().foliage(), leaves, wood, options, &engine)?
                 .simplified(options, &engine, observer)?,
         };
         Ok(Outcome {

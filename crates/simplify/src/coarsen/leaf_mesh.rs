@@ -37,17 +37,30 @@ pub(crate) struct Collapsed {
     pub(crate) error: f64,
 }
 
+/// What collapses of edges are to keep beside the surface.
+#[derive(Clone, Copy)]
+pub(crate) struct Kept<'a> {
+    /// A texture that would be off by its whole width counts as much as a surface that is off by
+    /// this share of the mesh's size.
+    pub(crate) uv_weight: f32,
+    /// A normal that would be off by its whole length counts as much as a surface that is off by
+    /// this share of the mesh's size.
+    pub(crate) normal_weight: f32,
+    /// Which places stay.
+    pub(crate) is_locked: &'a dyn Fn(DVec3) -> bool,
+}
+
 /// What collapses leave at ever fewer triangles, each half of the number before, as far down as
-/// collapses get; finest first. Vertices stay where they are and keep their texture coordinates;
-/// a texture that would be off by its whole width counts as `uv_weight` of the mesh's size.
-pub(crate) fn halvings(triangles: &[LeafTriangle], uv_weight: f32) -> Vec<Collapsed> {
+/// collapses get; finest first. Vertices stay where they are and keep their texture coordinates.
+pub(crate) fn halvings(triangles: &[LeafTriangle], kept: Kept<'_>) -> Vec<Collapsed> {
     let Some(mesh) = Mesh::of(triangles) else {
         return Vec::new();
     };
+    let attributes = Attributes::of(&mesh, triangles, kept);
     let mut levels: Vec<Collapsed> = Vec::new();
     let mut wanted = triangles.len() / 2;
     while wanted > 0 {
-        let (kept, error) = mesh.collapsed_with_uvs(wanted, uv_weight);
+        let (kept, error) = mesh.collapsed_with(&attributes, wanted);
         let last = levels
             .last()
             .map_or(triangles.len(), |level| level.triangles.len());
@@ -60,6 +73,50 @@ pub(crate) fn halvings(triangles: &[LeafTriangle], uv_weight: f32) -> Vec<Collap
         wanted /= 2;
     }
     levels
+}
+
+/// Texture coordinates and normal of a vertex.
+const ATTRIBUTES: usize = 5;
+
+/// What vertices have beside their positions.
+struct Attributes {
+    values: Vec<[f32; ATTRIBUTES]>,
+    weights: [f32; ATTRIBUTES],
+    is_locked: Vec<bool>,
+}
+
+impl Attributes {
+    /// Normals are of the surface: those of the triangles that meet at a place, by area. A file may
+    /// have normals for another shading; collapses drop them with their vertices or leave them.
+    fn of(mesh: &Mesh, triangles: &[LeafTriangle], kept: Kept<'_>) -> Self {
+        let is_sound = mesh.uvs.as_flattened().iter().all(|x| x.is_finite());
+        let uv_weight = if is_sound { kept.uv_weight } else { 0.0 };
+        let key = |place: DVec3| place.to_array().map(|v| (v + 0.0).to_bits());
+        let mut normals: FxHashMap<[u64; 3], DVec3> = FxHashMap::default();
+        for triangle in triangles {
+            let [a, b, c] = triangle.corners;
+            let by_area = (b - a).cross(c - a);
+            for corner in triangle.corners {
+                *normals.entry(key(corner)).or_default() += by_area;
+            }
+        }
+        let mut values = vec![[0.0; ATTRIBUTES]; mesh.positions.len()];
+        let mut is_locked = vec![false; mesh.positions.len()];
+        let corners = triangles.iter().flat_map(|t| t.corners);
+        for (&vertex, corner) in mesh.indices.iter().zip(corners) {
+            let vertex = vertex as usize;
+            let normal = normals[&key(corner)].normalize_or_zero().as_vec3();
+            let [u, v] = mesh.uvs[vertex];
+            values[vertex] = [u, v, normal.x, normal.y, normal.z];
+            is_locked[vertex] = (kept.is_locked)(corner);
+        }
+        let n = kept.normal_weight;
+        Self {
+            values,
+            weights: [uv_weight, uv_weight, n, n, n],
+            is_locked,
+        }
+    }
 }
 
 /// A leaf by its vertices: corners at one place of one texture coordinate.
@@ -106,22 +163,20 @@ impl Mesh {
         })
     }
 
-    /// As [`Self::collapsed`], but texture coordinates count too; with the error, as a share of
-    /// the mesh's size.
-    fn collapsed_with_uvs(&self, triangles: usize, uv_weight: f32) -> (Vec<[u32; 3]>, f32) {
+    /// As [`Self::collapsed`], but attributes count too; with the error, as a share of the mesh's
+    /// size.
+    fn collapsed_with(&self, attributes: &Attributes, triangles: usize) -> (Vec<[u32; 3]>, f32) {
         let bytes = ::meshopt::typed_to_bytes(&self.positions);
         let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
             .expect("positions are whole vectors");
-        let is_sound = self.uvs.as_flattened().iter().all(|x| x.is_finite());
-        let weight = if is_sound { uv_weight } else { 0.0 };
         let mut error = 0.0;
         let kept = ::meshopt::simplify_with_attributes_and_locks(
             &self.indices,
             &vertices,
-            self.uvs.as_flattened(),
-            &[weight; 2],
-            size_of::<[f32; 2]>(),
-            &vec![false; self.positions.len()],
+            attributes.values.as_flattened(),
+            &attributes.weights,
+            size_of::<[f32; ATTRIBUTES]>(),
+            &attributes.is_locked,
             3 * triangles,
             f32::MAX,
             SimplifyOptions::ErrorAbsolute,

@@ -6,6 +6,8 @@ use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree, RTreeObject};
 use secateur_model::{Foliage, LeafId};
 
+use super::nearest::nearest;
+
 /// Largest number of corners of a piece that are compared with other pieces.
 const MOST_CORNERS: usize = 192;
 
@@ -13,6 +15,12 @@ const MOST_CORNERS: usize = 192;
 /// corners. The piece of the most area grows on none. Pieces of equal area are taken in their
 /// order.
 pub fn supports(wood: &Foliage) -> Vec<Option<usize>> {
+    let found = support_and_distance(wood).into_iter();
+    found.map(|found| Some(found?.0)).collect()
+}
+
+/// [`supports`], with the distance of each from the piece in world units.
+pub(super) fn support_and_distance(wood: &Foliage) -> Vec<Option<(usize, f64)>> {
     let area = |index: usize| wood.leaf(LeafId::from_index(index)).area();
     let mut by_area: Vec<usize> = (0..wood.leaves().len()).collect();
     by_area.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
@@ -23,13 +31,11 @@ pub fn supports(wood: &Foliage) -> Vec<Option<usize>> {
     let mut boxes = Vec::with_capacity(wood.triangles().len());
     for (index, &rank) in rank.iter().enumerate() {
         for triangle in wood.triangles_of(LeafId::from_index(index)) {
-            let corners = triangle.corners.map(|corner| corner.to_array());
-            let bounds = AABB::from_points(corners.iter());
-            boxes.push(GeomWithData::new(Bounds(bounds, triangle.corners), rank));
+            boxes.push(GeomWithData::new(bounds(triangle.corners), rank));
         }
     }
     let tree = RTree::bulk_load(boxes);
-    let support = |index: usize| -> Option<usize> {
+    let support = |index: usize| -> Option<(usize, f64)> {
         if rank[index] == 0 {
             return None;
         }
@@ -49,13 +55,18 @@ pub fn supports(wood: &Foliage) -> Vec<Option<usize>> {
                 }
             }
         }
-        (best.1 != usize::MAX).then(|| by_area[best.1])
+        (best.1 != usize::MAX).then(|| (by_area[best.1], best.0.sqrt()))
     };
     (0..rank.len()).into_par_iter().map(support).collect()
 }
 
+pub(super) fn bounds(corners: [DVec3; 3]) -> Bounds {
+    let points = corners.map(|corner| corner.to_array());
+    Bounds(AABB::from_points(points.iter()), corners)
+}
+
 /// A triangle with its box.
-struct Bounds(AABB<[f64; 3]>, [DVec3; 3]);
+pub(super) struct Bounds(AABB<[f64; 3]>, [DVec3; 3]);
 
 impl RTreeObject for Bounds {
     type Envelope = AABB<[f64; 3]>;
@@ -68,60 +79,6 @@ impl RTreeObject for Bounds {
 impl rstar::PointDistance for Bounds {
     fn distance_2(&self, point: &[f64; 3]) -> f64 {
         let point = DVec3::from_array(*point);
-        (point - nearest_on(self.1, point)).length_squared()
-    }
-}
-
-/// The point of a triangle that is nearest to a point: by the region of its plane in which the
-/// point lies (Ericson, Real-Time Collision Detection, 5.1.5).
-fn nearest_on([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    let inverse = 1.0 / (va + vb + vc);
-    match inverse.is_finite() {
-        true => a + ab * (vb * inverse) + ac * (vc * inverse),
-        false => a,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_point_of_a_triangle_is_in_it() {
-        let triangle = [DVec3::ZERO, DVec3::X, DVec3::Y];
-        let nearest = |x, y, z| nearest_on(triangle, DVec3::new(x, y, z));
-        assert_eq!(nearest(0.25, 0.25, 3.0), DVec3::new(0.25, 0.25, 0.0));
-        assert_eq!(nearest(-1.0, -1.0, 0.0), DVec3::ZERO);
-        assert_eq!(nearest(2.0, 0.0, 0.0), DVec3::X);
-        assert_eq!(nearest(0.5, -1.0, 0.0), DVec3::new(0.5, 0.0, 0.0));
-        assert_eq!(nearest(1.0, 1.0, 0.0), DVec3::new(0.5, 0.5, 0.0));
-        assert_eq!(nearest_on([DVec3::ONE; 3], DVec3::ZERO), DVec3::ONE);
+        (point - nearest(self.1, point).point).length_squared()
     }
 }

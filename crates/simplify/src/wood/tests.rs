@@ -6,7 +6,7 @@ use secateur_model::LeafTriangle;
 use super::*;
 
 /// A tube of eight sides from one point to another.
-fn tube(from: DVec3, to: DVec3, radius: f64, rings: usize) -> Vec<LeafTriangle> {
+pub(super) fn tube(from: DVec3, to: DVec3, radius: f64, rings: usize) -> Vec<LeafTriangle> {
     const SIDES: usize = 8;
     let along = (to - from).normalize();
     let across = along.any_orthonormal_vector();
@@ -41,7 +41,7 @@ fn tube(from: DVec3, to: DVec3, radius: f64, rings: usize) -> Vec<LeafTriangle> 
 }
 
 /// A trunk, a bough on it, and a twig on the bough.
-fn wood() -> Foliage {
+pub(super) fn wood() -> Foliage {
     let mut wood = Foliage::default();
     let bough_tip = DVec3::new(3.0, 5.0, 0.0);
     let pieces = [
@@ -165,4 +165,51 @@ fn an_order_takes_pieces_away_before_what_they_grow_on() {
         assert!(!is_left(0) || is_left(2), "a twig without its bough");
         assert!(!is_left(2) || is_left(1), "a bough without its trunk");
     }
+}
+
+/// A leaf on the trunk, one on it, and one that is far from both.
+#[test]
+fn a_leaf_rests_on_wood_or_on_a_lower_leaf() {
+    let mut leaves = Foliage::default();
+    for (x, y) in [(0.5, 4.0), (1.5, 4.2), (7.0, 4.4), (1.5, 3.0)] {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::X - 0.1 * DVec3::Y];
+        let triangle = LeafTriangle::plain(corners.map(|c| c + DVec3::new(x, y, 0.0)));
+        leaves.push_leaf(&[triangle], None).unwrap();
+    }
+    let mut trunk = Foliage::default();
+    trunk
+        .push_leaf(&tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.4, 12), None)
+        .unwrap();
+    let gaps = leaf_gaps(&leaves, &trunk);
+    assert!(gaps[0] < 0.15, "{gaps:?}");
+    assert!((0.1..0.3).contains(&gaps[1]), "{gaps:?}");
+    assert!((4.5..5.0).contains(&gaps[2]), "{gaps:?}");
+    // What is above does not bear it.
+    assert!((1.0..1.2).contains(&gaps[3]), "{gaps:?}");
+}
+
+#[test]
+fn places_of_two_pieces_stay() {
+    let mut foliage = Foliage::default();
+    let (a, b, c) = (DVec3::ZERO, 2.0 * DVec3::Y, 4.0 * DVec3::Y);
+    foliage.push_leaf(&tube(a, b, 0.3, 4), None).unwrap();
+    foliage.push_leaf(&tube(b, c, 0.3, 4), None).unwrap();
+    let is_joint = joints(&foliage);
+    let corners = foliage.triangles().iter().flat_map(|t| t.corners);
+    let shared: Vec<DVec3> = corners.filter(|corner| is_joint(*corner)).collect();
+    assert!(!shared.is_empty() && shared.iter().all(|corner| corner.y == 2.0));
+    let wood = Wood::new(&foliage, &[1.0, 1.0]);
+    let coarsest = wood.pieces[0].levels.last().unwrap();
+    let triangles = foliage.triangles_of(LeafId::from_index(0));
+    let place = |c: &u32| triangles[*c as usize / 3].corners[*c as usize % 3];
+    let left: Vec<DVec3> = coarsest
+        .triangles
+        .as_flattened()
+        .iter()
+        .map(place)
+        .collect();
+    let is_kept = |corner: &DVec3| left.contains(corner);
+    let of_first = triangles.iter().flat_map(|t| t.corners);
+    let mut of_first = of_first.filter(|corner| is_joint(*corner));
+    assert!(of_first.all(|corner| is_kept(&corner)));
 }

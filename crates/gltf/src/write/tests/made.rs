@@ -1,9 +1,10 @@
 //! Levels with leaves that the input has not.
 
 use glam::DVec3;
+use serde_json::json;
 
 use super::encodings;
-use super::fixture::read;
+use super::fixture::{Fixture, UNSIGNED_BYTE, UNSIGNED_SHORT, read, square_indices, squares};
 use super::validator::assert_valid;
 use crate::Tree;
 use crate::write::content::lod_content;
@@ -254,4 +255,68 @@ fn every_set_of_texture_coordinates_and_the_normals_go_on() {
             assert!(found.iter().any(is_there), "{semantic}: {sum} of {found:?}");
         }
     }
+}
+
+/// What coarser wood is: triangles between corners of the piece that was, some of them gone.
+#[test]
+fn vertices_of_what_is_made_of_old_corners_keep_their_skin() {
+    let mut fixture = Fixture::new();
+    let positions = fixture.vectors(&squares(4));
+    let indices = fixture.indices(UNSIGNED_SHORT, &square_indices(4));
+    let mut fixture = fixture.with_leaves(json!({"POSITION": positions}), Some(indices));
+    let joints: Vec<f64> = (0..16).flat_map(|_| [0.0, 1.0, 0.0, 0.0]).collect();
+    let joints = fixture.elements(UNSIGNED_BYTE, 4, &joints);
+    // Each vertex has other weights.
+    let weights: Vec<[f32; 4]> = (0..16u8)
+        .map(|k| f32::from(k) / 16.0)
+        .map(|w| [w, 1.0 - w, 0.0, 0.0])
+        .collect();
+    let weights = fixture.vectors(&weights);
+    let attributes = &mut fixture.leaf_primitive()["attributes"];
+    attributes["JOINTS_0"] = joints.into();
+    attributes["WEIGHTS_0"] = weights.into();
+    let nodes = fixture.root["nodes"].as_array_mut().unwrap();
+    let joints = [nodes.len(), nodes.len() + 1];
+    nodes.extend([json!({"name": "root"}), json!({"name": "tip"})]);
+    nodes[2]["skin"] = 0.into();
+    fixture.root["skins"] = json!([{"joints": joints}]);
+    let tree = fixture.tree();
+
+    let piece = LeafId::new(2).unwrap();
+    let mut lod = Lod::original(tree.foliage.leaves().len());
+    lod.remove(piece);
+    let of = |corner| NewCorner {
+        place: Place::Of(CornerRef {
+            leaf: piece,
+            corner,
+        }),
+        like: corner,
+    };
+    lod.make(NewLeaf {
+        donor: piece,
+        triangles: vec![[of(0), of(1), of(5)]],
+    });
+    let after = read(tree.lod_to_bytes(&lod).unwrap());
+    let vertices = |tree: &Tree| -> Vec<[Vec<u8>; 3]> {
+        let part = tree.parts.iter().find(|part| part.is_foliage).unwrap();
+        let document = &tree.document;
+        let primitive = document.primitive(part.mesh, part.primitive).unwrap();
+        let of = |name: &str| {
+            let accessor = primitive["attributes"][name].as_u64().unwrap() as usize;
+            let elements = document.elements(accessor).unwrap();
+            let size = elements.accessor.element_bytes();
+            elements
+                .bytes
+                .chunks(size)
+                .map(<[u8]>::to_vec)
+                .collect::<Vec<_>>()
+        };
+        let [places, joints, weights] = ["POSITION", "JOINTS_0", "WEIGHTS_0"].map(of);
+        let all = places.into_iter().zip(joints).zip(weights);
+        all.map(|((place, joints), weights)| [place, joints, weights])
+            .collect()
+    };
+    let (before, now) = (vertices(&tree), vertices(&after));
+    assert_eq!(before.len(), now.len() + 1);
+    assert!(now.iter().all(|vertex| before.contains(vertex)));
 }
