@@ -104,6 +104,10 @@ impl<R: Rasteriser + ?Sized> Rasteriser for Occluded<'_, R> {
         Ok(AreaTable::from_rows(leaf_count, rows))
     }
 
+    fn may_lists_take(&self, scene: &Scene<'_>, bytes: u64) -> Result<(), RasterError> {
+        self.rasteriser.may_lists_take(scene, bytes)
+    }
+
     fn occlusions(&self, views: &ViewSet, resolution: u32) -> Option<Vec<Occlusion>> {
         Some(occlusions(self.occluders, views, resolution))
     }

@@ -60,6 +60,16 @@ pub trait Rasteriser {
     /// [`RasterError`] if the device fails.
     fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError>;
 
+    /// Whether the lists of fragments of a scene, being edited, may take this many bytes: to be asked
+    /// now and then where leaves grow, since larger leaves cover more pixels.
+    ///
+    /// # Errors
+    /// [`RasterError`] if memory is limited and they take more.
+    fn may_lists_take(&self, scene: &Scene<'_>, bytes: u64) -> Result<(), RasterError> {
+        let _ = (scene, bytes);
+        Ok(())
+    }
+
     /// Whether a GPU does it.
     fn is_gpu(&self) -> bool {
         false

@@ -29,6 +29,9 @@ const BYTES_A_COLLAPSED_LEAF: u64 = 2000;
 pub(crate) const LOOK_LESS: &str =
     "allow more (`--memory`), or take fewer pixels (`--resolution`) or fewer views (`--views`)";
 
+/// What to do where leaves have grown so large that their lists take too much memory.
+const GROW_LESS: &str = "allow more (`--memory`), let leaves grow less (`--resize`, `--max-coverage`), or take fewer pixels (`--resolution`) or fewer views (`--views`)";
+
 /// What to do where the foliage alone takes too much.
 const ALLOW_MORE: &str = "allow more (`--memory`), or choose less of the plant (`--foliage`)";
 
@@ -97,6 +100,12 @@ impl Rasteriser for Within<'_> {
         self.engine.areas(scene)
     }
 
+    fn may_lists_take(&self, scene: &Scene<'_>, bytes: u64) -> Result<(), RasterError> {
+        let mut room = Room::for_lists(&self.budget, scene, GROW_LESS)?;
+        let what = || room_of_grown(scene);
+        Ok(room.left.take(bytes, what, GROW_LESS)?)
+    }
+
     fn is_gpu(&self) -> bool {
         self.engine.is_gpu()
     }
@@ -156,6 +165,12 @@ impl Room {
             remedy: self.remedy,
         }
     }
+}
+
+fn room_of_grown(scene: &Scene<'_>) -> String {
+    let [leaves, views] = [scene.lod.leaf_count(), scene.views.len()];
+    let side = scene.resolution;
+    format!("{leaves} leaves, grown, in {views} views of {side} x {side} pixels")
 }
 
 #[cfg(test)]

@@ -132,6 +132,11 @@ impl ABuffer {
         self.leaf_pixels.of(leaf)
     }
 
+    /// Bytes of the lists and of what finds them by leaf.
+    pub fn list_bytes(&self) -> u64 {
+        (size_of_val(&self.arena[..]) + size_of_val(self.leaf_pixels.all())) as u64
+    }
+
     /// Takes a leaf away for good.
     pub fn remove(&mut self, leaf: u32, mut changed: impl FnMut(u32, FrontTwo, FrontTwo)) {
         self.is_there[leaf as usize] = false;
@@ -366,12 +371,35 @@ impl ABuffer {
         span.len = (kept - range.start) as u32;
         if span.len == span.room {
             let room = span.len + span.len / 2 + 2;
+            if self.arena.len() + room as usize > self.arena.capacity() {
+                self.compact();
+            }
+            let range = self.spans[pixel as usize].range();
             let start = u32::try_from(self.arena.len()).expect("fragments fit 32 bits");
             self.arena.extend_from_within(range);
             self.arena
                 .resize(start as usize + room as usize, Fragment::new(0, 0));
+            let span = &mut self.spans[pixel as usize];
             (span.start, span.room) = (start, room);
         }
+    }
+
+    /// Drops the places that lists have left for others, and fragments of leaves that are gone.
+    fn compact(&mut self) {
+        let live: usize = self.spans.iter().map(|span| span.len as usize).sum();
+        let mut arena = Vec::with_capacity(live + live / ROOM_TO_GROW);
+        for span in &mut self.spans {
+            let start = arena.len();
+            let list = self.arena[span.range()].iter();
+            arena.extend(list.filter(|fragment| self.is_there[fragment.leaf() as usize]));
+            let len = (arena.len() - start) as u32;
+            *span = Span {
+                start: start as u32,
+                len,
+                room: len,
+            };
+        }
+        self.arena = arena;
     }
 }
 

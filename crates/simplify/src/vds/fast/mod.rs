@@ -185,6 +185,12 @@ impl<'a> FastRun<'a> {
         areas.map_err(VdsError::from_raster)
     }
 
+    fn may_lists_take(&self, views: &ViewSet, bytes: u64) -> Result<(), VdsError> {
+        let scene = self.scene(&self.lod, views);
+        let may = self.rasteriser.may_lists_take(&scene, bytes);
+        may.map_err(VdsError::from_raster)
+    }
+
     /// Takes down a step.
     fn record(&mut self, pruned: Found, grown: &[Growth]) {
         self.order.push(leaf_id(pruned.leaf), grown);

@@ -110,6 +110,12 @@ impl<'a> Shared<'a> {
         self.slices.iter().map(|p| p.read().expect(HELD)).collect()
     }
 
+    /// Bytes of all lists of fragments.
+    pub(super) fn list_bytes(&self) -> u64 {
+        let slices = self.slices_as_edited();
+        slices.iter().map(|slice| slice.list_bytes()).sum()
+    }
+
     /// Areas after the last step, which may have pruned a leaf.
     pub(super) fn with_counts<T>(
         &self,

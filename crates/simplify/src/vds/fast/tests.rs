@@ -1,8 +1,9 @@
 //! Bounds against looking at every leaf, on crowns too large for the literal
 //! algorithm: long runs in which all of a step's short cuts are taken.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
+use secateur_model::OverMemory;
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{CpuRasteriser, Fragments, RasterError};
 
@@ -147,4 +148,66 @@ fn the_areas_of_a_gpu_are_those_of_the_cpu() {
             eprintln!("areas of a GPU skipped: {error}");
         }
     }
+}
+
+/// Draws on the CPU, and notes or refuses what lists take as leaves grow.
+struct Metered {
+    most_bytes: u64,
+    largest_bytes: Cell<u64>,
+}
+
+impl Rasteriser for Metered {
+    fn fragments(&self, scene: &Scene<'_>) -> Result<Fragments, RasterError> {
+        CpuRasteriser.fragments(scene)
+    }
+
+    fn areas(&self, scene: &Scene<'_>) -> Result<AreaTable, RasterError> {
+        CpuRasteriser.areas(scene)
+    }
+
+    fn may_lists_take(&self, _: &Scene<'_>, bytes: u64) -> Result<(), RasterError> {
+        self.largest_bytes.set(self.largest_bytes.get().max(bytes));
+        match bytes > self.most_bytes {
+            true => Err(Box::new(OverMemory {
+                what: "lists".to_owned(),
+                bytes,
+                left: self.most_bytes,
+                remedy: "grow less",
+            })),
+            false => Ok(()),
+        }
+    }
+}
+
+/// A crown keeps its area however large its leaves get, so its lists keep their size; places
+/// that they left for others are taken back. What is refused ends the run.
+#[test]
+fn growing_leaves_take_no_more_memory_and_ask_for_it() {
+    let crown = ellipsoid_crown(2000, 3, &EllipsoidCrown::default()).unwrap();
+    let views = ViewSet::dodecahedron(crown.bounding_sphere().unwrap());
+    let mut job = VdsRun::to_leaves(views.clone(), 96, 40);
+    job.options.resize = Resize::Full;
+    job.options.max_coverage = None;
+    let run = |most_bytes| {
+        let metered = Metered {
+            most_bytes,
+            largest_bytes: Cell::new(0),
+        };
+        let go_on = &mut |_: Progress| ControlFlow::Continue(());
+        let ended = simplify(&crown, &job, &metered, go_on).map(|outcome| outcome.order.len());
+        (ended, metered.largest_bytes.get())
+    };
+    let (ended, largest_bytes) = run(u64::MAX);
+    assert_eq!(ended, Ok(1960));
+    let original = Lod::original(2000);
+    let fragments = CpuRasteriser.fragments(&Scene {
+        foliage: &crown,
+        lod: &original,
+        views: &views,
+        resolution: 96,
+    });
+    let at_first = 12 * fragments.unwrap().len() as u64;
+    assert!(largest_bytes < 3 * at_first, "{largest_bytes} {at_first}");
+    let (ended, _) = run(largest_bytes - 1);
+    assert!(matches!(ended, Err(VdsError::Memory(_))), "{ended:?}");
 }

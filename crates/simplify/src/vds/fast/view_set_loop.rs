@@ -17,6 +17,10 @@ use crate::vds::resize::{Pruned, covered_px, growths};
 use crate::vds::{Reference, Resize, VdsOptions};
 use crate::vmi::{Vmi, error_percent};
 
+/// After this many steps it is seen whether grown leaves still fit the memory: one leaf can add at
+/// most a fragment a pixel, 12 bytes, of all views.
+const STEPS_A_CHECK: usize = 16;
+
 /// The engine's state for one view set.
 pub(super) struct ViewSetLoop<'a> {
     pub views: &'a ViewSet,
@@ -96,11 +100,11 @@ impl<'a> ViewSetLoop<'a> {
         leaves: usize,
     ) -> Result<Ended, VdsError> {
         let Self {
+            views,
             vmi_original,
             shared,
             pool,
             lead,
-            ..
         } = self;
         let shared: &Shared<'_> = shared;
         let mut left = run.lod.leaf_count();
@@ -116,6 +120,9 @@ impl<'a> ViewSetLoop<'a> {
                     }
                     run.record(finds.cheapest, &grown);
                     left -= 1;
+                    if !grown.is_empty() && left.is_multiple_of(STEPS_A_CHECK) {
+                        run.may_lists_take(views, shared.list_bytes())?;
+                    }
                     let progress = Progress {
                         steps: run.order.len(),
                         steps_at_most: run.steps_at_most,

@@ -96,6 +96,11 @@ impl ViewSlice {
         self.events.all()
     }
 
+    /// Bytes of the lists of fragments.
+    pub(super) fn list_bytes(&self) -> u64 {
+        self.a_buffer.list_bytes()
+    }
+
     /// Forgets the events, and their memory.
     pub(super) fn forget(&mut self) {
         self.events = Events::default();
