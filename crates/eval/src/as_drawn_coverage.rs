@@ -65,7 +65,7 @@ impl AsDrawnCoverage {
         }
     }
 
-    /// How much a client shows of the original itself, in every so many of the views.
+    /// How much a client shows of the original itself, in the first of each `every` views.
     ///
     /// # Panics
     /// If `every` is 0.
@@ -74,7 +74,7 @@ impl AsDrawnCoverage {
         self.shown_by(&counted, every)
     }
 
-    /// How much a client shows of a simplified tree, in every so many of the views.
+    /// How much a client shows of a simplified tree, in the first of each `every` views.
     ///
     /// # Panics
     /// If `every` is 0.

@@ -83,8 +83,8 @@ impl Document {
         Self::open_keeping(path, memory, LARGE_GLB_BYTES)
     }
 
-    /// [`open_within`](Self::open_within), and the buffer of a GLB of at least so many bytes stays
-    /// in its file.
+    /// As [`open_within`](Self::open_within), but the buffer of a GLB of at least `large_bytes`
+    /// bytes stays in its file.
     pub(crate) fn open_keeping(
         path: &Path,
         memory: Memory,

@@ -224,7 +224,7 @@ impl Stand<'_> {
         });
     }
 
-    /// The wood beside so many leaves.
+    /// The wood that goes with this number of leaves.
     fn push_wood(&self, list: &mut DrawList, tree: &Tree, leaves: usize) {
         let part = &self.species.wood;
         let steps = self.species.wood_steps(leaves) as u32;

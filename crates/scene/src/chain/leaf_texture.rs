@@ -131,7 +131,7 @@ pub(super) fn fitted(
         .map(|(texture, _)| texture)
 }
 
-/// A power of two for a side of which so many texels are a pixel, not larger than it is.
+/// A power of two for a side where a pixel shows `texels` of its texels, not larger than it is.
 fn side_for(side: u32, texels: f64) -> u32 {
     let most = 1 << side.max(1).ilog2();
     let wanted = (f64::from(side) / texels)

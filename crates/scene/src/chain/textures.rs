@@ -26,7 +26,7 @@ const MOST_MORE_SPECKS: f64 = 2.0;
 /// hide each other answer less than in proportion.
 const TRIES: usize = 4;
 
-/// Tries are looked at in every so many of the views; what is chosen is in all of them.
+/// Tries are looked at in one view of three, to save time; what is chosen is looked at in all.
 const TRY_IN_EVERY: usize = 3;
 
 /// The last level is taken to be seen down to this height.
@@ -35,11 +35,12 @@ const LAST_END_PX: f64 = 64.0;
 /// Views stand at least this many radii off.
 const LEAST_RADII: f64 = 3.0;
 
-/// Pictures have at most so many pixels a side: of what the screen shows larger they show the
+/// The most pixels a side that pictures have: of what the screen shows larger they show the
 /// middle.
 const MOST_PX: f64 = 256.0;
 
-/// Specks of larger ones are those of the middle of so many pixels a side.
+/// Specks are counted for a picture of this many pixels a side at most, from the middle of larger
+/// ones.
 const SPECKS_PX: f64 = 384.0;
 
 /// What leaves of a level show.
@@ -141,7 +142,7 @@ impl<'a> Client<'a> {
         self.as_drawn_in(surfaces, range, 1)
     }
 
-    /// The same in every so many of the views.
+    /// As [`Self::as_drawn`], in the first of each `every` views.
     fn as_drawn_in(&self, surfaces: &[Surface], range: [f64; 2], every: usize) -> LevelAsDrawn {
         let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, h, every));
         let more = |shown: Shown, original: Shown| {
@@ -300,8 +301,8 @@ pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTex
     }
 }
 
-/// A texture for each material with a mask, where a unit of length is so many pixels, and so many
-/// times as much is there.
+/// A texture for each material with a mask, where a unit of length is `pixels` pixels, covering
+/// `gain` times what the tree's own does.
 fn fitted_textures(level: &LevelSurfaces, pixels: f64, mips: Mips, gain: f64) -> Vec<LevelTexture> {
     let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
     let texture = |material: usize| {

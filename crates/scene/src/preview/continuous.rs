@@ -22,9 +22,9 @@ use crate::stream::{Leaves, Part};
 pub struct Continuous<'a> {
     /// What is drawn of the foliage, with its leaves: [`Tree::leaf_surfaces`](secateur_gltf::Tree::leaf_surfaces).
     pub surfaces: &'a [LeafSurface],
-    /// The leaves.
+    /// The foliage that the order is of.
     pub foliage: &'a Foliage,
-    /// Their order.
+    /// All levels along the removal order of these leaves.
     pub model: &'a LodModel,
 }
 

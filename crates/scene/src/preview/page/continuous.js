@@ -74,7 +74,7 @@ class RemovalOrder {
     return before[low];
   }
 
-  // The fewest steps after which there are at most so many leaves.
+  // The fewest steps after which at most this number of leaves is left.
   stepsTo(leaves) {
     const steps = this.leaves.findIndex((count) => count <= leaves);
     return steps < 0 ? this.steps : steps;

@@ -55,7 +55,7 @@ class Chain {
     return this.camera(orbit, distance, tangent / orbit.zoom, shift);
   }
 
-  // The camera of the screen at a distance, cut down to a box of so many pixels.
+  // The camera of the screen at a distance, cut down to a box of this size in pixels.
   trueSize(orbit, distance, boxHeight) {
     return this.camera(orbit, distance, (this.tangent * boxHeight) / this.screenHeight, [0, 0]);
   }

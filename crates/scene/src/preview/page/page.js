@@ -178,7 +178,7 @@ const sayLeaves = () => {
   $("steps").setAttribute("aria-valuetext", `${count(leaves[steps])} leaves`);
 };
 
-// Shows the level after so many steps of the removal order, with the wood of the coarsest level of
+// Shows the level after this number of steps of the removal order, with the wood of the coarsest level of
 // at least as many leaves.
 const goToSteps = (steps) => {
   if (!renderer?.order) return;

@@ -32,7 +32,7 @@ class Renderer {
     this.orderTextures = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
   }
 
-  // A texture of texels of so many words.
+  // A texture whose texels have this number of words.
   words(texels, size) {
     const { gl } = this;
     const rows = Math.ceil(texels.length / size / ROW);

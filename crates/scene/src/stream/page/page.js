@@ -137,7 +137,7 @@ const inTurn = (work) => {
   return queue;
 };
 
-// Shows the plant of the first so many bytes.
+// Shows the plant of the stream's first bytes, this number of them.
 const showBytes = (bytes) => inTurn(async () => {
   if (bytes < state.shown) {
     reader = new PlantReader();

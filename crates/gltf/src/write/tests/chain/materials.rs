@@ -38,13 +38,11 @@ fn a_picture_is_the_last_level_in_every_layout() {
                 let counts = ["nodes", "meshes", "materials", "textures", "images"].map(count);
                 assert_eq!(counts, [1, 1, 1, 2, 2], "{what}: nothing of the tree");
             }
-            for file in &chain.files {
-                let path = folder
-                    .path()
-                    .join(format!("{name}-{layout:?}-{}", file.name));
-                std::fs::write(&path, &file.bytes).unwrap();
-                files.push(path);
-            }
+            files.extend(written(
+                &chain,
+                folder.path(),
+                &format!("{name}-{layout:?}"),
+            ));
         }
     }
     assert_valid(&files);

@@ -22,7 +22,7 @@ use super::every_encoding::one_gone_one_grown;
 use super::fixture::{FLOAT, Fixture, UNSIGNED_BYTE, UNSIGNED_SHORT, read};
 use super::fixture::{square_indices, squares};
 use super::validator::assert_valid;
-use crate::chain::{ChainFiles, ChainProblem, Layout, Level, LevelTexture};
+use crate::chain::{ChainFile, ChainFiles, ChainProblem, Layout, Level, LevelTexture};
 use crate::error::Problem;
 use crate::{Detail, Document, Tree, WriteOptions};
 use secateur_model::{
@@ -170,13 +170,11 @@ fn every_layout_of_every_encoding_reads_back() {
                 }
             }
             check_arrangement(&tree, &document(&chain, 0), layout, &what);
-            for file in &chain.files {
-                let path = folder
-                    .path()
-                    .join(format!("{name}-{layout:?}-{}", file.name));
-                std::fs::write(&path, &file.bytes).unwrap();
-                files.push(path);
-            }
+            files.extend(written(
+                &chain,
+                folder.path(),
+                &format!("{name}-{layout:?}"),
+            ));
         }
     }
     assert_valid(&files);
@@ -185,6 +183,16 @@ fn every_layout_of_every_encoding_reads_back() {
     let mut warnings = warnings(&files);
     warnings.retain(|code| code != "NODE_SKINNED_MESH_NON_ROOT");
     assert_eq!(warnings, [""; 0]);
+}
+
+/// The files of a chain, written into a folder, their names after `prefix`.
+fn written(chain: &ChainFiles, folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    let write = |file: &ChainFile| {
+        let path = folder.join(format!("{prefix}-{}", file.name));
+        std::fs::write(&path, &file.bytes).unwrap();
+        path
+    };
+    chain.files.iter().map(write).collect()
 }
 
 /// The codes of the validator's warnings; none where it is not installed.

@@ -38,13 +38,11 @@ fn real_trees_make_chains() {
                     }
                 }
             }
-            for file in &chain.files {
-                let path = folder
-                    .path()
-                    .join(format!("{name}-{layout:?}-{}", file.name));
-                std::fs::write(&path, &file.bytes).unwrap();
-                files.push(path);
-            }
+            files.extend(written(
+                &chain,
+                folder.path(),
+                &format!("{name}-{layout:?}"),
+            ));
         }
         // One file has what the levels share once.
         assert!(
