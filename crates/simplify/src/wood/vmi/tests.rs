@@ -228,3 +228,42 @@ fn no_wood_has_no_levels() {
     let levels = levels(&Foliage::default(), &views, 16, &CpuRasteriser).unwrap();
     assert!(levels.is_empty());
 }
+
+/// Costs by number of the triangles that go; from the first collapse on, those of odd numbers
+/// cost a thousand times as much.
+struct Rising {
+    has_risen: bool,
+}
+
+impl Cost for Rising {
+    fn of(&mut self, _: &Mesh<'_>, effect: &Effect) -> i64 {
+        let number = i64::from(*effect.removed.iter().max().unwrap());
+        let is_odd = number % 2 == 1;
+        if self.has_risen && is_odd {
+            1000 * number
+        } else {
+            number
+        }
+    }
+
+    fn commit(&mut self, _: &Mesh<'_>, _: &Effect) {
+        self.has_risen = true;
+    }
+}
+
+/// What got dearer since it was queued goes back behind what is cheaper.
+#[test]
+fn a_collapse_that_got_dearer_waits_its_turn() {
+    let wood = crossed_tubes();
+    let mut mesh = Mesh::new(&wood);
+    let mut rising = Rising { has_risen: false };
+    let places = 0..mesh.place_count();
+    let firsts = places.map(|place| cheapest(&mesh, place, &mut rising));
+    let firsts: Vec<_> = firsts.collect();
+    let is_even = |first: &&Option<Candidate>| first.is_some_and(|first| first.cost % 2 == 0);
+    let even = firsts.iter().filter(is_even).count();
+    let mut made = Vec::new();
+    collapse_all(&mut mesh, &mut rising, firsts, |_, c, _| made.push(c.cost));
+    let cheap = made.iter().position(|cost| *cost >= 1000).unwrap();
+    assert!(cheap >= even, "{even} were cheap: {made:?}");
+}
