@@ -1,8 +1,7 @@
 //! Studies: rows that are kept, taken up and drawn again.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::path::{Path, PathBuf};
+mod committed;
+mod whole;
 
 use secateur::plant_to_glb;
 use secateur_plant::{GrowOptions, Species, grow};
@@ -17,9 +16,12 @@ const CASES: [&str; 4] = [
     "fsa --views 6 --resolution 64",
 ];
 
+/// One set of views judges four times as fast as all of them.
+const QUICKLY: [&str; 2] = ["--views", "icosahedron"];
+
 fn study(bench: &Bench, cases: &[&str]) -> Ran {
     let files = ["study", "oak.glb", "-o", "s", "--levels", "0.25"];
-    bench.run(&[&files[..], cases].concat())
+    bench.run(&[&files[..], &QUICKLY, cases].concat())
 }
 
 fn rows(bench: &Bench) -> Vec<Value> {
@@ -31,7 +33,11 @@ fn rows(bench: &Bench) -> Vec<Value> {
 #[test]
 fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
     let bench = Bench::new();
-    let ran = study(&bench, &CASES).succeeded();
+    let study = |bench: &Bench| {
+        let files = ["study", "oak.glb", "-o", "s", "--levels", "0.25"];
+        bench.run(&[&files[..], &CASES].concat())
+    };
+    let ran = study(&bench).succeeded();
     assert!(ran.stdout.contains("2 rows"), "{}", ran.stdout);
     assert_eq!(ran.stderr, "", "no progress bar in a pipe");
     let first = rows(&bench);
@@ -54,7 +60,7 @@ fn a_killed_study_goes_on_and_is_drawn_again_from_its_rows() {
     let text = bench.read("s/rows.jsonl");
     let first_end = text.iter().position(|b| *b == b'\n').unwrap();
     bench.put("s/rows.jsonl", &text[..first_end + 40]);
-    study(&bench, &CASES).succeeded();
+    study(&bench).succeeded();
     let again = rows(&bench);
     assert_eq!(again[0], first[0], "a finished row is kept, its time too");
     assert_eq!(again[1]["values"], first[1]["values"]);
@@ -82,8 +88,12 @@ fn levels_by_branches_are_rows_beside_others() {
     let bench = Bench::new();
     let files = ["study", "oak.glb", "-o", "s", "--levels", "0.5,0.25"];
     let cases = ["--case", "chain", "--case", "merge"];
-    bench.run(&[&files[..], &cases].concat()).succeeded();
+    bench
+        .run(&[&files[..], &QUICKLY, &cases].concat())
+        .succeeded();
     let found = rows(&bench);
+    assert_eq!(found[0]["judged_by"], "icosahedron");
+    assert_eq!(found[0]["rigs"].as_array().unwrap().len(), 1);
     let of = |row: &Value| (row["method"].clone(), row["leaves_final"].as_u64());
     let expected = [("chain", 120), ("chain", 60), ("merge", 120), ("merge", 60)];
     let expected = expected.map(|(method, leaves)| (Value::from(method), Some(leaves)));
@@ -99,7 +109,8 @@ fn a_row_says_how_to_get_it_again() {
     let command = row["command"].as_str().unwrap();
     let words: Vec<&str> = command.split(' ').skip(1).collect();
     bench.run(&words).succeeded();
-    let ran = bench.run(&["measure", "oak.glb", "out.glb", "--format", "json"]);
+    let measure = ["measure", "oak.glb", "out.glb", "--format", "json"];
+    let ran = bench.run(&[&measure[..], &QUICKLY].concat());
     let measured: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
     for key in ["ssim", "flip_mean", "coverage_ratio"] {
         let [row, again] = [&row["values"][key], &measured[key]].map(|v| v.as_f64().unwrap());
@@ -186,12 +197,12 @@ fn a_tree_is_all_of_its_files() {
     let share = ["simplify", "oak.glb", "--ratio", "1", "-o", "split.gltf"];
     bench.run(&share).succeeded();
     let run = ["study", "split.gltf", "-o", "s", "--levels", "0.25"];
-    bench.run(&[&run[..], &FSA].concat()).succeeded();
+    bench.run(&[&run[..], &QUICKLY, &FSA].concat()).succeeded();
     let mut buffer = bench.read("split.bin");
     // Even a byte that nothing reads.
     buffer.push(0);
     bench.put("split.bin", &buffer);
-    bench.run(&[&run[..], &FSA].concat()).succeeded();
+    bench.run(&[&run[..], &QUICKLY, &FSA].concat()).succeeded();
     let hash = |row: &Value| row["tree_sha256"].as_str().map(str::to_owned);
     let hashes: Vec<Option<String>> = rows(&bench).iter().map(hash).collect();
     assert_eq!(hashes.len(), 2);
@@ -271,7 +282,7 @@ fn a_spreadsheet_computes_nothing_of_a_study() {
     let bench = Bench::new();
     bench.put("=1+1.glb", oak());
     let run = ["study", "=1+1.glb", "-o", "s", "--levels", "0.25"];
-    bench.run(&[&run[..], &FSA].concat()).succeeded();
+    bench.run(&[&run[..], &QUICKLY, &FSA].concat()).succeeded();
     let csv = String::from_utf8(bench.read("s/rows.csv")).unwrap();
     let line = csv.lines().nth(1).unwrap();
     assert!(line.starts_with("\"'=1+1\",fsa,"), "{line}");
@@ -330,7 +341,7 @@ fn scenes_made_for_failures_have_a_verdict_each() {
     let bench = Bench::new();
     let run = ["study", "--plan", "failures", "-o", "s", "--levels", "0.1"];
     let only = ["--only", "scene-interior", "--only", "scene-sparse"];
-    bench.run(&[&run[..], &only].concat()).succeeded();
+    bench.run(&[&run[..], &QUICKLY, &only].concat()).succeeded();
     let found = rows(&bench);
     let near = |row: &&Value| row["setting"] == "preset information views near";
     let near = found.iter().find(near).unwrap();
@@ -350,207 +361,4 @@ fn scenes_made_for_failures_have_a_verdict_each() {
         assert!(!page.contains("Thin needles"), "did not run");
         assert!(page.contains("At 10 % of the leaves"));
     }
-}
-
-const WHOLE: [&str; 9] = [
-    "study", "oak.glb", "-o", "s", "--plan", "whole", "--levels", "0.98,0.3", "--quiet",
-];
-
-/// The rows of a method, by their levels.
-fn left<'r>(rows: &'r [Value], label: [&str; 2]) -> Vec<(f64, &'r Value)> {
-    let is = |row: &&Value| row["method"] == label[0] && row["setting"] == label[1];
-    let of_method = rows.iter().filter(is);
-    of_method
-        .map(|row| (row["level"].as_f64().unwrap(), row))
-        .collect()
-}
-
-/// Within its budget, and judged as a whole.
-fn assert_is_whole(level: f64, row: &Value) {
-    let original = row["whole"]["triangles_original"].as_u64().unwrap();
-    let left = row["triangles_final"].as_u64().unwrap();
-    assert!(left as f64 <= (level * original as f64).round(), "{row}");
-    for key in ["flip_mean", "ssim", "silhouette_iou"] {
-        let value = row["values"][key].as_f64().unwrap();
-        assert!((0.0..=1.0).contains(&value), "{key}: {row}");
-    }
-    assert_eq!(row["rigs"].as_array().unwrap().len(), 4);
-    assert!(level > 0.5 || row["values"]["flip_mean"].as_f64().unwrap() > 0.0);
-}
-
-/// Without gltfpack a study of whole plants says so and goes on; where the wood alone is more than
-/// the level, leaves alone can't get there.
-#[test]
-fn whole_plants_are_studied_without_gltfpack() {
-    let bench = Bench::new();
-    let empty = [bench.path("none")];
-    let ran = bench.run_on_path(&empty, &WHOLE[..8]).succeeded();
-    assert!(ran.stderr.contains("no gltfpack"), "{}", ran.stderr);
-    assert_eq!(ran.stderr.trim().lines().count(), 1, "{}", ran.stderr);
-    let rows = rows(&bench);
-    let (auto, keep) = (
-        left(&rows, ["vds", "wood auto"]),
-        left(&rows, ["vds", "wood keep"]),
-    );
-    let levels = |rows: &[(f64, &Value)]| rows.iter().map(|(l, _)| *l).collect::<Vec<_>>();
-    assert_eq!(levels(&auto), [0.98, 0.3]);
-    assert_eq!(levels(&keep), [0.98], "nearly all of the small oak is wood");
-    assert_eq!(rows.len(), 3);
-    for (level, row) in auto.iter().chain(&keep) {
-        assert_is_whole(*level, row);
-        let picture = bench.read(&format!("s/{}", row["picture"].as_str().unwrap()));
-        assert!(picture.starts_with(&[0xFF, 0xD8]), "a JPEG");
-    }
-    let again = bench.run(&["study", "--redraw", "-o", "s"]).succeeded();
-    assert!(again.stdout.contains("3 rows"), "{}", again.stdout);
-    let readme = readme(&bench);
-    for part in [
-        "## Whole plants",
-        "### 30 % of all triangles",
-        "vds wood auto",
-    ] {
-        assert!(readme.contains(part), "{part}: {readme}");
-    }
-    assert!(!readme.contains("of the leaves:"), "no row is of leaves");
-    let page = String::from_utf8(bench.read("s/report.html")).unwrap();
-    assert!(page.contains("<h2>Whole plants</h2>"));
-    assert_eq!(page.matches("data:image/jpeg").count(), 7);
-    // A row's command makes it again.
-    let command = auto[1].1["command"].as_str().unwrap().to_owned();
-    assert!(command.ends_with("--triangles 0.3 --no-audit --wood auto"));
-    let words: Vec<&str> = command.split(' ').skip(1).collect();
-    bench.run(&words).succeeded();
-    let made = secateur::Tree::open(&bench.path("out.glb"), &[]).unwrap();
-    assert_eq!(auto[1].1["triangles_final"], made.triangle_count());
-}
-
-/// gltfpack gets as near to the level as it can from below, and its file is judged as ours.
-#[test]
-fn whole_plants_are_held_against_gltfpack() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/gltfpack/node_modules");
-    if !folder.join("gltfpack").is_dir() {
-        let hint = "gltfpack is missing; npm ci --prefix tests/gltfpack";
-        let is_required = std::env::var("SECATEUR_REQUIRE_GLTFPACK").is_ok_and(|v| v == "1");
-        assert!(!is_required, "{hint}");
-        eprintln!("SKIPPED: {hint}");
-        return;
-    }
-    let bench = Bench::new();
-    let mut folders = vec![folder.join(".bin")];
-    folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
-    let ran = bench.run_on_path(&folders, &WHOLE).succeeded();
-    assert_eq!(ran.stderr, "");
-    let rows = rows(&bench);
-    let found = left(&rows, ["gltfpack", "sa"]);
-    assert_eq!(found.len(), 2);
-    for (level, row) in found {
-        assert_is_whole(level, row);
-        let ours = left(&rows, ["vds", "wood auto"]);
-        let (_, ours) = ours.iter().find(|(l, _)| *l == level).unwrap();
-        let [theirs, ours] = [row, *ours].map(|row| row["triangles_final"].as_f64().unwrap());
-        assert!(theirs > 0.8 * ours, "{theirs} {ours}");
-        assert!(row["engine"].as_str().unwrap().starts_with("gltfpack"));
-    }
-    let readme = readme(&bench);
-    assert!(readme.contains("gltfpack sa"), "{readme}");
-}
-
-fn committed_studies() -> Vec<PathBuf> {
-    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
-    let below = |folder: PathBuf| {
-        let entries = std::fs::read_dir(folder).unwrap();
-        entries.map(|entry| entry.unwrap().path())
-    };
-    let folders = below(results).filter(|folder| folder.is_dir());
-    let studies = folders.flat_map(below);
-    studies.filter(|s| s.join("rows.jsonl").is_file()).collect()
-}
-
-/// Nobody edits a result: what is committed is what its rows say.
-#[test]
-fn committed_studies_say_what_their_rows_say() {
-    let mut checked = 0;
-    for study in committed_studies() {
-        let bench = Bench::new();
-        std::fs::create_dir(bench.path("s")).unwrap();
-        bench.put(
-            "s/rows.jsonl",
-            &std::fs::read(study.join("rows.jsonl")).unwrap(),
-        );
-        bench.run(&["study", "--redraw", "-o", "s"]).succeeded();
-        for name in ["README.md", "rows.csv"] {
-            let [drawn, committed] = [bench.path("s"), study.clone()]
-                .map(|folder| std::fs::read_to_string(folder.join(name)).unwrap());
-            let shown = study.join(name);
-            let same = drawn == committed.replace("\r\n", "\n");
-            assert!(
-                same,
-                "{}: secateur study --redraw -o {}",
-                shown.display(),
-                study.display()
-            );
-        }
-        checked += 1;
-    }
-    assert!(checked > 0, "a study is committed");
-}
-
-/// Tables of pages are those of the rows that they name.
-#[test]
-fn pages_say_what_committed_rows_say() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    for page in ["README.md", "docs/results.md"] {
-        let text = std::fs::read_to_string(root.join(page)).unwrap();
-        let text = text.replace("\r\n", "\n");
-        let filled = secateur_study::fill_tables(&text, &root).unwrap();
-        assert!(
-            filled == text,
-            "{page}: cargo run --package secateur-study --example fill_tables {page}"
-        );
-    }
-}
-
-/// What a run is the run of, but for where it ran.
-fn name_of(row: &Value) -> String {
-    let keys = ["tree", "method", "setting", "change", "seed", "level"];
-    keys.map(|key| row[key].to_string()).join(" ")
-}
-
-/// Every machine gets the same bits: where two machines' studies of one day and name have
-/// a run in common, every view was judged equal to the last digit. Of other days, the
-/// program may be another.
-#[test]
-fn committed_studies_of_several_machines_agree() {
-    let mut known: HashMap<String, Value> = HashMap::new();
-    let mut compared = 0;
-    for study in committed_studies() {
-        let [folder, name] = [study.parent().unwrap(), &study]
-            .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned());
-        let date = &folder[.."2026-11-22".len()];
-        let rows = std::fs::read_to_string(study.join("rows.jsonl")).unwrap();
-        for row in rows.lines() {
-            let row: Value = serde_json::from_str(row).unwrap();
-            match known.entry(format!("{date} {name} {}", name_of(&row))) {
-                Entry::Vacant(place) => {
-                    place.insert(row);
-                }
-                Entry::Occupied(other) => {
-                    let other = other.get();
-                    assert_ne!(row["machine"], other["machine"]);
-                    for key in [
-                        "leaves_final",
-                        "triangles_final",
-                        "values",
-                        "rigs",
-                        "per_view",
-                    ] {
-                        assert_eq!(row[key], other[key], "{key} of {}", name_of(&row));
-                    }
-                    compared += 1;
-                }
-            }
-        }
-    }
-    println!("{compared} runs of two machines are equal");
-    assert!(compared > 0, "two machines have run the same");
 }

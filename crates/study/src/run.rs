@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use secateur_eval::JudgingViews;
 use secateur_gltf::{Selector, Tree};
 use secateur_model::Memory;
 
@@ -31,6 +32,8 @@ pub struct StudyOptions {
     pub plans: Vec<Plan>,
     /// What is run instead of plans, if there is any.
     pub cases: Vec<Case>,
+    /// Which views judge every tree; none for those that suit each plan.
+    pub views: Option<JudgingViews>,
     /// Shares from 0 to 1; none for those that suit each tree.
     pub levels: Vec<f64>,
     /// The names of the trees that are studied, of all those; none for all.

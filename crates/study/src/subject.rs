@@ -44,7 +44,8 @@ enum Origin {
 /// [`Error`] if there is nothing to study, or two trees have one name.
 pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
     let mut subjects = Vec::new();
-    // The paper's plan alone is judged as the paper judges.
+    // Where nothing else is asked for, the paper's plan alone is judged as the paper judges.
+    let views_or = |of_plan| options.views.unwrap_or(of_plan);
     let of_user = match options.cases.is_empty() && options.plans == [Plan::Paper] {
         true => JudgingViews::Icosahedron,
         false => JudgingViews::HeldOut,
@@ -69,7 +70,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 true => with_branches.clone(),
                 false => cases.clone(),
             },
-            judged_by: of_user,
+            judged_by: views_or(of_user),
             judged_from_radii: None,
             is_seen_whole: has(Plan::Whole),
             origin: Origin::ByOthers,
@@ -83,7 +84,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 name: scene.name.to_owned(),
                 cases: (scene.cases)(&cameras_beside(&path)),
                 path,
-                judged_by: JudgingViews::HeldOut,
+                judged_by: views_or(JudgingViews::HeldOut),
                 judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
                 is_seen_whole: false,
                 origin: Origin::Scene(scene),
@@ -100,7 +101,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 path: folder.join(format!("{}.glb", model.tree())),
                 name: model.tree(),
                 cases,
-                judged_by: JudgingViews::Icosahedron,
+                judged_by: views_or(JudgingViews::Icosahedron),
                 judged_from_radii: None,
                 is_seen_whole: false,
                 origin: Origin::Grown(model),
@@ -262,6 +263,7 @@ mod tests {
             selectors: Vec::new(),
             plans: vec![Plan::Methods],
             cases: Vec::new(),
+            views: None,
             levels: Vec::new(),
             only: Vec::new(),
             seeds: 1,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::super::names::JudgingViewsName;
 use super::{Foliage, MemoryArg};
 
 #[derive(Args, Debug)]
@@ -31,6 +32,10 @@ pub(crate) struct Study {
     /// triangles.
     #[arg(long, value_name = "CASE")]
     pub(crate) case: Vec<String>,
+    /// Where to judge from [default: held-out; for the paper's plants, and for the plan paper alone,
+    /// icosahedron].
+    #[arg(long, value_enum, conflicts_with = "redraw")]
+    pub(crate) views: Option<JudgingViewsName>,
     /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1, for whole
     /// plants 0.5,0.25,0.1].
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]

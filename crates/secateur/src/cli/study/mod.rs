@@ -5,6 +5,7 @@ mod host;
 
 use std::time::Instant;
 
+use secateur_eval::JudgingViews;
 use secateur_study::{Case, Error, Plan, StudyOptions, redraw, run as run_study};
 use serde_json::json;
 
@@ -54,6 +55,7 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         selectors: args.foliage.foliage.clone(),
         plans: args.plan.iter().map(|plan| Plan::from(*plan)).collect(),
         cases: cases?,
+        views: args.views.map(JudgingViews::from),
         levels: args.levels.clone(),
         only: args.only.clone(),
         seeds: args.seeds,
