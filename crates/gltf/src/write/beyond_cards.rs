@@ -31,11 +31,20 @@ const LOST_PART: u64 = 100;
 /// Texture coordinates that are beyond the rim by no more than this do not need the wrap.
 const RIM: f64 = 1e-3;
 
-/// Changes the materials of leaves that reach beyond their cards in any of these levels.
-pub(super) fn clear(draft: &mut Draft, tree: &Tree, lods: &[&Lod]) -> Result<(), Fault> {
-    // The primitive that shows a material, by the material.
-    let mut reaching: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
-    for (leaf, _) in lods.iter().flat_map(|lod| lod.made()) {
+/// Changes the materials of leaves that reach beyond their cards.
+pub(super) fn clear(draft: &mut Draft, tree: &Tree, lod: &Lod) -> Result<(), Fault> {
+    let mut remedies = Remedies::new(tree);
+    for (material, shown_by) in reaching(tree, lod)? {
+        let remedy = remedies.of(material, shown_by)?;
+        remedy.apply(draft, tree, material, material);
+    }
+    Ok(())
+}
+
+/// The materials of leaves that reach beyond their cards, each with a mesh and its primitive that show it.
+pub(super) fn reaching(tree: &Tree, lod: &Lod) -> Result<BTreeMap<usize, [usize; 2]>, Fault> {
+    let mut reaching = BTreeMap::new();
+    for (leaf, _) in lod.made() {
         let is_beyond = |place: &Place| matches!(place, Place::InPlaneOf { .. });
         if leaf.triangles.iter().flatten().any(|c| is_beyond(&c.place)) {
             let part = &tree.parts[tree.leaf_sources[leaf.donor.index()].part as usize];
@@ -45,35 +54,79 @@ pub(super) fn clear(draft: &mut Draft, tree: &Tree, lods: &[&Lod]) -> Result<(),
             }
         }
     }
-    let mut pictures = Pictures::new(&tree.document, tree.document.budget);
-    for (material, [mesh, primitive]) in reaching {
-        let look = tree.document.look(mesh, primitive)?;
+    Ok(reaching)
+}
+
+/// What helps materials of a tree.
+pub(super) struct Remedies<'a> {
+    tree: &'a Tree,
+    pictures: Pictures<'a>,
+}
+
+/// What helps a material.
+#[derive(Default)]
+pub(super) struct Remedy {
+    is_clamped: bool,
+    /// The cutoff before and from now on.
+    cutoff: Option<(f32, f64)>,
+}
+
+impl<'a> Remedies<'a> {
+    pub(super) fn new(tree: &'a Tree) -> Self {
+        Self {
+            tree,
+            pictures: Pictures::new(&tree.document, tree.document.budget),
+        }
+    }
+
+    /// What helps a material that this primitive of this mesh shows.
+    pub(super) fn of(
+        &mut self,
+        material: usize,
+        [mesh, primitive]: [usize; 2],
+    ) -> Result<Remedy, Fault> {
+        let look = self.tree.document.look(mesh, primitive)?;
         let AlphaMode::Mask(cutoff) = look.alpha_mode else {
-            continue;
+            return Ok(Remedy::default());
         };
         let texture = look.texture.filter(|t| t.filters.mips != Mips::None);
         let Some(image) = texture.and_then(|texture| texture.image) else {
-            continue;
+            return Ok(Remedy::default());
         };
-        let Decoded::Picture(picture) = pictures.get(image)? else {
-            continue;
+        let Decoded::Picture(picture) = self.pictures.get(image)? else {
+            return Ok(Remedy::default());
         };
-        let place = tree.document.place("materials", material);
         let is_kept = |alpha: u8| f64::from(alpha) * alpha_step(&look) >= f64::from(cutoff);
-        if is_rim_clear(&picture, is_kept) && needs_no_wrap(tree, material, &look)? {
+        let raised = raised_cutoff(&picture, &look, f64::from(cutoff));
+        Ok(Remedy {
+            is_clamped: is_rim_clear(&picture, is_kept)
+                && needs_no_wrap(self.tree, material, &look)?,
+            cutoff: raised.map(|raised| (cutoff, raised)),
+        })
+    }
+}
+
+impl Remedy {
+    pub(super) fn is_nothing(&self) -> bool {
+        !self.is_clamped && self.cutoff.is_none()
+    }
+
+    /// Changes `material`, which is or was made of that one of the tree's.
+    pub(super) fn apply(&self, draft: &mut Draft, tree: &Tree, of_tree: usize, material: usize) {
+        let place = tree.document.place("materials", of_tree);
+        if self.is_clamped {
             clamp(draft, material);
             draft.notes.push(format!(
                 "{place}: its texture is clamped, so that none of it shows beside leaves that became single triangles"
             ));
         }
-        if let Some(raised) = raised_cutoff(&picture, &look, f64::from(cutoff)) {
+        if let Some((cutoff, raised)) = self.cutoff {
             draft.root["materials"][material]["alphaCutoff"] = json!(raised);
             draft.notes.push(format!(
                 "{place}: its alphaCutoff is {raised} instead of {cutoff}, so that leaves that became single triangles show no specks from afar"
             ));
         }
     }
-    Ok(())
 }
 
 /// What a step of 1 of 255 of a texel's alpha is after the material's factor.

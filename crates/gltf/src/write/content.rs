@@ -53,7 +53,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
     drop_order(&mut draft, tree, lod);
-    beyond_cards::clear(&mut draft, tree, &[lod])?;
+    beyond_cards::clear(&mut draft, tree, lod)?;
     drop_unused_vertices(&mut draft, &before)?;
     let triangles = count_triangles(tree, &edits)?;
     finished(draft, &before, triangles)

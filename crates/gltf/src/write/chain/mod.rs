@@ -4,8 +4,10 @@
 //! the same number in every copy, so that levels share it: materials, textures,
 //! images, skins, and vertices that they have in common.
 
+mod cards_apart;
 mod deduplicate;
 mod made;
+mod materials;
 mod merged;
 mod node_trees;
 mod on_disk;
@@ -22,7 +24,6 @@ use serde_json::{Map, Value};
 
 pub use on_disk::{PreparedChain, WrittenChain};
 
-use super::beyond_cards;
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;
 use super::drop_unreferenced::{References, drop_meshes};
@@ -263,12 +264,8 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
             node_trees::build(&mut draft, tree, levels)?
         }
     };
-    let lods = levels.iter().filter_map(|level| match level.content {
-        LevelContent::Tree(lod) => Some(lod),
-        LevelContent::Surface(_) => None,
-    });
-    beyond_cards::clear(&mut draft, tree, &lods.collect::<Vec<_>>())?;
-    retexture::retexture(&mut draft, levels, &nodes.levels);
+    let copies = cards_apart::clear_levels(&mut draft, tree, levels, &nodes.levels)?;
+    retexture::retexture(&mut draft, levels, &nodes.levels, &copies);
     scene::arrange(&mut draft, name, levels, layout, nodes);
     drop_undrawn_meshes(&mut draft);
     match layout {

@@ -3,7 +3,7 @@
 //! What only levels with textures of their own use is replaced under its number, so that nothing
 //! is left that nobody needs; else a copy with the new texture goes to the end of the list.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 
 use serde_json::{Value, json};
 
@@ -14,7 +14,7 @@ use super::super::draft::Draft;
 use super::super::drop_unreferenced::{drop_extension, remove_field};
 use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, png_bytes, wrap_code};
 use super::super::references::{as_index, items, knows_all_extensions};
-use super::scene::children;
+use super::materials::{meshes_below, visit_materials};
 use super::{Level, LevelTexture, undrawn_meshes};
 use crate::material::base_color_texture;
 use secateur_model::{Mips, Texture};
@@ -32,26 +32,31 @@ const FORMATS: [(&str, IsFormat); 2] = [
     }),
 ];
 
-/// Gives each level the textures that it brings along.
-pub(super) fn retexture(draft: &mut Draft, levels: &[Level], nodes: &[usize]) {
+/// Gives each level the textures that it brings along. `copies` are the materials that took the place
+/// of others in a level, by the numbers of those.
+pub(super) fn retexture(
+    draft: &mut Draft,
+    levels: &[Level],
+    nodes: &[usize],
+    copies: &[BTreeMap<usize, usize>],
+) {
     if levels.iter().all(|level| level.textures.is_empty()) {
         return;
     }
     let undrawn = undrawn_meshes(draft);
-    for (level, &node) in levels.iter().zip(nodes) {
+    for ((level, &node), copies) in levels.iter().zip(nodes).zip(copies) {
         let meshes = meshes_below(&draft.root, node);
         let mut made: HashMap<usize, usize> = HashMap::new();
         for own in level.textures {
-            let all = users(&mut draft.root, own.material, |mesh| {
-                !undrawn.contains(&mesh)
-            });
-            let ours = users(&mut draft.root, own.material, |mesh| meshes.contains(&mesh));
+            let material = *copies.get(&own.material).unwrap_or(&own.material);
+            let all = users(&mut draft.root, material, |mesh| !undrawn.contains(&mesh));
+            let ours = users(&mut draft.root, material, |mesh| meshes.contains(&mesh));
             if ours == 0 {
                 continue;
             }
             let is_alone = all == ours && knows_all_extensions(&draft.root);
-            if let Some(material) = push_material(draft, own, is_alone) {
-                made.insert(own.material, material);
+            if let Some(retextured) = push_material(draft, material, own, is_alone) {
+                made.insert(material, retextured);
             }
         }
         for &mesh in &meshes {
@@ -84,32 +89,6 @@ fn sources(texture: &Value) -> Vec<usize> {
         .collect()
 }
 
-fn meshes_below(root: &Value, node: usize) -> BTreeSet<usize> {
-    let mut left = vec![node];
-    let mut meshes = BTreeSet::new();
-    while let Some(node) = left.pop() {
-        meshes.extend(root["nodes"][node].get("mesh").and_then(as_index));
-        left.extend(children(root, node));
-    }
-    meshes
-}
-
-/// Calls `visit` with each material number of a mesh, those of variants too.
-fn visit_materials(mesh: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
-    for primitive in items(mesh, "primitives") {
-        if let Some(number) = primitive.get_mut("material") {
-            visit(number);
-        }
-        if let Some(variants) = primitive.pointer_mut("/extensions/KHR_materials_variants") {
-            for mapping in items(variants, "mappings") {
-                if let Some(number) = mapping.get_mut("material") {
-                    visit(number);
-                }
-            }
-        }
-    }
-}
-
 /// How often meshes name a material.
 fn users(root: &mut Value, material: usize, counts: impl Fn(usize) -> bool) -> usize {
     let mut count = 0;
@@ -124,8 +103,13 @@ fn users(root: &mut Value, material: usize, counts: impl Fn(usize) -> bool) -> u
 }
 
 /// The material with its new base colour texture, under its own number if nobody else uses it.
-fn push_material(draft: &mut Draft, own: &LevelTexture, is_alone: bool) -> Option<usize> {
-    let mut fields = draft.root.get("materials")?.get(own.material)?.clone();
+fn push_material(
+    draft: &mut Draft,
+    material: usize,
+    own: &LevelTexture,
+    is_alone: bool,
+) -> Option<usize> {
+    let mut fields = draft.root.get("materials")?.get(material)?.clone();
     let old = base_color_texture(&fields)?
         .get("index")
         .and_then(as_index)?;
@@ -136,8 +120,8 @@ fn push_material(draft: &mut Draft, own: &LevelTexture, is_alone: bool) -> Optio
     if !is_alone {
         return Some(draft.push("materials", fields));
     }
-    draft.root["materials"][own.material] = fields;
-    Some(own.material)
+    draft.root["materials"][material] = fields;
+    Some(material)
 }
 
 fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool) -> usize {

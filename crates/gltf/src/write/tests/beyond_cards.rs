@@ -1,12 +1,15 @@
 //! Materials of leaves that became triangles which reach beyond their cards.
 
+use std::sync::Arc;
+
 use serde_json::{Value, json};
 
 use super::fixture::{Fixture, read};
 use super::made::beyond_its_corners;
 use super::validator::assert_valid;
 use super::{encodings, every_encoding::one_gone_one_grown};
-use secateur_model::Lod;
+use crate::chain::{Layout, Level, LevelTexture};
+use secateur_model::{Filters, Lod, Texture, Wrap};
 
 /// Cards with a texture of 8 x 8 texels, repeated by default, and this cutoff.
 fn cards(cutoff: f64, alpha: impl Fn(u32, u32) -> u8) -> Fixture {
@@ -40,7 +43,11 @@ fn written(fixture: &Fixture, lod: impl Fn(&crate::Tree) -> Lod) -> Value {
 
 /// The leaves' cutoff, and how their texture wraps.
 fn look(root: &Value) -> (f64, [Option<u64>; 2]) {
-    let material = &root["materials"][1];
+    look_of(root, 1)
+}
+
+fn look_of(root: &Value, material: usize) -> (f64, [Option<u64>; 2]) {
+    let material = &root["materials"][material];
     let cutoff = material["alphaCutoff"].as_f64().unwrap();
     let texture = &material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
     let texture = &root["textures"][texture.as_u64().unwrap() as usize];
@@ -105,4 +112,62 @@ fn what_shares_the_texture_stays_as_it_was() {
     let tree = fixture.tree();
     tree.write_lod(&beyond_its_corners(&tree), &path).unwrap();
     assert_valid(&[path]);
+}
+
+/// The material of the leaves of a level.
+fn leaf_material(root: &Value, level: &str) -> usize {
+    let nodes = root["nodes"].as_array().unwrap();
+    let node = nodes.iter().find(|node| node["name"] == level).unwrap();
+    let mesh = node["mesh"].as_u64().unwrap() as usize;
+    let primitives = root["meshes"][mesh]["primitives"].as_array().unwrap();
+    primitives.last().unwrap()["material"].as_u64().unwrap() as usize
+}
+
+/// In one file only the levels that need it have another cutoff and sampler, with or without a texture of
+/// their own.
+#[test]
+fn levels_that_keep_their_cards_keep_their_looks_beside_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let tree = cards(0.1, middle).tree();
+    let lods = [
+        one_gone_one_grown(&tree),
+        beyond_its_corners(&tree),
+        beyond_its_corners(&tree),
+    ];
+    let texture = Texture {
+        width: 2,
+        height: 2,
+        rgba: [10, 200, 30, 255].repeat(4),
+        wrap: [Wrap::MirroredRepeat; 2],
+        filters: Filters::default(),
+    };
+    let own = [LevelTexture {
+        material: 1,
+        texture: Arc::new(texture),
+    }];
+    for layout in [Layout::Siblings, Layout::Msft] {
+        let level = |(k, lod)| {
+            let facts = json!({ "screen_coverage": 0.5 / (k + 1) as f64 });
+            Level::new("oak", k, lod, facts.as_object().unwrap().clone())
+        };
+        let mut levels: Vec<Level<'_>> = lods.iter().enumerate().map(level).collect();
+        levels[2] = levels[2].clone().with_textures(&own);
+        let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+        let bytes = chain.files[0].bytes.clone();
+        let root = read(bytes.clone()).document.root.clone();
+        let of_level = |k: usize| look_of(&root, leaf_material(&root, &format!("oak_LOD{k}")));
+        assert_eq!(of_level(0), (0.1, AS_IT_WAS), "{layout:?}");
+        assert_eq!(of_level(1), (0.1485, CLAMPED), "{layout:?}");
+        assert_eq!(of_level(2), (0.1485, [Some(33648); 2]), "{layout:?}");
+        assert_eq!(root["images"].as_array().unwrap().len(), 2, "{layout:?}");
+        files.push(folder.path().join(format!("{layout:?}.glb")));
+        std::fs::write(files.last().unwrap(), bytes).unwrap();
+        // Where all levels need it the tree's own material is changed.
+        let chain = tree.chain_to_bytes("oak", &levels[1..2], layout).unwrap();
+        let root = read(chain.files[0].bytes.clone()).document.root.clone();
+        assert_eq!(root["materials"].as_array().unwrap().len(), 2, "{layout:?}");
+        assert_eq!(look(&root), (0.1485, CLAMPED), "{layout:?}");
+    }
+    assert_valid(&files);
 }
