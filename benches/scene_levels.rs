@@ -1,14 +1,15 @@
-//! Levels that a scene asks for: how light they are beside fixed shares, what three.js shows of
-//! them, specks, impostors, obstacles, and what a chain costs.
+//! Levels that a scene asks for: what three.js shows of them, specks, obstacles, and what impostors and
+//! a chain cost. How light they are beside fixed shares, and how impostors look beside meshes, is in
+//! `secateur study --plan scene`.
 //!
-//! `cargo bench --bench scene_levels [-- PART]`; PART picks cases by name, such as `walk` or
+//! `cargo bench --bench scene_levels [-- PART]`; PART picks cases by name, such as `bake` or
 //! `specks, ez_bush2`. Coverage needs node, Chromium and `npm ci --prefix tests/clients`.
-//! Also writes the charts `scene_levels-TREE-triangles.svg` and `scene_levels-TREE-flip.svg`.
 
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "../tests/clients/clients.rs"]
 mod clients;
-mod line_chart;
+#[path = "../crates/scene/examples/forest/clock.rs"]
+mod clock;
 #[allow(dead_code, reason = "its main is the example's")]
 #[path = "../crates/secateur/examples/obstacles.rs"]
 mod obstacles;
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use line_chart::{Line, line_chart};
+use clock::timed;
 use rows::{Rows, Wanted, shared_tree};
 use secateur_gltf::Document;
 use secateur_model::Surface;
@@ -27,18 +28,6 @@ use secateur_scene::impostor::crossed::Planes;
 use serde_json::{Value, json};
 
 const COMMAND: &str = "cargo bench --bench scene_levels";
-
-/// The walk: away from a plant along a straight line, in metres.
-const WALK_M: [f64; 2] = [5.0, 80.0];
-
-/// Where levels for the walk may begin, in metres.
-const DISTANCES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
-
-/// The FLIP that levels may have.
-const MAX_FLIP: f64 = 0.05;
-
-/// Heights in pixels at which impostors are held against meshes.
-const IMPOSTOR_PX: [f64; 5] = [512.0, 256.0, 128.0, 64.0, 32.0];
 
 const TREES: [&str; 4] = [
     "ez_oak_20k",
@@ -54,8 +43,6 @@ fn main() {
         folder: folder.path().to_owned(),
         wanted: Wanted::from_command_line(),
     };
-    bench.walk();
-    bench.impostor();
     bench.coverage();
     bench.specks();
     bench.bake();
@@ -68,9 +55,6 @@ struct Bench {
     folder: PathBuf,
     wanted: Wanted,
 }
-
-/// A level's first distance and its triangles.
-type Steps = Vec<(f64, f64)>;
 
 impl Bench {
     /// Runs the program; its record, and the seconds that it took.
@@ -105,74 +89,6 @@ impl Bench {
         let case = format!("{part}, {what}");
         let command = format!("{COMMAND} -- {part}");
         self.rows.note(&case, quantity, unit, value, &command);
-    }
-
-    /// Triangles over the walk: levels for its distances beside half, a quarter and a tenth, each
-    /// chain's from where its FLIP is within the bound.
-    fn walk(&mut self) {
-        for (name, tree) in self.trees("walk", &TREES) {
-            let distances = DISTANCES_M.map(|d| d.to_string()).join(",");
-            let (ours, _) = self.lods(&tree, &["--distances", &distances]);
-            let (fixed, _) = self.lods(&tree, &["--levels", "0.5,0.25,0.1"]);
-            let original = ours["triangles"]["original"].as_f64().unwrap_or(f64::NAN);
-            let [ours, fixed] = [&ours, &fixed].map(|record| steps(record, original));
-            let [of_ours, of_fixed] = [&ours, &fixed].map(mean_over_walk);
-            self.note("walk", name, "fixed_triangles", "", of_fixed);
-            self.note("walk", name, "scene_driven_triangles", "", of_ours);
-            self.note("walk", name, "ratio", "", of_ours / of_fixed);
-            // With a tenth at every distance, whatever its FLIP there.
-            let tenth = of_ours / (0.1 * original);
-            self.note("walk", name, "ratio_to_a_tenth_throughout", "", tenth);
-            let line = |name: &str, steps: &Steps| Line {
-                name: name.to_owned(),
-                points: DISTANCES_M.map(|d| (d, triangles_at(steps, d))).into(),
-            };
-            let lines = [
-                line("for the distances", &ours),
-                line("50, 25, 10 %", &fixed),
-            ];
-            let title = format!("{name}: triangles within a FLIP of {MAX_FLIP}");
-            self.chart(name, "triangles", &title, "distance in metres", &lines);
-        }
-    }
-
-    /// Crossed planes beside a mesh of as many triangles and the lightest mesh within the bound.
-    fn impostor(&mut self) {
-        for (name, tree) in self.trees("impostor", &["quat_commontree_1", "ez_bush2"]) {
-            let kinds = [
-                "flip_impostor",
-                "flip_mesh_of_same_cost",
-                "flip_lightest_mesh",
-            ];
-            let mut lines = kinds.map(|kind| Line {
-                name: kind.trim_start_matches("flip_").replace('_', " "),
-                points: Vec::new(),
-            });
-            let plant = height_of(&tree);
-            for height in IMPOSTOR_PX {
-                let screen = secateur_scene::Screen::default();
-                let distance = screen.distance(plant, height);
-                let at = distance.to_string();
-                let options = ["--distances", &at, "--impostor", "crossed"];
-                let (record, _) = self.lods(&tree, &options);
-                let level = &record["levels"][0];
-                let impostor = &level["impostor"];
-                let flips = [
-                    &level["flip_mean"],
-                    &impostor["same_cost_flip_mean"],
-                    &impostor["mesh_flip_mean"],
-                ];
-                for ((kind, line), flip) in kinds.iter().zip(&mut lines).zip(flips) {
-                    let what = format!("{name} at {height} pixels");
-                    if let Some(flip) = flip.as_f64() {
-                        self.note("impostor", &what, kind, "", flip);
-                        line.points.push((distance, flip));
-                    }
-                }
-            }
-            let title = format!("{name}: FLIP of impostor and meshes");
-            self.chart(name, "flip", &title, "distance in metres", &lines);
-        }
     }
 
     /// What three.js shows of levels from where they begin and from where they end.
@@ -236,20 +152,20 @@ impl Bench {
     fn bake(&mut self) {
         for (name, tree) in self.trees("bake", &TREES[..1]) {
             let surfaces = surfaces_of(&tree);
-            let start = Instant::now();
-            let crossed = Impostor::crossed(&surfaces, Planes::ALL[2], 512.0);
-            let of_crossed = start.elapsed().as_secs_f64();
-            let start = Instant::now();
-            let octahedral = Impostor::octahedral(&surfaces, 128.0);
-            let of_octahedral = start.elapsed().as_secs_f64();
+            let crossed = timed(|| Impostor::crossed(&surfaces, Planes::ALL[2], 512.0));
+            let octahedral = timed(|| Impostor::octahedral(&surfaces, 128.0));
             let made = [
-                ("crossed planes", crossed, of_crossed),
-                ("octahedral views", octahedral, of_octahedral),
+                ("crossed planes", crossed),
+                ("octahedral views", octahedral),
             ];
-            for (kind, made, seconds) in made {
+            for (kind, (made, seconds)) in made {
                 let facts = made.expect("a plant to see").facts();
                 assert_eq!(facts["atlas"], json!([1024, 1024]), "{kind}");
-                self.note("bake", &format!("{name}, {kind}"), "wall", "s", seconds);
+                let what = format!("{name}, {kind}");
+                self.note("bake", &what, "wall", "s", seconds.wall);
+                if let Some(cores) = seconds.cores {
+                    self.note("bake", &what, "cpu", "s", cores);
+                }
             }
         }
     }
@@ -288,15 +204,6 @@ impl Bench {
             self.note("obstacles", &what, "behind_over_before", "", ratio);
         }
     }
-
-    fn chart(&self, tree: &str, what: &str, title: &str, across: &str, lines: &[Line]) {
-        let path = self
-            .rows
-            .folder()
-            .join(format!("scene_levels-{tree}-{what}.svg"));
-        let svg = line_chart(title, across, what, lines);
-        std::fs::write(path, svg).expect("the chart can be written");
-    }
 }
 
 fn surfaces_of(tree: &Path) -> Vec<Surface> {
@@ -313,41 +220,6 @@ fn height_of(tree: &Path) -> f64 {
             .flat_map(|s| s.positions.iter().map(|p| p.y))
     };
     ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min)
-}
-
-/// The levels of a chain that are within the bound where they begin; before the first the original.
-fn steps(record: &Value, original: f64) -> Steps {
-    let mut steps = vec![(0.0, original)];
-    let number = |level: &Value, key: &str| level[key].as_f64().unwrap_or(f64::NAN);
-    for level in record["levels"].as_array().expect("levels") {
-        // Levels for distances are within it where any triangles are; the first may begin nearer.
-        if number(level, "flip_mean") <= MAX_FLIP {
-            steps.push((number(level, "distance"), number(level, "triangles")));
-        }
-    }
-    steps
-}
-
-fn triangles_at(steps: &Steps, distance: f64) -> f64 {
-    let reached = steps
-        .iter()
-        .rev()
-        .find(|(from, _)| *from <= distance * 1.000_001);
-    reached.map_or(f64::NAN, |(_, triangles)| *triangles)
-}
-
-/// The mean over the walk, each metre counted alike.
-fn mean_over_walk(steps: &Steps) -> f64 {
-    let [near, far] = WALK_M;
-    let ends = steps
-        .iter()
-        .skip(1)
-        .map(|(from, _)| *from)
-        .chain([f64::INFINITY]);
-    let of_step = |((from, triangles), end): (&(f64, f64), f64)| {
-        triangles * (end.min(far) - from.max(near)).max(0.0)
-    };
-    steps.iter().zip(ends).map(of_step).sum::<f64>() / (far - near)
 }
 
 fn coverage_job(record: &Value) -> Value {

@@ -150,7 +150,9 @@ fn help_names_every_flag() {
                 "--levels",
                 "--seeds",
                 "--redraw",
+                "--distances",
                 "stability",
+                "scene",
             ],
         ),
     ];

@@ -1,6 +1,7 @@
 //! Studies: rows that are kept, taken up and drawn again.
 
 mod committed;
+mod distances;
 mod whole;
 
 use secateur::plant_to_glb;
@@ -130,6 +131,8 @@ fn what_cannot_be_studied_is_one_sentence() {
     run(&["--redraw"]).failed_saying(&["no rows"]);
     run(&["--plan", "methods"]).failed_saying(&["no tree was given"]);
     run(&["oak.glb", "--only", "elm"]).failed_saying(&["no tree", "elm"]);
+    run(&["oak.glb", "--plan", "scene", "--levels", "0"]).failed_saying(&["no triangles"]);
+    assert!(!bench.path("s").exists(), "nothing is begun");
     run(&["oak.glb", "--plan", "failures"]).failed_saying(&["add methods"]);
     run(&["oak.glb", "./oak.glb"]).failed_saying(&["both be called oak"]);
     std::fs::create_dir_all(bench.path("s")).unwrap();

@@ -38,7 +38,7 @@ fn is_unfitted(row: &Row) -> bool {
 /// did not drive them.
 fn compared(rows: &[Row]) -> Vec<&Row> {
     let is_compared = |row: &&Row| {
-        row.whole.is_none()
+        row.is_of_leaves()
             && row.change.is_empty()
             && !row.is_driven_by_judging_views
             && judged().iter().all(|c| c.value_of(row).is_finite())

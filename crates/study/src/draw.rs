@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::distances;
 use crate::files::{is_picture, make_folder};
 use crate::{
     COLUMNS, Error, Host, Picture, Row, Study, chart, paper, readme, report, scenes, summarise,
@@ -18,7 +19,7 @@ pub struct DrawnFiles {
     pub report: PathBuf,
     /// The rows as CSV.
     pub csv: PathBuf,
-    /// A chart for each level and metric.
+    /// A chart for each level and metric, and those of what is drawn at distances.
     pub charts: Vec<PathBuf>,
 }
 
@@ -45,7 +46,13 @@ pub(crate) fn draw(folder: &Path, rows: &[Row], host: &dyn Host) -> Result<Drawn
     };
     let given = study.given_rows();
     let given: Vec<&Row> = given.iter().collect();
-    let charts = write_charts(&folder.join("charts"), &given, host)?;
+    let folder_of_charts = folder.join("charts");
+    let mut charts = write_charts(&folder_of_charts, &given, host)?;
+    for (name, svg) in distances::charts(rows) {
+        let path = folder_of_charts.join(name);
+        write(&path, svg.as_bytes())?;
+        charts.push(path);
+    }
     write(&folder.join("README.md"), readme(&study).as_bytes())?;
     let path = folder.join("report.html");
     write(&path, report(&study, &pictures(folder, rows)).as_bytes())?;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use secateur_eval::MeasureError;
 use secateur_gltf::GltfError;
 use secateur_raster::CamerasError;
+use secateur_scene::chain::ChainError;
 
 /// What keeps a study from its end.
 #[derive(Debug, thiserror::Error)]
@@ -50,6 +51,9 @@ pub enum Error {
     /// A result can't be judged.
     #[error(transparent)]
     Measure(#[from] MeasureError),
+    /// A chain of levels can't be made.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
     /// A file of cameras is not what it should be.
     #[error(transparent)]
     Cameras(#[from] CamerasError),
@@ -65,7 +69,7 @@ impl Error {
     /// named yet.
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {
-            Self::Simplify(_) | Self::Measure(_) => Self::Tree {
+            Self::Simplify(_) | Self::Measure(_) | Self::Chain(_) => Self::Tree {
                 path: path.to_owned(),
                 reason: self.to_string(),
             },

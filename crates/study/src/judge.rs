@@ -125,6 +125,7 @@ impl<'a> LevelJudge<'a> {
             leaves_final: left.leaves().len() as u64,
             triangles_final: left.triangles().len() as u64,
             whole: None,
+            seen_from: None,
             seconds: ran.seconds,
             peak_rss_bytes: ran.peak_rss_bytes,
             resolution: ran.resolution,

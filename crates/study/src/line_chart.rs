@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::chart::escaped;
+
 /// A line: what it is called, and its points from left to right.
 pub(crate) struct Line {
     pub(crate) name: String,
@@ -14,9 +16,11 @@ const ROOM: [f64; 4] = [80.0, 210.0, 44.0, 52.0];
 /// Okabe and Ito's colours, which colour-blind readers can tell apart.
 const COLORS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"];
 
-/// The chart, from zero upwards. Texts must not need escaping.
+/// The chart, from zero upwards. A line without points is left out.
 pub(crate) fn line_chart(title: &str, across: &str, upward: &str, lines: &[Line]) -> String {
-    let points = || lines.iter().flat_map(|line| &line.points);
+    let lines = || lines.iter().filter(|line| !line.points.is_empty());
+    let [title, across, upward] = [title, across, upward].map(escaped);
+    let points = || lines().flat_map(|line| &line.points);
     let xs = || points().map(|point| point.0.log2());
     let (left, right) = (xs().fold(f64::MAX, f64::min), xs().fold(f64::MIN, f64::max));
     let top = points()
@@ -64,7 +68,7 @@ pub(crate) fn line_chart(title: &str, across: &str, upward: &str, lines: &[Line]
         SIZE[1] - 10.0,
         ROOM[2] + 0.5 * height
     );
-    for (number, line) in lines.iter().enumerate() {
+    for (number, line) in lines().enumerate() {
         let color = COLORS[number % COLORS.len()];
         let places: Vec<String> = line
             .points
@@ -80,7 +84,7 @@ pub(crate) fn line_chart(title: &str, across: &str, upward: &str, lines: &[Line]
             legend + 18.0,
             legend + 24.0,
             at + 4.0,
-            line.name
+            escaped(&line.name)
         );
     }
     svg + "</svg>\n"

@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::as_options::as_options;
 use crate::beaten::{beaten_as_drawn, lost_cases};
 use crate::columns::column;
+use crate::distances;
 use crate::format::percent;
 use crate::paper::paper;
 use crate::published::{beside, nearest};
@@ -105,10 +106,11 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             .next()
             .map(|(_, t)| typed(t)),
         "nearest" => nearest(&paper(), rows).map(typed),
+        "walks" => distances::walks(rows),
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, beaten, lost, subject, paper and nearest"
+                "{kind} is no kind of table: there are means, tenth, beaten, lost, subject, paper, nearest and walks"
             ));
         }
     };

@@ -26,6 +26,9 @@ pub enum Plan {
     Paper,
     /// Whole plants under one budget, beside leaves alone and gltfpack on the whole file.
     Whole,
+    /// Levels for the distances of a walk beside fixed shares, and impostors beside meshes of as many
+    /// triangles.
+    Scene,
 }
 
 fn methods() -> Vec<Case> {
@@ -127,8 +130,8 @@ pub(crate) fn cases(plans: &[Plan], knows_branches: bool) -> Vec<Case> {
         }
         Plan::Speed => [speed(), by_branches.clone()].concat(),
         Plan::Stability => stability(&by_branches),
-        // Neither is of cases on leaves.
-        Plan::Failures | Plan::Whole => Vec::new(),
+        // None is of cases on leaves.
+        Plan::Failures | Plan::Whole | Plan::Scene => Vec::new(),
         Plan::Paper => [paper::cases(), paper::fewer_views().to_vec()].concat(),
     });
     each_once(planned)

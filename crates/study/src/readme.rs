@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::{COLUMNS, Row, Study, groups, held_out, overlap, spread, summarise, triangle_levels};
 use crate::beaten::{self, beaten_as_drawn, lost_cases};
 use crate::complete_cases::note_of;
+use crate::distances;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
 use crate::failure_case::{WHAT_IS_BETTER, overview};
 use crate::format::{duration, memory, number, percent, trees};
@@ -56,6 +57,7 @@ pub fn readme(study: &Study<'_>) -> String {
     beaten_where_drawn(&mut text, study.rows);
     stability(&mut text, &plain);
     whole(&mut text, study.rows);
+    at_distances(&mut text, study.rows);
     if let Some(table) = overview(study.failure_cases, study.rows) {
         let _ = write!(
             text,
@@ -134,6 +136,17 @@ fn whole(text: &mut String, rows: &[Row]) {
     let tables = tables(rows);
     if !tables.is_empty() {
         let _ = writeln!(text, "## Whole plants\n\n{WHAT_IS_COMPARED}\n");
+    }
+    for (title, table) in tables {
+        let _ = writeln!(text, "### {title}\n\n{}", table.markdown());
+    }
+}
+
+fn at_distances(text: &mut String, rows: &[Row]) {
+    let tables = distances::tables(rows);
+    if !tables.is_empty() {
+        let what = distances::WHAT_IS_COMPARED;
+        let _ = writeln!(text, "## At the distances of a walk\n\n{what}\n");
     }
     for (title, table) in tables {
         let _ = writeln!(text, "### {title}\n\n{}", table.markdown());

@@ -6,7 +6,7 @@ use secateur_eval::JudgingViews;
 use serde::{Deserialize, Serialize};
 
 use crate::older_rows;
-use crate::{LevelOf, Provenance, WholeCounts};
+use crate::{LevelOf, Provenance, SeenFrom, WholeCounts};
 
 /// Values by the keys of [`COLUMNS`](crate::COLUMNS); nothing where one is infinite.
 pub type Values = BTreeMap<String, Option<f64>>;
@@ -28,7 +28,7 @@ pub struct Row {
     pub change: String,
     /// The seed of methods that draw lots.
     pub seed: u64,
-    /// The share that was asked for, 0 to 1.
+    /// The share that was asked for, 0 to 1; 1 of what is drawn at a distance, for which none is.
     pub level: f64,
     /// What the level is a share of; of a whole plant all its triangles.
     pub level_of: LevelOf,
@@ -47,6 +47,10 @@ pub struct Row {
     /// plant's then too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whole: Option<WholeCounts>,
+    /// From where the plant is seen, of rows of what is drawn at a distance; their triangles are those of
+    /// the whole plant, and FLIP is their only metric, from six of the held-out views.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seen_from: Option<SeenFrom>,
     /// Wall time of the method alone to this level.
     pub seconds: f64,
     /// The largest resident set of the process while the method ran to this
@@ -169,6 +173,11 @@ pub(crate) fn millionths(level: f64) -> u64 {
 }
 
 impl Row {
+    /// Whether it is of leaves, and so has a place in tables of methods and levels.
+    pub(crate) fn is_of_leaves(&self) -> bool {
+        self.whole.is_none() && self.seen_from.is_none()
+    }
+
     /// Which tree the row is of, and which program made it.
     pub fn identity(&self) -> Identity {
         Identity {
@@ -282,6 +291,7 @@ pub(crate) mod tests {
             leaves_final: (100.0 * level) as u64,
             triangles_final: 7,
             whole: None,
+            seen_from: None,
             seconds,
             peak_rss_bytes: Some(50 << 20),
             resolution: 256,

@@ -7,6 +7,7 @@ use secateur_eval::JudgingViews;
 use secateur_gltf::{Selector, Tree};
 use secateur_model::Memory;
 
+use crate::distances::{self, Walk};
 use crate::draw::{DrawnFiles, draw};
 use crate::files::make_folder;
 use crate::job::{Finished, Job, jobs, lacks_original_picture};
@@ -36,6 +37,8 @@ pub struct StudyOptions {
     pub views: Option<JudgingViews>,
     /// Shares from 0 to 1; none for those that suit each tree.
     pub levels: Vec<f64>,
+    /// The distances of [`Plan::Scene`] in units of the files (metres), rising; none for 5, 10, 20, 40 and 80.
+    pub distances_m: Vec<f64>,
     /// The names of the trees that are studied, of all those; none for all.
     pub only: Vec<String>,
     /// How many seeds of cases that draw lots.
@@ -87,12 +90,31 @@ struct Todo<'a> {
     identity: Identity,
     jobs: Vec<Job<'a>>,
     whole_jobs: Vec<WholeJob>,
+    /// Whether rows at the distances of a walk are missing.
+    lacks_distances: bool,
     lacks_original_picture: bool,
 }
 
 impl Todo<'_> {
     fn is_nothing(&self) -> bool {
-        self.jobs.is_empty() && self.whole_jobs.is_empty() && !self.lacks_original_picture
+        self.jobs.is_empty()
+            && self.whole_jobs.is_empty()
+            && !self.lacks_distances
+            && !self.lacks_original_picture
+    }
+
+    /// Whether what is to be done draws the picture of the original, without any run on leaves.
+    fn is_of_whole_plants(&self) -> bool {
+        self.jobs.is_empty() && (!self.whole_jobs.is_empty() || self.lacks_distances)
+    }
+
+    fn row_count(&self, options: &StudyOptions) -> usize {
+        let of_jobs: usize = self.jobs.iter().map(|job| job.levels.len()).sum();
+        let of_distances = match self.lacks_distances {
+            true => distances::row_count(options),
+            false => 0,
+        };
+        of_jobs + self.whole_jobs.len() + of_distances
     }
 }
 
@@ -112,6 +134,7 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
         todo.push(Todo {
             jobs: jobs(options, subject, &identity, &finished),
             whole_jobs: whole::jobs(options, subject, &identity, &finished, gltfpack.is_some()),
+            lacks_distances: distances::is_missing(options, subject, &identity, &finished),
             lacks_original_picture: lacks_original_picture(&identity, &finished, &options.folder),
             subject,
             identity,
@@ -122,14 +145,15 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
     }
     let studied: BTreeSet<Identity> = todo.iter().map(|t| t.identity.clone()).collect();
     let mut file = RowFile::after(&rows, &studied, &options.folder, host)?;
-    let levels = |of_tree: &Todo<'_>| -> usize {
-        let of_jobs = of_tree.jobs.iter().map(|job| job.levels.len());
-        of_jobs.sum::<usize>() + of_tree.whole_jobs.len()
-    };
-    host.begin(todo.iter().map(levels).sum());
+    host.begin(todo.iter().map(|t| t.row_count(options)).sum());
     let bench = whole::Bench {
         options,
         gltfpack: gltfpack.as_ref(),
+        finished: &finished,
+        host,
+    };
+    let walk = Walk {
+        options,
         finished: &finished,
         host,
     };
@@ -143,6 +167,10 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
             &mut file,
         );
         whole.map_err(|e| e.about(path))?;
+        if of_tree.lacks_distances {
+            let walked = walk.run(of_tree.subject, &of_tree.identity, &mut file);
+            walked.map_err(|e| e.about(path))?;
+        }
     }
     host.end();
     Ok(())
@@ -169,7 +197,7 @@ fn run_tree(
     file: &mut RowFile,
     host: &dyn Host,
 ) -> Result<(), Error> {
-    if todo.jobs.is_empty() && !todo.whole_jobs.is_empty() {
+    if todo.is_of_whole_plants() {
         // The original is drawn with the whole plants.
         return Ok(());
     }

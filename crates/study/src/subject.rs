@@ -7,6 +7,7 @@ use secateur_gltf::{Document, Selector, Tree, plant_to_glb};
 use secateur_model::{BoundingSphere, Memory, Plant};
 use secateur_plant::{GrowOptions, grow};
 
+use crate::distances;
 use crate::files::make_folder;
 use crate::paper::{self, Model};
 use crate::scenes::{FailureScene, SCENES, near_cameras};
@@ -28,6 +29,8 @@ pub(crate) struct Subject {
     pub(crate) judged_from_radii: Option<f64>,
     /// Whether it is studied as a whole plant too.
     pub(crate) is_seen_whole: bool,
+    /// Whether it is studied at the distances of a walk too.
+    pub(crate) is_seen_from_distances: bool,
     origin: Origin,
 }
 
@@ -55,10 +58,14 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
         true => plan::cases(&options.plans, knows_branches),
         false => plan::each_once(options.cases.iter().cloned()),
     };
+    if has(Plan::Scene) {
+        distances::check(options)?;
+    }
     let (cases, with_branches) = (cases_of(false), cases_of(true));
-    if cases.is_empty() && !has(Plan::Whole) && !options.trees.is_empty() {
+    let has_other = has(Plan::Whole) || has(Plan::Scene);
+    if cases.is_empty() && !has_other && !options.trees.is_empty() {
         return Err(Error::Refused(
-            "no plan for trees of one's own was asked for: add methods, speed, stability, paper or whole to --plan".to_owned(),
+            "no plan for trees of one's own was asked for: add methods, speed, stability, paper, whole or scene to --plan".to_owned(),
         ));
     }
     for path in &options.trees {
@@ -73,6 +80,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
             judged_by: views_or(of_user),
             judged_from_radii: None,
             is_seen_whole: has(Plan::Whole),
+            is_seen_from_distances: has(Plan::Scene),
             origin: Origin::ByOthers,
         });
     }
@@ -87,6 +95,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 judged_by: views_or(JudgingViews::HeldOut),
                 judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
                 is_seen_whole: false,
+                is_seen_from_distances: false,
                 origin: Origin::Scene(scene),
             });
         }
@@ -104,6 +113,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 judged_by: views_or(JudgingViews::Icosahedron),
                 judged_from_radii: None,
                 is_seen_whole: false,
+                is_seen_from_distances: false,
                 origin: Origin::Grown(model),
             });
         }
@@ -265,6 +275,7 @@ mod tests {
             cases: Vec::new(),
             views: None,
             levels: Vec::new(),
+            distances_m: Vec::new(),
             only: Vec::new(),
             seeds: 1,
             memory: Memory::Auto,

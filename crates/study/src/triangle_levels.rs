@@ -6,8 +6,8 @@ use super::{LevelOf, Row};
 /// more leaves than the level's share, as mesh simplifiers do; none if there are none.
 pub(crate) fn note_of(rows: &[Row]) -> Option<String> {
     let mut labels: Vec<String> = Vec::new();
-    // Whole plants have tables of their own.
-    let rows = rows.iter().filter(|row| row.whole.is_none());
+    // Whole plants have tables of their own, and so has what is drawn at distances.
+    let rows = rows.iter().filter(|row| row.is_of_leaves());
     for row in rows.filter(|row| is_of_triangles(row)) {
         let label = Row {
             change: String::new(),

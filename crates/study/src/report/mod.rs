@@ -1,5 +1,6 @@
 //! The report of a study: one HTML page that needs no other file.
 
+mod distances;
 mod failures;
 mod means;
 mod overview;
@@ -56,7 +57,7 @@ impl Study<'_> {
     /// Rows of leaves, of trees that are no scenes made for failures.
     pub(crate) fn plain_rows(&self) -> Vec<Row> {
         let is_plain = |row: &&Row| {
-            row.whole.is_none() && !self.failure_cases.iter().any(|t| t.tree == row.tree)
+            row.is_of_leaves() && !self.failure_cases.iter().any(|t| t.tree == row.tree)
         };
         self.rows.iter().filter(is_plain).cloned().collect()
     }
@@ -109,6 +110,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     }
     page.stability(&mut html);
     page.whole(&mut html);
+    page.distances(&mut html);
     page.failures(&mut html);
     page.paper(&mut html);
     if !plain.is_empty() {

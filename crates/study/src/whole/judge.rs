@@ -102,6 +102,7 @@ impl<'a> PlantJudge<'a> {
                 triangles_original: self.triangles_original,
                 wood_triangles_final: made.wood_triangles_final,
             }),
+            seen_from: None,
             seconds: made.seconds,
             peak_rss_bytes: made.peak_rss_bytes,
             resolution: made.resolution,

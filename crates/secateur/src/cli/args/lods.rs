@@ -141,7 +141,7 @@ pub(crate) enum LayoutName {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Distances(pub(crate) Vec<f64>);
 
-fn distances(text: &str) -> Result<Distances, String> {
+pub(super) fn distances(text: &str) -> Result<Distances, String> {
     let all: Result<Vec<f64>, String> = text.split(',').map(|d| above_zero(d.trim())).collect();
     let all = all.map_err(|_| "write distances above 0, such as 5,20,80".to_owned())?;
     match all.windows(2).all(|w| w[0] < w[1]) {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::super::names::JudgingViewsName;
+use super::lods::{Distances, distances};
 use super::{Foliage, MemoryArg};
 
 #[derive(Args, Debug)]
@@ -36,10 +37,13 @@ pub(crate) struct Study {
     /// icosahedron].
     #[arg(long, value_enum, conflicts_with = "redraw")]
     pub(crate) views: Option<JudgingViewsName>,
-    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1, for whole
-    /// plants 0.5,0.25,0.1].
+    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1]; for whole
+    /// plants, and as fixed shares of scene, of all triangles [default: 0.5,0.25,0.1].
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
     pub(crate) levels: Vec<f64>,
+    /// The distances of the plan scene in metres, rising [default: 5,10,20,40,80].
+    #[arg(long, value_name = "M,M,...", value_parser = distances, allow_negative_numbers = true, conflicts_with = "redraw")]
+    pub(crate) distances: Option<Distances>,
     /// Study only the tree of this name; can be given several times.
     #[arg(long, value_name = "NAME", conflicts_with = "redraw")]
     pub(crate) only: Vec<String>,
@@ -67,6 +71,9 @@ pub(crate) enum PlanName {
     /// Whole plants at shares of all triangles, beside leaves alone and gltfpack on the whole file,
     /// where that is found
     Whole,
+    /// Whole plants at distances: levels for these beside fixed shares, impostors beside meshes of as
+    /// many triangles
+    Scene,
 }
 
 fn level(text: &str) -> Result<f64, String> {

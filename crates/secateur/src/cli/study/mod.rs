@@ -57,6 +57,7 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         cases: cases?,
         views: args.views.map(JudgingViews::from),
         levels: args.levels.clone(),
+        distances_m: (args.distances.as_ref()).map_or_else(Vec::new, |all| all.0.clone()),
         only: args.only.clone(),
         seeds: args.seeds,
         memory: args.memory.memory,
@@ -72,6 +73,7 @@ impl From<PlanName> for Plan {
             PlanName::Failures => Self::Failures,
             PlanName::Paper => Self::Paper,
             PlanName::Whole => Self::Whole,
+            PlanName::Scene => Self::Scene,
         }
     }
 }

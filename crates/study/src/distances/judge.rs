@@ -1,0 +1,97 @@
+//! How far what is drawn of a plant looks from it at a distance.
+
+use std::path::Path;
+
+use secateur_eval::{Judging, MeasureError, Pictures};
+use secateur_gltf::WholeTree;
+use secateur_model::{BoundingSphere, Surface};
+use secateur_raster::{View, ViewSet};
+use secateur_scene::Screen;
+use secateur_scene::impostor::Impostor;
+use secateur_scene::impostor::judge::{Judge, best_crossed};
+
+use crate::judge::{PictureFile, camera, opaque, portrait};
+use crate::{Error, Host, Identity};
+
+/// Every how many of the 48 held-out views a plant is judged from: six, of all four sets, as `lods` judges
+/// its levels.
+const VIEW_STEP: usize = 8;
+
+/// The original of a plant.
+pub(super) struct DistanceJudge {
+    surfaces: Vec<Surface>,
+    directions: ViewSet,
+    sphere: BoundingSphere,
+    /// In metres.
+    height: f64,
+}
+
+impl DistanceJudge {
+    /// Draws the original's picture for reports.
+    pub(super) fn new(
+        tree: &WholeTree,
+        identity: &Identity,
+        folder: &Path,
+        host: &dyn Host,
+    ) -> Result<Self, Error> {
+        let items = tree.items();
+        let surfaces = items.surfaces()?.into_iter();
+        let surfaces: Vec<Surface> = surfaces.map(|(surface, _)| surface).collect();
+        let judging = Judging::held_out(items.foliage())?;
+        let views = judging.rigs.iter().flat_map(ViewSet::views);
+        let corners = items.foliage().triangles().iter().flat_map(|t| t.corners);
+        let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
+            (low.min(c.y), high.max(c.y))
+        });
+        crate::files::make_folder(&folder.join("pictures"))?;
+        let picture = portrait(&surfaces, &camera(&surfaces));
+        let file = PictureFile::picture(identity.original_picture());
+        file.write(opaque(&picture), folder, host)?;
+        Ok(Self {
+            directions: ViewSet::new(views.copied().step_by(VIEW_STEP).collect::<Vec<View>>()),
+            sphere: (items.foliage().bounding_sphere()).ok_or(MeasureError::NoFoliage)?,
+            height: high - low,
+            surfaces,
+        })
+    }
+
+    /// What judges at a distance.
+    pub(super) fn at(&self, distance_m: f64) -> Place<'_> {
+        let screen = Screen::default();
+        let pixels_high = screen.pixels_high(self.height, distance_m);
+        let (directions, sphere) = (&self.directions, self.sphere);
+        let judge = Judge::new(directions, sphere, self.height, screen, pixels_high);
+        Place {
+            original: judge.of_surfaces(&self.surfaces),
+            surfaces: &self.surfaces,
+            judge,
+            distance_m,
+            pixels_high,
+        }
+    }
+}
+
+/// A distance, and the original as it is seen from there.
+pub(super) struct Place<'a> {
+    pub(super) distance_m: f64,
+    pub(super) pixels_high: f64,
+    surfaces: &'a [Surface],
+    judge: Judge,
+    original: Pictures,
+}
+
+impl Place<'_> {
+    /// FLIP of each view of a mesh.
+    pub(super) fn flips(&self, surfaces: &[Surface]) -> Vec<f64> {
+        self.original.flips(&self.judge.of_surfaces(surfaces))
+    }
+
+    /// The crossed planes that look most like the plant, and FLIP of each view of them; none of a plant
+    /// of which nothing can be seen.
+    pub(super) fn crossed(&self) -> Option<(Impostor, Vec<f64>)> {
+        let (judge, height) = (&self.judge, self.pixels_high);
+        let (impostor, _) = best_crossed(self.surfaces, &self.original, judge, height)?;
+        let flips = self.original.flips(&self.judge.of_impostor(&impostor));
+        Some((impostor, flips))
+    }
+}
