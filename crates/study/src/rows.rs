@@ -48,7 +48,7 @@ pub struct Row {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whole: Option<WholeCounts>,
     /// From where the plant is seen, of rows of what is drawn at a distance; their triangles are those of
-    /// the whole plant, and FLIP is their only metric, from six of the held-out views.
+    /// the whole plant, and FLIP is their only metric, from six of the views that judge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seen_from: Option<SeenFrom>,
     /// Wall time of the method alone to this level.

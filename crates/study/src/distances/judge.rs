@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use secateur_eval::{Judging, MeasureError, Pictures};
+use secateur_eval::{MeasureError, Pictures};
 use secateur_gltf::WholeTree;
 use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::{View, ViewSet};
@@ -11,11 +11,12 @@ use secateur_scene::impostor::Impostor;
 use secateur_scene::impostor::judge::{Judge, best_crossed};
 
 use crate::judge::{PictureFile, camera, opaque, portrait};
+use crate::subject::Subject;
 use crate::{Error, Host, Identity};
 
-/// Every how many of the 48 held-out views a plant is judged from: six, of all four sets, as `lods` judges
-/// its levels.
-const VIEW_STEP: usize = 8;
+/// From how many of the views that judge a plant is looked at: of the held-out ones those from which `lods`
+/// judges its levels.
+const VIEWS: usize = 6;
 
 /// The original of a plant.
 pub(super) struct DistanceJudge {
@@ -29,6 +30,7 @@ pub(super) struct DistanceJudge {
 impl DistanceJudge {
     /// Draws the original's picture for reports.
     pub(super) fn new(
+        subject: &Subject,
         tree: &WholeTree,
         identity: &Identity,
         folder: &Path,
@@ -37,8 +39,11 @@ impl DistanceJudge {
         let items = tree.items();
         let surfaces = items.surfaces()?.into_iter();
         let surfaces: Vec<Surface> = surfaces.map(|(surface, _)| surface).collect();
-        let judging = Judging::held_out(items.foliage())?;
-        let views = judging.rigs.iter().flat_map(ViewSet::views);
+        let judging = subject.judged_by.about(items.foliage())?;
+        let views: Vec<View> = (judging.rigs.iter())
+            .flat_map(|set| set.views().iter().copied())
+            .collect();
+        let step = (views.len() / VIEWS).max(1);
         let corners = items.foliage().triangles().iter().flat_map(|t| t.corners);
         let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
             (low.min(c.y), high.max(c.y))
@@ -48,7 +53,7 @@ impl DistanceJudge {
         let file = PictureFile::picture(identity.original_picture());
         file.write(opaque(&picture), folder, host)?;
         Ok(Self {
-            directions: ViewSet::new(views.copied().step_by(VIEW_STEP).collect::<Vec<View>>()),
+            directions: ViewSet::new(views.into_iter().step_by(step).collect()),
             sphere: (items.foliage().bounding_sphere()).ok_or(MeasureError::NoFoliage)?,
             height: high - low,
             surfaces,

@@ -194,7 +194,7 @@ impl Walk<'_> {
         let (options, host) = (self.options, self.host);
         let selectors = subject.selectors(&options.selectors);
         let tree = WholeTree::open_within(&subject.path, selectors, options.memory)?;
-        let judge = DistanceJudge::new(&tree, identity, &options.folder, host)?;
+        let judge = DistanceJudge::new(subject, &tree, identity, &options.folder, host)?;
         let mut maker = Maker::new(&tree, &subject.path, host)?;
         let plan = Plan::of(options);
         host.working_on(&format!("{}: levels for distances", subject.name));
