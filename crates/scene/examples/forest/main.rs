@@ -5,7 +5,7 @@
 //! cargo run --release --package secateur-scene --example forest -- figures [PART]
 //! ```
 //!
-//! METHOD: full, chain, continuous, spheres, boxes or mix, which is the default. The plant is an oak
+//! METHOD: full, chain, continuous, fading, spheres, boxes or mix, which is the default. The plant is an oak
 //! of 20,000 leaves where no other is named. Figures go to `benches/results`; pictures of what was
 //! compared to the folder for temporary files.
 //!
@@ -36,7 +36,7 @@ use secateur_scene::view_dependent::ViewDependent;
 
 use figures::Figures;
 use gpu::Gpu;
-use methods::{Method, Stand};
+use methods::{Method, RULE, Stand};
 use pipelines::Pipelines;
 use renderer::Renderer;
 use rows::{Rows, Wanted};
@@ -44,7 +44,7 @@ use species::Species;
 use uploaded::Uploaded;
 
 const USAGE: &str = "usage: forest OUT.png [TREES [METHOD [TREE.glb]]], or forest figures [PART]; \
-     TREES from 1 to 10000, METHOD one of full, chain, continuous, spheres, boxes, mix";
+     TREES from 1 to 10000, METHOD one of full, chain, continuous, fading, spheres, boxes, mix";
 
 /// Width and height of the picture in pixels.
 const SIZE: [u32; 2] = [1280, 720];
@@ -76,6 +76,7 @@ fn task(arguments: &[String]) -> Option<Task> {
         "full" => Method::Full,
         "chain" => Method::Chain,
         "continuous" => Method::Continuous,
+        "fading" => Method::Fading,
         "spheres" => Method::Spheres,
         "boxes" => Method::Boxes,
         "mix" => Method::Mix,
@@ -157,6 +158,7 @@ fn run(task: Task) -> Result<(), Box<dyn Error>> {
                 uploaded: &uploaded,
                 instances: &instances,
                 cut,
+                rule: RULE,
             };
             let renderer = Renderer::new(&gpu, &pipelines, &uploaded, leaf_indices, SIZE);
             let (drawn, seconds) = clock::timed(|| {

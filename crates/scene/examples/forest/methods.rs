@@ -18,6 +18,8 @@ pub(crate) enum Method {
     Chain,
     /// Just as many leaves as [`RULE`] wants: a prefix of the index buffer.
     Continuous,
+    /// The same, each leaf fading over the last of the steps before it goes.
+    Fading,
     /// VDF's variable levels: coarse within a sphere in the crown that grows with the distance.
     Spheres,
     /// Boxes with pictures (Hybrid 4.2), and leaves where these are too small on the screen.
@@ -55,8 +57,9 @@ const TEXEL_PX: f64 = 1.0;
 /// A box fades into what is below it until it is larger by this share.
 const BLEND: f64 = 0.3;
 
-/// The last steps before its removal over which a leaf fades, as a share of all steps.
-const FADE: f64 = 0.0;
+/// The last steps before its removal over which a leaf fades, as a share of the steps that its level is
+/// from the coarsest one.
+const FADE: f64 = 0.05;
 
 /// Where the last of a scheme's levels ends, in radii of the plant; its bands are equally wide.
 const SCHEME_REACH: f64 = 50.0;
@@ -67,6 +70,7 @@ impl Method {
             Self::Full => "full geometry",
             Self::Chain => "discrete chain",
             Self::Continuous => "continuous",
+            Self::Fading => "continuous, fading",
             Self::Spheres => "view-dependent, spheres",
             Self::Boxes => "boxes with pictures",
             Self::Mix => "mix",
@@ -83,6 +87,7 @@ pub(crate) struct Stand<'a> {
     pub(crate) instances: &'a [Instance],
     /// One cut for all trees, which goes from one to the next.
     pub(crate) cut: ViewDependent,
+    pub(crate) rule: LeavesByHeight,
 }
 
 /// A tree that may be seen.
@@ -138,7 +143,11 @@ impl Stand<'_> {
                 list.level(ChainKind::Halvings, coarsest.unwrap_or(0), item(tree, 1.0));
             }
             Method::Continuous => {
-                self.push_leaves(list, tree, leaves, 1.0);
+                self.push_leaves(list, tree, leaves, 1.0, 0.0);
+                self.push_wood(list, tree, leaves);
+            }
+            Method::Fading => {
+                self.push_leaves(list, tree, leaves, 1.0, FADE);
                 self.push_wood(list, tree, leaves);
             }
             Method::Spheres => {
@@ -164,7 +173,8 @@ impl Stand<'_> {
     }
 
     fn leaves_of(&self, pixels_high: f64) -> usize {
-        RULE.leaves(pixels_high, self.species.leaves.model.most_leaves())
+        self.rule
+            .leaves(pixels_high, self.species.leaves.model.most_leaves())
     }
 
     fn mixed(
@@ -199,7 +209,7 @@ impl Stand<'_> {
             };
             let shown = (over / BLEND).clamp(0.0, 1.0);
             if shown > 0.0 {
-                self.push_leaves(list, tree, leaves, shown as f32);
+                self.push_leaves(list, tree, leaves, shown as f32, 0.0);
             }
             if shown < 1.0 {
                 list.box_planes(0, item(tree, 1.0 - shown as f32));
@@ -208,13 +218,14 @@ impl Stand<'_> {
         self.push_wood(list, tree, leaves);
     }
 
-    /// A prefix of the leaves.
-    fn push_leaves(&self, list: &mut DrawList, tree: &Tree, leaves: usize, shown: f32) {
+    /// A prefix of the leaves, which fade over this share of the steps that are left.
+    fn push_leaves(&self, list: &mut DrawList, tree: &Tree, leaves: usize, shown: f32, fade: f64) {
         let part = &self.species.leaves;
         let steps = part.model.steps_to(leaves) as u32;
+        let steps_left = part.model.order().len() as u32 - steps;
         let place = list.item(Item {
             steps,
-            fade_steps: (FADE * part.model.order().len() as f64) as u32,
+            fade_steps: (fade * f64::from(steps_left)) as u32,
             common_scale: part.prefix.common_linear_scale(steps),
             ..item(tree, shown)
         });

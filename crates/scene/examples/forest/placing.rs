@@ -59,6 +59,13 @@ pub(crate) fn overlook(count: usize, radius: f64, size: [u32; 2]) -> StandCamera
     camera(eye, DVec3::new(0.0, -0.6 * radius, 0.0), size)
 }
 
+/// Higher above the corner, looking down on the square: its trees fill more of the picture.
+pub(crate) fn from_above(count: usize, radius: f64, size: [u32; 2]) -> StandCamera {
+    let corner = -half_side(count, radius) - 2.2 * radius;
+    let eye = DVec3::new(corner, 3.6 * radius, corner);
+    camera(eye, eye + DVec3::new(1.0, -0.27, 1.0), size)
+}
+
 /// A place on a circle around a square of trees, looking at its middle (VDF 6).
 pub(crate) fn around(count: usize, radius: f64, share: f64, size: [u32; 2]) -> StandCamera {
     let reach = half_side(count, radius) * std::f64::consts::SQRT_2 + 2.5 * radius;
