@@ -91,6 +91,7 @@ impl Bench {
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles,
             material: Arc::new(Material {
                 name: name.to_owned(),

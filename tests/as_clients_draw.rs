@@ -86,6 +86,7 @@ fn crown_of_discs() -> Plant {
         normals: Vec::new(),
         uvs: Vec::new(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: Vec::new(),
         material,
     };

@@ -3,6 +3,7 @@
 
 mod continuous;
 mod odd_card;
+mod wind;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -24,13 +25,18 @@ const MOST_FLIP: f64 = 0.03;
 
 fn surfaces_of(glb: &[u8]) -> Vec<(Surface, bool)> {
     let document = Document::from_bytes("tree.glb", glb.to_vec(), None).unwrap();
-    document.surfaces_with(Detail::NormalMaps, &[]).unwrap()
+    document.surfaces_with(Detail::Full, &[]).unwrap()
 }
 
 /// A page of trees from fine to coarse, each half as high on the screen as the
 /// one before, from 600 pixels on.
 fn page_of(trees: &[&[u8]]) -> String {
     let surfaces: Vec<_> = trees.iter().map(|glb| surfaces_of(glb)).collect();
+    page_of_surfaces(&surfaces)
+}
+
+/// The same of what is drawn of each tree.
+fn page_of_surfaces(surfaces: &[Vec<(Surface, bool)>]) -> String {
     let heights = || {
         surfaces[0]
             .iter()

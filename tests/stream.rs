@@ -155,12 +155,12 @@ fn what_is_no_stream_or_no_whole_piece_of_one_is_refused() {
     );
     read("none.stream", &[], &["none.stream: cannot be read"]);
     let mut later = bench.read("oak.stream");
-    later[16] = 2;
+    later[16] = 3;
     bench.put("later.stream", &later);
     read(
         "later.stream",
         &[],
-        &["of version 2; this program reads version 1"],
+        &["of version 3; this program reads version 2"],
     );
     // The removal order of another tree.
     let other = ["grow", "birch", "-o", "birch.glb", "--leaves", "200"];
@@ -259,6 +259,15 @@ fn a_page_draws_what_has_arrived() {
     assert_eq!(differing(&cut, &pictures[1]), 0.0);
     let text = tab.ask("document.body.innerText");
     assert!(text.as_str().unwrap().contains("leaves"), "{text}");
+    // What has arrived sways, once it is asked to.
+    assert_eq!(tab.ask("streaming.state.isWindy"), false);
+    let still = shown(&mut tab, &bytes[0]);
+    tab.ask("(streaming.state.windSeconds = 3.3, 0)");
+    tab.click("#wind");
+    let swaying = shown(&mut tab, &bytes[0]);
+    assert!(differing(&swaying, &still) > 0.01);
+    tab.click("#wind");
+    assert_eq!(differing(&shown(&mut tab, &bytes[0]), &still), 0.0);
     // Before the first piece there is no plant, and that is no error.
     shown(&mut tab, &Value::from(100));
     assert_eq!(tab.ask("streaming.reader().pieces"), 0);

@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use secateur::glam::{DVec2, Vec3};
-use secateur::{Document, Hold, plant_to_glb};
+use secateur::{Detail, Document, Hold, plant_to_glb};
 use secateur_plant::{GrowOptions, Species, grow};
 use secateur_scene::wind::Wind;
 use serde_json::{Value, json};
@@ -175,6 +175,16 @@ fn every_level_hangs_where_the_original_hung() {
     ];
     bench.run(&lod).succeeded();
     moves_as_before(&original, &opened(&bench, "lod.glb"), "lod.glb");
+    // A stream's prefix is a plant that says it, too.
+    let stream = ["stream", "maple.glb", "-o", "maple.stream"];
+    let more = ["--order", "maple.order", "--report", "s.json"];
+    bench.run(&[&stream[..], &more].concat()).succeeded();
+    let bytes = bench.json("s.json")["pieces"][2]["bytes"].to_string();
+    let read = ["stream", "--read", "maple.stream", "-o", "prefix.glb"];
+    bench
+        .run(&[&read[..], &["--bytes", &bytes]].concat())
+        .succeeded();
+    moves_as_before(&original, &opened(&bench, "prefix.glb"), "prefix.glb");
     let lods = [
         "lods",
         "maple.glb",
@@ -190,6 +200,41 @@ fn every_level_hangs_where_the_original_hung() {
         .succeeded();
     let level = "chain/maple_LOD0.glb";
     moves_as_before(&original, &opened(&bench, level), level);
+}
+
+/// A node that moves a plant moves what it hangs on, where the plant is drawn and where a level is put
+/// into the space of the scene.
+#[test]
+fn pivots_stand_where_nodes_put_them() {
+    let bench = maple();
+    let moved = edited(&bench.read("maple.glb"), |root| {
+        let nodes = root["nodes"].as_array_mut().unwrap();
+        let tree = nodes.iter_mut().find(|node| node["name"] == "Tree");
+        let tree = tree.unwrap();
+        tree["translation"] = json!([3.0, 0.0, -2.0]);
+        tree["scale"] = json!([2.0, 2.0, 2.0]);
+    });
+    bench.put("moved.glb", &moved);
+    let holds = |name: &str| -> Vec<Hold> {
+        let document = opened(&bench, name).document;
+        let surfaces = document.surfaces_with(Detail::Full, &[]).unwrap();
+        surfaces.into_iter().flat_map(|(s, _)| s.holds).collect()
+    };
+    let (plain, placed) = (holds("maple.glb"), holds("moved.glb"));
+    assert!(!plain.is_empty() && plain.len() == placed.len());
+    for (plain, placed) in plain.iter().zip(&placed) {
+        let expected = 2.0 * plain.pivot + Vec3::new(3.0, 0.0, -2.0);
+        assert!(placed.pivot.distance(expected) < 1e-5);
+        assert!((placed.along_m - 2.0 * plain.along_m).abs() < 1e-5);
+        assert_eq!(placed.segment, plain.segment);
+    }
+    let lods = ["lods", "moved.glb", "-o", "level.glb", "--levels", "0.4"];
+    bench.run(&lods).succeeded();
+    let of_original: HashSet<Key> = placed.iter().map(key).collect();
+    let of_level = holds("level.glb");
+    assert!(!of_level.is_empty());
+    let is_known = |hold: &Hold| of_original.contains(&key(hold));
+    assert!(of_level.iter().all(is_known));
 }
 
 /// Other people's trees say what leaves hang on in colours, attributes and extras of their own.

@@ -32,7 +32,7 @@ fn ordered(bench: &Bench, options: &[&str]) -> LodModel {
 fn page_with(model: &LodModel) -> String {
     let tree = Document::from_bytes("oak.glb", oak().to_vec(), None);
     let tree = tree.unwrap().into_tree(&[]).unwrap();
-    let of_leaves = tree.leaf_surfaces(Detail::NormalMaps).unwrap();
+    let of_leaves = tree.leaf_surfaces(Detail::Full).unwrap();
     let of_leaves: Vec<_> = of_leaves.into_iter().filter(|s| s.is_foliage).collect();
     let surfaces = surfaces_of(oak());
     let levels = [Level {
@@ -156,9 +156,22 @@ fn is_chosen_by_its_slider(device: Device) {
     assert!((last / 4..last).contains(&middle), "{middle} of {last}");
     tab.press("#canvas", ",");
     assert!(tab.ask("preview.state.steps").as_u64().unwrap() < middle as u64);
-    // A level takes the leaves' place.
+    // A level takes the leaves' place, also one that its slider stands on already.
     tab.click("#levels button");
     assert_eq!(tab.ask("preview.state.steps"), Value::Null);
+    tab.press("#steps", "Home");
+    assert_eq!(tab.ask("preview.state.steps"), 0);
+    assert_eq!(tab.ask("document.querySelector('#level').value"), "0");
+    tab.press("#level", "Home");
+    assert_eq!(tab.ask("preview.state.steps"), Value::Null);
+    tab.press("#steps", "Home");
+    tab.press("#level", "Shift");
+    assert_eq!(tab.ask("preview.state.steps"), 0, "no key of a slider");
+    // A touch of a slider makes no click.
+    if !device.has_touch {
+        tab.click("#level");
+        assert_eq!(tab.ask("preview.state.steps"), Value::Null);
+    }
     super::check_manners(&mut tab);
 }
 

@@ -254,6 +254,7 @@ pub(crate) mod tests {
                 .map(|[x, y]| Vec2::new(x as f32 + 0.5, 0.5 - y as f32))
                 .into(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             material: Arc::new(material),
         }

@@ -142,6 +142,7 @@ mod tests {
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: Vec::new(),
             material: Arc::new(material),
         }

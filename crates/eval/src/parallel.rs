@@ -116,6 +116,7 @@ mod tests {
             normals: vec![Vec3::Z; 3],
             uvs: Vec::new(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: vec![[0, 1, 2]],
             material: Arc::new(Material {
                 name: String::new(),

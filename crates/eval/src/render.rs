@@ -215,6 +215,7 @@ mod tests {
                 .map(|[x, y]| Vec2::new(x as f32, -y as f32) * 0.5 + 0.5)
                 .into(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             material: Arc::new(material),
         }

@@ -14,7 +14,7 @@ use super::parts::{Part, check_limit};
 use super::picture::Pictures;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
-use secateur_model::{Finish, Material, Mips, NormalMap, Surface, Texture};
+use secateur_model::{Finish, Hold, Material, Mips, NormalMap, Surface, Texture};
 
 /// The most triangles that surfaces are made of, every instance counted.
 const MAX_TRIANGLES: u64 = 16 << 20;
@@ -29,13 +29,16 @@ const BYTES_A_TRIANGLE: u64 = 2 * size_of::<[u32; 3]>() as u64;
 const BYTES_A_VERTEX: u64 =
     2 * (2 * size_of::<Vec3>() + size_of::<Vec2>() + size_of::<Vec4>()) as u64;
 
+/// And of what a vertex hangs on, where the file says it.
+const BYTES_A_HOLD: u64 = 2 * size_of::<Hold>() as u64;
+
 /// How much of a look is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// Colours, as the renders that judge need them.
     Color,
-    /// Colours and normal maps, as a renderer with lights needs them.
-    NormalMaps,
+    /// Colours, normal maps and what vertices hang on, as a renderer with lights and wind needs them.
+    Full,
 }
 
 /// A surface, and what of the file it is.
@@ -177,7 +180,14 @@ impl Document {
         check_limit("triangles to draw", triangles, MAX_TRIANGLES)?;
         let vertices = all(|g| g.geometry.positions.len());
         check_limit("vertices to draw", vertices, MAX_VERTICES)?;
-        let bytes = BYTES_A_TRIANGLE * triangles + BYTES_A_VERTEX * vertices;
+        let mut bytes = BYTES_A_TRIANGLE * triangles + BYTES_A_VERTEX * vertices;
+        if detail == Detail::Full {
+            let sways = |g: &&Group| self.says_what_it_hangs_on(g.mesh, g.primitive);
+            let swaying = survey.groups.iter().filter(sways);
+            bytes += swaying
+                .map(|g| BYTES_A_HOLD * g.placements as u64 * g.geometry.positions.len() as u64)
+                .sum::<u64>();
+        }
         let what = || format!("{triangles} triangles of {vertices} vertices to draw");
         let taken = pictures.budget.take(bytes, what, ALLOW_MORE);
         taken.map_err(Problem::from)?;
@@ -218,7 +228,7 @@ impl Document {
         let (mesh, primitive) = (group.mesh, group.primitive);
         let normals = self.vectors_of::<3>(mesh, primitive, "NORMAL")?;
         let normal_map = match (detail, group.look.normal_map) {
-            (Detail::NormalMaps, Some((texture, _))) => Some(texture),
+            (Detail::Full, Some((texture, _))) => Some(texture),
             _ => None,
         };
         let texture = group.look.texture.or(normal_map);
@@ -243,6 +253,10 @@ impl Document {
                     .collect()
             }),
             colors: self.colors(mesh, primitive)?,
+            holds: match detail {
+                Detail::Full => self.holds_of(mesh, primitive, group.geometry.positions.len())?,
+                Detail::Color => Vec::new(),
+            },
             material: Arc::new(self.material(group, pictures, detail)?),
         })
     }
@@ -275,7 +289,7 @@ impl Document {
         };
         let normal_map = match (detail, look.normal_map) {
             // A surface has one set of texture coordinates.
-            (Detail::NormalMaps, Some((normals, scale)))
+            (Detail::Full, Some((normals, scale)))
                 if look.texture.is_none_or(|t| t.is_placed_as(&normals)) =>
             {
                 texture_of(normals, pictures)?.map(|texture| NormalMap { texture, scale })
@@ -342,6 +356,7 @@ struct Template {
     normals: Vec<[f64; 3]>,
     uvs: Vec<Vec2>,
     colors: Vec<Vec4>,
+    holds: Vec<Hold>,
     material: Arc<Material>,
 }
 
@@ -352,6 +367,7 @@ impl Template {
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: Vec::new(),
             material: Arc::clone(&self.material),
         }
@@ -372,6 +388,16 @@ impl Template {
         surface.normals.extend(self.normals.iter().map(to_world));
         surface.uvs.extend_from_slice(&self.uvs);
         surface.colors.extend_from_slice(&self.colors);
+        // Of a placement that scales evenly, what it makes of lengths.
+        let lengths = part.world_from_local.determinant().abs().cbrt();
+        for (vertex, hold) in self.holds.iter().enumerate() {
+            let pivot = part.place_vertex(vertex, hold.pivot.as_dvec3())?;
+            surface.holds.push(Hold {
+                pivot: pivot.as_vec3(),
+                along_m: hold.along_m * lengths as f32,
+                ..*hold
+            });
+        }
         surface
             .triangles
             .extend(group.geometry.triangles.iter().map(|&[a, b, c]| {

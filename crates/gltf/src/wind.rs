@@ -38,6 +38,29 @@ impl Document {
         read.map_err(|fault| self.error(fault))
     }
 
+    /// Whether a primitive has what [`Document::holds`] reads, without reading it.
+    pub(crate) fn says_what_it_hangs_on(&self, mesh: usize, primitive: usize) -> bool {
+        [PIVOT, ALONG, SEGMENT]
+            .iter()
+            .all(|name| matches!(self.attribute(mesh, primitive, name), Ok(Some(_))))
+    }
+
+    /// What each of so many vertices hangs on; none where the file does not say it of every one, or
+    /// says something that is not finite.
+    pub(crate) fn holds_of(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        vertices: usize,
+    ) -> Result<Vec<Hold>, Fault> {
+        let holds = self.read_holds(mesh, primitive)?.unwrap_or_default();
+        let is_finite = |hold: &Hold| hold.pivot.is_finite() && hold.along_m.is_finite();
+        match holds.len() == vertices && holds.iter().all(is_finite) {
+            true => Ok(holds),
+            false => Ok(Vec::new()),
+        }
+    }
+
     fn read_holds(&self, mesh: usize, primitive: usize) -> Result<Option<Vec<Hold>>, Fault> {
         let pivots = self.vectors_of::<3>(mesh, primitive, PIVOT)?;
         let segments = self.vectors_of::<2>(mesh, primitive, SEGMENT)?;

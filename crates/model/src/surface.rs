@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use crate::Wrap;
+use crate::{Hold, Wrap};
 
 /// How a sampler filters (glTF `magFilter` and `minFilter`); smooth in every way
 /// where the file does not say.
@@ -127,6 +127,9 @@ pub struct Surface {
     pub uvs: Vec<Vec2>,
     /// Linear vertex colours, one per position, or empty.
     pub colors: Vec<Vec4>,
+    /// What each position hangs on, in world space, for shaders that sway it: one per position, or
+    /// empty.
+    pub holds: Vec<Hold>,
     /// Corners of each triangle, as indices into the above.
     pub triangles: Vec<[u32; 3]>,
     /// Colour, texture, alpha and finish of all its triangles.

@@ -29,6 +29,7 @@ pub(crate) fn leaf_surface(
             normals: Vec::with_capacity(vertices),
             uvs: Vec::with_capacity(vertices),
             colors: Vec::with_capacity(vertices),
+            holds: Vec::new(),
             triangles: Vec::with_capacity(triangles),
             material,
         },

@@ -36,6 +36,7 @@ pub(crate) fn wood_surface(
         normals: Vec::new(),
         uvs: Vec::new(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: Vec::new(),
         material,
     };

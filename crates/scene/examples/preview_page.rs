@@ -37,8 +37,7 @@ fn main() -> ExitCode {
 }
 
 fn write(output: &str, trees: &[String]) -> Result<usize, Box<dyn Error>> {
-    let read =
-        |tree: &String| Document::open(Path::new(tree))?.surfaces_with(Detail::NormalMaps, &[]);
+    let read = |tree: &String| Document::open(Path::new(tree))?.surfaces_with(Detail::Full, &[]);
     let surfaces: Vec<Vec<(Surface, bool)>> = trees.iter().map(read).collect::<Result<_, _>>()?;
     let screen = Screen::default();
     let height = surfaces.first().map_or(0.0, |original| height_of(original));

@@ -12,7 +12,7 @@
 //! for how the last sum is rounded.
 
 use glam::{DVec2, IVec2, IVec3, Vec2, Vec3};
-use secateur_model::Hold;
+use secateur_model::{Hold, SegmentIndex};
 
 /// The height of a wave.
 const UNIT: i32 = 16_384;
@@ -120,6 +120,35 @@ impl Wind {
 /// The number of what a vertex hangs on, as the attribute `_WIND_SEGMENT` has it.
 fn number(hold: &Hold) -> u32 {
     hold.segment.map_or(0, |segment| segment.index() as u32 + 1)
+}
+
+/// How many words a vertex's hold takes in pages and streams.
+pub(crate) const HOLD_WORDS: usize = 5;
+
+/// What a vertex hangs on that hangs on nothing.
+pub(crate) const NOTHING: Hold = Hold {
+    segment: None,
+    pivot: Vec3::ZERO,
+    along_m: 0.0,
+};
+
+/// A hold as pages and streams have it: the bits of the pivot and of the distance along the wood as
+/// f32, and the number of what it hangs on.
+pub(crate) fn hold_words(hold: &Hold) -> [u32; HOLD_WORDS] {
+    let [x, y, z] = hold.pivot.to_array().map(f32::to_bits);
+    [x, y, z, hold.along_m.to_bits(), number(hold)]
+}
+
+/// The hold of such words; none where one is not finite.
+pub(crate) fn hold_of([x, y, z, along, number]: [u32; HOLD_WORDS]) -> Option<Hold> {
+    let hold = Hold {
+        segment: number
+            .checked_sub(1)
+            .map(|index| SegmentIndex::from_index(index as usize)),
+        pivot: Vec3::from_array([x, y, z].map(f32::from_bits)),
+        along_m: f32::from_bits(along),
+    };
+    (hold.pivot.is_finite() && hold.along_m.is_finite()).then_some(hold)
 }
 
 /// From -[`UNIT`] to [`UNIT`] in 65,536 steps a turn: two parabolas.

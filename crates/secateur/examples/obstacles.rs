@@ -339,6 +339,7 @@ impl Site {
                 normals: Vec::new(),
                 uvs: Vec::new(),
                 colors: Vec::new(),
+                holds: Vec::new(),
                 material: Arc::new(Material {
                     name: self.name.to_owned(),
                     base_color: [0.5, 0.42, 0.35, 1.0],

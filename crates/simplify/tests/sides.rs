@@ -17,6 +17,7 @@ fn crown() -> Surface {
         normals: Vec::new(),
         uvs: Vec::new(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: Vec::new(),
         material: std::sync::Arc::new(Material {
             name: "leaf".to_owned(),

@@ -382,6 +382,7 @@ fn surface(name: &str, base_color: [f32; 4]) -> Surface {
         normals: Vec::new(),
         uvs: Vec::new(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: Vec::new(),
         material: Arc::new(Material {
             name: name.to_owned(),

@@ -89,6 +89,7 @@ mod tests {
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             material: Arc::new(Material {
                 name: String::new(),

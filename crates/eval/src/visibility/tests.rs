@@ -67,6 +67,7 @@ fn chessboard() -> Surface {
         normals: Vec::new(),
         uvs: vec![Vec2::ZERO, 3.0 * Vec2::X, 3.0 * Vec2::Y],
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: vec![[0, 1, 2]],
         material: std::sync::Arc::new(Material {
             name: String::new(),

@@ -33,7 +33,8 @@ pub(super) const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 ///
 /// Positions are rounded to f32; normals are made unit length, colours and
 /// factors are held to 0..1, as glTF asks. A surface without triangles gets a
-/// node without mesh. The same plant gives the same bytes.
+/// node without mesh. The same plant gives the same bytes. What a plant hangs on is in
+/// [`Plant::holds`]; that of its surfaces is not written.
 ///
 /// # Panics
 /// If a surface is broken: a corner that names no position, a list of normals,

@@ -1,5 +1,7 @@
 //! Textured triangles as a GLB.
 
+use std::borrow::Cow;
+
 use serde_json::json;
 
 use super::plant::{Columns, PlantFile};
@@ -10,8 +12,8 @@ use secateur_model::{Material, Surface};
 /// surface, foliage ("Leaves") and wood ("Branches"), a mesh and a material each. Textures are
 /// embedded as PNG.
 ///
-/// Numbers are written as [`plant_to_glb`](crate::plant_to_glb) writes them. Surfaces without
-/// triangles are left out. The same surfaces give the same bytes.
+/// Numbers, and what vertices hang on, are written as [`plant_to_glb`](crate::plant_to_glb) writes
+/// them. Surfaces without triangles are left out. The same surfaces give the same bytes.
 ///
 /// # Panics
 /// As [`plant_to_glb`](crate::plant_to_glb).
@@ -25,7 +27,9 @@ pub fn surfaces_to_glb(name: &str, surfaces: &[(Surface, bool)]) -> Vec<u8> {
         }
         let node = if *is_foliage { "Leaves" } else { "Branches" };
         let material = &surface.material;
-        children.push(file.push_node(node, Columns::borrowed(surface), material, None));
+        let holds = &surface.holds;
+        let holds = (!holds.is_empty()).then_some(Cow::Borrowed(&holds[..]));
+        children.push(file.push_node(node, Columns::borrowed(surface), material, holds));
         push_finish(&mut file, material);
         is_unlit |= material.finish.is_unlit;
     }

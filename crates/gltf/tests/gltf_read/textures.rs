@@ -208,7 +208,7 @@ fn surfaces_carry_texture_and_colour() {
 
 /// The material of the squares, with all its detail.
 fn detailed(tree: &SmallTree) -> Material {
-    let surfaces = tree.tree().surfaces_with(Detail::NormalMaps).unwrap();
+    let surfaces = tree.tree().surfaces_with(Detail::Full).unwrap();
     Material::clone(&surfaces[0].0.material)
 }
 
@@ -248,7 +248,7 @@ fn normal_maps_are_read_when_asked_for_and_placed_as_the_colour() {
     assert_eq!(detailed(&elsewhere).finish.normal_map, None);
     // Without a colour texture, the normals'.
     let alone = tree.without("/materials/0/pbrMetallicRoughness/baseColorTexture");
-    let surfaces = alone.tree().surfaces_with(Detail::NormalMaps).unwrap();
+    let surfaces = alone.tree().surfaces_with(Detail::Full).unwrap();
     assert!(surfaces[0].0.material.finish.normal_map.is_some());
     assert_eq!(surfaces[0].0.uvs.len(), 8);
     // What is broken and only looks is left out.

@@ -255,6 +255,7 @@ mod tests {
                 .map(|at| Vec2::splat(low) + Vec2::from_array(at.map(|c| c as f32)) * (high - low))
                 .into(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             material: Arc::new(Material {
                 name: String::new(),

@@ -46,6 +46,7 @@ impl Quads {
             normals: self.normals,
             uvs: self.uvs,
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: self.triangles,
             material: Arc::new(material),
         }

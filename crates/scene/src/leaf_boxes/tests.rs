@@ -197,6 +197,7 @@ fn a_picture_shows_what_is_in_the_box() {
         normals: vec![plane.toward.as_vec3(); 4],
         uvs: Vec::new(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material: Arc::new(material),
     };

@@ -101,9 +101,9 @@ pub(super) fn pack(
         surfaces.push(PackedLeaves {
             surface: pack_arrays(&arrays(of, parts), true, material, bytes),
             leaves: parts.len(),
-            leaf_places: push_words(bytes, &places),
-            leaf_vertices: push_words(bytes, &vertices),
-            leaf_triangles: push_words(bytes, &triangles),
+            leaf_places: push_words(bytes, &places, 1),
+            leaf_vertices: push_words(bytes, &vertices, 1),
+            leaf_triangles: push_words(bytes, &triangles, 1),
         });
     }
     let counts = buffers.first_size().windows(2).map(|w| w[1] - w[0]);
@@ -112,14 +112,14 @@ pub(super) fn pack(
         buffers.sizes().iter().map(|size| size.step).collect(),
         buffers.sizes().iter().map(|size| size.scale_bits).collect(),
     ]
-    .map(|words: Vec<u32>| push_words(bytes, &words));
+    .map(|words: Vec<u32>| push_words(bytes, &words, 1));
     Ok(Some(PackedOrder {
         steps: order.len(),
         places: buffers.leaves().len(),
         surfaces,
-        centres: push_words(bytes, &centres),
-        size_counts: push_words(bytes, &size_counts),
-        gone_after: push_words(bytes, buffers.gone_after()),
+        centres: push_words(bytes, &centres, 1),
+        size_counts: push_words(bytes, &size_counts, 1),
+        gone_after: push_words(bytes, buffers.gone_after(), 1),
         sizes: buffers.sizes().len(),
         size_steps: steps,
         size_bits: bits,
@@ -154,6 +154,8 @@ fn arrays(of: &LeafSurface, parts: &[(u32, Part)]) -> Arrays {
         uvs: of_every(of.surface.uvs.len()).then(|| vertices().map(|v| v.uv).collect()),
         colors: of_every(of.surface.colors.len())
             .then(|| vertices().flat_map(|v| v.color).collect()),
+        holds: (of_every(of.surface.holds.len()) && !of.surface.holds.is_empty())
+            .then(|| vertices().map(|v| v.hold).collect()),
         triangles,
     }
 }

@@ -7,8 +7,10 @@
 //! the vertex (or corner) before, which compress well.
 
 use glam::{DVec3, Vec2, Vec3};
-use secateur_model::Surface;
+use secateur_model::{Hold, Surface};
 use serde::Serialize;
+
+use crate::wind::{HOLD_WORDS, hold_words};
 
 /// Components of a position, the last one idle: vertices then lie on words.
 const POSITION_STRIDE: usize = 4;
@@ -29,6 +31,8 @@ pub(super) struct Packed {
     normals: Option<usize>,
     uvs: Option<usize>,
     colors: Option<usize>,
+    /// By vertex the words of what it hangs on.
+    holds: Option<usize>,
 }
 
 /// What a surface's vertices have: all lists of every vertex, integers as they are stored.
@@ -39,6 +43,7 @@ pub(super) struct Arrays {
     pub(super) uvs: Option<Vec<Vec2>>,
     /// Four a vertex.
     pub(super) colors: Option<Vec<u16>>,
+    pub(super) holds: Option<Vec<Hold>>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
@@ -62,6 +67,8 @@ pub(super) fn pack(
             let parts = colors.flatten().map(|x| unorm16(f64::from(x)));
             parts.collect()
         }),
+        holds: (of_every_vertex(surface.holds.len()) && !surface.holds.is_empty())
+            .then(|| surface.holds.clone()),
         triangles: surface.triangles.clone(),
     };
     pack_arrays(&arrays, is_foliage, material, bytes)
@@ -95,10 +102,14 @@ pub(super) fn pack_arrays(
         origin: low.to_array(),
         step: step.to_array(),
         positions: push_differences(bytes, &positions, POSITION_STRIDE),
-        indices: push_words(bytes, arrays.triangles.as_flattened()),
+        indices: push_words(bytes, arrays.triangles.as_flattened(), 1),
         normals: normals.map(|n| push_differences(bytes, n, 2)),
         uvs: arrays.uvs.as_ref().map(|uvs| push_floats(bytes, uvs)),
         colors: colors.map(|c| push_differences(bytes, c, 4)),
+        holds: arrays.holds.as_ref().map(|holds| {
+            let words: Vec<u32> = holds.iter().flat_map(hold_words).collect();
+            push_words(bytes, &words, HOLD_WORDS)
+        }),
     }
 }
 
@@ -143,13 +154,12 @@ fn push_differences(bytes: &mut Vec<u8>, values: &[u16], stride: usize) -> usize
     offset
 }
 
-/// Appends each word, such as a corner, less the one before it.
-pub(super) fn push_words(bytes: &mut Vec<u8>, words: &[u32]) -> usize {
+/// Appends each word, such as a corner, less the one a stride before it.
+pub(super) fn push_words(bytes: &mut Vec<u8>, words: &[u32], stride: usize) -> usize {
     let offset = align(bytes);
-    let mut before = 0;
-    for &word in words {
+    for (k, &word) in words.iter().enumerate() {
+        let before = k.checked_sub(stride).map_or(0, |b| words[b]);
         bytes.extend(word.wrapping_sub(before).to_le_bytes());
-        before = word;
     }
     offset
 }
@@ -205,6 +215,7 @@ mod tests {
             normals: Vec::new(),
             uvs: vec![Vec2::new(0.5, 20.0), Vec2::ONE],
             colors: vec![Vec4::ONE, Vec4::new(0.0, 1.0, 2.0, 1.0)],
+            holds: Vec::new(),
             triangles: vec![[1, 0, 1]],
             material: Arc::new(Material {
                 name: String::new(),

@@ -21,7 +21,7 @@ pub use page::page;
 
 // What a page of a stream draws in the same way.
 pub(crate) use geometry::{bounds, octahedral};
-pub(crate) use page::{escaped, filled, look};
+pub(crate) use page::{escaped, filled, look, vertex_shader};
 pub(crate) use textures::Textures;
 
 /// Levels of a tree to look at.

@@ -20,10 +20,11 @@ use super::{Facts, Preview, PreviewError};
 const TEMPLATE: &str = include_str!("page/page.html");
 
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("page/matrices.js"),
     include_str!("page/unpack.js"),
     include_str!("page/continuous.js"),
+    include_str!("page/wind.js"),
     include_str!("page/renderer.js"),
     include_str!("page/orbit.js"),
     include_str!("page/levels.js"),
@@ -122,7 +123,7 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
     Ok(filled(TEMPLATE, |mark| match mark {
         "title" => escaped(preview.title),
         "style" => include_str!("page/page.css").to_owned(),
-        "vertex shader" => include_str!("page/tree.vert").to_owned(),
+        "vertex shader" => vertex_shader(),
         "fragment shader" => include_str!("page/tree.frag").to_owned(),
         // Within a script element only this sign could end it.
         "scene" => scene.replace('<', "\\u003c"),
@@ -183,6 +184,14 @@ pub(crate) fn filled(template: &str, part: impl Fn(&str) -> String) -> String {
     html
 }
 
+/// The vertex shader, which sways by the functions that are handed out for that.
+pub(crate) fn vertex_shader() -> String {
+    filled(include_str!("page/tree.vert"), |mark| match mark {
+        "wind" => secateur_shaders::WIND_GLSL.to_owned(),
+        _ => unreachable!("the shader has no other mark than this: {mark}"),
+    })
+}
+
 /// In zlib's format, which browsers call `deflate`.
 fn deflated(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
@@ -216,6 +225,7 @@ mod tests {
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
+            holds: Vec::new(),
             triangles: vec![[0, 1, 2]],
             material: Arc::new(Material {
                 name: String::new(),

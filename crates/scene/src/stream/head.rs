@@ -88,6 +88,7 @@ pub(super) struct SurfaceHead {
     pub(super) normals: bool,
     pub(super) uvs: bool,
     pub(super) colors: bool,
+    pub(super) holds: bool,
 }
 
 impl Picture {

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! "secateur stream" 0                16 bytes, then all little-endian:
-//! version:u32 = 1
+//! version:u32 = 2
 //! tag:16 bytes                       of the leaves and their order: no other stream has it
 //! pieces, one after another
 //!
@@ -30,6 +30,10 @@
 //!           vertices x normal:2i16   where the surface has normals: on an unfolded octahedron
 //!           vertices x uv:2f32       where it has texture coordinates
 //!           vertices x colour:4u16   where it has colours
+//!           vertices x hold:3f32,f32,u32
+//!                                    where it says what it hangs on: the pivot, how far that is
+//!                                    along the wood, and the number of the piece of wood, 0 for
+//!                                    none; all of a leaf or piece that is scaled sways by these
 //!           triangles x 3 corner:u32 vertices of their part, from 0
 //! ```
 //!
@@ -37,8 +41,8 @@
 //! for them; those up to `leaf_names` of the head are original ones. Surfaces hold their parts in the
 //! order of names. A position is drawn at centre + scale * (position - centre), and at itself where the
 //! scale is 1: so the last piece ends in the original's positions as f32, bit for bit. Normals have 16
-//! bits a coordinate, colours 16 bits, and pictures at most 2,048 texels a side; other attributes, skins
-//! and animations are not sent.
+//! bits a coordinate, colours 16 bits, and pictures at most 2,048 texels a side. Other attributes are not
+//! sent, nor skins, morph targets and animations: the plant is sent as it stands.
 
 mod bytes;
 mod head;
@@ -57,7 +61,7 @@ pub use read::{StreamReader, StreamedPlant, read_stream};
 pub use write::{Piece, Stream, stream_of_bodies, write_stream};
 
 const MAGIC: &[u8; 16] = b"secateur stream\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// What comes before the first piece, and before a piece's body.
 const START_BYTES: usize = 16 + 4 + 16;
 const PIECE_HEAD_BYTES: usize = 16;
@@ -72,7 +76,7 @@ pub enum StreamError {
     #[error("this is no stream of a plant: it does not start with \"secateur stream\"")]
     NoStream,
     /// Another version of the form.
-    #[error("the stream is of version {0}; this program reads version 1")]
+    #[error("the stream is of version {0}; this program reads version 2")]
     Version(u32),
     /// It ends before there is a plant.
     #[error(

@@ -4,15 +4,16 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::Stream;
-use crate::preview::{escaped, filled};
+use crate::preview::{escaped, filled, vertex_shader};
 
 const TEMPLATE: &str = include_str!("page/page.html");
 
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("../preview/page/matrices.js"),
     include_str!("../preview/page/unpack.js"),
     include_str!("../preview/page/continuous.js"),
+    include_str!("../preview/page/wind.js"),
     include_str!("../preview/page/renderer.js"),
     include_str!("../preview/page/orbit.js"),
     include_str!("../preview/page/levels.js"),
@@ -28,7 +29,7 @@ pub fn stream_page(title: &str, stream: &Stream, beside: Option<&str>) -> String
     filled(TEMPLATE, |mark| match mark {
         "title" => escaped(title),
         "style" => include_str!("../preview/page/page.css").to_owned(),
-        "vertex shader" => include_str!("../preview/page/tree.vert").to_owned(),
+        "vertex shader" => vertex_shader(),
         "fragment shader" => include_str!("../preview/page/tree.frag").to_owned(),
         "facts" => facts(stream, beside),
         "stream" => STANDARD.encode(&stream.bytes),

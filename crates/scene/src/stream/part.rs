@@ -2,9 +2,10 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use secateur_gltf::LeafSurface;
-use secateur_model::{Foliage, LeafId, NewCorner, NewLeaf, Place, Surface};
+use secateur_model::{Foliage, Hold, LeafId, NewCorner, NewLeaf, Place, Surface};
 
 use crate::preview::octahedral;
+use crate::wind::NOTHING;
 
 /// A vertex as it is sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +14,7 @@ pub(crate) struct Vertex {
     pub(crate) normal: [u16; 2],
     pub(crate) uv: Vec2,
     pub(crate) color: [u16; 4],
+    pub(crate) hold: Hold,
 }
 
 /// A part of a plant at its own size.
@@ -25,7 +27,8 @@ pub(crate) struct Part {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// A vertex of a surface; white and upward where it has no colours or normals.
+/// A vertex of a surface; white, upward and hanging on nothing where it has no colours, normals or
+/// holds.
 pub(super) fn vertex_of(surface: &Surface, index: u32) -> Vertex {
     let index = index as usize;
     let color = surface.colors.get(index).copied().unwrap_or(Vec4::ONE);
@@ -35,6 +38,7 @@ pub(super) fn vertex_of(surface: &Surface, index: u32) -> Vertex {
         normal: octahedral(surface.normals.get(index).copied().unwrap_or(Vec3::Y)),
         uv: surface.uvs.get(index).copied().unwrap_or_default(),
         color: color.to_array().map(unorm),
+        hold: surface.holds.get(index).copied().unwrap_or(NOTHING),
     }
 }
 

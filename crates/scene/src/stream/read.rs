@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
-use secateur_model::{Material, Surface};
+use secateur_model::{Hold, Material, Surface};
 
 use super::bytes::{Numbers, unpacked};
 use super::head::{Head, SurfaceHead};
 use super::part::{Part, Vertex};
 use super::{MAGIC, PIECE_HEAD_BYTES, START_BYTES, StreamError, VERSION};
+use crate::wind::{HOLD_WORDS, NOTHING, hold_of};
 
 /// Reads a stream as it arrives.
 ///
@@ -323,6 +324,7 @@ fn empty(material: &Arc<Material>) -> Surface {
         normals: Vec::new(),
         uvs: Vec::new(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: Vec::new(),
         material: Arc::clone(material),
     }
@@ -350,6 +352,9 @@ fn append(surface: &mut Surface, head: &SurfaceHead, part: &Part, scale: f32) {
             .map(|v| Vec4::from_array(v.color.map(share)));
         surface.colors.extend(colors);
     }
+    if head.holds {
+        surface.holds.extend(vertices.iter().map(|v| v.hold));
+    }
     let triangles = part
         .triangles
         .iter()
@@ -363,6 +368,13 @@ fn unfolded(folded: [u16; 2]) -> Vec3 {
     let z = 1.0 - u.abs() - v.abs();
     let below = (-z).max(0.0);
     Vec3::new(u - below.copysign(u), v - below.copysign(v), z).normalize_or(Vec3::Y)
+}
+
+/// What the next vertices hang on.
+fn holds(numbers: &mut Numbers<'_>, vertices: usize) -> Option<Vec<Hold>> {
+    let words = numbers.words(vertices.checked_mul(HOLD_WORDS)?)?;
+    let (words, _) = words.as_chunks::<HOLD_WORDS>();
+    words.iter().map(|words| hold_of(*words)).collect()
 }
 
 /// The parts that a body has for a surface.
@@ -393,6 +405,10 @@ fn parts(
         true => Some(numbers.shorts(vertices * 4).ok_or(ENDS)?),
         false => None,
     };
+    let holds = match of.holds {
+        true => Some(holds(numbers, vertices).ok_or(ENDS)?),
+        false => None,
+    };
     let corners = numbers.words(three(triangles)?).ok_or(ENDS)?;
     let sum = |counts: &[u32]| counts.iter().map(|n| u64::from(*n)).sum::<u64>();
     if sum(&vertices_of) != vertices as u64 || sum(&triangles_of) != triangles as u64 {
@@ -409,6 +425,7 @@ fn parts(
         color: colors.as_ref().map_or([u16::MAX; 4], |c| {
             [0, 1, 2, 3].map(|channel| c[4 * k + channel])
         }),
+        hold: holds.as_ref().map_or(NOTHING, |holds| holds[k]),
     };
     let (corners, _) = corners.as_chunks::<3>();
     let (mut first_vertex, mut first_triangle) = (0, 0);

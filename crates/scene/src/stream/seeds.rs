@@ -30,7 +30,7 @@ fn tree() -> (Tree, Vec<LeafSurface>) {
     let tree = document
         .into_tree(&["mesh:Leaves".parse().unwrap()])
         .unwrap();
-    let surfaces = tree.leaf_surfaces(Detail::NormalMaps).unwrap();
+    let surfaces = tree.leaf_surfaces(Detail::Full).unwrap();
     (tree, surfaces)
 }
 

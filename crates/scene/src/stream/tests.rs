@@ -10,7 +10,7 @@ pub(super) fn tree(species: Species, leaves: u32) -> (Tree, Vec<LeafSurface>) {
     let plant = grow(species, &GrowOptions { leaves, seed: 5 }).unwrap();
     let document = Document::from_bytes("tree.glb", plant_to_glb(&plant), None).unwrap();
     let tree = document.into_tree(&[]).unwrap();
-    let surfaces = tree.leaf_surfaces(Detail::NormalMaps).unwrap();
+    let surfaces = tree.leaf_surfaces(Detail::Full).unwrap();
     (tree, surfaces)
 }
 
@@ -43,6 +43,7 @@ fn soup(surfaces: &[(Surface, bool)]) -> Vec<Vec<u32>> {
                 let position = surface.positions[corner].as_vec3();
                 corners.extend(position.to_array().map(f32::to_bits));
                 corners.extend(surface.uvs[corner].to_array().map(f32::to_bits));
+                corners.extend(crate::wind::hold_words(&surface.holds[corner]));
             }
             soup.push(corners);
         }
@@ -53,7 +54,7 @@ fn soup(surfaces: &[(Surface, bool)]) -> Vec<Vec<u32>> {
 
 fn drawn(glb: Vec<u8>) -> Vec<(Surface, bool)> {
     let document = Document::from_bytes("level.glb", glb, None).unwrap();
-    document.surfaces_with(Detail::NormalMaps, &[]).unwrap()
+    document.surfaces_with(Detail::Full, &[]).unwrap()
 }
 
 #[test]
@@ -70,7 +71,7 @@ fn the_whole_stream_is_the_original_bit_for_bit() {
         assert_eq!(used, stream.bytes.len() as u64);
         assert!(plant.is_whole());
         assert_eq!(plant.leaves(), [120, 120]);
-        let original = tree.surfaces_with(Detail::NormalMaps).unwrap();
+        let original = tree.surfaces_with(Detail::Full).unwrap();
         assert_eq!(soup(&plant.surfaces()), soup(&original));
         let last = stream.pieces.last().unwrap();
         assert_eq!(last.triangles, tree.triangle_count());
@@ -242,7 +243,7 @@ fn streams_that_are_none_are_refused_with_a_sentence() {
     );
     assert_eq!(
         why(&with(16, 9)),
-        "the stream is of version 9; this program reads version 1"
+        "the stream is of version 9; this program reads version 2"
     );
     assert_eq!(
         why(&stream.bytes[..99]),

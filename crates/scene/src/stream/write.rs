@@ -13,6 +13,7 @@ use super::part::{Leaves, Part};
 use super::wood::{self, Wood};
 use super::{MAGIC, VERSION, WriteStreamError};
 use crate::preview::{PreviewError, Textures, bounds, look};
+use crate::wind::hold_words;
 
 /// By how much the leaves of a piece's level are more than those of the one before.
 const GROWTH: f64 = 1.15;
@@ -244,6 +245,7 @@ fn head(
             normals: of_every(surface.normals.len()),
             uvs: of_every(surface.uvs.len()),
             colors: of_every(surface.colors.len()),
+            holds: of_every(surface.holds.len()),
         });
     }
     let points = || surfaces.iter().flat_map(|s| &s.surface.positions);
@@ -361,6 +363,9 @@ fn push_parts(body: &mut Vec<u8>, parts: &[(u32, f32, Part)], of: &LeafSurface) 
     }
     if of_every(surface.colors.len()) {
         push_shorts(body, vertices().flat_map(|v| v.color));
+    }
+    if of_every(surface.holds.len()) {
+        push_words(body, vertices().flat_map(|v| hold_words(&v.hold)));
     }
     push_words(body, triangles().flatten().copied());
 }

@@ -15,6 +15,7 @@ mod log;
 mod machine;
 mod measure;
 mod names;
+mod not_sent;
 mod order;
 mod output;
 mod picture;

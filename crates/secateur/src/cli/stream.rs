@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 
 use super::args::{self, Common};
 use super::failure::Failure;
+use super::not_sent::not_sent;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::simplify::{sentences, share, timed, warn_all};
@@ -55,10 +56,18 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
     })?;
     output::check_spares(tree.document(), &outputs)?;
     warn_all(&tree.inspection().warnings);
+    let not_sent = not_sent(tree.document().json());
+    if !not_sent.is_empty() {
+        let names = not_sent.join(", ");
+        tracing::warn!(
+            "{}: the plant is sent as it stands, without: {names}",
+            args.input.display()
+        );
+    }
     interrupt::check()?;
     let model = timed(&mut stages, "order", || model(args, common, &tree))?;
     let surfaces = timed(&mut stages, "surfaces", || {
-        let surfaces = tree.leaf_surfaces(Detail::NormalMaps);
+        let surfaces = tree.leaf_surfaces(Detail::Full);
         surfaces.map_err(Failure::from)
     })?;
     interrupt::writing()?;
@@ -84,6 +93,7 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
         "leaves": { "original": model.most_leaves(), "first": stream.pieces[0].leaves },
         "triangles": { "original": tree.triangle_count(), "first": stream.pieces[0].triangles },
         "pieces": pieces,
+        "not_sent": not_sent,
         "order_sha256": model.order().sha256(),
         "seconds": record::seconds(&stages, start.elapsed().as_secs_f64()),
         "peak_rss_bytes": machine::peak_rss_bytes(),

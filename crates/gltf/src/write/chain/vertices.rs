@@ -11,6 +11,7 @@ use super::super::references::{as_index, items};
 use crate::accessor::{Component, Shape, is_index};
 use crate::error::Fault;
 use crate::primitive::Topology;
+use crate::wind;
 
 /// What a transform means for an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,6 +29,8 @@ enum Kind {
     Tangent,
     /// Changes of the tangents of this accessor, if there are any.
     TangentChange(Option<usize>),
+    /// A number of metres, which get as long as the space gets.
+    Length,
 }
 
 /// Moves primitives into the space of the scene. An accessor that several of
@@ -106,6 +109,7 @@ impl Baker {
             &transform,
             [Kind::Point, Kind::Normal, Kind::Tangent],
         )?;
+        self.move_holds(draft, &mut primitive["attributes"], &transform)?;
         for target in items(primitive, "targets") {
             let kinds = [
                 Kind::Displacement,
@@ -132,6 +136,23 @@ impl Baker {
         Ok(())
     }
 
+    /// What vertices hang on, where they say it as `wind.rs` has it, goes with them.
+    fn move_holds(
+        &mut self,
+        draft: &mut Draft,
+        attributes: &mut Value,
+        transform: &Transform,
+    ) -> Result<(), Fault> {
+        let index = |name: &str| attributes.get(name).and_then(as_index);
+        let found = [wind::PIVOT, wind::ALONG, wind::SEGMENT].map(index);
+        let [Some(pivot), Some(along), Some(_)] = found else {
+            return Ok(());
+        };
+        attributes[wind::PIVOT] = self.moved(draft, pivot, transform, Kind::Point)?.into();
+        attributes[wind::ALONG] = self.moved(draft, along, transform, Kind::Length)?.into();
+        Ok(())
+    }
+
     fn moved(
         &mut self,
         draft: &mut Draft,
@@ -148,9 +169,13 @@ impl Baker {
             kind,
             Kind::Displacement | Kind::NormalChange(_) | Kind::TangentChange(_)
         );
-        let components = elements.accessor.shape.components();
-        let is_expected = elements.accessor.shape == Shape::Vector(components)
-            && components == if kind == Kind::Tangent { 4 } else { 3 };
+        let shape = elements.accessor.shape;
+        let expected = match kind {
+            Kind::Length => Shape::Scalar,
+            Kind::Tangent => Shape::Vector(4),
+            _ => Shape::Vector(3),
+        };
+        let is_expected = shape == expected;
         if !is_expected || is_change && is_all_zero(&elements) {
             return Ok(accessor);
         }
@@ -161,6 +186,10 @@ impl Baker {
                 let [x, y, z] = unit_or_as_is(along).to_array();
                 [x, y, z, w * transform.side()]
             })),
+            Kind::Length => {
+                let factor = transform.linear.determinant().abs().cbrt();
+                bytes_of(elements.vectors::<1>().map(|[metres]| [metres * factor]))
+            }
             _ => {
                 let vectors = elements.vectors::<3>().map(DVec3::from_array);
                 let shrinks = shrinks(draft, transform, kind, count)?;
@@ -182,7 +211,7 @@ impl Baker {
         let had_bounds = fields.get("min").is_some() || fields.get("max").is_some();
         let new = NewElements {
             component: Component::F32,
-            shape: Shape::Vector(components),
+            shape,
             normalized: false,
             count,
             bytes: Some(floats),

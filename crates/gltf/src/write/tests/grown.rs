@@ -29,6 +29,7 @@ fn surface(squares: usize, material: Arc<Material>) -> Surface {
         normals: vec![Vec3::new(0.0, 0.0, 0.5); positions.len()],
         uvs: [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].repeat(squares),
         colors: vec![Vec4::new(0.1, 0.2, 1.2, 1.0); positions.len()],
+        holds: Vec::new(),
         triangles: indices.chunks(3).map(|t| [t[0], t[1], t[2]]).collect(),
         positions,
         material,

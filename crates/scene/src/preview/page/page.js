@@ -22,6 +22,9 @@ const state = {
   show: { leaves: true, wood: true, wire: false },
   isTrueSize: false,
   isSpinning: false,
+  // The wind, and for how long it has blown.
+  isWindy: false,
+  windSeconds: 0,
   isWalking: false,
   // Of the walk: away from the tree, or back.
   isGoingAway: true,
@@ -67,20 +70,22 @@ const fit = () => {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
 };
 
-const picture = (level, camera, box, show) => {
-  renderer.draw(level, camera, { ...box, y: canvas.height - box.y - box.height }, show);
+const picture = (level, camera, box, show, windSeconds = null) => {
+  const wind = windSeconds === null ? null : breeze(chain.size[1], windSeconds);
+  renderer.draw(level, camera, { ...box, y: canvas.height - box.y - box.height }, show, wind);
 };
 
 const draw = () => {
   fit();
   const plain = { ...state.show, wire: false };
   const high = chain.pixelsHigh(state.distance);
+  const wind = state.isWindy ? state.windSeconds : null;
   boxes().forEach(({ large, small }, k) => {
     const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps };
     const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
     const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
-    picture(level, camera, large, state.show);
-    if (small) picture(level, trueSize(small), small, plain);
+    picture(level, camera, large, state.show, wind);
+    if (small) picture(level, trueSize(small), small, plain, wind);
     const half = k === 0 ? "original" : "level";
     lay($(`half-${half}`), large);
     lay($(`inset-${half}`), small ?? large);
@@ -106,13 +111,14 @@ const frame = (now) => {
     $("fps").textContent = `${rate < 10 ? rate.toFixed(1) : Math.round(rate)} fps`;
     Object.assign(pace, { since: now, frames: 0 });
   }
-  pace.isSteady = state.isSpinning || state.isWalking;
+  pace.isSteady = state.isSpinning || state.isWalking || state.isWindy;
   const step = Math.min(now - pace.last, 100);
   pace.last = now;
   if (state.isSpinning) orbit.turn(0.0006 * step, 0);
   if (state.isWalking) walk(step);
+  if (state.isWindy) state.windSeconds += step / 1000;
   draw();
-  if (state.isSpinning || state.isWalking) ask();
+  if (pace.isSteady) ask();
 };
 
 const say = () => {
@@ -150,6 +156,7 @@ const say = () => {
     wire: state.show.wire,
     "true-size": state.isTrueSize,
     spin: state.isSpinning,
+    wind: state.isWindy,
     walk: state.isWalking,
   };
   for (const [id, is] of Object.entries(pressed)) $(id).setAttribute("aria-pressed", is);
@@ -204,6 +211,8 @@ const choose = (level) => {
   state.isWalking = false;
   say();
 };
+// What moves a slider.
+const SLIDER_KEYS = new Set(["Home", "End", "PageUp", "PageDown", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]);
 // A walk takes as long for each doubling of the distance: what is seen shrinks evenly.
 const WALK_MS = 12000;
 const walk = (step) => {
@@ -230,10 +239,13 @@ const actions = {
   wire: flip(state.show, "wire"),
   "true-size": flip(state, "isTrueSize"),
   spin: flip(state, "isSpinning"),
+  wind: () => {
+    if (renderer?.canSway) flip(state, "isWindy")();
+  },
   walk: flip(state, "isWalking"),
   reset: () => orbit.reset(),
 };
-const keys = { a: "auto", l: "leaves", w: "wood", f: "wire", t: "true-size", s: "spin", r: "reset", g: "walk" };
+const keys = { a: "auto", l: "leaves", w: "wood", f: "wire", t: "true-size", s: "spin", b: "wind", r: "reset", g: "walk" };
 
 const fillTable = () => {
   const isKnown = (key) => chain.facts.some((f) => f[key] !== null);
@@ -288,6 +300,16 @@ const listen = () => {
   });
   $("level").addEventListener("input", (e) => choose(Number(e.target.value)));
   $("steps").addEventListener("input", (e) => goToSteps(Number(e.target.value)));
+  // Of the two sliders the one that does not choose what is shown stands where it would have to: asked to go
+  // there it makes no input, though it is to choose from then on.
+  const takeOver = (id, chooses, act) => {
+    const look = (e) => {
+      if (!chooses() && (e.type === "click" || SLIDER_KEYS.has(e.key))) act(Number(e.target.value));
+    };
+    for (const end of ["keyup", "click"]) $(id).addEventListener(end, look);
+  };
+  takeOver("level", () => state.steps === null, choose);
+  takeOver("steps", () => state.steps !== null, goToSteps);
   for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
   addEventListener("keydown", (e) => {
     if (e.ctrlKey || e.metaKey || e.altKey) return;
@@ -312,10 +334,11 @@ const tell = (text) => {
 
 // A picture of one level alone, as PNG, or of the removal order after some steps with that level's
 // wood: for who compares renderers. The camera is { eye, target, tangent (of half the field of view),
-// near, far }.
-const pictureOf = (level, camera, width, height, steps = null) => {
+// near, far }; the wind has blown for some seconds, or blows not at all.
+const pictureOf = (level, camera, width, height, steps = null, windSeconds = null) => {
   Object.assign(canvas, { width, height });
-  picture({ level, steps }, camera, { x: 0, y: 0, width, height }, { leaves: true, wood: true, wire: false });
+  const show = { leaves: true, wood: true, wire: false };
+  picture({ level, steps }, camera, { x: 0, y: 0, width, height }, show, windSeconds);
   const url = canvas.toDataURL("image/png");
   draw();
   return url;
@@ -334,6 +357,7 @@ const start = async () => {
     await made.load(scene, bytesOf("geometry"), bytesOf("pictures"));
     renderer = made;
     $("any-number").hidden = !renderer.order;
+    $("wind").hidden = !renderer.canSway;
     if (renderer.order) $("steps").max = renderer.order.steps;
     sayLeaves();
     draw();

@@ -29,6 +29,8 @@ class Renderer {
     }
     // A removal order, where there is one. Its textures must be there in any case.
     this.order = null;
+    // What wind.js makes, or null where none blows.
+    this.wind = null;
     this.orderTextures = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
   }
 
@@ -127,6 +129,7 @@ class Renderer {
       gl.enableVertexAttribArray(4);
       gl.vertexAttribIPointer(4, 1, gl.UNSIGNED_INT, 0, 0);
     }
+    if (arrays.holds) bindHolds(gl, arrays.holds);
     const triangles = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, arrays.indices, gl.STATIC_DRAW);
@@ -149,10 +152,16 @@ class Renderer {
     return mesh.buffers.lines;
   }
 
+  // Whether anything says what it hangs on.
+  get canSway() {
+    return this.levels.flat().some((mesh) => mesh.holds !== null);
+  }
+
   // Draws one level, { level, steps } as meshes() has it, into a box of the canvas, in its pixels from
-  // the lower left.
-  draw(level, camera, box, show) {
+  // the lower left, in a wind where one is given.
+  draw(level, camera, box, show, wind = null) {
     const { gl, at } = this;
+    this.wind = wind;
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(box.x, box.y, box.width, box.height);
     gl.viewport(box.x, box.y, box.width, box.height);
@@ -169,6 +178,12 @@ class Renderer {
     gl.uniform3fv(at.u_sun, LIGHT.sun);
     gl.uniform3fv(at.u_sky, LIGHT.sky);
     gl.uniform3fv(at.u_ground, LIGHT.ground);
+    if (wind !== null) {
+      gl.uniform2iv(at.u_wind_toward, wind.toward);
+      gl.uniform2fv(at.u_wind_axis, wind.axis);
+      gl.uniform1ui(at.u_wind_turns, wind.turns);
+      gl.uniform1f(at.u_wind_bend, wind.bend);
+    }
     gl.uniform1i(at.u_texture, 0);
     gl.uniform1i(at.u_normal_map, 1);
     [at.u_leaves, at.u_sizes].forEach((sampler, k) => {
@@ -199,8 +214,12 @@ class Renderer {
     gl.uniform3fv(at.u_step, mesh.step);
     gl.uniform1i(at.u_has_sizes, mesh.steps !== undefined);
     gl.uniform1ui(at.u_steps, mesh.steps ?? 0);
-    // What vertices of no removal order have.
-    gl.vertexAttribI4ui(4, 0, 0, 0, 0);
+    const sways = this.wind !== null && mesh.holds !== null;
+    gl.uniform1i(at.u_sways, sways);
+    // Wood does not turn about itself.
+    gl.uniform1f(at.u_wind_flutter, sways && mesh.is_foliage ? this.wind.flutter : 0);
+    // What vertices of no removal order have, and those that hang on nothing.
+    for (const location of [4, 7]) gl.vertexAttribI4ui(location, 0, 0, 0, 0);
     // What vertices without colours have.
     gl.vertexAttrib4f(3, 1, 1, 1, 1);
   }

@@ -5,6 +5,10 @@ layout(location = 1) in vec2 a_octahedral;
 layout(location = 2) in vec2 a_uv;
 layout(location = 3) in vec4 a_color;
 layout(location = 4) in uint a_leaf;
+// What it hangs on.
+layout(location = 5) in vec3 a_pivot;
+layout(location = 6) in float a_along;
+layout(location = 7) in uint a_segment;
 
 uniform mat4 u_clip_from_world;
 uniform vec3 u_origin;
@@ -12,6 +16,8 @@ uniform vec3 u_step;
 // Whether leaves have the sizes of a level of a removal order, and its steps.
 uniform bool u_has_sizes;
 uniform uint u_steps;
+// Whether the wind blows, and vertices say what they hang on.
+uniform bool u_sways;
 // Two texels a leaf: where its sizes begin and end, its centre.
 uniform highp usampler2D u_leaves;
 // From which step on, and the bits of the linear scale.
@@ -48,6 +54,7 @@ float scale_of(uint leaf) {
   return uintBitsToFloat(texelFetch(u_sizes, texel(low - 1u), 0).y);
 }
 
+%%wind%%
 void main() {
   v_world = u_origin + u_step * a_steps;
   if (u_has_sizes) {
@@ -55,6 +62,11 @@ void main() {
     v_world = centre + (v_world - centre) * scale_of(a_leaf);
   }
   v_normal = unfolded(a_octahedral);
+  if (u_sways) {
+    v_world = swayed(v_world, a_pivot, a_along, a_segment);
+    // A normal turns as an arm does.
+    v_normal = swayed(a_pivot + v_normal, a_pivot, 0.0, a_segment) - a_pivot;
+  }
   v_uv = a_uv;
   v_color = a_color;
   gl_Position = u_clip_from_world * vec4(v_world, 1.0);

@@ -18,21 +18,30 @@ const state = {
   isReceiving: true,
   source: "",
   show: { leaves: true, wood: true, wire: false },
+  // The wind, and for how long it has blown.
+  isWindy: false,
+  windSeconds: 0,
 };
 let reader = new PlantReader();
 let renderer = null;
 let chain = null;
 let isAsked = false;
 
-const draw = () => {
+let drawnAt = 0;
+const draw = (now) => {
   isAsked = false;
+  const step = Math.min(now - drawnAt, 100);
+  drawnAt = now;
   if (!renderer || !chain) return;
   const ratio = window.devicePixelRatio || 1;
   const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
   const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   const box = { x: 0, y: 0, width, height };
-  renderer.draw({ level: 0, steps: null }, chain.closeUp(orbit, width / height), box, state.show);
+  if (state.isWindy) state.windSeconds += step / 1000;
+  const wind = state.isWindy ? breeze(chain.size[1], state.windSeconds) : null;
+  renderer.draw({ level: 0, steps: null }, chain.closeUp(orbit, width / height), box, state.show, wind);
+  if (state.isWindy) ask();
 };
 const ask = () => {
   if (isAsked) return;
@@ -60,6 +69,7 @@ const meshOf = ({ arrays, vertices, material, is_foliage }) => {
   attribute(1, arrays.normals, 2, gl.SHORT, true);
   attribute(2, arrays.uvs, 2, gl.FLOAT, false);
   attribute(3, arrays.colors, 4, gl.UNSIGNED_SHORT, true);
+  if (arrays.holds) buffers.push(bindHolds(gl, arrays.holds));
   const triangles = gl.createBuffer();
   buffers.push(triangles);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
@@ -79,6 +89,7 @@ const meshOf = ({ arrays, vertices, material, is_foliage }) => {
     normals: arrays.normals,
     uvs: arrays.uvs,
     colors: arrays.colors,
+    holds: arrays.holds,
     buffers: { triangles, lines: null },
     corners: arrays.indices,
     free,
@@ -94,6 +105,8 @@ const say = () => {
   $("play").setAttribute("aria-pressed", state.isReceiving);
   $("leaves").setAttribute("aria-pressed", state.show.leaves);
   $("wood").setAttribute("aria-pressed", state.show.wood);
+  $("wind").setAttribute("aria-pressed", state.isWindy);
+  $("wind").hidden = !renderer?.canSway;
   document.querySelectorAll("#pieces tr").forEach((row, k) => row.classList.toggle("current", k === reader.pieces - 1));
   if (!reader.head) return;
   const line = (tag, text) => {
@@ -208,6 +221,10 @@ const listen = () => {
       say();
     });
   }
+  $("wind").addEventListener("click", () => {
+    state.isWindy = !state.isWindy;
+    say();
+  });
   new ResizeObserver(ask).observe(canvas);
 };
 

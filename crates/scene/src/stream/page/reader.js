@@ -1,7 +1,7 @@
 // Reads a stream of a plant as it arrives; secateur_scene::stream describes it.
 
 const MAGIC = "secateur stream\0";
-const VERSION = 1;
+const VERSION = 2;
 const START_BYTES = 36;
 const PIECE_HEAD_BYTES = 16;
 
@@ -93,6 +93,7 @@ class PlantReader {
     const normals = surface.normals ? take(Int16Array, 2 * vertices) : null;
     const uvs = surface.uvs ? take(Float32Array, 2 * vertices) : null;
     const colors = surface.colors ? take(Uint16Array, 4 * vertices) : null;
+    const holds = surface.holds ? take(Uint32Array, 5 * vertices) : null;
     const corners = take(Uint32Array, 3 * triangles);
     let [vertex, triangle] = [0, 0];
     names.forEach((name, k) => {
@@ -106,6 +107,7 @@ class PlantReader {
         normals: part(normals, 2),
         uvs: part(uvs, 2),
         colors: part(colors, 4),
+        holds: part(holds, 5),
         corners: corners.subarray(3 * triangle, 3 * (triangle + trianglesOf[k])),
       });
       vertex = end;
@@ -136,6 +138,7 @@ class PlantReader {
         normals: surface.normals ? new Int16Array(2 * vertices) : null,
         uvs: surface.uvs ? new Float32Array(2 * vertices) : null,
         colors: surface.colors ? new Uint16Array(4 * vertices) : null,
+        holds: surface.holds ? new Uint32Array(5 * vertices) : null,
         indices: new Uint32Array(sum((part) => part.corners)),
       };
       let [first, corner] = [0, 0];
@@ -146,7 +149,7 @@ class PlantReader {
           const center = part.center[k % 3];
           arrays.positions[3 * first + k] = scale === 1 ? x : center + (x - center) * scale;
         });
-        for (const [key, size] of [["normals", 2], ["uvs", 2], ["colors", 4]]) {
+        for (const [key, size] of [["normals", 2], ["uvs", 2], ["colors", 4], ["holds", 5]]) {
           if (arrays[key]) arrays[key].set(part[key], size * first);
         }
         part.corners.forEach((own, k) => { arrays.indices[corner + k] = first + own; });

@@ -18,7 +18,7 @@ pub(crate) fn preview(
 ) -> Result<String, Failure> {
     let items = tree.items();
     let draw = |document: &Document, textures: &[LevelTexture]| {
-        let drawn = document.drawn(Detail::NormalMaps, &[])?;
+        let drawn = document.drawn(Detail::Full, &[])?;
         let surfaces = drawn.into_iter().map(|mut drawn| {
             show(&mut drawn.surface, drawn.material, textures);
             (drawn.surface, drawn.is_foliage)
@@ -97,7 +97,7 @@ fn removal_order(
         return Ok(None);
     };
     let leaves = tree.leaves().leaves().len();
-    let mut surfaces = tree.items().leaf_surfaces(Detail::NormalMaps)?;
+    let mut surfaces = tree.items().leaf_surfaces(Detail::Full)?;
     // Behind the leaves come pieces of wood, which are in surfaces of their own.
     surfaces.retain(|of| of.leaves.iter().any(|leaf| leaf.leaf.index() < leaves));
     let model = LodModel::new(order, tree.leaves());

@@ -103,6 +103,7 @@ pub(super) fn picture() -> Surface {
             .map(Vec2::from_array)
             .into(),
         colors: Vec::new(),
+        holds: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material: Arc::new(Material {
             name: String::new(),
