@@ -7,6 +7,7 @@ mod leaf_texture;
 mod level;
 mod look;
 mod maker;
+mod opaque;
 mod options;
 mod scene_look;
 mod textures;
@@ -47,6 +48,8 @@ pub fn chain(
     if let Some((_, height, _)) = &impostor {
         made.retain(|(_, begins, _)| begins > height);
     }
+    let followed_at = impostor.as_ref().map(|(_, height, _)| *height);
+    let made = maker.covering(made, followed_at)?;
     let mut levels = Vec::new();
     for (level, height, flip) in made {
         let pictured = Pictured::Mesh(level.drawn.level.clone());

@@ -67,11 +67,16 @@ pub struct LevelAsDrawn {
 }
 
 impl LevelAsDrawn {
+    /// The share by which coverage is off where it is off most.
+    pub(super) fn coverage_error(&self) -> f64 {
+        let of = |shown: &Shown| (shown.coverage_over_truth - 1.0).abs();
+        of(&self.begin).max(of(&self.end))
+    }
+
     /// The share by which coverage is off where it is off most; a speck too many counts as much
     /// as a hundredth.
     fn error(&self) -> f64 {
-        let of = |shown: &Shown| (shown.coverage_over_truth - 1.0).abs();
-        of(&self.begin).max(of(&self.end)) + 0.01 * self.specks_too_many()
+        self.coverage_error() + 0.01 * self.specks_too_many()
     }
 
     fn specks_too_many(&self) -> f64 {
@@ -79,7 +84,7 @@ impl LevelAsDrawn {
     }
 
     /// By how much more should be seen, for coverage to be off as little as can be.
-    fn wanted_gain(&self) -> f64 {
+    pub(super) fn wanted_gain(&self) -> f64 {
         let [begin, end] = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
         (begin * end).sqrt().recip().clamp(0.5, 2.0)
     }
