@@ -21,6 +21,7 @@ mod main_job;
 mod measure;
 mod memory;
 mod odd_trees;
+mod outputs;
 mod preview_page;
 mod program;
 mod report_page;
