@@ -17,7 +17,7 @@ const TREES: usize = 2000;
 const FRAMES: usize = 1;
 
 /// What [`RULE`] could be instead, in leaves for each pixel of a square as high as the tree.
-const OTHER_RULES: [f64; 3] = [0.25, 0.35, 0.8];
+const OTHER_RULES: [f64; 3] = [0.25, 0.5, 0.8];
 
 /// Of Hybrid's Table 1, which goes on with 1,500 and 2,000.
 const COUNTS: [usize; 4] = [100, 250, 500, 1000];
