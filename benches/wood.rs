@@ -21,7 +21,7 @@ use secateur::{
 };
 use secateur_eval::Judging;
 use secateur_eval::pictures::WholePictures;
-use secateur_simplify::wood::{leaf_gaps, wood_gaps};
+use secateur_simplify::wood::{leaf_gaps, leaf_wood_gaps, wood_gaps};
 
 const TREES: [&str; 5] = [
     "ez_oak_20k.glb",
@@ -66,7 +66,7 @@ fn compare(rows: &mut Rows, name: &str, tree: &WholeTree) {
     judging.rigs.truncate(1);
     let original = WholePictures::of(&surfaces, &judging.rigs);
     let (leaves, wood) = (tree.leaves(), tree.wood());
-    hanging(rows, &format!("{name}: as it is"), leaves, wood);
+    let at_first = hanging(rows, &format!("{name}: as it is"), leaves, wood, None);
     let count = wood.triangles().len() as f64;
     let case = format!("{name}: as it is");
     rows.note(&case, "wood triangles", "", count, COMMAND);
@@ -106,19 +106,52 @@ fn compare(rows: &mut Rows, name: &str, tree: &WholeTree) {
             }
             rows.note(&case, "outline_iou", "", seen.outline_iou[0], COMMAND);
             let [leaves, wood] = [made.leaves.lod.foliage(leaves), made.wood.foliage(wood)];
-            hanging(rows, &case, &leaves, &wood);
+            hanging(rows, &case, &leaves, &wood, Some(at_first));
         }
     }
 }
 
-/// The largest distances of what hangs in the air, in units of the file.
-fn hanging(rows: &mut Rows, case: &str, leaves: &Foliage, wood: &Foliage) {
-    for (what, gaps) in [
+/// Largest distances, in units of the file: of leaves from wood; of leaves from wood or lower leaves; of
+/// pieces from what they grow on.
+type Gaps = [f64; 3];
+
+/// The largest distances of what hangs in the air, and how many leaves and pieces are beyond those that
+/// a plant had at first.
+fn hanging(
+    rows: &mut Rows,
+    case: &str,
+    leaves: &Foliage,
+    wood: &Foliage,
+    at_first: Option<Gaps>,
+) -> Gaps {
+    let all = [
+        ("leaf gap to wood", leaf_wood_gaps(leaves, wood)),
         ("leaf gap", leaf_gaps(leaves, wood)),
         ("wood gap", wood_gaps(wood)),
-    ] {
-        let largest = gaps.into_iter().filter(|gap| gap.is_finite());
-        let largest = largest.fold(0.0, f64::max);
-        rows.note(case, &format!("largest {what}"), "", largest, COMMAND);
+    ];
+    let mut largest = [0.0; 3];
+    for (index, (what, gaps)) in all.into_iter().enumerate() {
+        let finite = gaps.iter().copied().filter(|gap| gap.is_finite());
+        largest[index] = finite.fold(0.0, f64::max);
+        rows.note(
+            case,
+            &format!("largest {what}"),
+            "",
+            largest[index],
+            COMMAND,
+        );
+        if let Some(at_first) = at_first {
+            // Files have numbers of 32 bits.
+            let bound = at_first[index] * (1.0 + 1e-4);
+            let beyond = gaps.iter().filter(|gap| **gap > bound).count() as f64;
+            rows.note(
+                case,
+                &format!("beyond the first {what}"),
+                "",
+                beyond,
+                COMMAND,
+            );
+        }
     }
+    largest
 }

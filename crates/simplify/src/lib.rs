@@ -30,6 +30,7 @@ mod options;
 mod passes;
 mod preset;
 pub mod resolution;
+pub mod rest;
 mod run;
 pub mod select;
 mod shared;

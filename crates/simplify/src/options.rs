@@ -7,6 +7,7 @@ use secateur_raster::{Engine, ViewSet};
 use serde::{Deserialize, Serialize};
 
 use crate::fit::{INFORMATION_OUTLINE_WEIGHT, MAX_OUTLINE_WEIGHT, Objective};
+use crate::rest::HeldBy;
 use crate::select::refuse;
 use crate::vds::ViewPlan;
 use crate::{
@@ -54,6 +55,9 @@ pub struct Options {
     /// What hides leaves wherever they are looked at: the plant's wood, or what stands before it.
     #[serde(skip)]
     pub occluders: Option<Arc<Foliage>>,
+    /// What leaves hang on: those go that would be further from it than it says.
+    #[serde(skip)]
+    pub held_by: Option<Arc<HeldBy>>,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -82,6 +86,7 @@ impl Options {
             skeleton: None,
             memory: Memory::Auto,
             occluders: None,
+            held_by: None,
             audit: cfg!(debug_assertions),
         }
     }

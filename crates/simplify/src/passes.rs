@@ -1,9 +1,11 @@
 //! What the passes of a run did, one after the other: leaves became coarser, leaves went and
 //! others grew for them, what is left took other sizes.
 
+use rustc_hash::FxHashSet;
 use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
 
 use crate::coarsen::Coarse;
+use crate::rest::{HeldBy, push_removals};
 
 /// The outcome of each pass; together they make a LOD.
 #[derive(Clone, Debug)]
@@ -54,9 +56,28 @@ impl Passes {
         }
     }
 
-    /// The leaves that the order is of.
-    pub(crate) fn ordered<'a>(&'a self, foliage: &'a Foliage) -> &'a Foliage {
-        self.coarse.as_ref().map_or(foliage, Coarse::foliage)
+    /// Takes away the leaves that hang in the air at their sizes, with what these were multiplied by.
+    pub(crate) fn take_hanging(&mut self, foliage: &Foliage, held_by: &HeldBy) {
+        let lod = self.lod();
+        let hanging = held_by.hanging(foliage, &lod);
+        if hanging.is_empty() {
+            return;
+        }
+        let is_hanging: FxHashSet<LeafId> = hanging.iter().copied().collect();
+        if let Some(factors) = &mut self.sizes {
+            let of_left = lod.all_leaves().zip(factors.iter());
+            let of_left = of_left.filter(|((leaf, _), _)| !is_hanging.contains(leaf));
+            *factors = of_left.map(|(_, factor)| *factor).collect();
+        }
+        match &self.coarse {
+            None => push_removals(&mut self.order, &hanging),
+            Some(coarse) => {
+                let names = coarse.names().into_iter().enumerate();
+                let own = names.filter(|(_, name)| is_hanging.contains(name));
+                let own: Vec<LeafId> = own.map(|(leaf, _)| LeafId::from_index(leaf)).collect();
+                push_removals(&mut self.order, &own);
+            }
+        }
     }
 }
 

@@ -13,7 +13,8 @@ use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::memory::{Within, take_run};
 use crate::observe::{Shown, observe};
 use crate::passes::Passes;
-use crate::resolution::resolution_for;
+use crate::resolution::{LOOK_RESOLUTION, LOOK_RESOLUTION_REASON, resolution_for};
+use crate::rest::cut;
 use crate::select::{Begun, Selection, Task};
 use crate::shared::{KeptOrder, Shared};
 use crate::sizes::{SizePass, is_fit_spared};
@@ -204,14 +205,6 @@ pub fn simplify_sharing(
     })
 }
 
-/// What [`Preset::Look`](crate::Preset::Look) takes for [`Resolution::Auto`], in pixels. On three trees with
-/// leaves so small that 512 are chosen for information (a grown oak and birch, a pine), at a tenth of the
-/// leaves, FLIP is .99, 1.03 and 1.02 of what it is there, in half of the time
-/// (`benches/judges.rs`).
-const LOOK_RESOLUTION: u32 = 256;
-
-const LOOK_RESOLUTION_REASON: &str = "more pixels cost twice the time and change FLIP by 1 to 3 %";
-
 /// What all passes of a run know.
 struct PassContext<'a> {
     foliage: &'a Foliage,
@@ -304,23 +297,22 @@ impl PassContext<'_> {
             });
         }
         let Selection {
-            order,
+            mut order,
             costs,
             shown,
             is_at_max_error,
         } = selection;
+        let at_most = self.target.triangle_count(self.foliage);
+        let ordered = coarse.as_ref().map_or(self.foliage, Coarse::foliage);
+        let held_by = self.options.held_by.as_deref();
         let found = order.len();
+        let chosen = cut(&mut order, ordered, held_by, at_most);
+        let is_as_found = coarse.is_none() && held_by.is_none() && chosen == found;
         let mut passes = Passes {
             coarse,
             order,
             sizes: None,
         };
-        if let Some(at_most) = self.target.triangle_count(self.foliage) {
-            let ordered = passes.ordered(self.foliage);
-            let steps = passes.order.steps_to_triangles(ordered, at_most);
-            passes.order.truncate(steps);
-        }
-        let is_as_found = passes.coarse.is_none() && passes.order.len() == found;
         let mut stopped = match self.target {
             Target::Triangles(_) => Stopped::AtTriangles,
             Target::MaxErrorPercent(_) if is_at_max_error => Stopped::AtMaxError,
@@ -342,7 +334,10 @@ impl PassContext<'_> {
         let is_coarse_the_same = passes.coarse.as_ref().is_none_or(Coarse::shows_the_same);
         Ok(Draft {
             shows_the_same: is_driven && are_all_left && is_coarse_the_same,
-            costs: costs.into_iter().take(passes.order.len()).collect(),
+            costs: costs
+                .into_iter()
+                .take(passes.order.len().min(chosen))
+                .collect(),
             passes,
             shown,
             stopped,
@@ -463,6 +458,9 @@ impl PassContext<'_> {
             return Ok(());
         };
         draft.passes.sizes = Some(factors);
+        if let Some(held_by) = &self.options.held_by {
+            draft.passes.take_hanging(self.foliage, held_by);
+        }
         let sized = draft.passes.lod();
         let shown = &mut draft.shown;
         let areas = observe(

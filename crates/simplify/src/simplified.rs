@@ -37,7 +37,8 @@ pub struct Simplified {
     pub passes: Passes,
     /// The leaves that are left, and how large.
     pub lod: Lod,
-    /// Cost of each step of the removal order; empty for methods without such costs.
+    /// Cost of each step of the removal order; empty for methods without such costs. Steps at its end
+    /// without one took leaves away that would hang in the air.
     pub costs: Vec<ScaledBits>,
     /// Why the run ended.
     pub stopped: Stopped,

@@ -101,24 +101,32 @@ impl Coarse {
         self.shows_the_same
     }
 
+    /// The name of each leaf in [`Self::order`]: a new one where it became coarser.
+    pub(crate) fn names(&self) -> Vec<LeafId> {
+        let mut next = self.made.len();
+        let name = |(index, coarser): (usize, &Option<NewLeaf>)| match coarser {
+            Some(_) => {
+                next += 1;
+                LeafId::from_index(next - 1)
+            }
+            None => LeafId::from_index(index),
+        };
+        self.made.iter().enumerate().map(name).collect()
+    }
+
     /// An order over the coarser leaves as one over those before: a first step puts
     /// them in the place of those, the others go by their new names.
     ///
     /// # Panics
     /// If the order is of other leaves, or makes some itself.
     pub fn order(&self, of_coarse: &RemovalOrder) -> RemovalOrder {
-        let mut removed: Vec<LeafId> = Vec::new();
-        let mut made: Vec<NewLeaf> = Vec::new();
-        let mut name_of: Vec<LeafId> = Vec::with_capacity(self.made.len());
-        for (index, coarser) in self.made.iter().enumerate() {
-            let leaf = LeafId::from_index(index);
-            name_of.push(match coarser {
-                Some(_) => LeafId::from_index(self.made.len() + made.len()),
-                None => leaf,
-            });
-            removed.extend(coarser.as_ref().map(|_| leaf));
-            made.extend(coarser.clone());
-        }
+        let coarser = self.made.iter().enumerate();
+        let coarser = coarser.filter_map(|(index, made)| {
+            let made = made.as_ref()?;
+            Some((LeafId::from_index(index), made.clone()))
+        });
+        let (removed, made): (Vec<LeafId>, Vec<NewLeaf>) = coarser.unzip();
+        let name_of = self.names();
         let mut order = RemovalOrder::new(of_coarse.leaf_count());
         order.push_step(Step {
             removed: &removed,

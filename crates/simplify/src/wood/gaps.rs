@@ -6,7 +6,8 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use secateur_model::{Foliage, LeafId};
 
-use super::support::{bounds, support_and_distance};
+use super::bearing::{points_of, triangles_of};
+use super::support::{bounds, growing};
 
 /// For each leaf how far it is from the nearest wood, or from the nearest leaf that lies lower, in world
 /// units: 0 where they touch. So each leaf rests on wood, or on leaves that do.
@@ -50,12 +51,83 @@ pub fn leaf_gaps(leaves: &Foliage, wood: &Foliage) -> Vec<f64> {
         .collect()
 }
 
+/// For each leaf nothing where it rests on wood, or on a lower leaf that does, each no further from the
+/// next than `largest_gap` in world units; else the lowest leaf, by its number, that it rests on,
+/// which may be itself.
+///
+/// Lower and distances are as [`leaf_gaps`] has them.
+pub fn hanging_on(leaves: &Foliage, wood: &Foliage, largest_gap: f64) -> Vec<Option<usize>> {
+    let (wood, all) = (triangles_of(wood), triangles_of(leaves));
+    let points = |index: usize| {
+        let triangles = leaves.triangles_of(LeafId::from_index(index)).iter();
+        triangles.flat_map(|t| samples(t.corners))
+    };
+    let is_near_wood = |index: usize| {
+        points(index).any(|point| {
+            let mut near = wood.nearest_neighbor_iter_with_distance_2(point.to_array());
+            near.next()
+                .is_some_and(|(_, distance_2)| distance_2 <= largest_gap.powi(2))
+        })
+    };
+    let count = leaves.leaves().len();
+    let is_near_wood: Vec<bool> = (0..count).into_par_iter().map(is_near_wood).collect();
+    let height = |index: usize| leaves.leaf(LeafId::from_index(index)).centre().y;
+    let mut upward: Vec<usize> = (0..count).collect();
+    upward.sort_by(|a, b| height(*a).total_cmp(&height(*b)).then(a.cmp(b)));
+    let mut lowest: Vec<Option<usize>> = vec![None; count];
+    for leaf in upward {
+        if is_near_wood[leaf] {
+            continue;
+        }
+        let mut found = Some(leaf);
+        'points: for point in points(leaf) {
+            for near in all.locate_within_distance(point.to_array(), largest_gap.powi(2)) {
+                let other = near.data as usize;
+                if height(other) < height(leaf) {
+                    if lowest[other].is_none() {
+                        found = None;
+                        break 'points;
+                    }
+                    if found == Some(leaf) {
+                        found = lowest[other];
+                    }
+                }
+            }
+        }
+        lowest[leaf] = found;
+    }
+    lowest
+}
+
 /// For each piece of wood how far it is from the one that it grows on, in world units: see
 /// [`supports`](super::supports). The one that grows on none has 0.
 pub fn wood_gaps(wood: &Foliage) -> Vec<f64> {
-    let found = support_and_distance(wood).into_iter();
+    let found = growing(wood).into_iter();
     found
-        .map(|found| found.map_or(0.0, |(_, distance)| distance))
+        .map(|found| found.map_or(0.0, |found| found.distance))
+        .collect()
+}
+
+/// For each leaf how far it is from the nearest wood, in world units, by its corners and the centres of
+/// its triangles; infinite without wood.
+pub fn leaf_wood_gaps(leaves: &Foliage, wood: &Foliage) -> Vec<f64> {
+    let tree = triangles_of(wood);
+    let gap = |index: usize| {
+        let points = points_of(leaves.triangles_of(LeafId::from_index(index)));
+        let to_wood = |point: DVec3| {
+            let mut near = tree.nearest_neighbor_iter_with_distance_2(point.to_array());
+            near.next()
+                .map_or(f64::INFINITY, |(_, distance_2)| distance_2)
+        };
+        points
+            .into_iter()
+            .map(to_wood)
+            .fold(f64::INFINITY, f64::min)
+            .sqrt()
+    };
+    (0..leaves.leaves().len())
+        .into_par_iter()
+        .map(gap)
         .collect()
 }
 

@@ -1,9 +1,11 @@
 //! Ever coarser levels of one piece of wood.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
-use secateur_model::{Foliage, LeafId};
+use rustc_hash::{FxHashMap, FxHashSet};
+use secateur_model::{Facing, Foliage, LeafId};
 
+use super::distance::{corners_of, largest_distance};
+use super::rings::tubes;
 use super::thickness::thickness;
 use crate::coarsen::leaf_mesh::{Kept, halvings};
 
@@ -27,8 +29,12 @@ pub(super) struct Level {
 /// .1 has a FLIP of .0196 instead of .0188 at a tenth.
 const NORMAL_WEIGHT: f64 = 0.05;
 
+/// A level that is further off than this share of the piece's thickness shows little where the piece
+/// was, but still bears leaves and twigs.
+const FAR: f64 = 0.9;
+
 /// The levels of a piece by its geometry, finest first; of any two the coarser loses more. Where
-/// `is_joint` says so, vertices stay.
+/// `is_joint` says so, collapses leave vertices.
 pub(super) fn levels(
     wood: &Foliage,
     piece: LeafId,
@@ -48,27 +54,61 @@ pub(super) fn levels(
         normal_weight: normal_weight as f32,
         is_locked: is_joint,
     };
-    let loss = |error: f64| match thickness > 0.0 {
+    let off = |error: f64| match thickness > 0.0 {
         true => error / thickness,
         false => 1.0,
     };
-    let levels = halvings(triangles, kept).into_iter();
-    falling(levels.map(|level| (loss(level.error), level.triangles)))
+    let collapsed = halvings(triangles, kept).into_iter();
+    let collapsed = collapsed.map(|level| (off(level.error), level.triangles));
+    let of_few_sides = tubes_of(wood, piece, is_joint).into_iter().map(|level| {
+        let off = off(largest_distance(triangles, &level));
+        (far(off), level)
+    });
+    falling(collapsed.chain(of_few_sides))
 }
 
-/// Levels of rising losses, at least those that are given; what loses all of a piece is no better
-/// than nothing and left out.
+/// [`tubes`] of a piece that have every joint which it has.
+pub(super) fn tubes_of(
+    wood: &Foliage,
+    piece: LeafId,
+    is_joint: &dyn Fn(DVec3) -> bool,
+) -> Vec<Vec<[u32; 3]>> {
+    let triangles = wood.triangles_of(piece);
+    let key = |corner: &DVec3| corner.to_array().map(|x| (x + 0.0).to_bits());
+    let corners = triangles.iter().flat_map(|t| t.corners);
+    let joints = corners.filter(|corner| is_joint(*corner));
+    let joints: FxHashSet<[u64; 3]> = joints.map(|corner| key(&corner)).collect();
+    let is_seen_from_both_sides = wood.leaf(piece).facing() == Facing::Both;
+    let mut levels = tubes(triangles, is_seen_from_both_sides);
+    levels.retain(|level| {
+        let corners = corners_of(triangles, level);
+        let has: FxHashSet<[u64; 3]> = corners.as_flattened().iter().map(key).collect();
+        joints.is_subset(&has)
+    });
+    levels
+}
+
+/// The loss of a level that is off by a share of the thickness: never all, and the more the further.
+fn far(off: f64) -> f64 {
+    match off <= FAR {
+        true => off,
+        false => 1.0 - (1.0 - FAR) * FAR / off,
+    }
+}
+
+/// Levels of ever fewer triangles and ever larger losses; what loses as much as one of no more
+/// triangles is left out, and what loses all of a piece, which is no better than nothing.
 pub(super) fn falling(levels: impl Iterator<Item = (f64, Vec<[u32; 3]>)>) -> Vec<Level> {
+    let mut all: Vec<(f64, Vec<[u32; 3]>)> = levels.filter(|(loss, _)| *loss < 1.0).collect();
+    // The coarsest first, of as many triangles the one that loses least.
+    all.sort_by(|a, b| a.1.len().cmp(&b.1.len()).then(a.0.total_cmp(&b.0)));
     let mut falling: Vec<Level> = Vec::new();
-    for (loss, triangles) in levels {
-        let least = falling.last().map_or(0.0, |finer| finer.loss);
-        if loss < 1.0 {
-            falling.push(Level {
-                triangles,
-                loss: loss.max(least),
-            });
+    for (loss, triangles) in all {
+        if falling.last().is_none_or(|coarser| loss < coarser.loss) {
+            falling.push(Level { triangles, loss });
         }
     }
+    falling.reverse();
     falling
 }
 

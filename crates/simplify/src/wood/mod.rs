@@ -1,29 +1,32 @@
 //! Wood with fewer triangles: pieces get coarser, and pieces go.
 //!
 //! A piece of wood is a connected part, mostly the tube of a branch. Each has a row of levels:
-//! as it is, what collapses of edges leave of half its triangles, of a quarter and so on, and
-//! nothing. What a level loses is the part of the piece's visible pixels that it shows no longer
-//! or elsewhere: its distance from the surface that was, over the piece's thickness, times those
-//! pixels. Triangles of a budget go one piece and level at a time to where they save the most
-//! pixels each. A piece is left only if the one that it grows on is.
+//! as it is, what collapses of edges leave of half its triangles, of a quarter and so on, tubes of
+//! few sides and rings, flat strips, and nothing. What a level loses is the part of the piece's
+//! visible pixels that it shows no longer or elsewhere: its distance from the surface that was, over
+//! the piece's thickness, times those pixels. Triangles of a budget go one piece and level at a time
+//! to where they save the most pixels each, those of leaves counted in that would hang in the air.
+//! A piece is left only if the one that it grows on is, at a level that still meets it.
 
+mod bearing;
+mod distance;
 mod gaps;
 mod levels;
 mod nearest;
 mod order;
+mod rings;
+mod spend;
 mod support;
 mod thickness;
 mod vmi;
-
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 use secateur_model::{CornerRef, Foliage, LeafId, Lod, NewCorner, NewLeaf, Place};
 use secateur_raster::{Rasteriser, ViewSet};
 
 use crate::Error;
-pub use gaps::{leaf_gaps, wood_gaps};
+use bearing::{Bearing, Borne, Needs, needs};
+pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
 use levels::{Level, joints, levels};
 pub use support::supports;
 
@@ -31,41 +34,22 @@ pub use support::supports;
 #[derive(Clone, Debug)]
 pub struct Wood {
     pieces: Vec<Piece>,
+    leaf_gap: f64,
 }
 
 #[derive(Clone, Debug)]
 struct Piece {
     /// The piece that it grows on.
     support: Option<usize>,
+    /// By its own level, how coarse that one may be; nothing by levels that meet none of its.
+    needs: Needs,
+    /// Leaves that hang on it.
+    bears: Vec<Borne>,
     /// Pixels that the views show of it.
     seen_px: f64,
     triangles: usize,
     /// Ever coarser, each losing more a triangle saved than the one before.
     levels: Vec<Level>,
-}
-
-/// The next thing that triangles can be spent on: a piece, at a level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Offer {
-    px_a_triangle: f64,
-    piece: usize,
-    /// 0 for the piece as it is, else one more than an index of its levels.
-    level: usize,
-}
-
-impl Eq for Offer {}
-
-impl Ord for Offer {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let by_gain = self.px_a_triangle.total_cmp(&other.px_a_triangle);
-        by_gain.then_with(|| Reverse(self.piece).cmp(&Reverse(other.piece)))
-    }
-}
-
-impl PartialOrd for Offer {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 impl Wood {
@@ -105,17 +89,47 @@ impl Wood {
 
     fn of_levels(wood: &Foliage, seen_px: &[f64], levels: Vec<Vec<Level>>) -> Self {
         assert_eq!(seen_px.len(), wood.leaves().len());
-        let supports = supports(wood);
+        let all: Vec<&[Level]> = levels.iter().map(Vec::as_slice).collect();
+        let mut needs = needs(wood, &all);
         let pieces = levels.into_iter().zip(seen_px).enumerate();
-        let piece = |(index, (levels, &seen_px)): (usize, (Vec<Level>, &f64))| Piece {
-            support: supports[index],
-            seen_px,
-            triangles: wood.triangles_of(LeafId::from_index(index)).len(),
-            levels,
+        let piece = |(index, (levels, &seen_px)): (usize, (Vec<Level>, &f64))| {
+            let (support, needs) = needs[index].take().unzip();
+            Piece {
+                support,
+                needs: needs.unwrap_or_default(),
+                bears: Vec::new(),
+                seen_px,
+                triangles: wood.triangles_of(LeafId::from_index(index)).len(),
+                levels,
+            }
         };
         Self {
             pieces: pieces.map(piece).collect(),
+            leaf_gap: f64::INFINITY,
         }
+    }
+
+    /// The wood with these leaves on it, so that it may be chosen to bear some of them.
+    ///
+    /// # Panics
+    /// If the wood is another.
+    pub fn with_leaves(mut self, wood: &Foliage, leaves: &Foliage) -> Self {
+        assert_eq!(wood.leaves().len(), self.pieces.len());
+        let levels: Vec<&[Level]> = self.pieces.iter().map(|p| &p.levels[..]).collect();
+        let Bearing {
+            of_pieces,
+            largest_gap,
+        } = bearing::bearing(wood, &levels, leaves);
+        for (piece, bears) in self.pieces.iter_mut().zip(of_pieces) {
+            piece.bears = bears;
+        }
+        self.leaf_gap = largest_gap;
+        self
+    }
+
+    /// The largest distance of a leaf from the wood, in world units; infinite where no leaves are known.
+    pub fn leaf_gap(&self) -> f64 {
+        self.leaf_gap
     }
 
     /// Triangles of all pieces as they are.
@@ -125,10 +139,16 @@ impl Wood {
 
     /// The wood with at most this many triangles, and the pixels that it loses.
     pub fn within(&self, triangles_at_most: usize) -> (Lod, f64) {
+        self.bearing(&[], triangles_at_most)
+    }
+
+    /// [`Self::within`], where leaves that it bears save pixels too. `hanging_px`: what each leaf of
+    /// [`Self::with_leaves`] loses if nothing bears it; those at the end may be left out.
+    pub fn bearing(&self, hanging_px: &[f64], triangles_at_most: usize) -> (Lod, f64) {
         if triangles_at_most >= self.triangle_count() {
             return (Lod::original(self.pieces.len()), 0.0);
         }
-        let chosen = self.choose(triangles_at_most, 0.0);
+        let chosen = self.choose(hanging_px, triangles_at_most, 0.0);
         let lost = self
             .pieces
             .iter()
@@ -141,63 +161,27 @@ impl Wood {
     }
 
     /// How many triangles save at least `px_a_triangle` pixels each, the worthiest first; at most
-    /// `triangles_at_most`.
-    pub fn worth(&self, px_a_triangle: f64, triangles_at_most: usize) -> usize {
-        let chosen = self.choose(triangles_at_most, px_a_triangle);
+    /// `triangles_at_most`. `hanging_px` as for [`Self::bearing`].
+    pub fn worth(&self, hanging_px: &[f64], px_a_triangle: f64, triangles_at_most: usize) -> usize {
+        let chosen = self.choose(hanging_px, triangles_at_most, px_a_triangle);
         let pieces = self.pieces.iter().zip(chosen);
         pieces.map(|(piece, level)| piece.count(level)).sum()
     }
 
     /// The level of each piece that is left: 0 for the piece as it is, else one more than an index
     /// of its levels. Triangles that save fewer pixels each than asked for are not spent.
-    fn choose(&self, triangles_at_most: usize, least_px_a_triangle: f64) -> Vec<Option<usize>> {
+    fn choose(
+        &self,
+        hanging_px: &[f64],
+        triangles_at_most: usize,
+        least_px_a_triangle: f64,
+    ) -> Vec<Option<usize>> {
         let mut chosen: Vec<Option<usize>> = vec![None; self.pieces.len()];
-        self.spend(triangles_at_most, least_px_a_triangle, |offer, _| {
+        let budget = (triangles_at_most, least_px_a_triangle);
+        self.spend(hanging_px, budget, |offer, _| {
             chosen[offer.piece] = Some(offer.level);
         });
         chosen
-    }
-
-    /// Takes offers, the best first, and says of each which level its piece had before.
-    fn spend(
-        &self,
-        triangles_at_most: usize,
-        least_px_a_triangle: f64,
-        mut take: impl FnMut(Offer, Option<usize>),
-    ) {
-        let mut children: Vec<Vec<usize>> = vec![Vec::new(); self.pieces.len()];
-        let mut offers = BinaryHeap::new();
-        for (index, piece) in self.pieces.iter().enumerate() {
-            match piece.support {
-                Some(support) => children[support].push(index),
-                None => offers.extend(piece.offer(index, None)),
-            }
-        }
-        let mut chosen: Vec<Option<usize>> = vec![None; self.pieces.len()];
-        let mut left = triangles_at_most;
-        while let Some(offer) = offers.pop() {
-            if offer.px_a_triangle < least_px_a_triangle {
-                break;
-            }
-            let piece = &self.pieces[offer.piece];
-            let before = chosen[offer.piece];
-            let more = piece.count(Some(offer.level)) - piece.count(before);
-            if more > left {
-                continue;
-            }
-            left -= more;
-            chosen[offer.piece] = Some(offer.level);
-            take(offer, before);
-            offers.extend(piece.offer(offer.piece, Some(offer.level)));
-            if before.is_none() {
-                let grows_here = &children[offer.piece];
-                offers.extend(
-                    grows_here
-                        .iter()
-                        .filter_map(|&c| self.pieces[c].offer(c, None)),
-                );
-            }
-        }
     }
 
     fn lod(&self, chosen: &[Option<usize>]) -> Lod {
@@ -234,21 +218,6 @@ impl Piece {
             0 => 0.0,
             level => self.seen_px * self.levels[level - 1].loss,
         }
-    }
-
-    /// The finer level that saves the most pixels a triangle.
-    fn offer(&self, piece: usize, now: Option<usize>) -> Option<Offer> {
-        let finer = 0..now.unwrap_or(self.levels.len() + 1);
-        let lost_now = now.map_or(self.seen_px, |level| self.loss(level));
-        let offer = |level| {
-            let more = self.count(Some(level)) - self.count(now);
-            Offer {
-                px_a_triangle: (lost_now - self.loss(level)) / more as f64,
-                piece,
-                level,
-            }
-        };
-        finer.map(offer).max()
     }
 }
 

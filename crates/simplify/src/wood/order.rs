@@ -11,7 +11,7 @@ impl Wood {
     /// order. After all steps nothing is left.
     pub fn order(&self) -> RemovalOrder {
         let mut spent = Vec::new();
-        self.spend(self.triangle_count(), 0.0, |offer, before| {
+        self.spend(&[], (self.triangle_count(), 0.0), |offer, before| {
             spent.push((offer.piece, before));
         });
         let pieces = self.pieces.len();

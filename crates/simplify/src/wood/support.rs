@@ -15,12 +15,22 @@ const MOST_CORNERS: usize = 192;
 /// corners. The piece of the most area grows on none. Pieces of equal area are taken in their
 /// order.
 pub fn supports(wood: &Foliage) -> Vec<Option<usize>> {
-    let found = support_and_distance(wood).into_iter();
-    found.map(|found| Some(found?.0)).collect()
+    let found = growing(wood).into_iter();
+    found.map(|found| Some(found?.on)).collect()
 }
 
-/// [`supports`], with the distance of each from the piece in world units.
-pub(super) fn support_and_distance(wood: &Foliage) -> Vec<Option<(usize, f64)>> {
+/// What a piece grows on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Growing {
+    pub(super) on: usize,
+    /// The corner that is nearest to it.
+    pub(super) at: DVec3,
+    /// How far that is, in world units.
+    pub(super) distance: f64,
+}
+
+/// [`supports`], with where and how far off each is.
+pub(super) fn growing(wood: &Foliage) -> Vec<Option<Growing>> {
     let area = |index: usize| wood.leaf(LeafId::from_index(index)).area();
     let mut by_area: Vec<usize> = (0..wood.leaves().len()).collect();
     by_area.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
@@ -35,14 +45,14 @@ pub(super) fn support_and_distance(wood: &Foliage) -> Vec<Option<(usize, f64)>> 
         }
     }
     let tree = RTree::bulk_load(boxes);
-    let support = |index: usize| -> Option<(usize, f64)> {
+    let support = |index: usize| -> Option<Growing> {
         if rank[index] == 0 {
             return None;
         }
         let triangles = wood.triangles_of(LeafId::from_index(index));
         let corners = triangles.iter().flat_map(|t| t.corners);
         let step = (3 * triangles.len()).div_ceil(MOST_CORNERS);
-        let mut best = (f64::INFINITY, usize::MAX);
+        let mut best = (f64::INFINITY, usize::MAX, DVec3::ZERO);
         for corner in corners.step_by(step) {
             let nearest = tree.nearest_neighbor_iter_with_distance_2(corner.to_array());
             for (other, distance_2) in nearest {
@@ -50,12 +60,16 @@ pub(super) fn support_and_distance(wood: &Foliage) -> Vec<Option<(usize, f64)>> 
                     break;
                 }
                 if other.data < rank[index] {
-                    best = (distance_2, other.data);
+                    best = (distance_2, other.data, corner);
                     break;
                 }
             }
         }
-        (best.1 != usize::MAX).then(|| (by_area[best.1], best.0.sqrt()))
+        (best.1 != usize::MAX).then(|| Growing {
+            on: by_area[best.1],
+            at: best.2,
+            distance: best.0.sqrt(),
+        })
     };
     (0..rank.len()).into_par_iter().map(support).collect()
 }
@@ -66,6 +80,7 @@ pub(super) fn bounds(corners: [DVec3; 3]) -> Bounds {
 }
 
 /// A triangle with its box.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds(AABB<[f64; 3]>, [DVec3; 3]);
 
 impl RTreeObject for Bounds {

@@ -121,6 +121,62 @@ fn what_shows_most_waits_for_what_it_grows_on() {
     }
 }
 
+/// A trunk that is bent at a right angle with a twig at the bend: what leaves the bend out is too far
+/// from the twig.
+#[test]
+fn a_twig_waits_for_a_level_that_meets_it() {
+    let mut trunk = tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.2, 8);
+    let bend = |corner: DVec3| match corner.y > 4.0 {
+        true => DVec3::new(corner.x + corner.y - 4.0, 4.0 - corner.x, corner.z),
+        false => corner,
+    };
+    for triangle in &mut trunk {
+        triangle.corners = triangle.corners.map(bend);
+    }
+    let mut foliage = Foliage::default();
+    foliage.push_leaf(&trunk, None).unwrap();
+    let from = DVec3::new(-0.1, 4.0, 0.0);
+    let twig = tube(from, from + DVec3::new(-1.0, 1.0, 0.0), 0.02, 4);
+    foliage.push_leaf(&twig, None).unwrap();
+    let gap_of = |left: &Foliage| wood_gaps(left).into_iter().fold(0.0, f64::max);
+    let thickness = thickness::thickness(&foliage, LeafId::from_index(0));
+    // The twig shows far more than the trunk.
+    let wood = Wood::new(&foliage, &[1.0, 1000.0]);
+    let mut coarsest = usize::MAX;
+    for budget in 0..=foliage.triangles().len() {
+        let left = wood.within(budget).0.foliage(&foliage);
+        assert!(gap_of(&left) <= thickness, "{} at {budget}", gap_of(&left));
+        coarsest = coarsest.min(match left.leaves().len() {
+            2 => left.triangles().len(),
+            _ => usize::MAX,
+        });
+    }
+    // Two strips, that of the trunk with a ring between its ends.
+    assert!(coarsest <= 8, "{coarsest}");
+}
+
+/// The twig shows next to nothing, but twenty leaves hang on it.
+#[test]
+fn a_twig_is_worth_the_leaves_that_it_bears() {
+    let foliage = wood();
+    let mut leaves = Foliage::default();
+    for k in 0..20 {
+        let at = DVec3::new(3.2 + 0.04 * f64::from(k), 5.1 + 0.02 * f64::from(k), 0.0);
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Z].map(|c| at + 0.2 * c);
+        leaves
+            .push_leaf(&[LeafTriangle::plain(corners)], None)
+            .unwrap();
+    }
+    let bare = Wood::new(&foliage, &[0.001, 1000.0, 300.0]);
+    let leafy = bare.clone().with_leaves(&foliage, &leaves);
+    let bound = leafy.leaf_gap();
+    assert!(bare.leaf_gap().is_infinite() && bound < 0.2);
+    let hanging = |(left, _): (Lod, f64)| hanging_on(&leaves, &left.foliage(&foliage), bound);
+    assert!(hanging(leafy.within(40)).iter().any(Option::is_some));
+    let borne = hanging(leafy.bearing(&[100.0; 20], 40));
+    assert_eq!(borne, [None; 20]);
+}
+
 #[test]
 fn what_stays_is_made_of_corners_that_were_there() {
     let foliage = wood();
@@ -186,6 +242,35 @@ fn a_leaf_rests_on_wood_or_on_a_lower_leaf() {
     assert!((4.5..5.0).contains(&gaps[2]), "{gaps:?}");
     // What is above does not bear it.
     assert!((1.0..1.2).contains(&gaps[3]), "{gaps:?}");
+}
+
+/// Leaves one above the other beside a trunk: the lowest is at it, or is not.
+#[test]
+fn leaves_rest_on_wood_through_lower_leaves() {
+    let mut leaves = Foliage::default();
+    for (x, y) in [
+        (0.5, 4.0),
+        (1.6, 4.2),
+        (2.7, 4.4),
+        (5.5, 4.0),
+        (6.6, 4.2),
+        (6.7, 3.0),
+    ] {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::X - 0.1 * DVec3::Y];
+        let triangle = LeafTriangle::plain(corners.map(|c| c + DVec3::new(x, y, 0.0)));
+        leaves.push_leaf(&[triangle], None).unwrap();
+    }
+    let mut trunk = Foliage::default();
+    trunk
+        .push_leaf(&tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.4, 12), None)
+        .unwrap();
+    // The fifth rests on the fourth, which rests on nothing; the last is too far from all.
+    let lowest = hanging_on(&leaves, &trunk, 0.4);
+    assert_eq!(lowest, [None, None, None, Some(3), Some(3), Some(5)]);
+    assert_eq!(
+        hanging_on(&leaves, &Foliage::default(), 0.4)[..3],
+        [Some(0); 3]
+    );
 }
 
 #[test]

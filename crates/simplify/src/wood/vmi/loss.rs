@@ -1,15 +1,11 @@
 //! What a piece loses with fewer triangles, by pixels and by distance.
 
-use glam::DVec3;
 use secateur_model::{Foliage, LeafId, LeafTriangle};
 use secateur_raster::ViewSet;
 use secateur_raster::cpu::LeafFragments;
 
-use super::super::nearest::nearest;
+use super::super::distance::mean_distance;
 use super::super::thickness::thickness;
-
-/// Largest number of corners of a piece of which the distance from a level is taken.
-const MOST_CORNERS: usize = 192;
 
 /// A piece as it was, to judge levels of it by.
 pub(super) struct Original<'a> {
@@ -57,20 +53,14 @@ impl<'a> Original<'a> {
     /// on an oak, a birch, `quat_commontree_1` and `ez_bush2`.
     pub(super) fn loss(&mut self, left: &[[u32; 3]]) -> f64 {
         let all = self.wood.triangles_of(self.piece);
-        let of = |corner: u32| (&all[corner as usize / 3], corner as usize % 3);
-        let triangle = |t: &[u32; 3]| LeafTriangle {
-            corners: t.map(of).map(|(t, k)| t.corners[k]),
-            uvs: t.map(of).map(|(t, k)| t.uvs[k]),
-        };
-        let left: Vec<LeafTriangle> = left.iter().map(triangle).collect();
         let off = match self.thickness > 0.0 {
-            true => (mean_distance(all, &left) / self.thickness).min(1.0),
+            true => (mean_distance(all, left) / self.thickness).min(1.0),
             false => 1.0,
         };
         if self.pixels.is_empty() {
             return off;
         }
-        let now = self.pixels_of(&left);
+        let now = self.pixels_of(&of_corners(all, left));
         let both = in_both(&self.pixels, &now);
         let lost = self.pixels.len().max(now.len()) - both;
         0.5 * (lost as f64 / self.pixels.len() as f64) + 0.5 * off
@@ -87,13 +77,12 @@ fn in_both(a: &[u32], b: &[u32]) -> usize {
     a.iter().filter(is_in_b).count()
 }
 
-fn mean_distance(all: &[LeafTriangle], left: &[LeafTriangle]) -> f64 {
-    let step = (3 * all.len()).div_ceil(MOST_CORNERS);
-    let corners = all.iter().flat_map(|t| t.corners).step_by(step);
-    let distance = |corner: DVec3| {
-        let to = |t: &LeafTriangle| (nearest(t.corners, corner).point - corner).length_squared();
-        left.iter().map(to).fold(f64::INFINITY, f64::min).sqrt()
+/// Triangles of corners of a piece.
+fn of_corners(all: &[LeafTriangle], left: &[[u32; 3]]) -> Vec<LeafTriangle> {
+    let of = |corner: u32| (&all[corner as usize / 3], corner as usize % 3);
+    let triangle = |t: &[u32; 3]| LeafTriangle {
+        corners: t.map(of).map(|(t, k)| t.corners[k]),
+        uvs: t.map(of).map(|(t, k)| t.uvs[k]),
     };
-    let count = (3 * all.len()).div_ceil(step);
-    corners.map(distance).sum::<f64>() / count as f64
+    left.iter().map(triangle).collect()
 }

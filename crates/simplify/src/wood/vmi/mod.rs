@@ -15,13 +15,16 @@ use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId};
 use secateur_raster::{Rasteriser, ViewSet};
 
-use super::levels::{Level, falling};
+use super::levels::{Level, falling, joints, tubes_of};
 use crate::Error;
 use crate::lg::LgTable;
 use greedy::{Candidate, cheapest, collapse_all};
 use loss::Original;
 use mesh::Mesh;
 use seen::Seen;
+
+/// What a level loses at most: what shows nothing of a piece may still bear leaves and twigs.
+const MOST_LOST: f64 = 0.999;
 
 /// The levels of all pieces: of each what was left of it when it had half of its triangles, a
 /// quarter and so on.
@@ -63,9 +66,12 @@ pub(super) fn levels(
             of_piece.push(last);
         }
     }
+    let is_joint = joints(wood);
     let of_piece = |(piece, left): (usize, Vec<Vec<[u32; 3]>>)| {
-        let mut original = Original::new(wood, LeafId::from_index(piece), views, resolution);
-        let judged = left.into_iter().map(|left| (original.loss(&left), left));
+        let piece = LeafId::from_index(piece);
+        let mut original = Original::new(wood, piece, views, resolution);
+        let all = left.into_iter().chain(tubes_of(wood, piece, &is_joint));
+        let judged = all.map(|left| (original.loss(&left).min(MOST_LOST), left));
         falling(judged)
     };
     Ok(left.into_par_iter().enumerate().map(of_piece).collect())

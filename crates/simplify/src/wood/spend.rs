@@ -1,0 +1,224 @@
+//! How triangles are shared out among the pieces of the wood.
+//!
+//! A triangle goes where it saves the most pixels: those that the piece shows, and those of leaves
+//! that would hang in the air without it. A piece that shows little may be worth its triangles for
+//! twigs that can only come after it. What an offer is worth falls while others bear the same
+//! leaves, so the best one is looked at again before it is taken.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::Wood;
+
+/// How many pieces, each growing on the one before, are looked at for what the first is worth.
+const MOST_DEEP: usize = 4;
+
+/// The next thing that triangles can be spent on: a piece, at a level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Offer {
+    px_a_triangle: f64,
+    pub(super) piece: usize,
+    /// 0 for the piece as it is, else one more than an index of its levels.
+    pub(super) level: usize,
+}
+
+impl Eq for Offer {}
+
+impl Ord for Offer {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let by_gain = self.px_a_triangle.total_cmp(&other.px_a_triangle);
+        by_gain.then_with(|| Reverse(self.piece).cmp(&Reverse(other.piece)))
+    }
+}
+
+impl PartialOrd for Offer {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Pixels that are saved, and triangles that it takes.
+#[derive(Clone, Copy, Debug)]
+struct Worth {
+    px: f64,
+    triangles: usize,
+}
+
+impl Worth {
+    fn px_a_triangle(self) -> f64 {
+        self.px / self.triangles as f64
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            px: self.px + other.px,
+            triangles: self.triangles + other.triangles,
+        }
+    }
+}
+
+struct Spending<'a> {
+    wood: &'a Wood,
+    /// By piece, those that grow on it.
+    growing: Vec<Vec<usize>>,
+    chosen: Vec<Option<usize>>,
+    /// What leaves lose that nothing bears, in pixels; 0 once something does.
+    hanging_px: Vec<f64>,
+    left: usize,
+}
+
+impl Wood {
+    /// Takes offers, the best first, for at most so many triangles, and says of each which level its piece had before. Triangles that
+    /// save fewer pixels each than asked for are not spent.
+    pub(super) fn spend(
+        &self,
+        hanging_px: &[f64],
+        (triangles_at_most, least_px_a_triangle): (usize, f64),
+        mut take: impl FnMut(Offer, Option<usize>),
+    ) {
+        let mut growing: Vec<Vec<usize>> = vec![Vec::new(); self.pieces.len()];
+        for (index, piece) in self.pieces.iter().enumerate() {
+            if let Some(support) = piece.support {
+                growing[support].push(index);
+            }
+        }
+        let mut spending = Spending {
+            wood: self,
+            growing,
+            chosen: vec![None; self.pieces.len()],
+            hanging_px: hanging_px.to_vec(),
+            left: triangles_at_most,
+        };
+        let mut is_queued = vec![false; self.pieces.len()];
+        let mut queue = BinaryHeap::new();
+        let roots = (0..self.pieces.len()).filter(|piece| self.pieces[*piece].support.is_none());
+        for piece in roots {
+            if let Some(offer) = spending.offer(piece) {
+                is_queued[piece] = true;
+                queue.push(offer);
+            }
+        }
+        while let Some(known) = queue.pop() {
+            let piece = known.piece;
+            is_queued[piece] = false;
+            let Some(now) = spending.offer(piece) else {
+                continue;
+            };
+            if queue.peek().is_some_and(|next| *next > now) {
+                is_queued[piece] = true;
+                queue.push(now);
+                continue;
+            }
+            if now.px_a_triangle < least_px_a_triangle {
+                break;
+            }
+            take(now, spending.take(now));
+            let changed = std::iter::once(&piece).chain(&spending.growing[piece]);
+            for &piece in changed {
+                if !is_queued[piece]
+                    && let Some(offer) = spending.offer(piece)
+                {
+                    is_queued[piece] = true;
+                    queue.push(offer);
+                }
+            }
+        }
+    }
+}
+
+impl Spending<'_> {
+    /// Takes an offer; the level that its piece had before.
+    fn take(&mut self, offer: Offer) -> Option<usize> {
+        let piece = &self.wood.pieces[offer.piece];
+        let before = self.chosen[offer.piece].replace(offer.level);
+        self.left -= piece.count(Some(offer.level)) - piece.count(before);
+        for borne in &piece.bears {
+            if borne.coarsest as usize >= offer.level {
+                if let Some(px) = self.hanging_px.get_mut(borne.leaf as usize) {
+                    *px = 0.0;
+                }
+            }
+        }
+        before
+    }
+
+    /// The best that can be done for a piece, if what it grows on is there and the triangles suffice.
+    fn offer(&self, piece: usize) -> Option<Offer> {
+        let support = self.wood.pieces[piece].support;
+        if support.is_some_and(|support| self.chosen[support].is_none()) {
+            return None;
+        }
+        let (level, own) = self.best(piece)?;
+        let worth = match self.chosen[piece] {
+            None => self.with_what_grows_on_it(piece, own, MOST_DEEP),
+            Some(_) => own,
+        };
+        Some(Offer {
+            px_a_triangle: worth.px_a_triangle(),
+            piece,
+            level,
+        })
+    }
+
+    /// The finer level of a piece that saves the most pixels a triangle, where what it grows on is
+    /// fine enough or not yet there.
+    fn best(&self, index: usize) -> Option<(usize, Worth)> {
+        let piece = &self.wood.pieces[index];
+        let now = self.chosen[index];
+        let finer = 0..now.unwrap_or(piece.levels.len() + 1);
+        let lost_now = now.map_or(piece.seen_px, |level| piece.loss(level));
+        // By the coarsest level that bears them, pixels of leaves that nothing bears.
+        let mut hanging_px = vec![0.0; finer.len()];
+        for borne in &piece.bears {
+            let coarsest = borne.coarsest as usize;
+            let px = self.hanging_px.get(borne.leaf as usize);
+            if let (Some(sum), Some(px)) = (hanging_px.get_mut(coarsest), px) {
+                *sum += px;
+            }
+        }
+        let support = piece.support.and_then(|support| self.chosen[support]);
+        let fits = |level: usize| {
+            let coarsest = match piece.support {
+                Some(_) => piece.needs[level],
+                None => return true,
+            };
+            coarsest.is_some_and(|coarsest| support.is_none_or(|now| now <= coarsest as usize))
+        };
+        let mut borne_px = 0.0;
+        let mut best: Option<(usize, Worth)> = None;
+        for level in finer.rev() {
+            borne_px += hanging_px[level];
+            let worth = Worth {
+                px: lost_now - piece.loss(level) + borne_px,
+                triangles: piece.count(Some(level)) - piece.count(now),
+            };
+            let is_better =
+                |(_, known): &(usize, Worth)| worth.px_a_triangle() > known.px_a_triangle();
+            if worth.triangles <= self.left && fits(level) && best.as_ref().is_none_or(is_better) {
+                best = Some((level, worth));
+            }
+        }
+        best
+    }
+
+    /// What a piece is worth a triangle with the best of what grows on it: these come only after it.
+    fn with_what_grows_on_it(&self, piece: usize, own: Worth, deep: usize) -> Worth {
+        let Some(deeper) = deep.checked_sub(1) else {
+            return own;
+        };
+        let growing = self.growing[piece].iter();
+        let mut others: Vec<Worth> = growing
+            .filter_map(|&child| {
+                let (_, own) = self.best(child)?;
+                Some(self.with_what_grows_on_it(child, own, deeper))
+            })
+            .collect();
+        others.sort_by(|a, b| b.px_a_triangle().total_cmp(&a.px_a_triangle()));
+        others.into_iter().fold(own, |sum, other| {
+            match other.px_a_triangle() > sum.px_a_triangle() {
+                true => sum.and(other),
+                false => sum,
+            }
+        })
+    }
+}
