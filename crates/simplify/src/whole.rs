@@ -45,8 +45,8 @@ const HANGING_WEIGHT: f64 = 0.7;
 /// share of the triangles of a level. `ez_oak_20k` at a tenth needs .08 to hold all as at first.
 const MOST_HOLDING: f64 = 0.1;
 
-/// The share of the triangles of a level that may be of leaves that go since they hang in the air: they
-/// are those at the outline. Where .043 went, FLIP of a willow at a tenth was .0201 instead of .0110;
+/// The share of the triangles of a level's leaves that may go since they hang in the air: they are at
+/// the outline. Where .043 went, FLIP of a willow at a tenth was .0201 instead of .0110;
 /// where .019 did, of `ez_oak_20k`, .0239 instead of .0227.
 const MOST_GOING: f64 = 0.02;
 
@@ -317,7 +317,8 @@ impl<'a> WholePlant<'a> {
         triangles: usize,
     ) -> ((Lod, usize), Option<HeldBy>) {
         let most = (MOST_HOLDING * triangles as f64) as usize;
-        let most_going = (MOST_GOING * triangles as f64) as usize;
+        let of_leaves = triangles.saturating_sub(plain.1);
+        let most_going = (MOST_GOING * of_leaves as f64) as usize;
         for doubled in 0..MOST_DOUBLED {
             let largest_gap = self.levels.leaf_gap() * f64::from(1 << doubled);
             let Some(beside) = self.held_by(&plain.0, largest_gap) else {

@@ -133,10 +133,10 @@ impl Spending<'_> {
         let before = self.chosen[offer.piece].replace(offer.level);
         self.left -= piece.count(Some(offer.level)) - piece.count(before);
         for borne in &piece.bears {
-            if borne.coarsest as usize >= offer.level {
-                if let Some(px) = self.hanging_px.get_mut(borne.leaf as usize) {
-                    *px = 0.0;
-                }
+            if borne.coarsest as usize >= offer.level
+                && let Some(px) = self.hanging_px.get_mut(borne.leaf as usize)
+            {
+                *px = 0.0;
             }
         }
         before
