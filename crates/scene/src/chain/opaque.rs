@@ -17,7 +17,7 @@ use super::which::Placed;
 const NEAR_ENOUGH: f64 = 0.05;
 
 /// How often other sizes are tried.
-const TRIES: usize = 3;
+const TRIES: usize = 4;
 
 /// Leaves hide each other, and wood has its share: coverage changes by less than the area of leaves. Of it
 /// this power is tried.
@@ -25,9 +25,6 @@ const POWER: f64 = 1.5;
 
 /// The areas of leaves are multiplied by no less and no more.
 const RANGE: [f64; 2] = [0.5, 2.0];
-
-/// FLIP may rise by this factor, but not beyond what is allowed.
-const FLIP_RISE: f64 = 1.05;
 
 impl Maker<'_> {
     /// The levels, each of which covers about what it should from where it begins to where the next does, or
@@ -69,21 +66,25 @@ impl Maker<'_> {
     ) -> Result<(Made, f64), ChainError> {
         let range = [height, end_of(height, end)];
         let mut seen = client.as_drawn(&made.drawn.level.surfaces, range);
-        let most_flip = (FLIP_RISE * flip).min(self.options.max_flip.max(flip));
+        // To grow must not cost what was asked for; what is beyond it anyhow stays as near as it is.
+        let most_flip = self.options.max_flip.max(flip);
         let mut best = (seen.coverage_error(), made.clone(), flip);
         let mut factor = 1.0;
+        let mut step = seen.wanted_gain().powf(POWER);
         for _ in 0..TRIES {
             if seen.coverage_error() <= NEAR_ENOUGH {
                 break;
             }
-            factor *= seen.wanted_gain().powf(POWER);
-            factor = f64::clamp(factor, RANGE[0], RANGE[1]);
-            let next = self.resized(&made, factor)?;
+            let tried = f64::clamp(factor * step, RANGE[0], RANGE[1]);
+            let next = self.resized(&made, tried)?;
             let flip = self.flip(&next, height);
             if flip > most_flip {
-                break;
+                step = step.sqrt();
+                continue;
             }
+            factor = tried;
             seen = client.as_drawn(&next.drawn.level.surfaces, range);
+            step = seen.wanted_gain().powf(POWER);
             if seen.coverage_error() < best.0 {
                 best = (seen.coverage_error(), next, flip);
             }
