@@ -1,8 +1,8 @@
 //! A glTF file as it was found.
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
 
@@ -11,6 +11,7 @@ use super::container::{self, Unpacked};
 use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::input::read_within;
+use super::kept_images::KeptImages;
 use super::property;
 use super::uri;
 use secateur_model::{Budget, Memory};
@@ -35,6 +36,8 @@ pub struct Document {
     pub(crate) decompressed_views: Vec<OnceLock<Vec<u8>>>,
     /// How many bytes those are.
     pub(crate) decompressed_bytes: AtomicU64,
+    /// What stays decoded, which the levels of its tree share.
+    pub(crate) kept_images: Arc<KeptImages>,
     /// How much memory it was opened with.
     pub(crate) memory: Memory,
     /// What the JSON and the buffers leave of it.
@@ -172,6 +175,7 @@ impl Document {
             base_dir: base_dir.map(Path::to_owned),
             decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
             decompressed_bytes: AtomicU64::new(0),
+            kept_images: Arc::default(),
             memory,
             budget,
         })

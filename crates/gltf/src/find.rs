@@ -328,7 +328,7 @@ fn check_size(survey: &Survey, parts: &[Part], budget: &mut Budget) -> Result<()
         if part.is_foliage {
             let geometry = &survey.groups[group].geometry;
             triangles += geometry.triangles.len() as u64;
-            leaves += geometry.pieces.len() as u64;
+            leaves += geometry.pieces().len() as u64;
         }
     }
     let bytes = BYTES_A_TRIANGLE * triangles + BYTES_A_LEAF * leaves;
@@ -378,7 +378,7 @@ impl FoundLeaves {
         };
         let mut triangles: Vec<LeafTriangle> = Vec::new();
         let first = self.leaf_triangles.len() as u32;
-        for (leaf, range) in geometry.pieces.iter().zip(geometry.pieces.ranges()) {
+        for (leaf, range) in geometry.pieces().iter().zip(geometry.pieces().ranges()) {
             triangles.clear();
             for &t in leaf {
                 let [a, b, c] = geometry.triangles[t as usize];
@@ -395,7 +395,7 @@ impl FoundLeaves {
             });
         }
         self.leaf_triangles
-            .extend_from_slice(geometry.pieces.triangles());
+            .extend_from_slice(geometry.pieces().triangles());
         Ok(())
     }
 }

@@ -121,6 +121,7 @@ mod input;
 mod inspection;
 mod instances;
 mod judged;
+mod kept_images;
 mod leaf_surfaces;
 mod leaves;
 mod material;

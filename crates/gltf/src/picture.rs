@@ -120,6 +120,10 @@ impl<'a> Pictures<'a> {
         if let Some(known) = &self.decoded[index] {
             return Ok(known.clone());
         }
+        if let Some(kept) = self.document.kept_images.image(index) {
+            self.decoded[index] = Some(kept.clone());
+            return Ok(kept);
+        }
         if let Some(source) = self.document.image_source(index) {
             let first = *self.first_of.entry(source).or_insert(index);
             if let Some(known) = &self.decoded[first] {
@@ -152,6 +156,7 @@ impl<'a> Pictures<'a> {
             }
             Err(why) => Decoded::Unusable(why.into()),
         };
+        self.document.kept_images.keep_image(index, &decoded);
         self.decoded[index] = Some(decoded.clone());
         Ok(decoded)
     }
@@ -170,13 +175,16 @@ impl<'a> Pictures<'a> {
         let source = self.document.image_source(index);
         let first = source.and_then(|source| self.first_of.get(&source));
         let key = (first.copied().unwrap_or(index), wrap, filters);
+        let kept = &self.document.kept_images;
         let texture = self.textures.entry(key).or_insert_with(|| {
-            Arc::new(Texture {
-                width: picture.image.width(),
-                height: picture.image.height(),
-                rgba: picture.image.as_raw().clone(),
-                wrap,
-                filters,
+            kept.texture(key, || {
+                Arc::new(Texture {
+                    width: picture.image.width(),
+                    height: picture.image.height(),
+                    rgba: picture.image.as_raw().clone(),
+                    wrap,
+                    filters,
+                })
             })
         });
         Ok(Some(Arc::clone(texture)))

@@ -83,7 +83,7 @@ fn described(document: &Document, group: &Group) -> PrimitiveReport {
         nodes,
         placements: group.placements as u64,
         triangles: group.geometry.triangles.len() as u64,
-        pieces: group.geometry.pieces.len() as u64,
+        pieces: group.geometry.pieces().len() as u64,
         taken_for: TakenFor::Nothing,
         chosen_by_user: false,
         points: 0.0,

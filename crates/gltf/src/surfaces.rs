@@ -165,6 +165,21 @@ impl Document {
         read().map_err(|fault| self.error(fault))
     }
 
+    /// As [`Document::drawn`], where it does not matter what is foliage: nothing is said to be.
+    ///
+    /// # Errors
+    /// As [`Document::surfaces`].
+    pub fn drawn_as_one(&self, detail: Detail) -> Result<Vec<DrawnSurface>, GltfError> {
+        let read = || -> Result<_, Fault> {
+            let parts = self.parts()?;
+            let mut budget = self.budget;
+            let survey = self.survey(&parts, &mut budget)?;
+            let mut pictures = Pictures::new(self, budget);
+            self.surfaces_of(&parts, &survey, &mut pictures, detail)
+        };
+        read().map_err(|fault| self.error(fault))
+    }
+
     pub(super) fn surfaces_of(
         &self,
         parts: &[Part],

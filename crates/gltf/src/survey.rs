@@ -1,6 +1,7 @@
 //! The primitives of a scene, each looked at once however often it is drawn.
 
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use glam::DVec3;
 
@@ -28,8 +29,16 @@ pub(crate) struct Group {
 pub(crate) struct Geometry {
     pub(crate) positions: Vec<DVec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
+    /// Found when they are first asked for: what is only drawn does without.
+    pieces: OnceLock<Leaves>,
+}
+
+impl Geometry {
     /// Its connected pieces, which are its leaves if it is foliage.
-    pub(crate) pieces: Leaves,
+    pub(crate) fn pieces(&self) -> &Leaves {
+        let find = || find_leaves(&self.positions, &self.triangles);
+        self.pieces.get_or_init(find)
+    }
 }
 
 /// The groups of a scene.
@@ -97,7 +106,6 @@ impl Document {
     fn group(&self, part: &Part) -> Result<Group, Fault> {
         let positions = self.positions(part.mesh, part.primitive)?;
         let triangles = self.triangles(part.mesh, part.primitive)?;
-        let pieces = find_leaves(&positions, &triangles);
         Ok(Group {
             mesh: part.mesh,
             primitive: part.primitive,
@@ -107,7 +115,7 @@ impl Document {
             geometry: Geometry {
                 positions,
                 triangles,
-                pieces,
+                pieces: OnceLock::new(),
             },
         })
     }

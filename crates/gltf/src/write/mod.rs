@@ -17,6 +17,7 @@ mod files;
 mod images;
 mod instances;
 mod leaf_edits;
+mod lod_document;
 mod meshes;
 mod packing;
 mod plant;
