@@ -41,7 +41,7 @@ impl WholePictures {
             outlines.push(covered);
         }
         Self {
-            pictures: Pictures(pictures),
+            pictures: Pictures::of_sets(pictures),
             outlines,
         }
     }
