@@ -9,7 +9,7 @@ use secateur_raster::{View, ViewSet};
 use serde::Serialize;
 
 use crate::as_drawn::specks;
-use crate::mips::MipChains;
+use crate::mips::{MipChains, MipMaps};
 use crate::pictures::camera_of;
 use crate::render::is_covered;
 
@@ -45,11 +45,17 @@ struct Counted {
 }
 
 impl AsDrawnCoverage {
-    /// Of an original from views, in pictures of `width_px` x `width_px` pixels.
+    /// Of an original from views, in pictures of `width_px` x `width_px` pixels. Mip maps that are not
+    /// `known` are made.
     ///
     /// # Panics
     /// If `width_px` is 0, or there is no view.
-    pub fn new<S: Borrow<Surface> + Sync>(original: &[S], views: &ViewSet, width_px: u32) -> Self {
+    pub fn new<S: Borrow<Surface> + Sync>(
+        original: &[S],
+        views: &ViewSet,
+        width_px: u32,
+        known: &MipMaps,
+    ) -> Self {
         assert!(width_px > 0 && !views.is_empty());
         let samples = (TRUTH_SIDE / width_px).clamp(1, 4);
         let covered_px = |view: &View| {
@@ -59,34 +65,27 @@ impl AsDrawnCoverage {
         };
         Self {
             truth_px: views.views().par_iter().map(covered_px).collect(),
-            original: counted(original, views, width_px, 1),
+            original: counted(original, views, width_px, known),
             views: views.clone(),
             width_px,
         }
     }
 
-    /// How much a client shows of the original itself, in the first of each `every` views.
-    ///
-    /// # Panics
-    /// If `every` is 0.
-    pub fn original_shown(&self, every: usize) -> Shown {
-        let counted: Vec<Counted> = self.original.iter().step_by(every).copied().collect();
-        self.shown_by(&counted, every)
+    /// How much a client shows of the original itself.
+    pub fn original_shown(&self) -> Shown {
+        self.shown_by(&self.original)
     }
 
-    /// How much a client shows of a simplified tree, in the first of each `every` views.
-    ///
-    /// # Panics
-    /// If `every` is 0.
-    pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S], every: usize) -> Shown {
-        let counted = counted(simplified, &self.views, self.width_px, every);
-        self.shown_by(&counted, every)
+    /// How much a client shows of a simplified tree. Mip maps that are not `known` are made.
+    pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S], known: &MipMaps) -> Shown {
+        let counted = counted(simplified, &self.views, self.width_px, known);
+        self.shown_by(&counted)
     }
 
-    fn shown_by(&self, counted: &[Counted], every: usize) -> Shown {
+    fn shown_by(&self, counted: &[Counted]) -> Shown {
         let covered_px: usize = counted.iter().map(|view| view.covered_px).sum();
         let specks: usize = counted.iter().map(|view| view.specks).sum();
-        let truth_px: f64 = self.truth_px.iter().step_by(every).sum();
+        let truth_px: f64 = self.truth_px.iter().sum();
         Shown {
             coverage_over_truth: covered_px as f64 / truth_px,
             specks_per_view: specks as f64 / counted.len() as f64,
@@ -98,9 +97,9 @@ fn counted<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     views: &ViewSet,
     width_px: u32,
-    every: usize,
+    known: &MipMaps,
 ) -> Vec<Counted> {
-    let mips = MipChains::of_cut_outs(surfaces);
+    let mips = MipChains::of_cut_outs(surfaces, known);
     let of_view = |view: &View| {
         let is_covered = is_covered(surfaces, &camera_of(view), width_px, Some(&mips));
         Counted {
@@ -108,12 +107,7 @@ fn counted<S: Borrow<Surface> + Sync>(
             specks: specks(&is_covered, width_px as usize),
         }
     };
-    views
-        .views()
-        .par_iter()
-        .step_by(every)
-        .map(of_view)
-        .collect()
+    views.views().par_iter().map(of_view).collect()
 }
 
 #[cfg(test)]
@@ -130,11 +124,13 @@ mod tests {
         for (mips, width_px) in [(Mips::Blended, 64), (Mips::None, 16), (Mips::Blended, 16)] {
             let card = [striped(mips)];
             let pictures = AsDrawn::new(&card, &views, width_px).measure(&card);
-            let counted = AsDrawnCoverage::new(&card, &views, width_px);
-            let shown = counted.shown(&card, 1);
+            let known = MipMaps::of_cut_outs(&card);
+            let counted = AsDrawnCoverage::new(&card, &views, width_px, &MipMaps::default());
+            let shown = counted.shown(&card, &known);
+            assert_eq!(shown, counted.shown(&card, &MipMaps::default()));
             assert_eq!(shown.coverage_over_truth, pictures.coverage_over_truth);
             assert_eq!(shown.specks_per_view, pictures.specks_per_view);
-            assert_eq!(counted.original_shown(1), shown);
+            assert_eq!(counted.original_shown(), shown);
         }
     }
 }

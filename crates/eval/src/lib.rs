@@ -40,7 +40,8 @@ pub use measure::{
     Judging, JudgingViews, MeasureError, Measurement, Original, RigMeasurement, measure,
     measure_lod,
 };
+pub use mips::MipMaps;
 pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};
-pub use texel::{color_of, sample_alpha};
+pub use texel::{FourTexels, color_of, sample_alpha};

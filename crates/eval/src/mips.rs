@@ -22,27 +22,58 @@ pub(crate) struct MipChain {
     levels: Vec<Arc<Texture>>,
 }
 
+/// The mip maps of textures that are drawn again and again.
+#[derive(Clone, Debug, Default)]
+pub struct MipMaps(Vec<Arc<MipChain>>);
+
+impl MipMaps {
+    /// Of those base colour textures of these surfaces that cut something out.
+    pub fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
+        let mut all = Self::default();
+        let chains = MipChains::of_cut_outs(surfaces, &all).0;
+        for chain in chains.into_iter().flatten() {
+            if all.find(chain.texture()).is_none() {
+                all.0.push(chain);
+            }
+        }
+        all
+    }
+
+    /// That of this very texture, not of one like it.
+    fn find(&self, texture: &Arc<Texture>) -> Option<&Arc<MipChain>> {
+        let mut chains = self.0.iter();
+        chains.find(|chain| Arc::ptr_eq(chain.texture(), texture))
+    }
+}
+
 /// The mip chains of all textures of a scene, by surface.
 pub(crate) struct MipChains(Vec<Option<Arc<MipChain>>>);
 
 impl MipChains {
     /// Makes the chains of all base colour textures, each once.
     pub(crate) fn of<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
-        Self::of_those(surfaces, |_| true)
+        Self::of_those(surfaces, |_| true, &MipMaps::default())
     }
 
-    /// Only those that cut something out.
-    pub(crate) fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
-        Self::of_those(surfaces, |material| alpha_cutoff(material).is_some())
+    /// Only those that cut something out, but for chains that are known.
+    pub(crate) fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S], known: &MipMaps) -> Self {
+        Self::of_those(surfaces, |m| alpha_cutoff(m).is_some(), known)
     }
 
-    fn of_those<S: Borrow<Surface>>(surfaces: &[S], is_needed: impl Fn(&Material) -> bool) -> Self {
-        let mut known: HashMap<*const Texture, Arc<MipChain>> = HashMap::new();
+    fn of_those<S: Borrow<Surface>>(
+        surfaces: &[S],
+        is_needed: impl Fn(&Material) -> bool,
+        known: &MipMaps,
+    ) -> Self {
+        let mut made: HashMap<*const Texture, Arc<MipChain>> = HashMap::new();
         let chains = surfaces.iter().map(|surface| {
             let material = &surface.borrow().material;
             let texture = material.texture.as_ref().filter(|_| is_needed(material));
             let texture = texture.filter(|texture| is_whole(texture))?;
-            let chain = known.entry(Arc::as_ptr(texture));
+            if let Some(known) = known.find(texture) {
+                return Some(Arc::clone(known));
+            }
+            let chain = made.entry(Arc::as_ptr(texture));
             let chain = chain.or_insert_with(|| Arc::new(MipChain::of(texture)));
             Some(Arc::clone(chain))
         });
@@ -56,6 +87,10 @@ impl MipChains {
 }
 
 impl MipChain {
+    fn texture(&self) -> &Arc<Texture> {
+        &self.levels[0]
+    }
+
     fn of(texture: &Arc<Texture>) -> Self {
         let mut levels = vec![Arc::clone(texture)];
         if texture.filters.mips != Mips::None {

@@ -102,18 +102,47 @@ where
     let Some(texture) = texture.filter(|t| is_whole(t)) else {
         return plain;
     };
-    let size = [texture.width, texture.height];
-    let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
-    // Keeps texel numbers in range; beyond it a coordinate has no texel left.
-    let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
-    let low = [floor(at.x), floor(at.y)];
-    let share = at - Vec2::new(low[0] as f32, low[1] as f32);
-    let columns = [0, 1].map(|dx| wrapped(texture.wrap[0], low[0] + dx, size[0]));
-    let rows = [0, 1].map(|dy| wrapped(texture.wrap[1], low[1] + dy, size[1]));
-    let get = |x: usize, y: usize| texel(texture, 4 * (rows[y] * size[0] as usize + columns[x]));
-    let top = get(0, 0) * (1.0 - share.x) + get(1, 0) * share.x;
-    let bottom = get(0, 1) * (1.0 - share.x) + get(1, 1) * share.x;
-    top * (1.0 - share.y) + bottom * share.y
+    let four = FourTexels::at([texture.width, texture.height], texture.wrap, uv);
+    four.blended(|number| texel(texture, 4 * number as usize))
+}
+
+/// The four texels that a smooth sampler reads, and how much of each.
+#[derive(Clone, Copy, Debug)]
+pub struct FourTexels {
+    /// Numbers of texels, row by row: two of the upper row, two of the lower one.
+    pub texels: [u32; 4],
+    /// The shares of the right column and of the lower row.
+    pub shares: Vec2,
+}
+
+impl FourTexels {
+    /// Those at these coordinates, in a texture of this width and height, of at least a texel and at most
+    /// 2^32.
+    pub fn at(size: [u32; 2], wrap: [Wrap; 2], uv: Vec2) -> Self {
+        let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
+        // Keeps texel numbers in range; beyond it a coordinate has no texel left.
+        let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
+        let low = [floor(at.x), floor(at.y)];
+        let columns = [0, 1].map(|dx| wrapped(wrap[0], low[0] + dx, size[0]));
+        let rows = [0, 1].map(|dy| wrapped(wrap[1], low[1] + dy, size[1]));
+        let number = |x: usize, y: usize| (rows[y] * size[0] as usize + columns[x]) as u32;
+        Self {
+            texels: [number(0, 0), number(1, 0), number(0, 1), number(1, 1)],
+            shares: at - Vec2::new(low[0] as f32, low[1] as f32),
+        }
+    }
+
+    /// The mean of what the four have, by how much of each is read.
+    pub fn blended<T>(&self, of: impl Fn(u32) -> T) -> T
+    where
+        T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+    {
+        let [a, b, c, d] = self.texels;
+        let share = self.shares;
+        let top = of(a) * (1.0 - share.x) + of(b) * share.x;
+        let bottom = of(c) * (1.0 - share.x) + of(d) * share.x;
+        top * (1.0 - share.y) + bottom * share.y
+    }
 }
 
 /// The largest whole number not above a value: `f32::floor` is a call on targets

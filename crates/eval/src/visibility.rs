@@ -18,8 +18,6 @@ const BAND_ROWS: usize = 32;
 const BLOCK: usize = 8;
 /// Shared edges must not show the background through rounding.
 const EDGE_SLACK: f32 = -1e-5;
-/// By how much of what is added up in f32 a share may be off, and more.
-const ROUNDING: f32 = 4e-6;
 /// No triangle is in front.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
@@ -53,32 +51,6 @@ impl PointInTriangle {
             second: Vec2::new(ac.y, -ac.x) * inverse,
             third: Vec2::new(-ab.y, ab.x) * inverse,
         })
-    }
-
-    /// Of these columns of a row those that the triangle may cover, and few others.
-    fn columns(&self, row: usize, columns: Range<usize>) -> Range<usize> {
-        let down = row as f32 + 0.5 - self.origin.y;
-        // Each share, and the first as what is left of 1, is linear along the row.
-        let (second, third) = (self.second, self.third);
-        let shares = [
-            (1.0 - (second.y + third.y) * down, -(second.x + third.x)),
-            (second.y * down, second.x),
-            (third.y * down, third.x),
-        ];
-        let rounding = ROUNDING * (1.0 + (second.y.abs() + third.y.abs()) * down.abs());
-        let (mut low, mut high) = (columns.start as f32, columns.end as f32);
-        for (at_origin, slope) in shares {
-            let edge = self.origin.x + (EDGE_SLACK - at_origin) / slope;
-            let slack = 2.0 + rounding / slope.abs();
-            match slope > 0.0 {
-                true => low = low.max(edge - slack),
-                false if slope < 0.0 => high = high.min(edge + slack),
-                false => {}
-            }
-        }
-        let first = (low.max(0.0) as usize).max(columns.start);
-        let end = (high.max(0.0) as usize).min(columns.end);
-        first..end.max(first)
     }
 
     /// The shares of the three corners at a point of the raster.
@@ -283,6 +255,7 @@ impl<'a> Band<'a> {
         let cutout = Cut::of(triangle, surface, mips);
         let [a, b, c] = triangle.corners.map(|corner| corner.at);
         let nearness = triangle.corners.map(|corner| corner.nearness);
+        let lanes = Lanes { place, nearness };
         let nearest = nearest_of(nearness);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let rows = self.first_row..self.first_row + self.nearness.len() / self.width;
@@ -294,36 +267,34 @@ impl<'a> Band<'a> {
         let rows = rows.start - self.first_row..rows.end - self.first_row;
         for block_row in rows.start / BLOCK..rows.end.div_ceil(BLOCK) {
             let rows = rows.start.max(block_row * BLOCK)..rows.end.min((block_row + 1) * BLOCK);
-            let mut spans = [const { 0..0 }; BLOCK];
-            for (span, row) in spans.iter_mut().zip(rows.clone()) {
-                *span = place.columns(row + self.first_row, columns.clone());
-            }
             for block_column in columns.start / BLOCK..columns.end.div_ceil(BLOCK) {
                 if nearest < self.farthest_in(block_row, block_column) {
                     continue;
                 }
-                let within = block_column * BLOCK..(block_column + 1) * BLOCK;
+                let first = block_column * BLOCK;
+                let end = self.width.min(first + BLOCK);
+                let in_box = (first..end).filter(|column| columns.contains(column));
+                let in_box = in_box.fold(0, |bits, column| bits | 1u32 << (column - first));
                 let mut is_changed = false;
-                for (span, row) in spans.iter().zip(rows.clone()) {
-                    for column in span.start.max(within.start)..span.end.min(within.end) {
-                        let sample = row * self.width + column;
-                        let known = self.nearness[sample];
-                        if known == f32::INFINITY {
-                            continue;
-                        }
-                        let at =
-                            Vec2::new(column as f32 + 0.5, (row + self.first_row) as f32 + 0.5);
-                        let weights = place.weights(at);
-                        let [first, second, third] = weights;
-                        if first < EDGE_SLACK || second < EDGE_SLACK || third < EDGE_SLACK {
-                            continue;
-                        }
-                        let near = weighted(nearness, weights);
+                for row in rows.clone() {
+                    let start = row * self.width + first;
+                    let known = &self.nearness[start..row * self.width + end];
+                    let y = (row + self.first_row) as f32 + 0.5;
+                    let found = lanes.at([first, row + self.first_row], known);
+                    let mut left = found.nearer & in_box;
+                    while left != 0 {
+                        let lane = left.trailing_zeros() as usize;
+                        left &= left - 1;
+                        let sample = start + lane;
+                        let near = found.nearness[lane];
                         // Of equally near triangles the first of the scene is seen, whichever is
                         // drawn first.
-                        let is_before =
-                            near > known || (near == known && index < self.frontmost[sample]);
-                        if is_before && cutout.is_there(triangle, &place, at, weights) {
+                        if near == self.nearness[sample] && index > self.frontmost[sample] {
+                            continue;
+                        }
+                        let at = Vec2::new((first + lane) as f32 + 0.5, y);
+                        let weights = found.weights.map(|of_corner| of_corner[lane]);
+                        if cutout.is_there(triangle, &place, at, weights) {
                             self.nearness[sample] = match self.seek {
                                 Seek::Frontmost => near,
                                 Seek::Any => f32::INFINITY,
@@ -353,6 +324,67 @@ impl<'a> Band<'a> {
             };
         }
         self.blocks[number].farthest
+    }
+}
+
+/// A triangle, looked at in several samples of a row at a time: the processor does four of them in the
+/// time of one.
+struct Lanes {
+    place: PointInTriangle,
+    nearness: [f32; 3],
+}
+
+/// What a triangle is at up to [`BLOCK`] samples that follow each other.
+struct LanesFound {
+    /// A bit for each sample in the triangle at which it is as near as what is known, or nearer.
+    nearer: u32,
+    nearness: [f32; BLOCK],
+    /// By corner.
+    weights: [[f32; BLOCK]; 3],
+}
+
+impl Lanes {
+    /// From a sample on, at column and row of the raster, as many as have a known nearness; an infinite
+    /// one is never reached.
+    #[inline]
+    fn at(&self, [column, row]: [usize; 2], known: &[f32]) -> LanesFound {
+        let PointInTriangle {
+            origin,
+            second,
+            third,
+        } = self.place;
+        let down = row as f32 + 0.5 - origin.y;
+        let mut weights = [[0.0; BLOCK]; 3];
+        let mut nearness = [0.0; BLOCK];
+        let behind: [f32; BLOCK] = known.try_into().unwrap_or_else(|_| {
+            let mut behind = [f32::INFINITY; BLOCK];
+            behind[..known.len()].copy_from_slice(known);
+            behind
+        });
+        let mut is_nearer = [false; BLOCK];
+        for lane in 0..BLOCK {
+            let right = (column + lane) as f32 + 0.5 - origin.x;
+            // In the order of `PointInTriangle::weights`, so that both round alike.
+            let of_second = second.x * right + second.y * down;
+            let of_third = third.x * right + third.y * down;
+            let of_first = 1.0 - of_second - of_third;
+            let near = weighted(self.nearness, [of_first, of_second, of_third]);
+            weights[0][lane] = of_first;
+            weights[1][lane] = of_second;
+            weights[2][lane] = of_third;
+            nearness[lane] = near;
+            is_nearer[lane] = (of_first >= EDGE_SLACK)
+                & (of_second >= EDGE_SLACK)
+                & (of_third >= EDGE_SLACK)
+                & (near >= behind[lane])
+                & (behind[lane] < f32::INFINITY);
+        }
+        let bits = is_nearer.iter().enumerate();
+        LanesFound {
+            nearer: bits.fold(0, |bits, (lane, is)| bits | (u32::from(*is) << lane)),
+            nearness,
+            weights,
+        }
     }
 }
 
