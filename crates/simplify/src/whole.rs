@@ -448,6 +448,22 @@ pub fn simplify_keeping_wood(
     engine: &OpenEngine,
     observer: &mut Observer<'_>,
 ) -> Result<WholeLevel, Error> {
+    simplify_keeping_wood_sharing(leaves, wood, options, engine, None, observer)
+}
+
+/// [`simplify_keeping_wood`], several times with different targets: what one run finds the next goes on
+/// from. All else must be the same each time.
+///
+/// # Errors
+/// As [`simplify_keeping_wood`].
+pub fn simplify_keeping_wood_sharing(
+    leaves: &Foliage,
+    wood: &Foliage,
+    options: &Options,
+    engine: &OpenEngine,
+    shared: Option<&mut Shared>,
+    observer: &mut Observer<'_>,
+) -> Result<WholeLevel, Error> {
     options.target.check()?;
     let least = wood.triangles().len();
     let target = match options.target {
@@ -469,7 +485,7 @@ pub fn simplify_keeping_wood(
         ..options.clone()
     };
     Ok(WholeLevel {
-        leaves: simplify_on(engine, leaves, &options, observer)?,
+        leaves: simplify_sharing(engine, leaves, &options, shared, observer)?,
         wood: Lod::original(wood.leaves().len()),
         wood_triangles: least,
         leaf_gap: None,
