@@ -344,6 +344,17 @@ const pictureOf = (level, camera, width, height, steps = null, windSeconds = nul
   return url;
 };
 
+// What was not needed for the first picture, while nothing else is to be done.
+const unpackRest = async () => {
+  const idle = () => new Promise((done) => (window.requestIdleCallback ?? setTimeout)(done));
+  for (let level = 0; level < levels; level++) {
+    await idle();
+    renderer?.level(level);
+  }
+  await idle();
+  sayLeaves();
+};
+
 const start = async () => {
   fillTable();
   listen();
@@ -356,14 +367,14 @@ const start = async () => {
     const made = new Renderer(canvas);
     await made.load(scene, bytesOf("geometry"), bytesOf("pictures"));
     renderer = made;
-    $("any-number").hidden = !renderer.order;
+    $("any-number").hidden = !scene.continuous;
+    if (scene.continuous) $("steps").max = scene.continuous.steps;
     $("wind").hidden = !renderer.canSway;
-    if (renderer.order) $("steps").max = renderer.order.steps;
-    sayLeaves();
     draw();
     tell("");
-    window.preview = { state, orbit, chain, order: renderer.order, light: { ...LIGHT, background: BACKGROUND }, draw, pictureOf };
+    window.preview = { state, orbit, chain, get order() { return renderer.order; }, light: { ...LIGHT, background: BACKGROUND }, draw, pictureOf };
     document.documentElement.dataset.ready = Math.round(performance.now());
+    unpackRest();
   } catch (error) {
     tell(error.message);
   }

@@ -27,8 +27,8 @@ class Renderer {
       const { name } = gl.getActiveUniform(this.program, k);
       this.at[name] = gl.getUniformLocation(this.program, name);
     }
-    // A removal order, where there is one. Its textures must be there in any case.
-    this.order = null;
+    // Textures of a removal order must be there in any case.
+    this.unpackedOrder = null;
     // What wind.js makes, or null where none blows.
     this.wind = null;
     this.orderTextures = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
@@ -63,25 +63,48 @@ class Renderer {
     return program;
   }
 
+  // What is drawn first needs little of all this: textures go to the graphics card, and levels and the
+  // removal order are unpacked, when they are first drawn or asked for.
   async load(scene, geometry, pictures) {
-    const [buffer, bitmaps] = await Promise.all([
+    this.scene = scene;
+    [this.buffer, this.bitmaps] = await Promise.all([
       inflated(geometry),
       Promise.all(scene.textures.map((entry) => bitmapOf(entry, pictures))),
     ]);
-    this.textures = scene.textures.map((entry, k) => this.upload(entry, bitmaps[k]));
+    this.textures = scene.textures.map(() => null);
+    this.levels = scene.levels.map(() => null);
     this.materials = scene.materials;
-    this.levels = scene.levels.map((level) => level.surfaces.map((surface) => this.mesh(surface, buffer)));
-    if (!scene.continuous) return;
-    this.order = new RemovalOrder(scene.continuous, buffer);
-    this.orderTextures = [this.words(this.order.leafTexels(), 4), this.words(this.order.sizeTexels(), 2)];
-    this.ordered = scene.continuous.surfaces.map((surface, k) => this.mesh(surface, buffer, this.order.surfaces[k].leaves));
+  }
+
+  level(k) {
+    this.levels[k] ??= this.scene.levels[k].surfaces.map((surface) => this.mesh(surface, this.buffer));
+    return this.levels[k];
+  }
+
+  texture(k) {
+    this.textures[k] ??= this.upload(this.scene.textures[k], this.bitmaps[k]);
+    return this.textures[k];
+  }
+
+  // The removal order, or null where there is none.
+  get order() {
+    const { continuous } = this.scene;
+    if (!continuous) return null;
+    if (!this.unpackedOrder) {
+      const order = new RemovalOrder(continuous, this.buffer);
+      this.orderTextures = [this.words(order.leafTexels(), 4), this.words(order.sizeTexels(), 2)];
+      this.ordered = continuous.surfaces.map((surface, k) => this.mesh(surface, this.buffer, order.surfaces[k].leaves));
+      this.unpackedOrder = order;
+    }
+    return this.unpackedOrder;
   }
 
   // The meshes of a level, or of the removal order after some steps with the wood of a level.
   meshes({ level, steps }) {
-    if (steps === null) return this.levels[level];
-    const prefix = (mesh, k) => ({ ...mesh, steps, triangles: this.order.trianglesAfter(k, steps) });
-    return [...this.levels[level].filter((mesh) => !mesh.is_foliage), ...this.ordered.map(prefix)];
+    if (steps === null) return this.level(level);
+    const { order } = this;
+    const prefix = (mesh, k) => ({ ...mesh, steps, triangles: order.trianglesAfter(k, steps) });
+    return [...this.level(level).filter((mesh) => !mesh.is_foliage), ...this.ordered.map(prefix)];
   }
 
   upload(entry, bitmap) {
@@ -154,7 +177,7 @@ class Renderer {
 
   // Whether anything says what it hangs on.
   get canSway() {
-    return this.levels.flat().some((mesh) => mesh.holds !== null);
+    return this.scene.levels.some((level) => level.surfaces.some((surface) => surface.holds !== null));
   }
 
   // Draws one level, { level, steps } as meshes() has it, into a box of the canvas, in its pixels from
@@ -162,6 +185,8 @@ class Renderer {
   draw(level, camera, box, show, wind = null) {
     const { gl, at } = this;
     this.wind = wind;
+    // First of all: what is unpacked for them binds textures and buffers.
+    const meshes = this.meshes(level).filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(box.x, box.y, box.width, box.height);
     gl.viewport(box.x, box.y, box.width, box.height);
@@ -191,7 +216,6 @@ class Renderer {
       gl.activeTexture(gl.TEXTURE2 + k);
       gl.bindTexture(gl.TEXTURE_2D, this.orderTextures[k]);
     });
-    const meshes = this.meshes(level).filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
     const blends = (mesh) => this.materials[mesh.material].alpha === "blend";
     if (show.wire) {
       gl.enable(gl.POLYGON_OFFSET_FILL);
@@ -238,9 +262,9 @@ class Renderer {
     gl.uniform1i(at.u_has, has);
     gl.uniform4fv(at.u_plain, (mesh.is_foliage ? FOLIAGE_COLORS : WOOD_COLORS).faces);
     gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, has & HAS.normalMap ? this.textures[material.normal_map] : null);
+    gl.bindTexture(gl.TEXTURE_2D, has & HAS.normalMap ? this.texture(material.normal_map) : null);
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, has & HAS.texture ? this.textures[material.texture] : null);
+    gl.bindTexture(gl.TEXTURE_2D, has & HAS.texture ? this.texture(material.texture) : null);
     gl.uniform4fv(at.u_color, material.color);
     gl.uniform1f(at.u_cutoff, cutoff ?? (material.alpha === "mask" ? material.cutoff : -1));
     gl.uniform1f(at.u_roughness, material.roughness);
