@@ -192,6 +192,46 @@ fn each_distance_gets_the_fewest_triangles_within_the_difference_at_its_height()
 }
 
 #[test]
+fn wood_gets_coarser_as_it_is_asked_for_or_stays() {
+    let bench = Bench::new();
+    let chain = |folder: &str, options: &[&str]| {
+        let report = format!("{folder}.json");
+        let lods = ["lods", "oak.glb", "-o", folder, "--report", &report];
+        bench.run(&[&lods[..], options].concat()).succeeded();
+        bench.json(&report)
+    };
+    let level = |folder: &str| bench.read(&format!("{folder}/oak_LOD0.glb"));
+    let [auto, vmi] = ["auto", "vmi"].map(|wood| {
+        let record = chain(wood, &["--wood", wood, "--levels", "0.2"]);
+        (record, level(wood))
+    });
+    assert_eq!(auto.0["wood"], "geometry");
+    assert_eq!(vmi.0["wood"], "vmi");
+    assert_ne!(vmi.1, auto.1);
+
+    let wood = count(&auto.0["wood_triangles"]["original"]);
+    let budgets = [wood + 200, wood + 100];
+    let budget = budgets.map(|n| n.to_string()).join(",");
+    let kept = chain("kept", &["--wood", "keep", "--triangles", &budget]);
+    assert_eq!(kept["wood"], "keep");
+    for (level, budget) in levels(&kept).iter().zip(budgets) {
+        assert_eq!(count(&level["wood_triangles"]), wood, "{level}");
+        assert_eq!(count(&level["triangles"]), budget, "{level}");
+    }
+    // A chain for heights ends above the wood.
+    let sought = chain("sought", &["--wood", "keep", "--impostor", "none"]);
+    for level in levels(&sought) {
+        assert_eq!(count(&level["wood_triangles"]), wood, "{level}");
+    }
+    let below = (wood - 1).to_string();
+    let says = format!("ask for {wood} or more");
+    let keep = ["lods", "oak.glb", "-o", "below", "--wood", "keep"];
+    let run = bench.run(&[&keep[..], &["--triangles", &below]].concat());
+    run.failed_saying(&["the wood alone has", &says]);
+    assert!(!bench.names().contains(&"below".to_owned()));
+}
+
+#[test]
 fn levels_of_msft_have_falling_coverages() {
     let bench = Bench::new();
     let lods = [
@@ -255,13 +295,18 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     lods(&["--max-flip", "0"]).misused_saying(&["above 0"]);
     lods(&["--distances", "20,5"]).misused_saying(&["distances must rise"]);
     lods(&["--distances", "5,5"]).misused_saying(&["distances must rise"]);
-    lods(&["--distances", "0,5"]).misused_saying(&["above 0"]);
-    lods(&["--distances", "-5"]).misused_saying(&["above 0"]);
-    lods(&["--distances", "5,inf"]).misused_saying(&["above 0"]);
+    lods(&["--distances", "0,5"]).misused_saying(&["from 0.01 to 1000000"]);
+    lods(&["--distances", "-5"]).misused_saying(&["from 0.01 to 1000000"]);
+    lods(&["--distances", "5,inf"]).misused_saying(&["from 0.01 to 1000000"]);
+    lods(&["--distances", "1e-300"]).misused_saying(&["from 0.01 to 1000000"]);
+    lods(&["--distances", "5,1e9"]).misused_saying(&["from 0.01 to 1000000"]);
+    lods(&["--screen-height", "1e-9"]).misused_saying(&["from 16 to 100000"]);
+    lods(&["--screen-height", "1e300"]).misused_saying(&["from 16 to 100000"]);
+    lods(&["--wood", "ignore"]).misused_saying(&["invalid value"]);
     lods(&["--distances", "5", "--levels", "0.5"]).misused_saying(&["cannot be used with"]);
     lods(&["--max-pop", "0"]).misused_saying(&["above 0"]);
     lods(&["--impostor", "cloud"]).misused_saying(&["invalid value"]);
-    lods(&["--screen-height", "0"]).misused_saying(&["above 0"]);
+    lods(&["--screen-height", "0"]).misused_saying(&["from 16 to 100000"]);
     lods(&["--fov", "180"]).misused_saying(&["from 1 to 179"]);
     let into_file = ["lods", "oak.glb", "-o", "x.glb", "--layout", "files"];
     bench

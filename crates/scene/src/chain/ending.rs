@@ -5,8 +5,10 @@ use secateur_simplify::Observer;
 
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
+use super::level_surfaces::LevelSurfaces;
 use super::maker::{Made, Maker};
-use super::textures::{Chosen, Client, LevelSurfaces, bytes_of, end_of, texture_bytes};
+use super::texture_bytes::{bytes_of, texture_bytes};
+use super::textures::{Chosen, Client, end_of};
 use crate::impostor::crossed::Planes;
 use crate::impostor::judge::{Judge, best_crossed, flip, largest_flip};
 use crate::impostor::{Choice, Impostor};
@@ -30,6 +32,12 @@ impl Pictured {
     }
 }
 
+fn no_impostor(place: &str, flip: f64, triangles: usize, of_mesh: f64) -> String {
+    format!(
+        "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, the mesh of {triangles} triangles {of_mesh:.3}"
+    )
+}
+
 impl Maker<'_> {
     /// The impostor that a chain ends in, from which height on, and its FLIP there.
     pub(super) fn impostor(
@@ -48,6 +56,12 @@ impl Maker<'_> {
             (height, format!("{height} pixels"))
         });
         let judge = self.look.judge(self.options.screen, height);
+        if choice == Choice::Auto
+            && let Some([flip, of_mesh]) = self.hopeless(mesh, &judge, height)
+        {
+            notes.push(no_impostor(&place, flip, mesh.triangles(), of_mesh));
+            return Ok(None);
+        }
         let original = judge.of_surfaces(&self.look.original);
         let of_mesh = flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
         let found = match choice {
@@ -55,7 +69,6 @@ impl Maker<'_> {
                 let flip = flip(&original, &judge.of_impostor(&made));
                 (made, flip)
             }),
-            Choice::Auto => self.crossed_unless_hopeless(&original, of_mesh, &judge, height),
             _ => best_crossed(&self.look.original, &original, &judge, height),
         };
         let Some((impostor, flip)) = found else {
@@ -83,10 +96,7 @@ impl Maker<'_> {
             return Ok(None);
         }
         if choice == Choice::Auto && !(is_lighter && is_near) {
-            notes.push(format!(
-                "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, the mesh of {} triangles {of_mesh:.3}",
-                mesh.triangles()
-            ));
+            notes.push(no_impostor(&place, flip, mesh.triangles(), of_mesh));
             return Ok(None);
         }
         let level = ImpostorLevel {
@@ -98,21 +108,16 @@ impl Maker<'_> {
         Ok(Some((level, height, flip)))
     }
 
-    /// The crossed planes that look most like the plant; the fewest alone where these are so far from
-    /// it that more will not do.
-    fn crossed_unless_hopeless(
-        &self,
-        original: &Pictures,
-        of_mesh: f64,
-        judge: &Judge,
-        height: f64,
-    ) -> Option<(Impostor, f64)> {
+    /// In few views the FLIP of the fewest crossed planes and of a mesh, if the planes are so far from the
+    /// plant there that more of them will not do.
+    fn hopeless(&self, mesh: &Made, judge: &Judge, height: f64) -> Option<[f64; 2]> {
         let fewest = Impostor::crossed(&self.look.original, Planes::ALL[0], height)?;
-        let of_fewest = flip(original, &judge.of_impostor(&fewest));
-        match of_fewest > HOPELESS * of_mesh.max(self.options.max_flip) {
-            true => Some((fewest, of_fewest)),
-            false => best_crossed(&self.look.original, original, judge, height),
-        }
+        let judge = judge.from_few();
+        let original = judge.of_surfaces(&self.look.original);
+        let of_fewest = flip(&original, &judge.of_impostor(&fewest));
+        let of_mesh = flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
+        let most = HOPELESS * of_mesh.max(self.options.max_flip);
+        (of_fewest > most).then_some([of_fewest, of_mesh])
     }
 
     /// The levels with what switching to each shows, but for those that show more than is wanted.

@@ -34,9 +34,13 @@ type Tried = (usize, f64);
 
 impl<'a, 'm> Ladder<'a, 'm> {
     pub(super) fn new(maker: &'m Maker<'a>) -> Self {
+        // Wood that stays as it is ends the ladder above it.
+        let least = maker.least_triangles();
+        let has_more = |rung: &usize| triangles_of(*rung, maker.all) > least;
+        let rungs = (0..RUNGS).take_while(has_more).count().max(1);
         Self {
             maker,
-            made: vec![None; RUNGS],
+            made: vec![None; rungs],
             slope: None,
         }
     }
@@ -51,8 +55,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(match made.take() {
             Some(level) => made.insert(level),
             None => {
-                let share = (-0.25 * rung as f64).exp2();
-                let triangles = (share * self.maker.all as f64).round() as usize;
+                let triangles = triangles_of(rung, self.maker.all);
                 made.insert(self.maker.level(triangles, observer)?)
             }
         })
@@ -69,12 +72,13 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<usize, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
         // What was made for other heights is there to be looked at.
-        let there: Vec<usize> = (first..RUNGS).filter(|k| self.made[*k].is_some()).collect();
+        let rungs = self.made.len();
+        let there: Vec<usize> = (first..rungs).filter(|k| self.made[*k].is_some()).collect();
         let mut there = there.into_iter().rev();
         loop {
             let (low, high) = (
                 within.map_or(first, |(rung, _)| rung + 1),
-                beyond.map_or(RUNGS, |(rung, _)| rung),
+                beyond.map_or(rungs, |(rung, _)| rung),
             );
             if low >= high {
                 return Ok(within.map_or(first, |(rung, _)| rung));
@@ -108,6 +112,12 @@ impl<'a, 'm> Ladder<'a, 'm> {
             }
         }
     }
+}
+
+/// How many triangles a rung has of all.
+fn triangles_of(rung: usize, all: usize) -> usize {
+    let share = (-0.25 * rung as f64).exp2();
+    (share * all as f64).round() as usize
 }
 
 /// The next rung to try, of `low..high`.

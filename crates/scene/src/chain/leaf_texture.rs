@@ -7,7 +7,7 @@
 //! of a texture are seen, and which lie beyond its rim).
 
 use glam::{Vec2, Vec3};
-use secateur_eval::{color_of, sample_alpha};
+use secateur_eval::{FourTexels, color_of, sample_alpha};
 use secateur_model::{Filters, Mips, Surface, Texture, Wrap};
 
 use crate::dilate::dilated;
@@ -22,8 +22,8 @@ const LEAST_SIDE: u32 = 8;
 /// The factors of alpha that are tried, as binary logarithms.
 const FACTORS: [f32; 2] = [-6.0, 6.0];
 
-/// Halvings of that range.
-const HALVINGS: usize = 20;
+/// Halvings of that range: beyond them no byte of alpha changes but those next to 255.
+const HALVINGS: usize = 14;
 
 /// What a level draws of a material.
 pub(super) struct Seen {
@@ -75,18 +75,23 @@ impl Seen {
         Some(Self { points, density })
     }
 
-    /// The share of the points at which a texture passes the test.
-    fn share(&self, texture: &Texture, cutoff: f32) -> f64 {
-        let passes = |uv: &&Vec2| sample_alpha(Some(texture), **uv) >= cutoff;
-        self.points.iter().filter(passes).count() as f64 / self.points.len() as f64
+    /// Whether a texture passes the test, point by point.
+    fn passes(&self, texture: &Texture, cutoff: f32) -> Vec<bool> {
+        let passes = |uv: &Vec2| sample_alpha(Some(texture), *uv) >= cutoff;
+        self.points.iter().map(passes).collect()
     }
 
-    /// The share of the points at which two textures do not agree.
-    fn difference(&self, a: &Texture, b: &Texture, cutoff: f32) -> f64 {
-        let passes = |texture, uv: &Vec2| sample_alpha(Some(texture), *uv) >= cutoff;
-        let differ = |uv: &&Vec2| passes(a, uv) != passes(b, uv);
-        self.points.iter().filter(differ).count() as f64 / self.points.len() as f64
+    /// Whether no point lies beyond a texture.
+    fn is_inside(&self) -> bool {
+        let is_inside = |uv: &Vec2| uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all();
+        self.points.iter().all(is_inside)
     }
+}
+
+/// The share of those that are true.
+fn share_of(are: impl ExactSizeIterator<Item = bool>) -> f64 {
+    let count = are.len() as f64;
+    are.filter(|is| *is).count() as f64 / count
 }
 
 /// Points of the unit square, evenly spread however many there are (the additive recurrence of the
@@ -96,39 +101,84 @@ fn spread(k: usize) -> [f32; 2] {
     STEPS.map(|step| ((k as f64 + 0.5) * step).fract() as f32)
 }
 
-/// The texture of a level that shows `texels` of the original's on a pixel, and `gain` times as much
-/// of what passes the test. `None` where nothing of
-/// it passes the test, or where alpha cannot be made to keep what does.
-pub(super) fn fitted(
-    original: &Texture,
+/// The textures that a level may have for one of its materials, all of one size.
+pub(super) struct LeafTextures {
+    reduced: Reduced,
     cutoff: f32,
-    seen: &Seen,
-    texels: f64,
-    mips: Mips,
-    gain: f64,
-) -> Option<Texture> {
-    if !(cutoff > 0.0 && cutoff <= 1.0) {
-        return None;
+    /// Whether the original passes the test, point by point, and at what share of the points.
+    is_original: Vec<bool>,
+    share: f64,
+    /// What the points read of a texture of this size, by how it wraps.
+    wraps: Vec<([Wrap; 2], Vec<FourTexels>)>,
+}
+
+impl LeafTextures {
+    /// Those that show `texels` of the original's on a pixel. `None` where nothing of the original passes
+    /// the test, or where alpha cannot be made to keep what does.
+    pub(super) fn new(original: &Texture, cutoff: f32, seen: &Seen, texels: f64) -> Option<Self> {
+        if !(cutoff > 0.0 && cutoff <= 1.0) {
+            return None;
+        }
+        let is_original = seen.passes(original, cutoff);
+        let share = share_of(is_original.iter().copied());
+        if share == 0.0 {
+            return None;
+        }
+        let size = [original.width, original.height].map(|side| side_for(side, texels));
+        // Where nothing lies beyond the rim, nothing need come in from the other side.
+        let mut wraps = vec![[Wrap::ClampToEdge; 2]];
+        if !seen.is_inside() {
+            wraps.push(original.wrap);
+        }
+        let read = |wrap: [Wrap; 2]| {
+            let points = seen.points.iter();
+            let read = points.map(|uv| FourTexels::at(size, wrap, *uv)).collect();
+            (wrap, read)
+        };
+        Some(Self {
+            reduced: Reduced::of(original, cutoff, size),
+            cutoff,
+            is_original,
+            share,
+            wraps: wraps.into_iter().map(read).collect(),
+        })
     }
-    let wanted = (seen.share(original, cutoff) * gain).min(1.0);
-    if wanted == 0.0 {
-        return None;
+
+    /// One of which `gain` times as much passes the test as of the original.
+    pub(super) fn with_gain(&self, mips: Mips, gain: f64) -> Texture {
+        let wanted = (self.share * gain).min(1.0);
+        let made = self.wraps.iter().map(|(wrap, read)| {
+            let factor = self.factor_for(wanted, read);
+            let alphas = self.reduced.alphas(factor);
+            let passes = read.iter().map(|four| self.passes(four, &alphas));
+            let pairs = passes.zip(&self.is_original);
+            let difference = share_of(pairs.map(|(is, was)| is != *was));
+            (difference, *wrap, factor)
+        });
+        let (_, wrap, factor) = made
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .expect("at least one way to wrap");
+        self.reduced.texture(factor, wrap, mips)
     }
-    let size = [original.width, original.height].map(|side| side_for(side, texels));
-    let reduced = Reduced::of(original, cutoff, size);
-    let is_inside = |uv: &Vec2| uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all();
-    // Where nothing lies beyond the rim, nothing need come in from the other side.
-    let wraps: &[[Wrap; 2]] = match seen.points.iter().all(is_inside) {
-        true => &[[Wrap::ClampToEdge; 2]],
-        false => &[[Wrap::ClampToEdge; 2], original.wrap],
-    };
-    let made = wraps.iter().map(|&wrap| {
-        let texture = reduced.with_share(seen, wanted, cutoff, wrap, mips);
-        let difference = seen.difference(original, &texture, cutoff);
-        (texture, difference)
-    });
-    made.min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(texture, _)| texture)
+
+    /// The factor of alpha at which this share of the points passes the test.
+    fn factor_for(&self, wanted: f64, read: &[FourTexels]) -> f32 {
+        let [mut low, mut high] = FACTORS;
+        for _ in 0..HALVINGS {
+            let middle = (low + high) / 2.0;
+            let alphas = self.reduced.alphas(middle.exp2());
+            let share = share_of(read.iter().map(|four| self.passes(four, &alphas)));
+            match share < wanted {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        high.exp2()
+    }
+
+    fn passes(&self, four: &FourTexels, alphas: &[f32]) -> bool {
+        four.blended(|texel| alphas[texel as usize]) >= self.cutoff
+    }
 }
 
 /// A power of two for a side where a pixel shows `texels` of its texels, not larger than it is.
@@ -187,46 +237,33 @@ impl Reduced {
         }
     }
 
-    /// With the factor of alpha at which as much passes the test as is wanted.
-    fn with_share(
-        &self,
-        seen: &Seen,
-        wanted: f64,
-        cutoff: f32,
-        wrap: [Wrap; 2],
-        mips: Mips,
-    ) -> Texture {
-        let of = |factor: f32| {
-            let texel = |([r, g, b], share): (&[u8; 3], &f32)| {
-                let alpha = (share * factor).min(1.0);
-                [*r, *g, *b, (alpha * 255.0).round() as u8]
-            };
-            Texture {
-                width: self.size[0],
-                height: self.size[1],
-                rgba: self
-                    .colors
-                    .iter()
-                    .zip(&self.shares)
-                    .flat_map(texel)
-                    .collect(),
-                wrap,
-                filters: Filters {
-                    mips,
-                    ..Filters::default()
-                },
-            }
-        };
-        let [mut low, mut high] = FACTORS;
-        for _ in 0..HALVINGS {
-            let middle = (low + high) / 2.0;
-            match seen.share(&of(middle.exp2()), cutoff) < wanted {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        of(high.exp2())
+    /// Alpha times a factor, texel by texel, as bytes that are read as 0 to 1.
+    fn alphas(&self, factor: f32) -> Vec<f32> {
+        let alpha = |share: &f32| alpha_byte(*share, factor) / 255.0;
+        self.shares.iter().map(alpha).collect()
     }
+
+    fn texture(&self, factor: f32, wrap: [Wrap; 2], mips: Mips) -> Texture {
+        let texel =
+            |([r, g, b], share): (&[u8; 3], &f32)| [*r, *g, *b, alpha_byte(*share, factor) as u8];
+        let texels = self.colors.iter().zip(&self.shares);
+        Texture {
+            width: self.size[0],
+            height: self.size[1],
+            rgba: texels.flat_map(texel).collect(),
+            wrap,
+            filters: Filters {
+                mips,
+                ..Filters::default()
+            },
+        }
+    }
+}
+
+/// A whole number from 0 to 255.
+fn alpha_byte(share: f32, factor: f32) -> f32 {
+    // Rounded by hand: `f32::round` is a call.
+    (((share * factor).min(1.0) * 255.0 + 0.5) as u8).into()
 }
 
 /// The texels along a side that one of `count` covers, and how much of each.
@@ -283,6 +320,11 @@ mod tests {
         }
     }
 
+    fn fitted(original: &Texture, seen: &Seen, texels: f64) -> Option<Texture> {
+        let textures = LeafTextures::new(original, 0.5, seen, texels)?;
+        Some(textures.with_gain(Mips::None, 1.0))
+    }
+
     #[test]
     fn a_smaller_mask_covers_as_much() {
         // Specks strewn over a quarter of all: means of four texels would hardly pass.
@@ -292,9 +334,10 @@ mod tests {
         let seen = Seen::of(&[&surface]).unwrap();
         assert!((seen.density - 1.0).abs() < 1e-9);
         for texels in [2.0, 4.0, 8.0] {
-            let small = fitted(&specks, 0.5, &seen, texels, Mips::None, 1.0).unwrap();
+            let small = fitted(&specks, &seen, texels).unwrap();
             assert_eq!(small.width, (64.0 / texels) as u32);
-            let ratio = seen.share(&small, 0.5) / seen.share(&specks, 0.5);
+            let share = |texture: &Texture| share_of(seen.passes(texture, 0.5).into_iter());
+            let ratio = share(&small) / share(&specks);
             assert!((0.9..=1.1).contains(&ratio), "{texels}: {ratio}");
             // Nothing lies beyond the rim; and nothing dark is mixed in.
             assert_eq!(small.wrap, [Wrap::ClampToEdge; 2]);
@@ -308,13 +351,15 @@ mod tests {
         let inner = mask(|x, y| (16..48).contains(&x) && (16..48).contains(&y));
         let surface = card(-0.25, 1.25);
         let seen = Seen::of(&[&surface]).unwrap();
-        let small = fitted(&inner, 0.5, &seen, 4.0, Mips::None, 1.0).unwrap();
-        assert!(seen.difference(&inner, &small, 0.5) < 0.02);
+        let small = fitted(&inner, &seen, 4.0).unwrap();
+        let [before, after] = [&inner, &small].map(|texture| seen.passes(texture, 0.5));
+        let differ = before.iter().zip(&after).map(|(a, b)| a != b);
+        assert!(share_of(differ) < 0.02);
         // A tile is needed whole beyond the rim too.
         let half = mask(|x, _| x < 32);
         let surface = card(0.0, 2.0);
         let seen = Seen::of(&[&surface]).unwrap();
-        let small = fitted(&half, 0.5, &seen, 4.0, Mips::None, 1.0).unwrap();
+        let small = fitted(&half, &seen, 4.0).unwrap();
         assert_eq!(small.wrap, [Wrap::Repeat; 2]);
     }
 
@@ -333,7 +378,7 @@ mod tests {
         let clear = mask(|_, _| false);
         let surface = card(0.0, 1.0);
         let seen = Seen::of(&[&surface]).unwrap();
-        assert_eq!(fitted(&clear, 0.5, &seen, 2.0, Mips::None, 1.0), None);
+        assert_eq!(fitted(&clear, &seen, 2.0), None);
         assert!(Seen::of(&[&card(0.5, 0.5)]).is_none());
         assert!(Seen::of(&[]).is_none());
     }

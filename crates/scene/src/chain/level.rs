@@ -31,7 +31,7 @@ pub struct ChainLevel {
     pub pop_flip: Option<f64>,
     /// The level that casts its shadow, counted from 0.
     pub shadow: usize,
-    /// Outline of the leaves against the original's, by six of the held-out views in 256 x 256
+    /// Outline of the leaves against the original's, by three of the held-out views in 256 x 256
     /// pixels; none for impostors.
     pub silhouette_iou: Option<f64>,
     /// VMI error of the leaves by the same, in per cent; none for impostors.

@@ -10,8 +10,8 @@ use secateur_model::{BoundingSphere, Foliage, Surface};
 use secateur_raster::{View, ViewSet};
 
 use super::error::ChainError;
+use super::level_surfaces::LevelSurfaces;
 use super::scene_look::{SceneLook, tight_cameras, walk_around};
-use super::textures::LevelSurfaces;
 use crate::Screen;
 use crate::impostor::judge::{self, Judge};
 
@@ -27,6 +27,9 @@ const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
 
 /// Every how many of the 48 held-out views a level is judged from: six, of all four sets.
 const VIEW_STEP: usize = 8;
+
+/// Every how many of these its leaves are judged from: three.
+const LEAF_VIEW_STEP: usize = 2;
 
 /// What a level looks like, and how far that is from the original.
 #[derive(Clone)]
@@ -80,7 +83,9 @@ impl Look {
         let held_out: Vec<View> = held_out.step_by(VIEW_STEP).copied().collect();
         let views: Vec<View> = held_out.iter().map(tight).collect();
         let judging = Judging {
-            rigs: vec![ViewSet::new(held_out)],
+            rigs: vec![ViewSet::new(
+                held_out.into_iter().step_by(LEAF_VIEW_STEP).collect(),
+            )],
             resolution: MOST_PICTURE_PX as u32,
         };
         let corners = items.triangles().iter().flat_map(|t| t.corners);
@@ -168,7 +173,7 @@ fn tight(view: &View) -> View {
 
 /// All that is drawn of a file.
 fn surfaces(document: &Document) -> Result<LevelSurfaces, GltfError> {
-    let drawn = document.drawn(Detail::Color, &[])?;
+    let drawn = document.drawn_as_one(Detail::Color)?;
     let materials = drawn.iter().map(|drawn| drawn.material).collect();
     let surfaces = drawn.into_iter().map(|drawn| drawn.surface).collect();
     Ok(LevelSurfaces {

@@ -3,11 +3,11 @@
 use std::cell::RefCell;
 
 use secateur_eval::Original as Measured;
-use secateur_gltf::{Document, WholeTree};
+use secateur_gltf::WholeTree;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{WholeLevel, WholePlant};
-use secateur_simplify::{Observer, Options, Shared};
+use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood_sharing};
+use secateur_simplify::{Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
@@ -32,7 +32,8 @@ impl Made {
 /// What all levels are made of and judged by.
 pub(super) struct Maker<'a> {
     pub(super) tree: &'a WholeTree,
-    plant: WholePlant<'a>,
+    /// Nothing where the wood stays as it is.
+    plant: Option<WholePlant<'a>>,
     pub(super) options: &'a ChainOptions,
     /// How leaves are simplified, with the memory that the tree leaves for it.
     leaf_options: Options,
@@ -53,11 +54,20 @@ impl<'a> Maker<'a> {
         engine: &'a OpenEngine,
     ) -> Result<Self, ChainError> {
         let items = tree.items();
+        // Every level shows them.
+        items.document().keep_images();
         let [leaves, wood] = [tree.leaves(), tree.wood()];
-        let plant = WholePlant::within(items.foliage(), leaves, wood, &options.leaves, engine)?;
+        let of_leaves = &options.leaves;
+        let foliage = items.foliage();
+        let plant = match options.wood {
+            WoodMode::Keep | WoodMode::Ignore => None,
+            mode => Some(WholePlant::by(
+                mode, foliage, leaves, wood, of_leaves, engine,
+            )?),
+        };
         let (look, judging) = Look::new(items.document(), items.foliage(), options.scene.as_ref())?;
         Ok(Self {
-            all: plant.triangle_count(),
+            all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
             leaf_options: Options {
                 memory: items.memory_left(),
@@ -78,19 +88,27 @@ impl<'a> Maker<'a> {
         observer: &mut Observer<'_>,
     ) -> Result<Made, ChainError> {
         let mut shared = self.shared.borrow_mut();
-        let level = self.plant.level(
-            triangles,
-            &self.leaf_options,
-            self.engine,
-            Some(&mut *shared),
-            observer,
-        )?;
+        let (options, shared) = (&self.leaf_options, Some(&mut *shared));
+        let level = match &self.plant {
+            Some(plant) => plant.level(triangles, options, self.engine, shared, observer)?,
+            None => {
+                let (leaves, wood) = (self.tree.leaves(), self.tree.wood());
+                let options = Options {
+                    target: Target::triangles(triangles as u64),
+                    ..options.clone()
+                };
+                simplify_keeping_wood_sharing(
+                    leaves,
+                    wood,
+                    &options,
+                    self.engine,
+                    shared,
+                    observer,
+                )?
+            }
+        };
         let lod = self.tree.joined(&level.leaves.lod, &level.wood);
-        let bytes = self.tree.items().lod_to_bytes(&lod)?;
-        let original = self.tree.items().document();
-        let memory = original.memory();
-        let document =
-            Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
+        let document = self.tree.items().lod_document(&lod)?;
         let left = level.leaves.lod.foliage(self.tree.leaves());
         Ok(Made {
             foliage_triangles: left.triangles().len(),
@@ -98,6 +116,14 @@ impl<'a> Maker<'a> {
             level,
             lod,
         })
+    }
+
+    /// Of how many triangles a level has more: all of the wood, where it stays as it is.
+    pub(super) fn least_triangles(&self) -> usize {
+        match self.plant {
+            Some(_) => 0,
+            None => self.tree.wood().triangles().len(),
+        }
     }
 
     /// The heights that levels are sought for, and where each is, in words.

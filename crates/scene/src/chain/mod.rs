@@ -5,11 +5,13 @@ mod error;
 mod ladder;
 mod leaf_texture;
 mod level;
+mod level_surfaces;
 mod look;
 mod maker;
 mod opaque;
 mod options;
 mod scene_look;
+mod texture_bytes;
 mod textures;
 mod which;
 
@@ -20,10 +22,13 @@ use secateur_simplify::Observer;
 use ending::Pictured;
 pub use error::ChainError;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
+pub use level_surfaces::show;
 use maker::Maker;
-pub use options::{ChainOptions, HEIGHTS_PX, MAX_FLIP, MAX_LEVELS, Wanted};
+pub use options::{
+    ChainOptions, DISTANCES, HEIGHTS_PX, MAX_FLIP, MAX_LEVELS, SCREEN_HEIGHTS_PX, Wanted,
+};
 pub use scene_look::SceneLook;
-pub use textures::{LevelAsDrawn, Textures, show};
+pub use textures::{LevelAsDrawn, Textures};
 use which::{asked, lightest, spread};
 
 /// Makes a chain of a tree.

@@ -4,7 +4,6 @@
 //! The sizes of leaves are fitted to what the leaves covered; what thin wood covered that is gone from a
 //! level is missing from it. Seen as small as a level is, it counts for a tenth of a birch.
 
-use secateur_gltf::Document;
 use secateur_model::AlphaMode;
 
 use super::error::ChainError;
@@ -101,11 +100,7 @@ impl Maker<'_> {
         passes.sizes = Some(sizes.into_iter().map(|size| size * factor).collect());
         level.leaves.lod = level.leaves.passes.lod();
         let lod = self.tree.joined(&level.leaves.lod, &level.wood);
-        let bytes = self.tree.items().lod_to_bytes(&lod)?;
-        let original = self.tree.items().document();
-        let memory = original.memory();
-        let document =
-            Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
+        let document = self.tree.items().lod_document(&lod)?;
         Ok(Made {
             drawn: Drawn::of(&document)?,
             level,

@@ -1,5 +1,8 @@
 //! Which levels a chain has, and how they are made.
 
+use std::ops::RangeInclusive;
+
+use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Amount, Options};
 
 use super::error::ChainError;
@@ -16,6 +19,13 @@ pub const MAX_FLIP: f64 = 0.05;
 
 /// The most levels of a chain, as engines have it.
 pub const MAX_LEVELS: usize = 8;
+
+/// Distances from which levels may be asked for, in units of the file: what is outside is a slip of the
+/// pen, and its figures would say nothing.
+pub const DISTANCES: RangeInclusive<f64> = 0.01..=1e6;
+
+/// Heights of screens that levels may be asked for, in pixels.
+pub const SCREEN_HEIGHTS_PX: RangeInclusive<f64> = 16.0..=1e5;
 
 /// Which levels a chain has.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +52,8 @@ pub struct ChainOptions {
     pub max_flip: f64,
     /// How leaves are simplified; its target is not looked at.
     pub leaves: Options,
+    /// What becomes of the wood; it stays as it is for [`WoodMode::Keep`] and [`WoodMode::Ignore`].
+    pub wood: WoodMode,
     /// Which impostor the chain ends in.
     pub impostor: Choice,
     /// How many levels coarser what casts a level's shadow is, 0 to 2.
@@ -86,13 +98,18 @@ impl ChainOptions {
             return refused("a level of no triangles shows nothing: ask for more than 0");
         }
         let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
-        if let Wanted::Heights(all) | Wanted::Distances(all) = &self.wanted
+        if let Wanted::Heights(all) = &self.wanted
             && !all.iter().all(|x| is_above_zero(*x))
         {
-            return refused("heights and distances of levels must be above 0");
+            return refused("heights of levels must be above 0");
         }
-        if !is_above_zero(self.screen.height_px) {
-            return refused("a screen must be higher than 0 pixels");
+        if let Wanted::Distances(all) = &self.wanted
+            && !all.iter().all(|x| DISTANCES.contains(x))
+        {
+            return refused("distances of levels must be from 0.01 to 1,000,000");
+        }
+        if !SCREEN_HEIGHTS_PX.contains(&self.screen.height_px) {
+            return refused("a screen must be from 16 to 100,000 pixels high");
         }
         let degrees = self.screen.field_of_view_degrees;
         if !(is_above_zero(degrees) && degrees < 180.0) {

@@ -14,7 +14,7 @@ const LEAST_RADII: f64 = 1.05;
 const EYE_LEVEL_M: f64 = 1.7;
 
 /// From how many sides a walk about a plant sees it.
-const SIDES_OF_A_WALK: u32 = 8;
+const SIDES_OF_A_WALK: u32 = 4;
 
 /// A scene about a plant, as its levels are judged in it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -116,7 +116,7 @@ mod tests {
             radius: 5.0,
         };
         let views = walk_around(sphere, 0.0, 20.0);
-        assert_eq!(views.len(), 8);
+        assert_eq!(views.len(), 4);
         for view in &views {
             assert!((view.eye().y - 1.7).abs() < 1e-9);
             assert!((view.eye().distance(sphere.centre) - 20.0).abs() < 1e-9);

@@ -4,13 +4,13 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use secateur_eval::{AsDrawnCoverage, Shown};
-use secateur_gltf::Document;
+use secateur_eval::{AsDrawnCoverage, MipMaps, Shown};
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{AlphaMode, BoundingSphere, Mips, Surface, Texture};
+use secateur_model::{AlphaMode, BoundingSphere, Mips, Surface};
 use secateur_raster::{View, ViewSet};
 
-use super::leaf_texture::{Seen, fitted};
+use super::leaf_texture::{LeafTextures, Seen};
+use super::level_surfaces::{LevelSurfaces, retextured};
 use crate::Screen;
 
 /// How much of the truth a level may cover, in pictures of a client.
@@ -26,8 +26,12 @@ const MOST_MORE_SPECKS: f64 = 2.0;
 /// hide each other answer less than in proportion.
 const TRIES: usize = 4;
 
-/// Tries are looked at in one view of three, to save time; what is chosen is looked at in all.
-const TRY_IN_EVERY: usize = 3;
+/// Coverage is looked at in every other view: from side to side it hardly differs.
+const VIEW_STEP: usize = 2;
+
+/// By how much more than is allowed coverage may change over the range of a level before other shares
+/// of the leaves are no more tried.
+const HOPELESS: f64 = 1.1;
 
 /// The last level is taken to be seen down to this height.
 const LAST_END_PX: f64 = 64.0;
@@ -89,6 +93,13 @@ impl LevelAsDrawn {
         (begin * end).sqrt().recip().clamp(0.5, 2.0)
     }
 
+    /// Whether more or less of the leaves brings the end within its bounds only where the beginning leaves
+    /// them.
+    fn is_hopeless(&self) -> bool {
+        let [begin, end] = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
+        begin.max(end) > begin.min(end) * HOPELESS * WITHIN[1] / WITHIN[0]
+    }
+
     fn is_within(&self) -> bool {
         let within = |shown: &Shown| (WITHIN[0]..=WITHIN[1]).contains(&shown.coverage_over_truth);
         within(&self.begin) && within(&self.end) && self.specks_too_many() == 0.0
@@ -98,13 +109,6 @@ impl LevelAsDrawn {
 /// Where a level ends that begins at this height, and the next at that.
 pub(super) fn end_of(begin: f64, next: Option<f64>) -> f64 {
     next.unwrap_or((begin / 2.0).min(LAST_END_PX))
-}
-
-/// The surfaces of a level, and which material each has.
-#[derive(Clone)]
-pub(super) struct LevelSurfaces {
-    pub(super) surfaces: Vec<Surface>,
-    pub(super) materials: Vec<Option<usize>>,
 }
 
 /// Textures of a level, and what a client shows with them.
@@ -122,6 +126,8 @@ pub(super) struct Client<'a> {
     plant_height: f64,
     /// By height on the screen: the end of a level is where the next begins.
     truths: RefCell<BTreeMap<u64, AsDrawnCoverage>>,
+    /// The mip maps of the tree's own textures.
+    mips: MipMaps,
 }
 
 impl<'a> Client<'a> {
@@ -139,17 +145,13 @@ impl<'a> Client<'a> {
             screen,
             plant_height,
             truths: RefCell::default(),
+            mips: MipMaps::of_cut_outs(original),
         }
     }
 
     /// How a level looks with its surfaces as they are.
     pub(super) fn as_drawn(&self, surfaces: &[Surface], range: [f64; 2]) -> LevelAsDrawn {
-        self.as_drawn_in(surfaces, range, 1)
-    }
-
-    /// As [`Self::as_drawn`], in the first of each `every` views.
-    fn as_drawn_in(&self, surfaces: &[Surface], range: [f64; 2], every: usize) -> LevelAsDrawn {
-        let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, h, every));
+        let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, h));
         let more = |shown: Shown, original: Shown| {
             let is_whole = original.coverage_over_truth >= WITHIN[0];
             is_whole.then_some(shown.specks_per_view - original.specks_per_view)
@@ -171,60 +173,57 @@ impl<'a> Client<'a> {
         wanted: Textures,
         is_first: bool,
     ) -> Chosen {
-        let of = |textures: Vec<LevelTexture>, every: usize| {
+        let of = |textures: Vec<LevelTexture>| {
             let surfaces = retextured(level, &textures);
             Chosen {
-                as_drawn: self.as_drawn_in(&surfaces, range, every),
+                as_drawn: self.as_drawn(&surfaces, range),
                 textures,
             }
         };
         let mut best: Option<Chosen> = None;
         if wanted == Textures::Keep || is_first {
-            let kept = of(Vec::new(), 1);
+            let kept = of(Vec::new());
             if wanted == Textures::Keep || kept.as_drawn.is_within() {
                 return kept;
             }
             best = Some(kept);
         }
-        let pixels = range[0] / self.plant_height;
+        let fits = Fits::of(level, range[0] / self.plant_height);
         // Mips are smoother where they keep the coverage.
         for mips in [Mips::Blended, Mips::None] {
             let mut tried: Option<Chosen> = None;
             let mut gain = 1.0;
             for _ in 0..TRIES {
-                let textures = fitted_textures(level, pixels, mips, gain);
-                if textures.is_empty() {
+                if fits.0.is_empty() {
                     break;
                 }
-                let next = of(textures, TRY_IN_EVERY);
+                let next = of(fits.textures(mips, gain));
                 gain *= next.as_drawn.wanted_gain();
                 let error = next.as_drawn.error();
+                let is_enough = error <= NEAR_ENOUGH || next.as_drawn.is_hopeless();
                 if tried
                     .as_ref()
                     .is_none_or(|tried| error < tried.as_drawn.error())
                 {
                     tried = Some(next);
                 }
-                if error <= NEAR_ENOUGH || !gain.is_finite() {
+                if is_enough || !gain.is_finite() {
                     break;
                 }
             }
             let Some(tried) = tried else { continue };
-            let made = of(tried.textures, 1);
-            if made.as_drawn.is_within() {
-                return made;
+            if tried.as_drawn.is_within() {
+                return tried;
             }
-            if best
-                .as_ref()
-                .is_none_or(|best| made.as_drawn.error() < best.as_drawn.error())
-            {
-                best = Some(made);
+            let is_better = |best: &Chosen| tried.as_drawn.error() < best.as_drawn.error();
+            if best.as_ref().is_none_or(is_better) {
+                best = Some(tried);
             }
         }
         let best_error = best.as_ref().map(|best| best.as_drawn.error());
         let kept = match is_first {
             true => None,
-            false => Some(of(Vec::new(), 1)),
+            false => Some(of(Vec::new())),
         };
         let is_better = |kept: &Chosen| best_error.is_none_or(|e| kept.as_drawn.error() <= e);
         kept.filter(is_better)
@@ -233,19 +232,19 @@ impl<'a> Client<'a> {
     }
 
     /// What a client shows of a level, and of the original.
-    fn shown(&self, surfaces: &[Surface], pixels_high: f64, every: usize) -> (Shown, Shown) {
+    fn shown(&self, surfaces: &[Surface], pixels_high: f64) -> (Shown, Shown) {
         let mut truths = self.truths.borrow_mut();
         let truth = truths.entry(pixels_high.to_bits());
         let truth = truth.or_insert_with(|| {
             let (views, side) = self.views(pixels_high);
-            AsDrawnCoverage::new(self.original, &views, side)
+            AsDrawnCoverage::new(self.original, &views, side, &self.mips)
         });
         let per_picture = (self.side_of_whole(pixels_high).min(SPECKS_PX) / MOST_PX).powi(2);
         let of_picture = |shown: Shown| Shown {
             specks_per_view: shown.specks_per_view * per_picture.max(1.0),
             ..shown
         };
-        let shown = [truth.shown(surfaces, every), truth.original_shown(every)];
+        let shown = [truth.shown(surfaces, &self.mips), truth.original_shown()];
         let [level, original] = shown.map(of_picture);
         (level, original)
     }
@@ -278,98 +277,45 @@ impl<'a> Client<'a> {
             let near = 0.5 * (distance - radius);
             View::look_at(eye, self.sphere.centre, view.up(), tangent, near).unwrap_or(*view)
         };
-        let views = self.directions.views().iter().map(from_afar).collect();
+        let views = self.directions.views().iter().step_by(VIEW_STEP);
+        let views = views.map(from_afar).collect();
         (ViewSet::new(views), side as u32)
     }
 }
 
-/// The surfaces of a level with textures of its own.
-fn retextured(level: &LevelSurfaces, textures: &[LevelTexture]) -> Vec<Surface> {
-    let of = |(surface, material): (&Surface, &Option<usize>)| {
-        let mut surface = surface.clone();
-        show(&mut surface, *material, textures);
-        surface
-    };
-    level
-        .surfaces
-        .iter()
-        .zip(&level.materials)
-        .map(of)
-        .collect()
-}
+/// The textures that a level may have, for each of its materials with a mask.
+struct Fits(Vec<(usize, LeafTextures)>);
 
-/// Lets a surface of this material show the texture of a level that is for it, if there is one.
-pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTexture]) {
-    let own = textures.iter().find(|own| Some(own.material) == material);
-    if let Some(own) = own {
-        Arc::make_mut(&mut surface.material).texture = Some(Arc::clone(&own.texture));
-    }
-}
-
-/// A texture for each material with a mask, where a unit of length is `pixels` pixels, covering
-/// `gain` times what the tree's own does.
-fn fitted_textures(level: &LevelSurfaces, pixels: f64, mips: Mips, gain: f64) -> Vec<LevelTexture> {
-    let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
-    let texture = |material: usize| {
-        let pairs = level.surfaces.iter().zip(&level.materials);
-        let own = pairs.filter(|(_, other)| **other == Some(material));
-        let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
-        let look = &surfaces.first()?.material;
-        let AlphaMode::Mask(cutoff) = look.alpha_mode else {
-            return None;
+impl Fits {
+    /// Where a unit of length is `pixels` pixels.
+    fn of(level: &LevelSurfaces, pixels: f64) -> Self {
+        let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
+        let textures = |material: usize| {
+            let pairs = level.surfaces.iter().zip(&level.materials);
+            let own = pairs.filter(|(_, other)| **other == Some(material));
+            let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
+            let look = &surfaces.first()?.material;
+            let AlphaMode::Mask(cutoff) = look.alpha_mode else {
+                return None;
+            };
+            let original = look.texture.as_ref()?;
+            let seen = Seen::of(&surfaces)?;
+            let side = (f64::from(original.width) * f64::from(original.height)).sqrt();
+            let texels = seen.density * side / pixels;
+            // The factor's alpha is tested with the texture's.
+            let cutoff = cutoff / look.base_color[3];
+            LeafTextures::new(original, cutoff, &seen, texels).map(|of| (material, of))
         };
-        let original = look.texture.as_ref()?;
-        let seen = Seen::of(&surfaces)?;
-        let side = (f64::from(original.width) * f64::from(original.height)).sqrt();
-        let texels = seen.density * side / pixels;
-        // The factor's alpha is tested with the texture's.
-        let cutoff = cutoff / look.base_color[3];
-        let texture = fitted(original, cutoff, &seen, texels, mips, gain)?;
-        Some(LevelTexture {
-            material,
-            texture: Arc::new(texture),
-        })
-    };
-    materials.into_iter().filter_map(texture).collect()
-}
-
-/// Bytes of all images that a level's materials use, four a texel, mips where they are read.
-pub(super) fn texture_bytes(
-    document: &Document,
-    materials: &[Option<usize>],
-    own: &[LevelTexture],
-) -> u64 {
-    let materials: BTreeSet<usize> = materials.iter().copied().flatten().collect();
-    let mut images: BTreeMap<usize, u64> = BTreeMap::new();
-    for material in materials {
-        let is_replaced = own.iter().any(|own| own.material == material);
-        for image in document.images_of_material(material) {
-            if image.is_base_color && is_replaced {
-                continue;
-            }
-            let bytes = image_bytes(image.size, image.has_mips);
-            let known = images.entry(image.image).or_insert(0);
-            *known = bytes.max(*known);
-        }
+        Self(materials.into_iter().filter_map(textures).collect())
     }
-    let own = own.iter().map(|own| bytes_of(&own.texture));
-    images.into_values().chain(own).sum()
-}
 
-/// The same of one texture.
-pub(super) fn bytes_of(texture: &Texture) -> u64 {
-    let has_mips = texture.filters.mips != Mips::None;
-    image_bytes([texture.width, texture.height], has_mips)
-}
-
-fn image_bytes([mut width, mut height]: [u32; 2], has_mips: bool) -> u64 {
-    let mut bytes = 0;
-    loop {
-        bytes += 4 * u64::from(width) * u64::from(height);
-        if !has_mips || width.max(height) <= 1 {
-            return bytes;
-        }
-        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+    /// Those that cover `gain` times what the tree's own do.
+    fn textures(&self, mips: Mips, gain: f64) -> Vec<LevelTexture> {
+        let texture = |(material, textures): &(usize, LeafTextures)| LevelTexture {
+            material: *material,
+            texture: Arc::new(textures.with_gain(mips, gain)),
+        };
+        self.0.iter().map(texture).collect()
     }
 }
 
@@ -377,7 +323,7 @@ fn image_bytes([mut width, mut height]: [u32; 2], has_mips: bool) -> u64 {
 mod tests {
     use super::*;
     use glam::{DVec3, Vec2};
-    use secateur_model::{Filters, Finish, Material, Wrap};
+    use secateur_model::{Filters, Finish, Material, Texture, Wrap};
 
     /// A card of 1 x 1 whose mask is a quarter of all texels, here and there.
     fn sparse_card() -> Surface {
@@ -456,12 +402,5 @@ mod tests {
         // Where nothing fades, the first level keeps it: it is seen from near by as well.
         let near = client.choose(&level, [600.0, 300.0], Textures::Fit, true);
         assert!(near.textures.is_empty() && near.as_drawn.is_within());
-    }
-
-    #[test]
-    fn mips_count_where_they_are_read() {
-        assert_eq!(image_bytes([4, 2], false), 4 * 8);
-        assert_eq!(image_bytes([4, 2], true), 4 * (8 + 2 + 1));
-        assert_eq!(image_bytes([1, 1], true), 4);
     }
 }

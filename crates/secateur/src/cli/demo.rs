@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{Amount, Options, StagedFiles, Target, plant_to_glb};
+use secateur::{Amount, Options, StagedFiles, Target, WoodMode, plant_to_glb};
 use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_gltf::{Document, WholeTree};
 use secateur_plant::{GrowOptions, Species, grow};
@@ -120,6 +120,7 @@ fn chain_options(args: &args::Demo) -> ChainOptions {
         screen: Screen::default(),
         max_flip: MAX_FLIP,
         leaves,
+        wood: WoodMode::Auto,
         impostor: Choice::None,
         shadow_steps: 1,
         max_pop: None,
@@ -149,9 +150,7 @@ fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
     }];
     for level in &made.levels {
         if let Shape::Mesh(lod) = &level.shape {
-            let bytes = items.lod_to_bytes(lod)?;
-            let document =
-                Document::from_bytes_within(original.name(), bytes, None, original.memory())?;
+            let document = items.lod_document(lod)?;
             exhibits.push(Exhibit {
                 title: title(tree, level.triangles()),
                 subtitle: words(level.leaves, level.triangles()),

@@ -62,6 +62,18 @@ WoodName => WoodMode {
     /// As auto, and pieces of wood get coarser by their geometry
     Geometry,
 });
+names!(
+/// What becomes of the wood in a chain.
+ChainWoodName => WoodMode {
+    /// The wood is simplified with the leaves, by what looks better a triangle, geometry
+    Auto,
+    /// The wood stays as it was in every level; the leaves get what it leaves of the triangles
+    Keep,
+    /// Pieces of wood get coarser by collapses that change the views' information least
+    Vmi,
+    /// Pieces of wood get coarser by their geometry
+    Geometry,
+});
 names!(PresetName => Preset {
     /// Pictures that look like the original: the crown stays as dense as it was
     Look,

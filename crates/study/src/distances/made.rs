@@ -11,7 +11,7 @@ use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
 use secateur_scene::chain::{ChainOptions, MAX_FLIP, Shape, Textures, Wanted, chain};
 use secateur_scene::impostor::Choice;
-use secateur_simplify::whole::WholePlant;
+use secateur_simplify::whole::{WholePlant, WoodMode};
 use secateur_simplify::{Amount, Error as SimplifyError, Options, Preset, Progress, Target};
 
 use super::judge::Place;
@@ -26,6 +26,7 @@ const VIEWS: u64 = 20;
 fn chain_options(wanted: Wanted, leaves: &Options) -> ChainOptions {
     ChainOptions {
         wanted,
+        wood: WoodMode::Auto,
         screen: Screen::default(),
         max_flip: MAX_FLIP,
         leaves: leaves.clone(),

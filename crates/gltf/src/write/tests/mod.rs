@@ -16,6 +16,7 @@ mod fixture;
 mod grown;
 mod images;
 mod left_on_disk;
+mod lod_document;
 mod made;
 mod on_disk;
 mod particulars;

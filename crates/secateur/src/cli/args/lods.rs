@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::super::names::{AlphaName, ChainPresetName, EngineName, SidesName};
-use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, above_zero, leaves, number, share};
+use super::super::names::{AlphaName, ChainPresetName, ChainWoodName, EngineName, SidesName};
+use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, leaves, number, share};
+use secateur_scene::chain::{DISTANCES, SCREEN_HEIGHTS_PX};
 
 #[derive(Args, Debug)]
 pub(crate) struct Lods {
@@ -46,11 +47,14 @@ pub(crate) struct Lods {
     /// show; levels that would show more are left out.
     #[arg(long, value_name = "F", value_parser = flip)]
     pub(crate) max_pop: Option<f64>,
+    /// What becomes of the wood.
+    #[arg(long, value_enum, default_value_t = ChainWoodName::Auto)]
+    pub(crate) wood: ChainWoodName,
     /// Which textures cut-out leaves have [default: fit, where leaves are cut out].
     #[arg(long, value_enum)]
     pub(crate) textures: Option<TexturesName>,
     /// The height of the screen that the levels are for, in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = above_zero)]
+    #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = screen_height)]
     pub(crate) screen_height: f64,
     /// The vertical field of view of the camera that they are seen by, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = field_of_view)]
@@ -142,8 +146,10 @@ pub(crate) enum LayoutName {
 pub(crate) struct Distances(pub(crate) Vec<f64>);
 
 pub(super) fn distances(text: &str) -> Result<Distances, String> {
-    let all: Result<Vec<f64>, String> = text.split(',').map(|d| above_zero(d.trim())).collect();
-    let all = all.map_err(|_| "write distances above 0, such as 5,20,80".to_owned())?;
+    let within = |text: &str| number(text, |d| DISTANCES.contains(&d), "");
+    let all: Result<Vec<f64>, String> = text.split(',').map(|d| within(d.trim())).collect();
+    let all =
+        all.map_err(|_| "write distances from 0.01 to 1000000, such as 5,20,80".to_owned())?;
     match all.windows(2).all(|w| w[0] < w[1]) {
         true => Ok(Distances(all)),
         false => Err("distances must rise, such as 5,20,80".to_owned()),
@@ -152,6 +158,11 @@ pub(super) fn distances(text: &str) -> Result<Distances, String> {
 
 fn flip(text: &str) -> Result<f64, String> {
     number(text, |n| n > 0.0 && n <= 1.0, "above 0 and at most 1")
+}
+
+fn screen_height(text: &str) -> Result<f64, String> {
+    let is_right = |px: f64| SCREEN_HEIGHTS_PX.contains(&px);
+    number(text, is_right, "of pixels from 16 to 100000")
 }
 
 fn field_of_view(text: &str) -> Result<f64, String> {

@@ -182,6 +182,7 @@ fn make(
         "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
         "max_flip": options.max_flip,
         "max_pop": options.max_pop,
+        "wood": options.wood.decided(),
         "textures": match options.textures {
             Textures::Fit => "fit",
             Textures::Keep => "keep",

@@ -26,7 +26,6 @@ pub(crate) fn preview(
         Ok::<_, GltfError>(surfaces.collect())
     };
     let original = items.document();
-    let memory = original.memory();
     let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![draw(original, &[])?];
     for level in &made.levels {
         let lod = match &level.shape {
@@ -36,9 +35,7 @@ pub(crate) fn preview(
                 continue;
             }
         };
-        let bytes = items.lod_to_bytes(lod)?;
-        let document =
-            Document::from_bytes_within(original.name(), bytes, original.folder(), memory)?;
+        let document = items.lod_document(lod)?;
         surfaces.push(draw(&document, &level.textures)?);
     }
     let first = Facts {

@@ -40,5 +40,6 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
         max_flip: args.max_flip,
         scene: None,
         leaves,
+        wood: args.wood.into(),
     }
 }

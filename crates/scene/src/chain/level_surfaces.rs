@@ -1,0 +1,36 @@
+//! What is drawn of a level, and which textures it shows.
+
+use std::sync::Arc;
+
+use secateur_gltf::chain::LevelTexture;
+use secateur_model::Surface;
+
+/// The surfaces of a level, and which material each has.
+#[derive(Clone)]
+pub(super) struct LevelSurfaces {
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) materials: Vec<Option<usize>>,
+}
+
+/// The surfaces of a level with textures of its own.
+pub(super) fn retextured(level: &LevelSurfaces, textures: &[LevelTexture]) -> Vec<Surface> {
+    let of = |(surface, material): (&Surface, &Option<usize>)| {
+        let mut surface = surface.clone();
+        show(&mut surface, *material, textures);
+        surface
+    };
+    level
+        .surfaces
+        .iter()
+        .zip(&level.materials)
+        .map(of)
+        .collect()
+}
+
+/// Lets a surface of this material show the texture of a level that is for it, if there is one.
+pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTexture]) {
+    let own = textures.iter().find(|own| Some(own.material) == material);
+    if let Some(own) = own {
+        Arc::make_mut(&mut surface.material).texture = Some(Arc::clone(&own.texture));
+    }
+}
