@@ -140,8 +140,8 @@ fn a_twig_waits_for_a_level_that_meets_it() {
     foliage.push_leaf(&twig, None).unwrap();
     let gap_of = |left: &Foliage| wood_gaps(left).into_iter().fold(0.0, f64::max);
     let thickness = thickness::thickness(&foliage, LeafId::from_index(0));
-    // The twig shows far more than the trunk.
-    let wood = Wood::new(&foliage, &[1.0, 1000.0]);
+    // The trunk shows nothing: it gets the fewest triangles that will do.
+    let wood = Wood::new(&foliage, &[0.0, 1000.0]);
     let mut coarsest = usize::MAX;
     for budget in 0..=foliage.triangles().len() {
         let left = wood.within(budget).0.foliage(&foliage);
