@@ -52,7 +52,7 @@ pub enum OrderError {
         leaf: LeafId,
     },
     /// A size out of range.
-    #[error("step {step} of the order gives {leaf} {area_scale} times its area")]
+    #[error("step {step} of the order gives {leaf} {area_scale:e} times its area")]
     Size {
         /// The number of the step, from 1.
         step: usize,
@@ -62,7 +62,7 @@ pub enum OrderError {
         area_scale: f64,
     },
     /// A common scale out of range.
-    #[error("step {step} of the order scales all areas by {area_scale}")]
+    #[error("step {step} of the order scales all areas by {area_scale:e}")]
     CommonSize {
         /// The number of the step, from 1.
         step: usize,
