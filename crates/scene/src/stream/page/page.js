@@ -139,7 +139,9 @@ const show = async () => {
     chain = new Chain({ screen: [1080, 60], low, high, reach, levels: [{ facts: { distance: 0 } }] });
   }
   renderer.levels[0].forEach((mesh) => mesh.free());
-  renderer.levels[0] = reader.arrays().map(meshOf);
+  const surfaces = reader.arrays().map(meshOf);
+  renderer.levels[0] = surfaces;
+  renderer.scene = { textures: reader.head.textures, levels: [{ surfaces }], continuous: null };
   tell("");
 };
 
