@@ -339,13 +339,13 @@ struct LanesFound {
     /// A bit for each sample in the triangle at which it is as near as what is known, or nearer.
     nearer: u32,
     nearness: [f32; BLOCK],
-    /// By corner.
+    /// The barycentric weight of each corner at each sample.
     weights: [[f32; BLOCK]; 3],
 }
 
 impl Lanes {
-    /// From a sample on, at column and row of the raster, as many as have a known nearness; an infinite
-    /// one is never reached.
+    /// What the triangle is at `known.len()` samples of a row, from this column and row of the raster on.
+    /// `known` is the nearness that is drawn at each; where it is infinite the triangle is never nearer.
     #[inline]
     fn at(&self, [column, row]: [usize; 2], known: &[f32]) -> LanesFound {
         let PointInTriangle {

@@ -45,8 +45,8 @@ impl Document {
             .all(|name| matches!(self.attribute(mesh, primitive, name), Ok(Some(_))))
     }
 
-    /// What each of so many vertices hangs on; none where the file does not say it of every one, or
-    /// says something that is not finite.
+    /// What each vertex of a primitive hangs on. The list is empty where the file does not say it of all
+    /// `vertices`, or says something that is not finite.
     pub(crate) fn holds_of(
         &self,
         mesh: usize,

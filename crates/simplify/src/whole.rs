@@ -306,7 +306,7 @@ impl<'a> WholePlant<'a> {
         })
     }
 
-    /// The wood of a plant with so many triangles, with what its leaves are to hang on: that bears them
+    /// The wood of a plant of `triangles` triangles, with what its leaves are to hang on: wood that bears them
     /// within the largest distance that one has from the wood, or else within twice of it, four times
     /// and so on, where that takes at most [`MOST_HOLDING`] of the budget. `sketch` are leaves that are
     /// left beside `plain` wood.
@@ -344,7 +344,7 @@ impl<'a> WholePlant<'a> {
         (plain, None)
     }
 
-    /// The wood of a plant with so many triangles, and how many it has.
+    /// The wood of a plant of `triangles` triangles, and the number of triangles in that wood.
     fn wood_of(&self, hanging_px: &[f64], triangles: usize) -> (Lod, usize) {
         let most = self.wood_budget_bearing(hanging_px, triangles);
         let (wood, _) = self.levels.bearing(hanging_px, most.min(triangles));
@@ -352,8 +352,8 @@ impl<'a> WholePlant<'a> {
         (wood, count)
     }
 
-    /// Adds what leaves lose that hang in the air in a plant with so many triangles: to each the pixels of
-    /// all that rest on it. How many triangles hang.
+    /// For leaves that hang in the air in a plant of `triangles` triangles: adds to each, in `hanging_px`, the
+    /// pixels of all leaves that rest on it. Returns the number of their triangles.
     fn add_hanging(
         &self,
         leaves: &Lod,

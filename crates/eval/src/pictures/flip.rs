@@ -159,7 +159,7 @@ struct Colors {
     linear: [f32; 256],
     xyz_from_rgb: [[f32; 3]; 3],
     rgb_from_xyz: [[f32; 3]; 3],
-    /// XYZ of white.
+    /// White (D65) in XYZ, by which colours are divided before they become L*a*b*.
     white: [f32; 3],
 }
 
@@ -327,7 +327,7 @@ impl Grid {
         self.down(&self.across(plane, kernel), kernel)
     }
 
-    /// Filtered along rows.
+    /// The plane filtered along each row; beyond a border its last pixel is repeated.
     fn across(&self, plane: &[f32], kernel: &[f32]) -> Vec<f32> {
         let mut filtered = vec![0.0; plane.len()];
         let radius = kernel.len() / 2;
@@ -344,7 +344,7 @@ impl Grid {
         filtered
     }
 
-    /// Filtered along columns.
+    /// The plane filtered along each column; beyond a border its last pixel is repeated.
     fn down(&self, plane: &[f32], kernel: &[f32]) -> Vec<f32> {
         let mut filtered = vec![0.0; plane.len()];
         let radius = kernel.len() / 2;

@@ -63,7 +63,7 @@ pub(super) struct Remedies<'a> {
     pictures: Pictures<'a>,
 }
 
-/// What helps a material.
+/// How the specks beside triangles of a material are kept away.
 #[derive(Default)]
 pub(super) struct Remedy {
     is_clamped: bool,

@@ -9,7 +9,7 @@ use crate::impostor::Impostor;
 /// A level of a chain, and from where it is to be seen.
 #[derive(Clone, Debug)]
 pub struct ChainLevel {
-    /// What is drawn.
+    /// The mesh or the impostor that is drawn.
     pub shape: Shape,
     /// Leaves that are left.
     pub leaves: u64,
@@ -60,7 +60,7 @@ pub enum Shape {
 /// An impostor, and what it was chosen against.
 #[derive(Clone, Debug)]
 pub struct ImpostorLevel {
-    /// What is drawn.
+    /// Its planes and pictures.
     pub impostor: Impostor,
     /// Triangles of the mesh that would be drawn there instead.
     pub mesh_triangles: u64,

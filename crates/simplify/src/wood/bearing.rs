@@ -11,7 +11,7 @@ use super::levels::Level;
 use super::support::{Growing, bounds, growing};
 use super::thickness::thickness;
 
-/// A leaf is taken to hang on at most so many pieces, those that are nearest to it.
+/// A leaf is taken to hang on no more pieces than this: those that are nearest to it.
 const MOST_BEARERS: usize = 4;
 
 /// The most triangles of wood near a leaf that are looked at for these.

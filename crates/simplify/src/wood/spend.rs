@@ -68,8 +68,9 @@ struct Spending<'a> {
 }
 
 impl Wood {
-    /// Takes offers, the best first, for at most so many triangles, and says of each which level its piece had before. Triangles that
-    /// save fewer pixels each than asked for are not spent.
+    /// Takes offers, the best first, that cost `triangles_at_most` together at most, and says of each which
+    /// level its piece had before. Triangles that each save fewer pixels than `least_px_a_triangle` are not
+    /// spent.
     pub(super) fn spend(
         &self,
         hanging_px: &[f64],

@@ -23,7 +23,7 @@ pub(super) struct DistanceJudge {
     surfaces: Vec<Surface>,
     directions: ViewSet,
     sphere: BoundingSphere,
-    /// In metres.
+    /// Height of the plant in metres.
     height: f64,
 }
 

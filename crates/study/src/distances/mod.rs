@@ -35,18 +35,18 @@ const NO_LEVEL: f64 = 1.0;
 
 /// How many rows a tree gets, if a mesh can be made as light as each impostor.
 pub(crate) fn row_count(options: &StudyOptions) -> usize {
-    DistanceCase::ALL.len() * Plan::of(options).distances_m.len()
+    DistanceCase::ALL.len() * WalkPlan::of(options).distances_m.len()
 }
 
 /// What is made of every tree.
-struct Plan {
-    /// Rising.
+struct WalkPlan {
+    /// Distances to judge at, in metres, rising.
     distances_m: Vec<f64>,
     /// The shares of levels for no distance, the finest first.
     shares: Vec<f64>,
 }
 
-impl Plan {
+impl WalkPlan {
     fn of(options: &StudyOptions) -> Self {
         let mut shares = options.levels.clone();
         shares.sort_by(|a, b| b.total_cmp(a));
@@ -67,7 +67,7 @@ impl Plan {
 /// From where a row's plant is seen, and what is drawn there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SeenFrom {
-    /// What is drawn.
+    /// Which kind of level stands for the plant.
     pub case: DistanceCase,
     /// How far off it is, in metres.
     pub distance_m: f64,
@@ -88,7 +88,7 @@ pub enum DistanceCase {
     FixedShares,
     /// A mesh of as many triangles as the impostor.
     MeshOfSameCost,
-    /// Crossed planes.
+    /// Crossed planes with pictures of the plant.
     Impostor,
 }
 
@@ -102,7 +102,7 @@ impl DistanceCase {
     ];
 
     /// The method and what is said of it, as rows have them.
-    fn method_and_setting(self, plan: &Plan, distance_m: f64) -> [String; 2] {
+    fn method_and_setting(self, plan: &WalkPlan, distance_m: f64) -> [String; 2] {
         let (method, what) = match self {
             Self::ForDistances => ("lods", format!("distances {}", joined(&plan.distances_m))),
             Self::FixedShares => ("lods", format!("levels {}", joined(&plan.shares))),
@@ -112,7 +112,7 @@ impl DistanceCase {
         [method.to_owned(), format!("{what} at {distance_m} m")]
     }
 
-    fn key(self, identity: &Identity, plan: &Plan, distance_m: f64) -> RowKey {
+    fn key(self, identity: &Identity, plan: &WalkPlan, distance_m: f64) -> RowKey {
         let [method, setting] = self.method_and_setting(plan, distance_m);
         RowKey {
             identity: identity.clone(),
@@ -133,7 +133,7 @@ fn joined(numbers: &[f64]) -> String {
 
 /// Whether there can be levels for the distances and of the shares that are asked for.
 pub(crate) fn check(options: &StudyOptions) -> Result<(), Error> {
-    let plan = Plan::of(options);
+    let plan = WalkPlan::of(options);
     made::check(&plan.distances_m, &plan.shares)
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn is_missing(
     identity: &Identity,
     finished: &Finished<'_>,
 ) -> bool {
-    let plan = Plan::of(options);
+    let plan = WalkPlan::of(options);
     let is_there = |case: DistanceCase, distance_m: &f64| {
         finished.contains_key(&case.key(identity, &plan, *distance_m))
     };
@@ -196,7 +196,7 @@ impl Walk<'_> {
         let tree = WholeTree::open_within(&subject.path, selectors, options.memory)?;
         let judge = DistanceJudge::new(subject, &tree, identity, &options.folder, host)?;
         let mut maker = Maker::new(&tree, &subject.path, host)?;
-        let plan = Plan::of(options);
+        let plan = WalkPlan::of(options);
         host.working_on(&format!("{}: levels for distances", subject.name));
         let for_distances = maker.for_distances(&plan.distances_m)?;
         host.working_on(&format!("{}: levels of fixed shares", subject.name));
@@ -227,7 +227,7 @@ impl Walk<'_> {
         &self,
         (tree, engine): (&WholeTree, &OpenEngine),
         identity: &Identity,
-        plan: &Plan,
+        plan: &WalkPlan,
         place: &Place<'_>,
         drawn: &Drawn,
     ) -> Row {
@@ -298,7 +298,7 @@ pub(crate) mod tests {
 
     /// A row of what is drawn at a distance.
     pub(crate) fn seen(case: DistanceCase, distance_m: f64, triangles: u64, flip: f64) -> Row {
-        let plan = Plan {
+        let plan = WalkPlan {
             distances_m: DISTANCES_M.to_vec(),
             shares: SHARES.to_vec(),
         };

@@ -24,9 +24,9 @@ pub(super) struct Mesh<'a> {
     thicknesses: Vec<f64>,
     corners: Vec<[u32; 3]>,
     is_there: Vec<bool>,
-    /// By corner.
+    /// The place of each corner that triangles name.
     places: Vec<u32>,
-    /// By corner.
+    /// The wedge of each corner that triangles name.
     wedges: Vec<u32>,
     /// By place, the triangles that are there, in their order.
     around: Vec<Vec<u32>>,
