@@ -3,7 +3,7 @@
 use secateur_simplify::{Amount, Observer};
 
 use super::error::ChainError;
-use super::ladder::Ladder;
+use super::ladder::{Ladder, STEPS_THAT_PAY};
 use super::maker::{Made, Maker};
 
 /// A level that is sought for a distance has at most this share of the triangles of the one before
@@ -65,23 +65,22 @@ pub(super) fn lightest(
 ) -> Result<Vec<Placed>, ChainError> {
     let mut ladder = Ladder::new(maker);
     let mut made: Vec<Placed> = Vec::new();
-    let mut first = 0;
+    let (mut first, mut pays_from) = (0, 0);
     for (height, place) in maker.heights() {
-        let rung = ladder.lightest(height, first, observer)?;
-        let level = ladder.level(rung, observer)?;
+        let step = ladder.lightest(height, first, pays_from, observer)?;
+        let level = ladder.level(step, observer)?;
         if let Some((before, ..)) = made.last()
             && level.triangles() as f64 > MOST_OF_BEFORE * before.triangles() as f64
         {
             notes.push(format!(
-                "no level begins at {place}: the lightest within the difference has {} triangles, which saves less than a third of the {} before",
-                level.triangles(),
+                "no level begins at {place}: what is within the difference saves less than a third of the {} triangles before",
                 before.triangles()
             ));
             continue;
         }
         let flip = maker.flip(level, height);
         made.push((level.clone(), height, flip));
-        first = rung;
+        (first, pays_from) = (step, step + STEPS_THAT_PAY);
     }
     Ok(made)
 }
@@ -116,8 +115,8 @@ pub(super) fn spread(
         let level = match step.filter(is_near) {
             Some(level) => level,
             None => {
-                let rung = ladder.lightest(height, 0, observer)?;
-                ladder.level(rung, observer)?.clone()
+                let step = ladder.lightest(height, 0, 0, observer)?;
+                ladder.level(step, observer)?.clone()
             }
         };
         let flip = maker.flip(&level, height);
