@@ -9,9 +9,11 @@ use secateur_model::Surface;
 use secateur_raster::ViewSet;
 use serde::Serialize;
 
+use crate::cut_mask::CutMasks;
 use crate::mips::MipChains;
 use crate::pictures::{FLIP_MEAN, camera_of};
 use crate::render::{DrawnPicture, RenderOptions, draw};
+use crate::visibility::AlphaFrom;
 
 /// Samples along each side of a pixel of the truth.
 const TRUTH_SAMPLES: u32 = 4;
@@ -67,9 +69,11 @@ impl AsDrawn {
     /// If `width_px` is 0, or there is no view.
     pub fn new<S: Borrow<Surface> + Sync>(original: &[S], views: &ViewSet, width_px: u32) -> Self {
         assert!(width_px > 0 && !views.is_empty());
+        let masks = CutMasks::default();
+        let alpha = AlphaFrom::masks(&masks);
         let truth = views.views().iter().map(|view| {
             let options = options(width_px, TRUTH_SAMPLES);
-            let drawn = draw(original, &camera_of(view), &options, None);
+            let drawn = draw(original, &camera_of(view), &options, alpha);
             let covered = drawn.is_covered.iter().filter(|is| **is).count();
             Truth {
                 image: drawn.image,
@@ -138,8 +142,12 @@ impl ViewPictures {
         let mips = MipChains::of(surfaces);
         let drawn = views.views().iter().map(|view| {
             let options = options(width_px, 1);
-            let DrawnPicture { image, is_covered } =
-                draw(surfaces, &camera_of(view), &options, Some(&mips));
+            let DrawnPicture { image, is_covered } = draw(
+                surfaces,
+                &camera_of(view),
+                &options,
+                AlphaFrom::mips(Some(&mips)),
+            );
             (image, is_covered)
         });
         Self(drawn.collect())

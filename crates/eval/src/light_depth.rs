@@ -7,7 +7,7 @@ use secateur_model::{BoundingSphere, Surface};
 
 use crate::lens::Lens;
 use crate::texel::floor;
-use crate::visibility::{Culling, visibility};
+use crate::visibility::{AlphaFrom, Culling, visibility};
 
 /// A depth map from a light.
 pub(crate) struct LightDepth {
@@ -36,7 +36,7 @@ impl LightDepth {
         let lens = Lens::parallel(bounds.centre, radius, direction, size);
         Self {
             lens,
-            nearness: visibility(surfaces, &lens, Culling::None, None).nearness,
+            nearness: visibility(surfaces, &lens, Culling::None, AlphaFrom::default()).nearness,
             bias: (0.015 * radius) as f32,
             reach: (reach * radius) as f32,
             blur: (0.5 * f64::from(size) * blur) as f32,

@@ -10,7 +10,7 @@ use secateur_model::Surface;
 use crate::camera::ViewAxes;
 use crate::lens::Lens;
 use crate::shading::Spot;
-use crate::visibility::{Culling, visibility};
+use crate::visibility::{AlphaFrom, Culling, visibility};
 
 /// A view along parallel rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub fn seen_along<S: Borrow<Surface> + Sync>(
         [width * samples, height * samples],
         per_unit,
     );
-    let seen = visibility(surfaces, &lens, Culling::Material, None);
+    let seen = visibility(surfaces, &lens, Culling::Material, AlphaFrom::default());
     let mut texels = vec![SeenTexel::default(); width as usize * height as usize];
     let rows = texels.par_chunks_mut(width.max(1) as usize).enumerate();
     rows.for_each(|(y, row)| {

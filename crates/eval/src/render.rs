@@ -12,7 +12,7 @@ use crate::lens::Lens;
 use crate::mips::{MipChain, MipChains};
 use crate::shading::{Lighting, Spot};
 use crate::texel::srgb_byte;
-use crate::visibility::{Culling, NOTHING, Visibility, outline, visibility};
+use crate::visibility::{AlphaFrom, Culling, NOTHING, Visibility, outline, visibility};
 
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ pub fn render<S: Borrow<Surface> + Sync>(
     camera: &Camera,
     options: &RenderOptions,
 ) -> RgbaImage {
-    draw(surfaces, camera, options, None).image
+    draw(surfaces, camera, options, AlphaFrom::default()).image
 }
 
 /// A picture, and what of it shows the plant.
@@ -79,7 +79,7 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     camera: &Camera,
     options: &RenderOptions,
-    mips: Option<&MipChains>,
+    alpha: AlphaFrom<'_>,
 ) -> DrawnPicture {
     let per_side = options.samples;
     assert!(
@@ -89,8 +89,8 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
     let lens = Lens::perspective(camera, options.width * per_side, options.height * per_side);
     let scene = SeenFrom {
         surfaces,
-        seen: visibility(surfaces, &lens, Culling::Material, mips),
-        mips,
+        seen: visibility(surfaces, &lens, Culling::Material, alpha),
+        mips: alpha.mips,
         lighting: Lighting::new(surfaces, lens.axes, options.shadows),
         turns_normals: options.turns_normals,
         lens,

@@ -9,9 +9,9 @@ use crate::camera::ViewAxes;
 use crate::lens::Lens;
 use crate::light_depth::LightDepth;
 use crate::mips::MipChain;
+use crate::point_in_triangle::{PointInTriangle, face_weights, uv_steps};
 use crate::screen_triangle::ScreenTriangle;
 use crate::texel::{sample, sample_plain};
-use crate::visibility::{PointInTriangle, face_weights, uv_steps};
 
 const SUN: Vec3 = Vec3::new(2.15, 2.0, 1.7);
 const SKY: Vec3 = Vec3::new(0.66, 0.74, 0.86);

@@ -145,6 +145,15 @@ impl FourTexels {
     }
 }
 
+/// The number of the first of the four texels that a smooth sampler reads: see [`FourTexels::at`].
+#[inline]
+pub(crate) fn low_texel(size: [u32; 2], wrap: [Wrap; 2], uv: Vec2) -> usize {
+    let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
+    let at = at.clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
+    let column = wrapped(wrap[0], floor(at.x), size[0]);
+    wrapped(wrap[1], floor(at.y), size[1]) * size[0] as usize + column
+}
+
 /// The largest whole number not above a value: `f32::floor` is a call on targets
 /// without the instruction.
 pub(crate) fn floor(value: f32) -> i64 {

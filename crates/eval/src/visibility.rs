@@ -2,13 +2,16 @@
 
 use std::borrow::Borrow;
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec2;
 use rayon::prelude::*;
 use secateur_model::{Material, Surface};
 
+use crate::cut_mask::{CutMask, CutMasks};
 use crate::lens::Lens;
 use crate::mips::{MipChain, MipChains};
+use crate::point_in_triangle::{EDGE_SLACK, PointInTriangle, face_weights, uv_steps};
 use crate::screen_triangle::{ScreenTriangle, screen_triangles};
 use crate::texel::{alpha_cutoff, sample_alpha};
 
@@ -16,8 +19,6 @@ use crate::texel::{alpha_cutoff, sample_alpha};
 const BAND_ROWS: usize = 32;
 /// Width and height of the blocks of samples that are skipped where all of them are nearer.
 const BLOCK: usize = 8;
-/// Shared edges must not show the background through rounding.
-const EDGE_SLACK: f32 = -1e-5;
 /// No triangle is in front.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
@@ -31,64 +32,6 @@ pub(crate) struct Visibility {
     pub(crate) nearness: Vec<f32>,
 }
 
-/// What is needed to find a place within a triangle.
-#[derive(Clone, Copy)]
-pub(crate) struct PointInTriangle {
-    origin: Vec2,
-    second: Vec2,
-    third: Vec2,
-}
-
-impl PointInTriangle {
-    /// `None` for a triangle that is seen edge-on.
-    pub(crate) fn within(triangle: &ScreenTriangle) -> Option<Self> {
-        let [a, b, c] = triangle.corners.map(|corner| corner.at);
-        let (ab, ac) = (b - a, c - a);
-        let area = ab.perp_dot(ac);
-        let inverse = 1.0 / area;
-        (area != 0.0 && inverse.is_finite()).then(|| Self {
-            origin: a,
-            second: Vec2::new(ac.y, -ac.x) * inverse,
-            third: Vec2::new(-ab.y, ab.x) * inverse,
-        })
-    }
-
-    /// The shares of the three corners at a point of the raster.
-    pub(crate) fn weights(&self, at: Vec2) -> [f32; 3] {
-        let offset = at - self.origin;
-        let (second, third) = (self.second.dot(offset), self.third.dot(offset));
-        [1.0 - second - third, second, third]
-    }
-}
-
-/// The shares of the face's own three corners, perspective undone.
-pub(crate) fn face_weights(triangle: &ScreenTriangle, weights: [f32; 3]) -> [f32; 3] {
-    let mut shares = Vec2::ZERO;
-    let mut total = 0.0;
-    for (i, weight) in weights.into_iter().enumerate() {
-        let part = weight * triangle.corners[i].inverse_w;
-        shares += triangle.shares[i] * part;
-        total += part;
-    }
-    shares /= total;
-    [1.0 - shares.x - shares.y, shares.x, shares.y]
-}
-
-/// How far texture coordinates go from a sample to the next pixel to the right, and down.
-pub(crate) fn uv_steps(
-    triangle: &ScreenTriangle,
-    place: &PointInTriangle,
-    at: Vec2,
-    uvs: [Vec2; 3],
-) -> [Vec2; 2] {
-    let uv = |at: Vec2| {
-        let weights = face_weights(triangle, place.weights(at));
-        uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2]
-    };
-    let here = uv(at);
-    [Vec2::X, Vec2::Y].map(|step| uv(at + step) - here)
-}
-
 /// Whether back faces of materials that are not double-sided are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Culling {
@@ -98,15 +41,34 @@ pub(crate) enum Culling {
     None,
 }
 
-/// Draws surfaces through a lens. Corners run counterclockwise on a front face. Alpha is read
-/// from `mips`, or without them from the textures themselves.
+/// From what alpha is read.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct AlphaFrom<'a> {
+    /// Without them from the textures themselves.
+    pub(crate) mips: Option<&'a MipChains>,
+    /// What is known of these.
+    pub(crate) masks: Option<&'a CutMasks>,
+}
+
+impl<'a> AlphaFrom<'a> {
+    pub(crate) fn mips(mips: Option<&'a MipChains>) -> Self {
+        Self { mips, masks: None }
+    }
+
+    pub(crate) fn masks(masks: &'a CutMasks) -> Self {
+        let masks = Some(masks);
+        Self { mips: None, masks }
+    }
+}
+
+/// Draws surfaces through a lens. Corners run counterclockwise on a front face.
 pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     lens: &Lens,
     culling: Culling,
-    mips: Option<&MipChains>,
+    alpha: AlphaFrom<'_>,
 ) -> Visibility {
-    drawn(surfaces, lens, (culling, Seek::Frontmost), mips)
+    drawn(surfaces, lens, (culling, Seek::Frontmost), alpha)
 }
 
 /// By sample, row by row, whether a client draws anything there: as [`visibility`], but what is
@@ -116,7 +78,8 @@ pub(crate) fn outline<S: Borrow<Surface> + Sync>(
     lens: &Lens,
     mips: Option<&MipChains>,
 ) -> Vec<bool> {
-    let seen = drawn(surfaces, lens, (Culling::Material, Seek::Any), mips);
+    let alpha = AlphaFrom::mips(mips);
+    let seen = drawn(surfaces, lens, (Culling::Material, Seek::Any), alpha);
     let is_covered = seen.frontmost.iter().map(|index| *index != NOTHING);
     is_covered.collect()
 }
@@ -134,7 +97,7 @@ fn drawn<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     lens: &Lens,
     (culling, seek): (Culling, Seek),
-    mips: Option<&MipChains>,
+    alpha: AlphaFrom<'_>,
 ) -> Visibility {
     let mut triangles = screen_triangles(surfaces, lens);
     if culling == Culling::Material {
@@ -147,7 +110,11 @@ fn drawn<S: Borrow<Surface> + Sync>(
     let samples = width * lens.height as usize;
     let mut frontmost = vec![NOTHING; samples];
     let mut nearness = vec![f32::NEG_INFINITY; samples];
-    let bands = triangles_by_band(&triangles, lens.height as usize);
+    let bands = triangles_by_band(&triangles, lens.height as usize, seek);
+    let masks: Vec<Option<Arc<CutMask>>> = surfaces
+        .iter()
+        .map(|surface| alpha.masks?.of(&surface.borrow().material))
+        .collect();
     let band_samples = BAND_ROWS * width.max(1);
     frontmost
         .par_chunks_mut(band_samples)
@@ -159,8 +126,12 @@ fn drawn<S: Borrow<Surface> + Sync>(
             for &member in members {
                 let triangle = &triangles[member as usize];
                 let surface = surfaces[triangle.face.surface as usize].borrow();
-                let chain = mips.and_then(|mips| mips.of_surface(triangle.face.surface));
-                band.draw(member, triangle, surface, chain);
+                let number = triangle.face.surface;
+                let alpha = Alpha {
+                    mips: alpha.mips.and_then(|mips| mips.of_surface(number)),
+                    mask: masks[number as usize].as_deref(),
+                };
+                band.draw(member, triangle, surface, alpha);
             }
         });
     Visibility {
@@ -177,15 +148,18 @@ fn is_front(triangle: &ScreenTriangle) -> bool {
     (b - a).perp_dot(c - a) < 0.0
 }
 
-/// Places in `triangles`, the nearest first: of what is hidden little is then looked at closely.
-fn triangles_by_band(triangles: &[ScreenTriangle], height: usize) -> Vec<Vec<u32>> {
+/// Places in `triangles`, the nearest first: of what is hidden little is then looked at closely. In any
+/// order where nothing is hidden.
+fn triangles_by_band(triangles: &[ScreenTriangle], height: usize, seek: Seek) -> Vec<Vec<u32>> {
     let nearest = |triangle: &ScreenTriangle| {
         let corners = triangle.corners.iter().map(|corner| corner.nearness);
         corners.fold(f32::MIN, f32::max)
     };
     let nearest = triangles.iter().map(nearest).zip(0..);
     let mut nearest_first: Vec<(f32, u32)> = nearest.collect();
-    nearest_first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    if seek == Seek::Frontmost {
+        nearest_first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    }
     let mut bands = vec![Vec::new(); height.div_ceil(BAND_ROWS)];
     for (_, index) in nearest_first {
         let [a, b, c] = triangles[index as usize].corners.map(|corner| corner.at.y);
@@ -242,17 +216,12 @@ impl<'a> Band<'a> {
         }
     }
 
-    fn draw(
-        &mut self,
-        index: u32,
-        triangle: &ScreenTriangle,
-        surface: &Surface,
-        mips: Option<&MipChain>,
-    ) {
+    fn draw(&mut self, index: u32, triangle: &ScreenTriangle, surface: &Surface, alpha: Alpha<'_>) {
         let Some(place) = PointInTriangle::within(triangle) else {
             return;
         };
-        let cutout = Cut::of(triangle, surface, mips);
+        // Most triangles are hidden: what is needed for a test is looked up where one is.
+        let mut cutout = None;
         let [a, b, c] = triangle.corners.map(|corner| corner.at);
         let nearness = triangle.corners.map(|corner| corner.nearness);
         let lanes = Lanes { place, nearness };
@@ -273,8 +242,12 @@ impl<'a> Band<'a> {
                 }
                 let first = block_column * BLOCK;
                 let end = self.width.min(first + BLOCK);
-                let in_box = (first..end).filter(|column| columns.contains(column));
-                let in_box = in_box.fold(0, |bits, column| bits | 1u32 << (column - first));
+                let in_block = columns.start.max(first)..columns.end.min(end);
+                let on_raster = [rows.start, rows.end].map(|row| row + self.first_row);
+                if place.misses(&in_block, on_raster[0]..on_raster[1]) {
+                    continue;
+                }
+                let in_box = (1u32 << (in_block.end - first)) - (1u32 << (in_block.start - first));
                 let mut is_changed = false;
                 for row in rows.clone() {
                     let start = row * self.width + first;
@@ -294,6 +267,8 @@ impl<'a> Band<'a> {
                         }
                         let at = Vec2::new((first + lane) as f32 + 0.5, y);
                         let weights = found.weights.map(|of_corner| of_corner[lane]);
+                        let cutout =
+                            cutout.get_or_insert_with(|| Cut::of(triangle, surface, alpha));
                         if cutout.is_there(triangle, &place, at, weights) {
                             self.nearness[sample] = match self.seek {
                                 Seek::Frontmost => near,
@@ -409,22 +384,29 @@ fn weighted(values: [f32; 3], weights: [f32; 3]) -> f32 {
 /// The alpha test of one triangle, if it has one.
 struct Cut<'a>(Option<CutFace<'a>>);
 
+/// From what the alpha of one surface is read.
+#[derive(Clone, Copy, Default)]
+struct Alpha<'a> {
+    mips: Option<&'a MipChain>,
+    mask: Option<&'a CutMask>,
+}
+
 struct CutFace<'a> {
     material: &'a Material,
-    mips: Option<&'a MipChain>,
+    alpha: Alpha<'a>,
     cutoff: f32,
     uvs: [Vec2; 3],
     alphas: [f32; 3],
 }
 
 impl<'a> Cut<'a> {
-    fn of(triangle: &ScreenTriangle, surface: &'a Surface, mips: Option<&'a MipChain>) -> Self {
+    fn of(triangle: &ScreenTriangle, surface: &'a Surface, alpha: Alpha<'a>) -> Self {
         let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
         let material = &*surface.material;
         Self(
             alpha_cutoff(material).map(|cutoff| CutFace {
                 material,
-                mips,
+                alpha,
                 cutoff,
                 uvs: corners.map(|c| surface.uvs.get(c).copied().unwrap_or_default()),
                 alphas: corners
@@ -445,9 +427,11 @@ impl<'a> Cut<'a> {
         };
         let weights = face_weights(triangle, weights);
         let uv = face.uvs[0] * weights[0] + face.uvs[1] * weights[1] + face.uvs[2] * weights[2];
-        let alpha = match face.mips {
-            Some(mips) => mips.sample_alpha(uv, uv_steps(triangle, place, at, face.uvs)),
-            None => sample_alpha(face.material.texture.as_deref(), uv),
+        let Alpha { mips, mask } = face.alpha;
+        let alpha = match (mips, mask.and_then(|mask| mask.passes(uv, face.alphas))) {
+            (Some(mips), _) => mips.sample_alpha(uv, uv_steps(triangle, place, at, face.uvs)),
+            (None, Some(passes)) => return passes,
+            (None, None) => sample_alpha(face.material.texture.as_deref(), uv),
         };
         alpha * weighted(face.alphas, weights) >= face.cutoff
     }

@@ -21,6 +21,7 @@ pub mod coarsen;
 mod error;
 pub mod fit;
 pub mod fsa;
+mod last_look;
 mod memory;
 pub mod meshopt;
 mod method;

@@ -61,6 +61,18 @@ pub struct Options {
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
+    /// Whether the driving views are drawn of what is left, for [`Simplified::areas`] and
+    /// [`Simplified::vmi_final`]. They are anyhow where an error or an audit is asked for, or sizes are
+    /// fitted to information. What is left does not depend on it.
+    ///
+    /// [`Simplified::areas`]: crate::Simplified::areas
+    /// [`Simplified::vmi_final`]: crate::Simplified::vmi_final
+    #[serde(skip, default = "shows_what_is_left")]
+    pub shows_what_is_left: bool,
+}
+
+fn shows_what_is_left() -> bool {
+    true
 }
 
 impl Options {
@@ -88,6 +100,7 @@ impl Options {
             occluders: None,
             held_by: None,
             audit: cfg!(debug_assertions),
+            shows_what_is_left: shows_what_is_left(),
         }
     }
 

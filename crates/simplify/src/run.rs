@@ -10,8 +10,9 @@ use secateur_raster::{MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene};
 
 use crate::audit::audit;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
+use crate::last_look::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
-use crate::observe::{Shown, observe};
+use crate::observe::observe;
 use crate::passes::Passes;
 use crate::resolution::{LOOK_RESOLUTION, LOOK_RESOLUTION_REASON, resolution_for};
 use crate::rest::cut;
@@ -144,8 +145,9 @@ pub fn simplify_sharing(
         budget,
     };
     let mut draft = run.select(shared.as_deref_mut(), &mut clock)?;
-    if options.occluders.is_some() && run.shows_nothing(&draft.shown)? {
-        let views = draft.shown.views.len();
+    let shown = &draft.shown;
+    if options.occluders.is_some() && shown.shows_nothing(&foliage, resolution, run.rasteriser)? {
+        let views = shown.views.len();
         return Err(Error::NothingSeen { views });
     }
     let unfitted_percent = draft.shown.error_percent();
@@ -167,7 +169,7 @@ pub fn simplify_sharing(
         false => None,
         true => {
             clock.begin(Stage::Audit)?;
-            Some(run.audit(&lod, &draft.shown)?)
+            run.audit(&lod, &draft.shown)?
         }
     };
     let mut warnings = warnings(&Ended {
@@ -176,7 +178,9 @@ pub fn simplify_sharing(
         foliage: &foliage,
         lod: &lod,
         is_fitted: draft.passes.sizes.is_some(),
-        error_percent: [unfitted_percent, draft.shown.error_percent()],
+        error_percent: unfitted_percent
+            .zip(draft.shown.error_percent())
+            .map(|(before, after)| [before, after]),
     });
     warnings.extend(engine.failure().map(Warning::GpuFailed));
     let Draft {
@@ -186,15 +190,16 @@ pub fn simplify_sharing(
         stopped,
         ..
     } = draft;
+    let (areas, vmi_final) = shown.left.unzip();
     Ok(Simplified {
         passes,
         lod,
         costs,
         stopped,
         views: shown.views,
-        areas: shown.areas,
+        areas,
         vmi_original: shown.vmi_original,
-        vmi_final: shown.vmi,
+        vmi_final,
         resolution,
         resolution_reason,
         engine: engine.name(),
@@ -225,7 +230,7 @@ struct PassContext<'a> {
 struct Draft {
     passes: Passes,
     costs: Vec<ScaledBits>,
-    shown: Shown,
+    shown: LastLook,
     stopped: Stopped,
     /// Whether what is left shows all that was there: no leaf is gone, and one triangle
     /// of a card that shows all of it is all that became coarser.
@@ -319,7 +324,7 @@ impl PassContext<'_> {
             Target::Leaves(_) | Target::MaxErrorPercent(_) => Stopped::AtLeafCount,
         };
         let shown = match shown {
-            Some(shown) if is_as_found => shown,
+            Some(shown) if is_as_found => shown.into(),
             _ => {
                 clock.begin(Stage::Observe)?;
                 if let Target::MaxErrorPercent(percent) = self.target
@@ -384,7 +389,7 @@ impl PassContext<'_> {
         passes: &Passes,
         is_driven: bool,
         shared: Option<&mut Shared>,
-    ) -> Result<Shown, Error> {
+    ) -> Result<LastLook, Error> {
         let lod = passes.lod();
         let views = match (is_driven, self.target) {
             (true, Target::Leaves(_) | Target::Triangles(_)) => {
@@ -407,31 +412,17 @@ impl PassContext<'_> {
         if let Some(shared) = shared {
             shared.original = Some((views.clone(), vmi_original.clone()));
         }
-        let areas = observe(&lod)?;
-        Ok(Shown {
+        let mut left = None;
+        if is_left_looked_at(self.options, self.target) {
+            let areas = observe(&lod)?;
+            let vmi = Vmi::of(&areas, &table);
+            left = Some((areas, vmi));
+        }
+        Ok(LastLook {
             vmi_original,
-            vmi: Vmi::of(&areas, &table),
-            areas,
+            left,
             views,
         })
-    }
-
-    /// Whether no leaf of the original is seen in these views.
-    fn shows_nothing(&self, shown: &Shown) -> Result<bool, Error> {
-        // Where nothing is seen there is no information: else nothing needs to be drawn for it.
-        if shown.vmi_original.scaled().iter().any(|bits| *bits != 0) {
-            return Ok(false);
-        }
-        let original = Lod::original(self.foliage.leaves().len());
-        let areas = observe(
-            self.foliage,
-            &original,
-            &shown.views,
-            self.resolution,
-            self.rasteriser,
-        )?;
-        let shows_none = |row: &[u32]| row[1..].iter().all(|area_px| *area_px == 0);
-        Ok(areas.rows().all(shows_none))
     }
 
     /// Fits the sizes of what is left, where that changes anything and keeps to the error that is
@@ -461,6 +452,10 @@ impl PassContext<'_> {
         if let Some(held_by) = &self.options.held_by {
             draft.passes.take_hanging(self.foliage, held_by);
         }
+        if !is_left_looked_at(self.options, self.target) {
+            draft.shown.left = None;
+            return Ok(());
+        }
         let sized = draft.passes.lod();
         let shown = &mut draft.shown;
         let areas = observe(
@@ -477,12 +472,15 @@ impl PassContext<'_> {
             draft.passes.sizes = None;
             return Ok(());
         }
-        (shown.areas, shown.vmi) = (areas, vmi);
+        shown.left = Some((areas, vmi));
         Ok(())
     }
 
     /// Draws the result from scratch another way and compares.
-    fn audit(&self, lod: &Lod, shown: &Shown) -> Result<&'static str, Error> {
+    fn audit(&self, lod: &Lod, shown: &LastLook) -> Result<Option<&'static str>, Error> {
+        let Some((areas, _)) = &shown.left else {
+            return Ok(None);
+        };
         let made = (!lod.is_of_originals()).then(|| lod.foliage(self.foliage));
         let all_made = made.as_ref().map(|made| Lod::original(made.leaves().len()));
         let scene = Scene {
@@ -491,7 +489,7 @@ impl PassContext<'_> {
             views: &shown.views,
             resolution: self.resolution,
         };
-        audit(&shown.areas, &scene, self.engine, self.occluders)
+        audit(areas, &scene, self.engine, self.occluders).map(Some)
     }
 }
 

@@ -46,12 +46,12 @@ pub struct Simplified {
     pub views: ViewSet,
     /// Areas of the leaves that are left in those views, in pixels. A row for
     /// each original leaf, or, where leaves were made, for each of
-    /// [`Lod::foliage`].
-    pub areas: AreaTable,
+    /// [`Lod::foliage`]. Nothing without [`Options::shows_what_is_left`](crate::Options::shows_what_is_left).
+    pub areas: Option<AreaTable>,
     /// VMI of the original foliage in those views.
     pub vmi_original: Vmi,
-    /// VMI of what is left in those views.
-    pub vmi_final: Vmi,
+    /// VMI of what is left in those views; nothing where there are no areas.
+    pub vmi_final: Option<Vmi>,
     /// Width and height of the images in pixels.
     pub resolution: u32,
     /// Why that resolution, in words.
@@ -69,8 +69,10 @@ pub struct Simplified {
 }
 
 impl Simplified {
-    /// VMI error against the original foliage on the driving views, in per cent.
-    pub fn driving_error_percent(&self) -> f64 {
-        self.vmi_original.error_percent(&self.vmi_final)
+    /// VMI error against the original foliage on the driving views, in per cent; nothing where there
+    /// are no areas.
+    pub fn driving_error_percent(&self) -> Option<f64> {
+        let vmi_final = self.vmi_final.as_ref()?;
+        Some(self.vmi_original.error_percent(vmi_final))
     }
 }

@@ -112,8 +112,8 @@ pub(crate) struct Ended<'a> {
     pub(crate) foliage: &'a Foliage,
     pub(crate) lod: &'a Lod,
     pub(crate) is_fitted: bool,
-    /// Before a fit and after it, on the driving views.
-    pub(crate) error_percent: [f64; 2],
+    /// Before a fit and after it, on the driving views, where that is known.
+    pub(crate) error_percent: Option<[f64; 2]>,
 }
 
 pub(crate) fn warnings(ended: &Ended<'_>) -> Vec<Warning> {
@@ -123,7 +123,7 @@ pub(crate) fn warnings(ended: &Ended<'_>) -> Vec<Warning> {
         shortfall(ended),
         (is_fit_asked && !ended.is_fitted).then_some(Warning::NothingToFit),
         single_sided(ended.foliage),
-        about_fit(ended.error_percent),
+        ended.error_percent.and_then(about_fit),
     ];
     all.into_iter().flatten().collect()
 }
@@ -221,7 +221,7 @@ mod tests {
                 foliage: &foliage,
                 lod: &lod,
                 is_fitted,
-                error_percent: [0.0; 2],
+                error_percent: Some([0.0; 2]),
             };
             warnings(&ended)
         };

@@ -290,6 +290,7 @@ impl<'a> WholePlant<'a> {
         let sketch = Options {
             fit: Fitting::None,
             audit: false,
+            shows_what_is_left: false,
             target: Target::triangles((triangles - plain.1) as u64),
             ..options.clone()
         };

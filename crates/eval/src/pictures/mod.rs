@@ -21,8 +21,11 @@ use secateur_model::Surface;
 use secateur_raster::{View, ViewSet};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
+use crate::cut_mask::CutMasks;
 use crate::measure::Direction;
-use crate::{Camera, RenderOptions, render};
+use crate::render::draw;
+use crate::visibility::AlphaFrom;
+use crate::{Camera, RenderOptions};
 
 use flip::FlipPicture;
 pub use whole::{WholeMeasurement, WholePictures};
@@ -225,7 +228,9 @@ impl Pictures {
         resolution: u32,
     ) -> Self {
         let options = Self::options(resolution);
-        let picture = |view: &View| render(surfaces, &camera_of(view), &options);
+        let masks = CutMasks::default();
+        let alpha = AlphaFrom::masks(&masks);
+        let picture = |view: &View| draw(surfaces, &camera_of(view), &options, alpha).image;
         // Parallel over the views, as each has parts that are not.
         let of_rig = |rig: &ViewSet| rig.views().par_iter().map(picture).collect();
         Self::of_sets(rigs.iter().map(of_rig).collect())
@@ -250,7 +255,9 @@ impl Pictures {
             turns_normals: true,
             ..Self::options(resolution)
         };
-        let picture = |view: &View| render(&surfaces(view), &camera_of(view), &options);
+        let masks = CutMasks::default();
+        let alpha = AlphaFrom::masks(&masks);
+        let picture = |view: &View| draw(&surfaces(view), &camera_of(view), &options, alpha).image;
         // Parallel over the views, as each has parts that are not.
         Self::of_sets(vec![views.views().par_iter().map(picture).collect()])
     }

@@ -7,7 +7,9 @@ use secateur_model::Surface;
 use secateur_raster::{View, ViewSet};
 
 use super::{PictureMeasurement, Pictures, camera_of};
+use crate::cut_mask::CutMasks;
 use crate::render::{DrawnPicture, draw};
+use crate::visibility::AlphaFrom;
 
 /// The pictures of one plant from the views that judge, with its outlines: wood and leaves, whoever
 /// made them, since nothing has to be told apart.
@@ -32,7 +34,9 @@ impl WholePictures {
     /// Draws everything from every view of every set, as [`Pictures::of`].
     pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], rigs: &[ViewSet]) -> Self {
         let options = Pictures::options(Pictures::RESOLUTION);
-        let drawn = |view: &View| draw(surfaces, &camera_of(view), &options, None);
+        let masks = CutMasks::default();
+        let alpha = AlphaFrom::masks(&masks);
+        let drawn = |view: &View| draw(surfaces, &camera_of(view), &options, alpha);
         let (mut pictures, mut outlines) = (Vec::new(), Vec::new());
         for rig in rigs {
             let of_rig: Vec<DrawnPicture> = rig.views().par_iter().map(drawn).collect();

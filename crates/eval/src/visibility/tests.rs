@@ -28,7 +28,7 @@ fn literal(triangles: &[ScreenTriangle], surface: &Surface, side: usize) -> Vec<
         let Some(place) = PointInTriangle::within(triangle) else {
             continue;
         };
-        let cutout = Cut::of(triangle, surface, None);
+        let cutout = Cut::of(triangle, surface, Alpha::default());
         let corners = triangle.corners.map(|corner| corner.at);
         let [low, high] = [
             corners.into_iter().fold(Vec2::MAX, Vec2::min),
@@ -100,6 +100,9 @@ proptest! {
         // No whole number of blocks.
         const SIDE: usize = 77;
         let surface = chessboard();
+        let masks = CutMasks::default();
+        let mask = masks.of(&surface.material);
+        let alpha = Alpha { mips: None, mask: mask.as_deref() };
         let triangles: Vec<ScreenTriangle> = corners.iter().zip(&depths).map(|(corners, depths)| {
             let mut made = triangle(*corners);
             for (corner, depth) in made.corners.iter_mut().zip(depths) {
@@ -110,13 +113,13 @@ proptest! {
         let drawn = |seek| {
             let mut frontmost = vec![NOTHING; SIDE * SIDE];
             let mut nearness = vec![f32::NEG_INFINITY; SIDE * SIDE];
-            for (number, members) in triangles_by_band(&triangles, SIDE).iter().enumerate() {
+            for (number, members) in triangles_by_band(&triangles, SIDE, seek).iter().enumerate() {
                 let first = number * BAND_ROWS;
                 let samples = first * SIDE..SIDE * SIDE.min(first + BAND_ROWS);
                 let rows = (&mut frontmost[samples.clone()], &mut nearness[samples]);
                 let mut band = Band::new(first, SIDE, seek, rows);
                 for &member in members {
-                    band.draw(member, &triangles[member as usize], &surface, None);
+                    band.draw(member, &triangles[member as usize], &surface, alpha);
                 }
             }
             frontmost
@@ -140,7 +143,7 @@ proptest! {
         let mut nearness = vec![f32::NEG_INFINITY; SIDE * SIDE];
         let surface = chessboard();
         let mut band = Band::new(0, SIDE, Seek::Frontmost, (&mut frontmost, &mut nearness));
-        band.draw(0, &triangles[0], &surface, None);
+        band.draw(0, &triangles[0], &surface, Alpha::default());
         prop_assert_eq!(frontmost, literal(&triangles, &surface, SIDE));
     }
 }

@@ -115,6 +115,7 @@ fn chain_options(args: &args::Demo) -> ChainOptions {
     let mut leaves = Options::to(Target::triangle_share(1.0));
     leaves.engine = args.engine.into();
     leaves.audit = false;
+    leaves.shows_what_is_left = false;
     ChainOptions {
         wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
         screen: Screen::default(),

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use secateur::{Inspection, Judging, Objective, Options, StagedFiles, TakenFor, Views, Written};
+use secateur::{
+    AreaTable, Inspection, Judging, Objective, Options, StagedFiles, TakenFor, Views, Vmi, Written,
+};
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -83,11 +85,11 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "engine": result.engine,
         "adapter": result.adapter,
         "order_sha256": result.passes.in_one_order().sha256(),
-        "areas_sha256": result.areas.sha256(),
+        "areas_sha256": result.areas.as_ref().map(AreaTable::sha256),
         "seconds": seconds(run.stages, run.total_seconds),
         "peak_rss_bytes": machine::peak_rss_bytes(),
         "max_area_scale": result.lod.max_area_scale(),
-        "vmi_bits": result.vmi_final.bits(),
+        "vmi_bits": result.vmi_final.as_ref().map(Vmi::bits),
         "vmi_bits_original": result.vmi_original.bits(),
         "driving_vmi_error_percent": result.driving_error_percent(),
         "stopped": result.stopped.name(),

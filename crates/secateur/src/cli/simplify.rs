@@ -413,14 +413,16 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
         say("sizes", fitted_to(objective));
     }
-    say(
-        "loss",
-        format!(
-            "VMI error {} on these views; {}",
-            percent(result.driving_error_percent()),
-            who_judges(run)
-        ),
-    );
+    if let Some(lost) = result.driving_error_percent() {
+        say(
+            "loss",
+            format!(
+                "VMI error {} on these views; {}",
+                percent(lost),
+                who_judges(run)
+            ),
+        );
+    }
     say(
         "growth",
         format!(

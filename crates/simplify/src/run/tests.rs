@@ -356,6 +356,17 @@ fn runs_that_share_what_they_found_are_the_same() {
                 assert_eq!(alone.costs, sharing.costs, "{triangles}");
                 assert_eq!(alone.areas, sharing.areas, "{triangles}");
                 assert_eq!(alone.vmi_original, sharing.vmi_original);
+                let unseen = Options {
+                    shows_what_is_left: false,
+                    audit: false,
+                    ..options
+                };
+                let unseen = simplify(&crown, &unseen).unwrap();
+                assert_eq!(alone.lod, unseen.lod, "{triangles}");
+                // Where sizes are fitted to information it is looked at all the same.
+                let is_looked_at = preset == Preset::Information;
+                assert_eq!(unseen.areas.is_some(), is_looked_at, "{triangles}");
+                assert_eq!(unseen.driving_error_percent().is_some(), is_looked_at);
             }
         }
     }

@@ -62,11 +62,11 @@ pub fn hanging_on(leaves: &Foliage, wood: &Foliage, largest_gap: f64) -> Vec<Opt
         let triangles = leaves.triangles_of(LeafId::from_index(index)).iter();
         triangles.flat_map(|t| samples(t.corners))
     };
+    // Whether there is any is found much sooner than which is nearest.
     let is_near_wood = |index: usize| {
         points(index).any(|point| {
-            let mut near = wood.nearest_neighbor_iter_with_distance_2(point.to_array());
-            near.next()
-                .is_some_and(|(_, distance_2)| distance_2 <= largest_gap.powi(2))
+            let mut near = wood.locate_within_distance(point.to_array(), largest_gap.powi(2));
+            near.next().is_some()
         })
     };
     let count = leaves.leaves().len();

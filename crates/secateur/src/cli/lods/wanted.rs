@@ -22,6 +22,8 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
     leaves.sides = args.sides.into();
     leaves.engine = args.engine.into();
     leaves.audit = false;
+    // Levels have figures of their own, from views that drove none of them.
+    leaves.shows_what_is_left = false;
     let impostor = match (args.impostor, &wanted) {
         (Some(name), _) => name.into(),
         (None, Wanted::Triangles(_)) => Choice::None,

@@ -1,0 +1,189 @@
+//! Where a texture surely passes an alpha test, and where it surely does not: two bits a texel, so that few
+//! samples have to read the texels themselves.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::Vec2;
+use secateur_model::{Material, Texture, Wrap};
+
+use crate::texel::{alpha_cutoff, is_whole, low_texel};
+
+/// By how much, as a share, a mean of texels must be beyond the cutoff to be surely so: more than
+/// rounding moves it.
+const SURE: f32 = 1e-4;
+
+/// A sample here passes the test, or does not; neither bit where the texels differ.
+const PASSES: u8 = 1;
+const FAILS: u8 = 2;
+
+/// What a test comes to wherever a smooth sampler may read a texture.
+#[derive(Debug)]
+pub(crate) struct CutMask {
+    size: [u32; 2],
+    wrap: [Wrap; 2],
+    /// The factor of alpha that it is of.
+    factor: f32,
+    /// Four texels a byte, row by row: what is so of a texel and of those to its right and below.
+    bits: Vec<u8>,
+}
+
+impl CutMask {
+    fn of(texture: &Texture, cutoff: f32, factor: f32) -> Option<Self> {
+        // Mirrored, a texel has neighbours on either side.
+        let is_mirrored = texture.wrap.contains(&Wrap::MirroredRepeat);
+        if is_mirrored || !is_whole(texture) || !(factor > 0.0 && cutoff > 0.0) {
+            return None;
+        }
+        let of_byte: [u8; 256] = std::array::from_fn(|byte| {
+            let alpha = byte as f32 / 255.0 * factor;
+            match alpha {
+                alpha if alpha >= cutoff * (1.0 + SURE) => PASSES,
+                alpha if alpha <= cutoff * (1.0 - SURE) => FAILS,
+                _ => 0,
+            }
+        });
+        let [width, height] = [texture.width as usize, texture.height as usize];
+        let next = |at: usize, size: usize, wrap: Wrap| match wrap {
+            Wrap::Repeat => (at + 1) % size,
+            _ => (at + 1).min(size - 1),
+        };
+        let texels = texture.rgba.chunks_exact(4).take(width * height);
+        let own: Vec<u8> = texels.map(|rgba| of_byte[usize::from(rgba[3])]).collect();
+        let mut bits = vec![0; (width * height).div_ceil(4)];
+        for (y, row) in own.chunks_exact(width).enumerate() {
+            let below = next(y, height, texture.wrap[1]) * width;
+            let below = &own[below..below + width];
+            for x in 0..width {
+                let right = next(x, width, texture.wrap[0]);
+                let all = row[x] & row[right] & below[x] & below[right];
+                let number = y * width + x;
+                bits[number / 4] |= all << (2 * (number % 4));
+            }
+        }
+        Some(Self {
+            size: [texture.width, texture.height],
+            wrap: texture.wrap,
+            factor,
+            bits,
+        })
+    }
+
+    /// Whether a smooth sample of the texture at these coordinates, times these alphas at the corners of its
+    /// triangle, passes the test; nothing where the texels must be asked.
+    #[inline]
+    pub(crate) fn passes(&self, uv: Vec2, alphas: [f32; 3]) -> Option<bool> {
+        if alphas != [self.factor; 3] || uv.is_nan() {
+            return None;
+        }
+        let number = low_texel(self.size, self.wrap, uv);
+        match self.bits[number / 4] >> (2 * (number % 4)) & 3 {
+            PASSES => Some(true),
+            FAILS => Some(false),
+            _ => None,
+        }
+    }
+}
+
+/// The masks of what is drawn again and again.
+#[derive(Debug, Default)]
+pub(crate) struct CutMasks(Mutex<Vec<Known>>);
+
+#[derive(Debug)]
+struct Known {
+    texture: Arc<Texture>,
+    cutoff: f32,
+    factor: f32,
+    mask: Option<Arc<CutMask>>,
+}
+
+impl CutMasks {
+    /// That of a material, made when it is first asked for; none of what is not cut out by a texture.
+    pub(crate) fn of(&self, material: &Material) -> Option<Arc<CutMask>> {
+        let cutoff = alpha_cutoff(material)?;
+        let texture = material.texture.as_ref()?;
+        let factor = material.base_color[3];
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |known: &&Known| {
+            Arc::ptr_eq(&known.texture, texture) && [known.cutoff, known.factor] == [cutoff, factor]
+        };
+        if let Some(known) = all.iter().find(is_it) {
+            return known.mask.clone();
+        }
+        let mask = CutMask::of(texture, cutoff, factor).map(Arc::new);
+        all.push(Known {
+            texture: Arc::clone(texture),
+            cutoff,
+            factor,
+            mask: mask.clone(),
+        });
+        mask
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texel::sample_alpha;
+    use proptest::prelude::*;
+    use secateur_model::Filters;
+
+    const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat];
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// What a mask knows is what the texels say, in and beyond the texture, up to its very rims.
+        #[test]
+        fn what_is_sure_is_so(
+            alphas in prop::collection::vec(
+                prop_oneof![Just(0u8), Just(255), Just(127), Just(128)], 15
+            ),
+            wraps in [0usize..3, 0usize..3],
+            factor in prop_oneof![Just(1.0f32), Just(0.9)],
+        ) {
+            let texture = Texture {
+                width: 5,
+                height: 3,
+                rgba: alphas.iter().flat_map(|a| [9, 9, 9, *a]).collect(),
+                wrap: wraps.map(|k| WRAPS[k]),
+                filters: Filters::default(),
+            };
+            let mask = CutMask::of(&texture, 0.5, factor);
+            let is_mirrored = texture.wrap.contains(&Wrap::MirroredRepeat);
+            prop_assert_eq!(mask.is_none(), is_mirrored);
+            let Some(mask) = mask else { return Ok(()) };
+            for (x, y) in (-35..70).flat_map(|x| (-14..35).map(move |y| (x, y))) {
+                // A seventh of a texel apart, so that some lie on the middles of texels.
+                let uv = Vec2::new(x as f32 / 35.0, y as f32 / 21.0);
+                if let Some(passes) = mask.passes(uv, [factor; 3]) {
+                    prop_assert_eq!(passes, sample_alpha(Some(&texture), uv) * factor >= 0.5);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn even_textures_are_known_all_over_and_others_where_texels_agree() {
+        let texture = |alpha: [u8; 4]| Texture {
+            width: 4,
+            height: 1,
+            rgba: alpha.iter().flat_map(|a| [0, 0, 0, *a]).collect(),
+            wrap: [Wrap::ClampToEdge; 2],
+            filters: Filters::default(),
+        };
+        let at = |alpha: [u8; 4], u: f32| {
+            let mask = CutMask::of(&texture(alpha), 0.5, 1.0).unwrap();
+            mask.passes(Vec2::new(u, 0.5), [1.0; 3])
+        };
+        assert_eq!(at([255; 4], 0.3), Some(true));
+        assert_eq!(at([0; 4], 7.0), Some(false));
+        let half = [255, 255, 0, 0];
+        assert_eq!(at(half, 0.2), Some(true));
+        assert_eq!(at(half, 0.5), None);
+        assert_eq!(at(half, 0.8), Some(false));
+        // Corners with an alpha of their own, and no place at all, are left to the texels.
+        let mask = CutMask::of(&texture([255; 4]), 0.5, 1.0).unwrap();
+        assert_eq!(mask.passes(Vec2::ZERO, [1.0, 0.2, 1.0]), None);
+        assert_eq!(mask.passes(Vec2::NAN, [1.0; 3]), None);
+    }
+}

@@ -1,0 +1,85 @@
+//! Places within a triangle on the raster.
+
+use std::ops::Range;
+
+use glam::Vec2;
+
+use crate::screen_triangle::ScreenTriangle;
+
+/// Shared edges must not show the background through rounding.
+pub(crate) const EDGE_SLACK: f32 = -1e-5;
+
+/// What is needed to find a place within a triangle.
+#[derive(Clone, Copy)]
+pub(crate) struct PointInTriangle {
+    pub(crate) origin: Vec2,
+    pub(crate) second: Vec2,
+    pub(crate) third: Vec2,
+}
+
+impl PointInTriangle {
+    /// `None` for a triangle that is seen edge-on.
+    pub(crate) fn within(triangle: &ScreenTriangle) -> Option<Self> {
+        let [a, b, c] = triangle.corners.map(|corner| corner.at);
+        let (ab, ac) = (b - a, c - a);
+        let area = ab.perp_dot(ac);
+        let inverse = 1.0 / area;
+        (area != 0.0 && inverse.is_finite()).then(|| Self {
+            origin: a,
+            second: Vec2::new(ac.y, -ac.x) * inverse,
+            third: Vec2::new(-ab.y, ab.x) * inverse,
+        })
+    }
+
+    /// The shares of the three corners at a point of the raster.
+    pub(crate) fn weights(&self, at: Vec2) -> [f32; 3] {
+        let offset = at - self.origin;
+        let (second, third) = (self.second.dot(offset), self.third.dot(offset));
+        [1.0 - second - third, second, third]
+    }
+
+    /// Whether no sample of a block is in the triangle, as far as can be told at once: each weight is
+    /// largest at some corner of the block.
+    pub(crate) fn misses(&self, columns: &Range<usize>, rows: Range<usize>) -> bool {
+        // More than rounding moves a weight.
+        const SLACK: f32 = 1e-5;
+        let low = Vec2::new(columns.start as f32, rows.start as f32) + 0.5 - self.origin;
+        let high = Vec2::new(columns.end as f32, rows.end as f32) - 0.5 - self.origin;
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let size = 1.0 + (self.second.abs() + self.third.abs()).dot(middle.abs() + half);
+        let is_out = |toward: Vec2, start: f32| {
+            start + toward.dot(middle) + toward.abs().dot(half) + SLACK * size < EDGE_SLACK
+        };
+        is_out(self.second, 0.0)
+            || is_out(self.third, 0.0)
+            || is_out(-(self.second + self.third), 1.0)
+    }
+}
+
+/// The shares of the face's own three corners, perspective undone.
+pub(crate) fn face_weights(triangle: &ScreenTriangle, weights: [f32; 3]) -> [f32; 3] {
+    let mut shares = Vec2::ZERO;
+    let mut total = 0.0;
+    for (i, weight) in weights.into_iter().enumerate() {
+        let part = weight * triangle.corners[i].inverse_w;
+        shares += triangle.shares[i] * part;
+        total += part;
+    }
+    shares /= total;
+    [1.0 - shares.x - shares.y, shares.x, shares.y]
+}
+
+/// How far texture coordinates go from a sample to the next pixel to the right, and down.
+pub(crate) fn uv_steps(
+    triangle: &ScreenTriangle,
+    place: &PointInTriangle,
+    at: Vec2,
+    uvs: [Vec2; 3],
+) -> [Vec2; 2] {
+    let uv = |at: Vec2| {
+        let weights = face_weights(triangle, place.weights(at));
+        uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2]
+    };
+    let here = uv(at);
+    [Vec2::X, Vec2::Y].map(|step| uv(at + step) - here)
+}
