@@ -9,6 +9,7 @@ use secateur_plant::{GrowOptions, Species, grow};
 use secateur_scene::wind::Wind;
 use serde_json::{Value, json};
 
+use crate::glb::{chunks, joined};
 use crate::program::Bench;
 use crate::tab::{DESKTOP, Tab};
 
@@ -80,28 +81,12 @@ fn opened(bench: &Bench, name: &str) -> Opened {
     }
 }
 
-/// The JSON and the buffer of a GLB.
-fn chunks(glb: &[u8]) -> (&[u8], &[u8]) {
-    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
-    (&glb[20..20 + length], &glb[28 + length..])
-}
-
 /// The same GLB with another JSON.
 fn edited(glb: &[u8], edit: impl Fn(&mut Value)) -> Vec<u8> {
     let (json, bin) = chunks(glb);
     let mut root: Value = serde_json::from_slice(json).unwrap();
     edit(&mut root);
-    let mut json = root.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let word = |n: usize| (n as u32).to_le_bytes();
-    let mut glb = b"glTF".to_vec();
-    glb.extend([word(2), word(28 + json.len() + bin.len()), word(json.len())].concat());
-    glb.extend(b"JSON");
-    glb.extend(json);
-    glb.extend(word(bin.len()));
-    glb.extend(b"BIN\0");
-    glb.extend(bin);
-    glb
+    joined(&root, bin)
 }
 
 /// A bench with a maple whose leaves have four triangles: they can get coarser.
