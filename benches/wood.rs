@@ -7,7 +7,8 @@
 //! Times are those of finding the levels of the wood, with drawing it to see how much of it shows;
 //! everything else comes out alike from `--profile dev`.
 //!
-//! `cargo bench --bench wood`
+//! `cargo bench --bench wood`, or with parts of names only the trees whose names have one of them:
+//! `cargo bench --bench wood -- bush maple`
 
 mod rows;
 
@@ -43,7 +44,12 @@ const COMMAND: &str = "cargo bench --bench wood";
 
 fn main() {
     let mut rows = Rows::create("wood");
-    for name in TREES {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let parts = arguments.iter().filter(|part| !part.starts_with('-'));
+    let parts: Vec<&String> = parts.collect();
+    let is_out =
+        |name: &str| !parts.is_empty() && !parts.iter().any(|part| name.contains(part.as_str()));
+    for name in TREES.into_iter().filter(|name| !is_out(name)) {
         if let Some(path) = shared_tree(name) {
             let tree = WholeTree::open(&path, &[]).expect("a tree");
             compare(&mut rows, name, &tree);
@@ -54,7 +60,9 @@ fn main() {
         let document = Document::from_bytes("grown.glb", plant_to_glb(&plant), None);
         let tree = document.expect("a plant").into_whole_tree(&[]);
         let name = format!("grown {} {leaves} seed {seed}", plant.name);
-        compare(&mut rows, &name, &tree.expect("a tree"));
+        if !is_out(&name) {
+            compare(&mut rows, &name, &tree.expect("a tree"));
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::observe::observe;
 use crate::rest::HeldBy;
 use crate::stage::Observer;
-use crate::wood::{Wood, hanging_on};
+use crate::wood::{Parts, Wood, hanging_on};
 use crate::{
     Error, Fitting, Options, Shared, Simplified, Target, Views, simplify_on, simplify_sharing,
     sphere_of,
@@ -20,11 +20,11 @@ use crate::{
 /// shows at all at the heights at which coarse levels are seen.
 const SEEN_RESOLUTION: u32 = 256;
 
-/// Collapses of wood are chosen in views of this many pixels a side, where there are few enough views:
-/// with 256 FLIP was .0138 instead of .0127 on `ez_bush2` at a quarter of all triangles.
-const COLLAPSE_RESOLUTION: u32 = 512;
+/// Levels of wood are judged, and by information chosen, in views of this many pixels a side, where there
+/// are few enough views: with 256 FLIP was .0138 instead of .0127 on `ez_bush2` at a quarter of all triangles.
+const LEVEL_RESOLUTION: u32 = 512;
 
-/// The most pixels over all views in which collapses are chosen: 32 views of 512 x 512.
+/// The most pixels over all views in which levels are judged: 32 views of 512 x 512.
 const MOST_PIXELS: usize = 1 << 23;
 
 /// What is hidden at first counts this much of what is seen: leaves that go lay some of it bare.
@@ -73,12 +73,13 @@ pub enum WoodMode {
     /// It is simplified too; pieces get coarser by half-edge collapses that change the mutual
     /// information of views least: [`Wood::by_information`].
     Vmi,
-    /// It is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::new`].
+    /// It is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`].
     Geometry,
 }
 
 impl WoodMode {
-    /// What runs: [`Self::Geometry`] for [`Self::Auto`].
+    /// What runs: [`Self::Geometry`] for [`Self::Auto`]: of as many triangles it looks as good or better, and
+    /// is found sooner.
     pub fn decided(self) -> Self {
         match self {
             Self::Auto => Self::Geometry,
@@ -87,9 +88,9 @@ impl WoodMode {
     }
 }
 
-/// Pixels along a side of the views in which collapses are chosen.
-fn collapse_resolution(views: usize) -> u32 {
-    let mut resolution = COLLAPSE_RESOLUTION;
+/// Pixels along a side of the views in which levels of wood are judged.
+fn level_resolution(views: usize) -> u32 {
+    let mut resolution = LEVEL_RESOLUTION;
     while resolution > 1 && views * (resolution as usize).pow(2) > MOST_PIXELS {
         resolution /= 2;
     }
@@ -198,29 +199,30 @@ impl<'a> WholePlant<'a> {
             }
             Ok(px)
         };
-        let seen = px(items)?;
-        let bare = if wood.leaves().is_empty() {
-            Vec::new()
-        } else {
-            px(wood)?
+        let parts = Parts::of(wood);
+        let seen = match parts.are_pieces() {
+            true => px(items)?,
+            false => px(&leaves.followed_by(parts.foliage())?)?,
+        };
+        let bare = match wood.leaves().is_empty() {
+            true => Vec::new(),
+            false => px(parts.foliage())?,
         };
         let of_wood = seen[leaves.leaves().len()..].iter().zip(bare);
         let weights: Vec<f64> = of_wood
             .map(|(seen, bare)| seen + HIDDEN_WEIGHT * (bare - seen).max(0.0))
             .collect();
+        let resolution = level_resolution(views.len());
         let levels = match mode.decided() {
-            WoodMode::Vmi => {
-                let resolution = collapse_resolution(views.len());
-                Wood::by_information(wood, &weights, &views, resolution, rasteriser)?
-            }
-            _ => Wood::new(wood, &weights),
+            WoodMode::Vmi => Wood::by_information(parts, &weights, &views, resolution, rasteriser)?,
+            _ => Wood::by_geometry(parts, &weights, &views, resolution),
         };
         let of_leaves = &seen[..leaves.leaves().len()];
         Ok(Self {
             leaves,
             wood,
             occluders: Arc::new(wood.clone()),
-            levels: levels.with_leaves(wood, leaves),
+            levels: levels.with_leaves(leaves),
             leaves_px: of_leaves.iter().sum(),
         })
     }

@@ -28,15 +28,6 @@ pub(super) fn vertices(triangles: &[LeafTriangle]) -> Option<Vec<u32>> {
     Mesh::of(triangles).map(|mesh| mesh.indices)
 }
 
-/// A mesh of fewer triangles.
-#[derive(Clone, Debug)]
-pub(crate) struct Collapsed {
-    /// Corners of the mesh, numbered as in [`secateur_model::CornerRef`].
-    pub(crate) triangles: Vec<[u32; 3]>,
-    /// How far it is from the surface that was, in world units, textures counted in.
-    pub(crate) error: f64,
-}
-
 /// What collapses of edges are to keep beside the surface.
 #[derive(Clone, Copy)]
 pub(crate) struct Kept<'a> {
@@ -52,23 +43,18 @@ pub(crate) struct Kept<'a> {
 
 /// What collapses leave at ever fewer triangles, each half of the number before, as far down as
 /// collapses get; finest first. Vertices stay where they are and keep their texture coordinates.
-pub(crate) fn halvings(triangles: &[LeafTriangle], kept: Kept<'_>) -> Vec<Collapsed> {
+pub(crate) fn halvings(triangles: &[LeafTriangle], kept: Kept<'_>) -> Vec<Vec<[u32; 3]>> {
     let Some(mesh) = Mesh::of(triangles) else {
         return Vec::new();
     };
     let attributes = Attributes::of(&mesh, triangles, kept);
-    let mut levels: Vec<Collapsed> = Vec::new();
+    let mut levels: Vec<Vec<[u32; 3]>> = Vec::new();
     let mut wanted = triangles.len() / 2;
     while wanted > 0 {
-        let (kept, error) = mesh.collapsed_with(&attributes, wanted);
-        let last = levels
-            .last()
-            .map_or(triangles.len(), |level| level.triangles.len());
+        let kept = mesh.collapsed_with(&attributes, wanted);
+        let last = levels.last().map_or(triangles.len(), Vec::len);
         if !kept.is_empty() && kept.len() < last {
-            levels.push(Collapsed {
-                triangles: mesh.corners_of(triangles, &kept),
-                error: f64::from(error) * mesh.size,
-            });
+            levels.push(mesh.corners_of(triangles, &kept));
         }
         wanted /= 2;
     }
@@ -125,8 +111,6 @@ struct Mesh {
     positions: Vec<[f32; 3]>,
     /// Texture coordinates, relative to those of the first corner.
     uvs: Vec<[f32; 2]>,
-    /// Distance of the furthest corner from the first, in world units.
-    size: f64,
     /// For each corner of each triangle, the number of its vertex.
     indices: Vec<u32>,
 }
@@ -158,18 +142,15 @@ impl Mesh {
         is_sound.then_some(Self {
             positions,
             uvs: vertex_uvs,
-            size,
             indices,
         })
     }
 
-    /// As [`Self::collapsed`], but attributes count too; with the error, as a share of the mesh's
-    /// size.
-    fn collapsed_with(&self, attributes: &Attributes, triangles: usize) -> (Vec<[u32; 3]>, f32) {
+    /// As [`Self::collapsed`], but attributes count too.
+    fn collapsed_with(&self, attributes: &Attributes, triangles: usize) -> Vec<[u32; 3]> {
         let bytes = ::meshopt::typed_to_bytes(&self.positions);
         let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
             .expect("positions are whole vectors");
-        let mut error = 0.0;
         let kept = ::meshopt::simplify_with_attributes_and_locks(
             &self.indices,
             &vertices,
@@ -180,9 +161,9 @@ impl Mesh {
             3 * triangles,
             f32::MAX,
             SimplifyOptions::ErrorAbsolute,
-            Some(&mut error),
+            None,
         );
-        (kept.as_chunks().0.to_vec(), error)
+        kept.as_chunks().0.to_vec()
     }
 
     /// Triangles, as vertices, that collapses to this number leave.

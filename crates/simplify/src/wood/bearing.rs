@@ -8,7 +8,8 @@ use secateur_model::{Foliage, LeafId, LeafTriangle};
 
 use super::distance::{corners_of, distance_from};
 use super::levels::Level;
-use super::support::{Growing, bounds, growing};
+use super::parts::Parts;
+use super::support::{Growing, bounds, growing_of_parts};
 use super::thickness::thickness;
 
 /// A leaf is taken to hang on no more pieces than this: those that are nearest to it.
@@ -101,8 +102,9 @@ pub(super) type Needs = Vec<Option<u32>>;
 
 /// For each piece what it needs of the one that it grows on to be no further from it than that is
 /// thick, or than some piece was from its own at first; nothing for what grows on none.
-pub(super) fn needs(wood: &Foliage, levels: &[&[Level]]) -> Vec<Option<(usize, Needs)>> {
-    let growing: Vec<Option<Growing>> = growing(wood);
+pub(super) fn needs(parts: &Parts, levels: &[&[Level]]) -> Vec<Option<(usize, Needs)>> {
+    let wood = parts.foliage();
+    let growing = growing_of_parts(parts);
     let gaps = growing.iter().flatten().map(|found| found.distance);
     let largest_gap = gaps.fold(0.0, f64::max) * (1.0 + SLACK);
     let shapes: Vec<Vec<Vec<[DVec3; 3]>>> = (0..levels.len())

@@ -10,27 +10,15 @@ const MOST_CORNERS: usize = 192;
 
 /// The mean distance of corners of a piece from a level, in world units.
 pub(super) fn mean_distance(all: &[LeafTriangle], level: &[[u32; 3]]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    distances(all, level, |distance| {
-        sum += distance;
-        count += 1;
-    });
-    sum / f64::from(count)
-}
-
-/// The largest distance of corners of a piece from a level, in world units.
-pub(super) fn largest_distance(all: &[LeafTriangle], level: &[[u32; 3]]) -> f64 {
-    let mut largest: f64 = 0.0;
-    distances(all, level, |distance| largest = largest.max(distance));
-    largest
-}
-
-fn distances(all: &[LeafTriangle], level: &[[u32; 3]], mut take: impl FnMut(f64)) {
     let level = corners_of(all, level);
     let step = (3 * all.len()).div_ceil(MOST_CORNERS);
-    for corner in all.iter().flat_map(|t| t.corners).step_by(step) {
-        take(distance_from(&level, corner));
+    let samples = all.iter().flat_map(|t| t.corners).step_by(step);
+    let (mut sum, mut count) = (0.0, 0);
+    for corner in samples {
+        sum += distance_from(&level, corner);
+        count += 1;
     }
+    sum / f64::from(count)
 }
 
 /// The distance of a point from the nearest of some triangles, in world units.

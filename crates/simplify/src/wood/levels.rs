@@ -1,10 +1,14 @@
 //! Ever coarser levels of one piece of wood.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 use secateur_model::{Facing, Foliage, LeafId};
+use secateur_raster::cpu::LeafFragments;
 
-use super::distance::{corners_of, largest_distance};
+use super::distance::corners_of;
+use super::loss::{Judges, Original};
+use super::parts::Parts;
 use super::rings::tubes;
 use super::thickness::thickness;
 use crate::coarsen::leaf_mesh::{Kept, halvings};
@@ -29,17 +33,48 @@ pub(super) struct Level {
 /// .1 has a FLIP of .0196 instead of .0188 at a tenth.
 const NORMAL_WEIGHT: f64 = 0.05;
 
-/// A level that is further off than this share of the piece's thickness shows little where the piece
-/// was, but still bears leaves and twigs.
-const FAR: f64 = 0.9;
+/// What a level loses at most: what shows nothing of a piece may still bear leaves and twigs.
+const MOST_LOST: f64 = 0.999;
 
-/// The levels of a piece by its geometry, finest first; of any two the coarser loses more. Where
-/// `is_joint` says so, collapses leave vertices.
+/// The levels of all pieces, finest first; of any two of a piece the coarser loses more. `collapsed` are
+/// the triangles that collapses leave of each piece.
 pub(super) fn levels(
+    parts: &Parts,
+    collapsed: Vec<Vec<Vec<[u32; 3]>>>,
+    is_joint: &(dyn Fn(DVec3) -> bool + Sync),
+    judges: Judges<'_>,
+) -> Vec<Vec<Level>> {
+    let wood = parts.foliage();
+    let of_piece = |fragments: &mut LeafFragments, (piece, collapsed): (usize, Vec<_>)| {
+        let piece = LeafId::from_index(piece);
+        let mut original = Original::new(wood, piece, judges.views, fragments);
+        let all = collapsed.into_iter();
+        let all = all.chain(tubes_of(wood, piece, is_joint));
+        let judged = all.map(|left| (original.loss(&left).min(MOST_LOST), left));
+        falling(judged)
+    };
+    let all = collapsed.into_par_iter().enumerate();
+    let buffer = || LeafFragments::new(judges.resolution);
+    all.map_init(buffer, of_piece).collect()
+}
+
+/// What collapses of edges by geometry leave of all pieces. Where `is_joint` says so, they leave vertices.
+pub(super) fn collapsed(
+    parts: &Parts,
+    is_joint: &(dyn Fn(DVec3) -> bool + Sync),
+) -> Vec<Vec<Vec<[u32; 3]>>> {
+    let wood = parts.foliage();
+    let pieces = (0..wood.leaves().len()).into_par_iter();
+    pieces
+        .map(|piece| collapsed_of(wood, LeafId::from_index(piece), is_joint))
+        .collect()
+}
+
+fn collapsed_of(
     wood: &Foliage,
     piece: LeafId,
     is_joint: &dyn Fn(DVec3) -> bool,
-) -> Vec<Level> {
+) -> Vec<Vec<[u32; 3]>> {
     let triangles = wood.triangles_of(piece);
     let thickness = thickness(wood, piece);
     let first = triangles[0].corners[0];
@@ -54,25 +89,11 @@ pub(super) fn levels(
         normal_weight: normal_weight as f32,
         is_locked: is_joint,
     };
-    let off = |error: f64| match thickness > 0.0 {
-        true => error / thickness,
-        false => 1.0,
-    };
-    let collapsed = halvings(triangles, kept).into_iter();
-    let collapsed = collapsed.map(|level| (off(level.error), level.triangles));
-    let of_few_sides = tubes_of(wood, piece, is_joint).into_iter().map(|level| {
-        let off = off(largest_distance(triangles, &level));
-        (far(off), level)
-    });
-    falling(collapsed.chain(of_few_sides))
+    halvings(triangles, kept)
 }
 
 /// [`tubes`] of a piece that have every joint which it has.
-pub(super) fn tubes_of(
-    wood: &Foliage,
-    piece: LeafId,
-    is_joint: &dyn Fn(DVec3) -> bool,
-) -> Vec<Vec<[u32; 3]>> {
+fn tubes_of(wood: &Foliage, piece: LeafId, is_joint: &dyn Fn(DVec3) -> bool) -> Vec<Vec<[u32; 3]>> {
     let triangles = wood.triangles_of(piece);
     let key = |corner: &DVec3| corner.to_array().map(|x| (x + 0.0).to_bits());
     let corners = triangles.iter().flat_map(|t| t.corners);
@@ -88,17 +109,9 @@ pub(super) fn tubes_of(
     levels
 }
 
-/// The loss of a level that is off by a share of the thickness: never all, and the more the further.
-fn far(off: f64) -> f64 {
-    match off <= FAR {
-        true => off,
-        false => 1.0 - (1.0 - FAR) * FAR / off,
-    }
-}
-
 /// Levels of ever fewer triangles and ever larger losses; what loses as much as one of no more
 /// triangles is left out, and what loses all of a piece, which is no better than nothing.
-pub(super) fn falling(levels: impl Iterator<Item = (f64, Vec<[u32; 3]>)>) -> Vec<Level> {
+fn falling(levels: impl Iterator<Item = (f64, Vec<[u32; 3]>)>) -> Vec<Level> {
     let mut all: Vec<(f64, Vec<[u32; 3]>)> = levels.filter(|(loss, _)| *loss < 1.0).collect();
     // The coarsest first, of as many triangles the one that loses least.
     all.sort_by(|a, b| a.1.len().cmp(&b.1.len()).then(a.0.total_cmp(&b.0)));
@@ -112,19 +125,101 @@ pub(super) fn falling(levels: impl Iterator<Item = (f64, Vec<[u32; 3]>)>) -> Vec
     falling
 }
 
-/// Tells the places that two pieces have.
-pub(super) fn joints(wood: &Foliage) -> impl Fn(DVec3) -> bool + Sync {
+/// Tells the places that two pieces have. Parts of one piece may come apart: the one that others grow on
+/// is closed.
+pub(super) fn joints(parts: &Parts) -> impl Fn(DVec3) -> bool + Sync + use<> {
+    let wood = parts.foliage();
     let key = |place: DVec3| place.to_array().map(|v| (v + 0.0).to_bits());
-    let mut piece_at: FxHashMap<[u64; 3], Option<usize>> = FxHashMap::default();
-    for index in 0..wood.leaves().len() {
-        for triangle in wood.triangles_of(LeafId::from_index(index)) {
+    let mut piece_at: FxHashMap<[u64; 3], Option<LeafId>> = FxHashMap::default();
+    for part in 0..wood.leaves().len() {
+        let piece = parts.piece_of(part);
+        for triangle in wood.triangles_of(LeafId::from_index(part)) {
             for corner in triangle.corners {
-                let known = piece_at.entry(key(corner)).or_insert(Some(index));
-                if *known != Some(index) {
+                let known = piece_at.entry(key(corner)).or_insert(Some(piece));
+                if *known != Some(piece) {
                     *known = None;
                 }
             }
         }
     }
     move |place| piece_at.get(&key(place)) == Some(&None)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+    use secateur_model::{BoundingSphere, LeafTriangle};
+    use secateur_raster::ViewSet;
+
+    use super::super::nearest::nearest;
+    use super::super::parts::of_corners;
+    use super::super::tests::tube;
+    use super::*;
+
+    const LENGTH: f64 = 8.0;
+
+    /// A bent tube that gets thinner, whose bark repeats 20 times along it.
+    fn bent() -> Foliage {
+        let mut triangles = tube(DVec3::ZERO, LENGTH * DVec3::Y, 0.5, 24);
+        for triangle in &mut triangles {
+            for corner in &mut triangle.corners {
+                let share = corner.y / LENGTH;
+                let radius = 1.0 - 0.6 * share;
+                let bend = 0.6 * (5.0 * share).sin();
+                *corner = DVec3::new(radius * corner.x + bend, corner.y, radius * corner.z);
+            }
+            for uv in &mut triangle.uvs {
+                uv.y *= 20.0;
+            }
+        }
+        let mut wood = Foliage::default();
+        wood.push_leaf(&triangles, None).unwrap();
+        wood
+    }
+
+    /// How far along the tube the bark of a level is at most from where it was, in world units.
+    fn slide(all: &[LeafTriangle], level: &[LeafTriangle]) -> f64 {
+        let along = |uv: DVec2| uv.y / 20.0 * LENGTH;
+        let mut most: f64 = 0.0;
+        for triangle in level {
+            let [a, b, c] = triangle.corners;
+            let at = (a + b + c) / 3.0;
+            let shown = along(triangle.uvs.iter().sum::<DVec2>() / 3.0);
+            let was = all.iter().map(|t| {
+                let found = nearest(t.corners, at);
+                let uv = (0..3).map(|k| found.weights[k] * t.uvs[k]).sum();
+                (found.point.distance(at), along(uv))
+            });
+            let was = was.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1;
+            most = most.max((shown - was).abs());
+        }
+        most
+    }
+
+    /// Half as far as it is thick where it is thickest is what no level that loses less than half is off by.
+    #[test]
+    fn bark_does_not_swim_along_a_branch() {
+        let wood = bent();
+        let all = wood.triangles();
+        let parts = Parts::of(&wood);
+        let views = ViewSet::octahedron(BoundingSphere {
+            centre: 4.0 * DVec3::Y,
+            radius: 4.5,
+        });
+        let is_joint = |_| false;
+        let judges = Judges {
+            views: &views,
+            resolution: 128,
+        };
+        let left = collapsed(&parts, &is_joint);
+        let levels = levels(&parts, left, &is_joint, judges);
+        let mut count = 0;
+        for level in levels[0].iter().filter(|level| level.loss < 0.5) {
+            let slide = slide(all, &of_corners(all, &level.triangles));
+            let triangles = level.triangles.len();
+            assert!(slide < 0.5, "{slide} with {triangles} triangles");
+            count += 1;
+        }
+        assert!(count > 4, "{count} levels");
+    }
 }

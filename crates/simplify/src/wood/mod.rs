@@ -1,38 +1,45 @@
 //! Wood with fewer triangles: pieces get coarser, and pieces go.
 //!
-//! A piece of wood is a connected part, mostly the tube of a branch. Each has a row of levels:
-//! as it is, what collapses of edges leave of half its triangles, of a quarter and so on, tubes of
-//! few sides and rings, flat strips, and nothing. What a level loses is the part of the piece's
-//! visible pixels that it shows no longer or elsewhere: its distance from the surface that was, over
-//! the piece's thickness, times those pixels. Triangles of a budget go one piece and level at a time
+//! A piece of wood is a connected part, mostly the tube of a branch; where it has forks, what is between
+//! them is a part of its own, and treated as a piece. Each has a row of levels: as it is, what collapses of
+//! edges leave of half its triangles, of a quarter and so on, tubes of few sides and rings, flat strips,
+//! and nothing. What a level loses is the part of the piece's visible pixels that it shows no longer or
+//! elsewhere. Triangles of a budget go one piece and level at a time
 //! to where they save the most pixels each, those of leaves counted in that would hang in the air.
 //! A piece is left only if the one that it grows on is, at a level that still meets it.
 
 mod bearing;
 mod distance;
+mod forks;
 mod gaps;
 mod levels;
+mod loss;
 mod nearest;
 mod order;
+mod parts;
 mod rings;
 mod spend;
 mod support;
 mod thickness;
 mod vmi;
+mod welded;
 
-use rayon::prelude::*;
-use secateur_model::{CornerRef, Foliage, LeafId, Lod, NewCorner, NewLeaf, Place};
+use secateur_model::{Foliage, LeafId, Lod, NewLeaf};
 use secateur_raster::{Rasteriser, ViewSet};
 
 use crate::Error;
 use bearing::{Bearing, Borne, Needs, needs};
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
-use levels::{Level, joints, levels};
+use levels::{Level, collapsed, joints, levels};
+use loss::Judges;
+pub use parts::Parts;
 pub use support::supports;
 
 /// A plant's wood, ready for any number of budgets.
 #[derive(Clone, Debug)]
 pub struct Wood {
+    parts: Parts,
+    /// By part.
     pieces: Vec<Piece>,
     leaf_gap: f64,
 }
@@ -53,19 +60,21 @@ struct Piece {
 }
 
 impl Wood {
-    /// Makes the levels of all pieces by their geometry. `seen_px`: how many pixels of all views each
-    /// piece owns.
+    /// Makes the levels of all parts: what collapses by their geometry leave, judged by what the views
+    /// show of it. `seen_px`: how many pixels of all views each part owns; `resolution`: pixels along a
+    /// side of a view.
     ///
     /// # Panics
-    /// If there is not one number for each piece.
-    pub fn new(wood: &Foliage, seen_px: &[f64]) -> Self {
-        let pieces = (0..wood.leaves().len()).into_par_iter();
-        let is_joint = joints(wood);
-        let levels = pieces.map(|index| levels(wood, LeafId::from_index(index), &is_joint));
-        Self::of_levels(wood, seen_px, levels.collect())
+    /// If there is not one number for each part; or if the resolution is out of range.
+    pub fn by_geometry(parts: Parts, seen_px: &[f64], views: &ViewSet, resolution: u32) -> Self {
+        let is_joint = joints(&parts);
+        let collapsed = collapsed(&parts, &is_joint);
+        let judges = Judges { views, resolution };
+        let levels = levels(&parts, collapsed, &is_joint, judges);
+        Self::of_levels(parts, seen_px, levels)
     }
 
-    /// Makes the levels of all pieces by half-edge collapses that change the mutual information of
+    /// As [`Self::by_geometry`], by half-edge collapses that change the mutual information of
     /// the views least, each triangle an item of its own.
     ///
     /// Takes time in proportion to the triangles, times the views and the pixels that a triangle has
@@ -75,22 +84,25 @@ impl Wood {
     /// [`Error::Gpu`] if the rasteriser fails.
     ///
     /// # Panics
-    /// As [`Self::new`]; or if the resolution is out of range.
+    /// As [`Self::by_geometry`].
     pub fn by_information(
-        wood: &Foliage,
+        parts: Parts,
         seen_px: &[f64],
         views: &ViewSet,
         resolution: u32,
         rasteriser: &dyn Rasteriser,
     ) -> Result<Self, Error> {
-        let levels = vmi::levels(wood, views, resolution, rasteriser)?;
-        Ok(Self::of_levels(wood, seen_px, levels))
+        let judges = Judges { views, resolution };
+        let collapsed = vmi::collapsed(parts.foliage(), judges, rasteriser)?;
+        let levels = levels(&parts, collapsed, &joints(&parts), judges);
+        Ok(Self::of_levels(parts, seen_px, levels))
     }
 
-    fn of_levels(wood: &Foliage, seen_px: &[f64], levels: Vec<Vec<Level>>) -> Self {
+    fn of_levels(parts: Parts, seen_px: &[f64], levels: Vec<Vec<Level>>) -> Self {
+        let wood = parts.foliage();
         assert_eq!(seen_px.len(), wood.leaves().len());
         let all: Vec<&[Level]> = levels.iter().map(Vec::as_slice).collect();
-        let mut needs = needs(wood, &all);
+        let mut needs = needs(&parts, &all);
         let pieces = levels.into_iter().zip(seen_px).enumerate();
         let piece = |(index, (levels, &seen_px)): (usize, (Vec<Level>, &f64))| {
             let (support, needs) = needs[index].take().unzip();
@@ -103,23 +115,21 @@ impl Wood {
                 levels,
             }
         };
+        let pieces = pieces.map(piece).collect();
         Self {
-            pieces: pieces.map(piece).collect(),
+            parts,
+            pieces,
             leaf_gap: f64::INFINITY,
         }
     }
 
     /// The wood with these leaves on it, so that it may be chosen to bear some of them.
-    ///
-    /// # Panics
-    /// If the wood is another.
-    pub fn with_leaves(mut self, wood: &Foliage, leaves: &Foliage) -> Self {
-        assert_eq!(wood.leaves().len(), self.pieces.len());
+    pub fn with_leaves(mut self, leaves: &Foliage) -> Self {
         let levels: Vec<&[Level]> = self.pieces.iter().map(|p| &p.levels[..]).collect();
         let Bearing {
             of_pieces,
             largest_gap,
-        } = bearing::bearing(wood, &levels, leaves);
+        } = bearing::bearing(self.parts.foliage(), &levels, leaves);
         for (piece, bears) in self.pieces.iter_mut().zip(of_pieces) {
             piece.bears = bears;
         }
@@ -134,7 +144,10 @@ impl Wood {
 
     /// Triangles of all pieces as they are.
     pub fn triangle_count(&self) -> usize {
-        self.pieces.iter().map(|piece| piece.triangles).sum()
+        let pieces = (0..self.parts.piece_count()).map(LeafId::from_index);
+        pieces
+            .map(|piece| self.parts.triangles_of_piece(piece))
+            .sum()
     }
 
     /// The wood with at most this many triangles, and the pixels that it loses.
@@ -146,7 +159,7 @@ impl Wood {
     /// [`Self::with_leaves`] loses if nothing bears it; those at the end may be left out.
     pub fn bearing(&self, hanging_px: &[f64], triangles_at_most: usize) -> (Lod, f64) {
         if triangles_at_most >= self.triangle_count() {
-            return (Lod::original(self.pieces.len()), 0.0);
+            return (Lod::original(self.parts.piece_count()), 0.0);
         }
         let chosen = self.choose(hanging_px, triangles_at_most, 0.0);
         let lost = self
@@ -184,21 +197,39 @@ impl Wood {
         chosen
     }
 
+    /// What is left of each piece: all of it where all its parts are as they are.
     fn lod(&self, chosen: &[Option<usize>]) -> Lod {
-        let mut lod = Lod::original(self.pieces.len());
-        for (index, (piece, level)) in self.pieces.iter().zip(chosen).enumerate() {
-            let name = LeafId::from_index(index);
-            let coarser = match level {
-                Some(level) if *level == 0 => continue,
-                Some(level) => Some(&piece.levels[*level - 1]),
-                None => None,
-            };
-            lod.remove(name);
-            if let Some(coarser) = coarser {
-                lod.make(new_piece(name, &coarser.triangles));
+        let mut lod = Lod::original(self.parts.piece_count());
+        for piece in (0..self.parts.piece_count()).map(LeafId::from_index) {
+            let of_piece = &chosen[self.parts.of_piece(piece)];
+            if of_piece.iter().all(|level| *level == Some(0)) {
+                continue;
+            }
+            lod.remove(piece);
+            if of_piece.iter().any(Option::is_some) {
+                lod.make(self.made(piece, chosen));
             }
         }
         lod
+    }
+
+    /// What is left of a piece of which a part is left, as a leaf of the wood.
+    fn made(&self, piece: LeafId, chosen: &[Option<usize>]) -> NewLeaf {
+        let mut triangles = Vec::new();
+        for part in self.parts.of_piece(piece) {
+            match chosen[part] {
+                None => {}
+                Some(0) => triangles.extend(self.parts.whole(part)),
+                Some(level) => {
+                    let level = &self.pieces[part].levels[level - 1].triangles;
+                    triangles.extend(self.parts.made(part, level));
+                }
+            }
+        }
+        NewLeaf {
+            donor: piece,
+            triangles,
+        }
     }
 }
 
@@ -218,20 +249,6 @@ impl Piece {
             0 => 0.0,
             level => self.seen_px * self.levels[level - 1].loss,
         }
-    }
-}
-
-fn new_piece(piece: LeafId, triangles: &[[u32; 3]]) -> NewLeaf {
-    let at = |corner| NewCorner {
-        place: Place::Of(CornerRef {
-            leaf: piece,
-            corner,
-        }),
-        like: corner,
-    };
-    NewLeaf {
-        donor: piece,
-        triangles: triangles.iter().map(|t| t.map(at)).collect(),
     }
 }
 

@@ -5,11 +5,10 @@
 //! corners are corners of the piece, so textures stay where they are along it and weights of skins
 //! with their vertices. What is no tube gets poor levels, which their losses say.
 
-use std::collections::VecDeque;
-
 use glam::{DQuat, DVec2, DVec3};
-use rustc_hash::FxHashMap;
 use secateur_model::LeafTriangle;
+
+use super::welded::Welded;
 
 /// Numbers of sides that are tried; two are a flat strip.
 const SIDES: [usize; 4] = [6, 4, 3, 2];
@@ -62,49 +61,23 @@ pub(super) fn tubes(
 
 /// The rings of a piece from one end to the other, and whether its triangles face inward.
 fn rings(triangles: &[LeafTriangle]) -> Option<(Vec<Ring>, bool)> {
-    let mut number_of: FxHashMap<[u64; 3], usize> = FxHashMap::default();
-    let mut places: Vec<Place> = Vec::new();
-    let mut corners = Vec::with_capacity(triangles.len());
-    for (t, triangle) in triangles.iter().enumerate() {
-        corners.push([0, 1, 2].map(|k| {
-            let at = triangle.corners[k];
-            let key = at.to_array().map(|x| (x + 0.0).to_bits());
-            let number = *number_of.entry(key).or_insert_with(|| {
-                let corners = Vec::new();
-                places.push(Place { at, corners });
-                places.len() - 1
-            });
-            let known = &mut places[number].corners;
-            let uv = triangle.uvs[k];
+    let mesh = Welded::of(triangles);
+    let place = |at: &DVec3| Place {
+        at: *at,
+        corners: Vec::new(),
+    };
+    let mut places: Vec<Place> = mesh.places.iter().map(place).collect();
+    for (t, numbers) in mesh.triangles.iter().enumerate() {
+        for (k, number) in numbers.iter().enumerate() {
+            let known = &mut places[*number].corners;
+            let uv = triangles[t].uvs[k];
             let is_new = known.iter().all(|c| uv_of(triangles, *c) != uv);
             if is_new && known.len() < MOST_WEDGES {
                 known.push((3 * t + k) as u32);
             }
-            number
-        }));
-    }
-    let mut around: Vec<Vec<usize>> = vec![Vec::new(); places.len()];
-    let mut uses: FxHashMap<[usize; 2], u32> = FxHashMap::default();
-    for &[a, b, c] in &corners {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if from != to {
-                around[from].push(to);
-                around[to].push(from);
-                *uses.entry([from.min(to), from.max(to)]).or_default() += 1;
-            }
         }
     }
-    let mut hops = vec![usize::MAX; places.len()];
-    let mut queue = VecDeque::from(end(&places, &around, &uses));
-    queue.iter().for_each(|place| hops[*place] = 0);
-    while let Some(place) = queue.pop_front() {
-        for &next in &around[place] {
-            if hops[next] == usize::MAX {
-                hops[next] = hops[place] + 1;
-                queue.push_back(next);
-            }
-        }
-    }
+    let hops = mesh.hops(&end(&mesh));
     let last = *hops.iter().max()?;
     if last == 0 || last == usize::MAX {
         return None;
@@ -124,7 +97,7 @@ fn rings(triangles: &[LeafTriangle]) -> Option<(Vec<Ring>, bool)> {
         return None;
     }
     let mut facing = 0.0;
-    for (triangle, places) in triangles.iter().zip(&corners) {
+    for (triangle, places) in triangles.iter().zip(&mesh.triangles) {
         let [a, b, c] = triangle.corners;
         let centre = places.map(|place| rings[hops[place]].centre);
         let outward = a + b + c - centre.iter().sum::<DVec3>();
@@ -135,33 +108,17 @@ fn rings(triangles: &[LeafTriangle]) -> Option<(Vec<Ring>, bool)> {
 
 /// The places of one end: of the border that reaches furthest from the middle; of a piece without
 /// a border the one place that does.
-fn end(places: &[Place], around: &[Vec<usize>], uses: &FxHashMap<[usize; 2], u32>) -> Vec<usize> {
-    let middle = places.iter().map(|p| p.at).sum::<DVec3>() / places.len() as f64;
-    let is_border = |a: usize, b: usize| uses.get(&[a.min(b), a.max(b)]) == Some(&1);
-    let is_at_border = |place: &usize| around[*place].iter().any(|b| is_border(*place, *b));
-    let furthest = |numbers: &mut dyn Iterator<Item = usize>| {
-        numbers.max_by(|a, b| {
-            let distance = |place: usize| places[place].at.distance_squared(middle);
-            distance(*a).total_cmp(&distance(*b)).then(b.cmp(a))
-        })
-    };
-    let Some(first) = furthest(&mut (0..places.len()).filter(is_at_border)) else {
-        return furthest(&mut (0..places.len())).into_iter().collect();
-    };
-    let mut found = vec![first];
-    let mut is_found = vec![false; places.len()];
-    is_found[first] = true;
-    let mut next = 0;
-    while next < found.len() {
-        let place = found[next];
-        for &other in &around[place] {
-            if is_border(place, other) && !std::mem::replace(&mut is_found[other], true) {
-                found.push(other);
-            }
-        }
-        next += 1;
+fn end(mesh: &Welded) -> Vec<usize> {
+    let middle = mesh.places.iter().sum::<DVec3>() / mesh.places.len() as f64;
+    let distance = |place: usize| mesh.places[place].distance_squared(middle);
+    let reach = |places: &[usize]| places.iter().map(|p| distance(*p)).fold(0.0, f64::max);
+    let borders = mesh.borders().into_iter().rev();
+    if let Some(border) = borders.max_by(|a, b| reach(a).total_cmp(&reach(b))) {
+        return border;
     }
-    found
+    let all = (0..mesh.places.len()).rev();
+    let furthest = all.max_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    furthest.into_iter().collect()
 }
 
 impl Ring {

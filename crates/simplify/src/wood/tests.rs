@@ -1,7 +1,7 @@
 //! Tubes that grow on each other.
 
 use glam::{DVec2, DVec3};
-use secateur_model::LeafTriangle;
+use secateur_model::{BoundingSphere, LeafTriangle, Place};
 
 use super::*;
 
@@ -55,6 +55,16 @@ pub(super) fn wood() -> Foliage {
     wood
 }
 
+/// The wood as few views of few pixels judge its levels.
+pub(super) fn by_geometry(foliage: &Foliage, seen_px: &[f64]) -> Wood {
+    let sphere = foliage.bounding_sphere().unwrap_or(BoundingSphere {
+        centre: DVec3::ZERO,
+        radius: 1.0,
+    });
+    let views = ViewSet::dodecahedron(sphere);
+    Wood::by_geometry(Parts::of(foliage), seen_px, &views, 128)
+}
+
 #[test]
 fn twigs_grow_on_boughs_and_boughs_on_trunks() {
     assert_eq!(supports(&wood()), [Some(2), None, Some(1)]);
@@ -63,7 +73,7 @@ fn twigs_grow_on_boughs_and_boughs_on_trunks() {
 #[test]
 fn a_budget_is_kept_and_nothing_hangs_in_the_air() {
     let foliage = wood();
-    let wood = Wood::new(&foliage, &[50.0, 1000.0, 300.0]);
+    let wood = by_geometry(&foliage, &[50.0, 1000.0, 300.0]);
     let all = foliage.triangles().len();
     let mut lost_before = f64::INFINITY;
     for budget in 0..=all {
@@ -102,7 +112,7 @@ fn a_budget_is_kept_and_nothing_hangs_in_the_air() {
 #[test]
 fn what_shows_most_waits_for_what_it_grows_on() {
     let foliage = wood();
-    let wood = Wood::new(&foliage, &[1000.0, 5.0, 20.0]);
+    let wood = by_geometry(&foliage, &[1000.0, 5.0, 20.0]);
     for budget in 0..=foliage.triangles().len() {
         let (lod, _) = wood.within(budget);
         let is_left = |piece: usize| {
@@ -141,7 +151,7 @@ fn a_twig_waits_for_a_level_that_meets_it() {
     let gap_of = |left: &Foliage| wood_gaps(left).into_iter().fold(0.0, f64::max);
     let thickness = thickness::thickness(&foliage, LeafId::from_index(0));
     // The trunk shows nothing: it gets the fewest triangles that will do.
-    let wood = Wood::new(&foliage, &[0.0, 1000.0]);
+    let wood = by_geometry(&foliage, &[0.0, 1000.0]);
     let mut coarsest = usize::MAX;
     for budget in 0..=foliage.triangles().len() {
         let left = wood.within(budget).0.foliage(&foliage);
@@ -167,8 +177,8 @@ fn a_twig_is_worth_the_leaves_that_it_bears() {
             .push_leaf(&[LeafTriangle::plain(corners)], None)
             .unwrap();
     }
-    let bare = Wood::new(&foliage, &[0.001, 1000.0, 300.0]);
-    let leafy = bare.clone().with_leaves(&foliage, &leaves);
+    let bare = by_geometry(&foliage, &[0.001, 1000.0, 300.0]);
+    let leafy = bare.clone().with_leaves(&leaves);
     let bound = leafy.leaf_gap();
     assert!(bare.leaf_gap().is_infinite() && bound < 0.2);
     let hanging = |(left, _): (Lod, f64)| hanging_on(&leaves, &left.foliage(&foliage), bound);
@@ -180,7 +190,7 @@ fn a_twig_is_worth_the_leaves_that_it_bears() {
 #[test]
 fn what_stays_is_made_of_corners_that_were_there() {
     let foliage = wood();
-    let (lod, _) = Wood::new(&foliage, &[1.0, 1.0, 1.0]).within(60);
+    let (lod, _) = by_geometry(&foliage, &[1.0, 1.0, 1.0]).within(60);
     assert!(lod.made().next().is_some());
     for (made, area_scale) in lod.made() {
         assert_eq!(area_scale, 1.0);
@@ -195,14 +205,14 @@ fn what_stays_is_made_of_corners_that_were_there() {
 
 #[test]
 fn no_wood_is_no_wood() {
-    let (lod, lost) = Wood::new(&Foliage::default(), &[]).within(0);
+    let (lod, lost) = by_geometry(&Foliage::default(), &[]).within(0);
     assert_eq!((lod.leaf_count(), lost), (0, 0.0));
 }
 
 #[test]
 fn an_order_takes_pieces_away_before_what_they_grow_on() {
     let foliage = wood();
-    let order = Wood::new(&foliage, &[50.0, 1000.0, 300.0]).order();
+    let order = by_geometry(&foliage, &[50.0, 1000.0, 300.0]).order();
     order.check(&foliage).unwrap();
     let left = |steps: usize| Lod::after(&order, steps).foliage(&foliage);
     assert_eq!(left(0), foliage);
@@ -279,11 +289,11 @@ fn places_of_two_pieces_stay() {
     let (a, b, c) = (DVec3::ZERO, 2.0 * DVec3::Y, 4.0 * DVec3::Y);
     foliage.push_leaf(&tube(a, b, 0.3, 4), None).unwrap();
     foliage.push_leaf(&tube(b, c, 0.3, 4), None).unwrap();
-    let is_joint = joints(&foliage);
+    let is_joint = joints(&Parts::of(&foliage));
     let corners = foliage.triangles().iter().flat_map(|t| t.corners);
     let shared: Vec<DVec3> = corners.filter(|corner| is_joint(*corner)).collect();
     assert!(!shared.is_empty() && shared.iter().all(|corner| corner.y == 2.0));
-    let wood = Wood::new(&foliage, &[1.0, 1.0]);
+    let wood = by_geometry(&foliage, &[1.0, 1.0]);
     let coarsest = wood.pieces[0].levels.last().unwrap();
     let triangles = foliage.triangles_of(LeafId::from_index(0));
     let place = |c: &u32| triangles[*c as usize / 3].corners[*c as usize % 3];

@@ -7,43 +7,36 @@
 //! at once, so that a piece hides another; leaves are not.
 
 mod greedy;
-mod loss;
 mod mesh;
 mod seen;
 
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId};
-use secateur_raster::{Rasteriser, ViewSet};
+use secateur_raster::Rasteriser;
 
-use super::levels::{Level, falling, joints, tubes_of};
+use super::loss::Judges;
 use crate::Error;
 use crate::lg::LgTable;
 use greedy::{Candidate, cheapest, collapse_all};
-use loss::Original;
 use mesh::Mesh;
 use seen::Seen;
 
-/// What a level loses at most: what shows nothing of a piece may still bear leaves and twigs.
-const MOST_LOST: f64 = 0.999;
-
-/// The levels of all pieces: of each what was left of it when it had half of its triangles, a
-/// quarter and so on.
+/// Of all pieces what was left when it had half of its triangles, a quarter and so on, and last.
 ///
 /// # Errors
 /// [`Error::Gpu`] if the rasteriser fails.
-pub(super) fn levels(
+pub(super) fn collapsed(
     wood: &Foliage,
-    views: &ViewSet,
-    resolution: u32,
+    judges: Judges<'_>,
     rasteriser: &dyn Rasteriser,
-) -> Result<Vec<Vec<Level>>, Error> {
+) -> Result<Vec<Vec<Vec<[u32; 3]>>>, Error> {
     let mut left: Vec<Vec<Vec<[u32; 3]>>> = vec![Vec::new(); wood.leaves().len()];
     if wood.leaves().is_empty() {
-        return Ok(Vec::new());
+        return Ok(left);
     }
     let table = LgTable::new();
     let mut mesh = Mesh::new(wood);
-    let mut seen = Seen::new(&mesh, views, resolution, rasteriser, &table)?;
+    let mut seen = Seen::new(&mesh, judges.views, judges.resolution, rasteriser, &table)?;
     let count_of = |piece: usize| wood.triangles_of(LeafId::from_index(piece)).len();
     let mut counts: Vec<usize> = (0..left.len())
         .map(|piece| mesh.left_of(LeafId::from_index(piece)).len())
@@ -66,15 +59,7 @@ pub(super) fn levels(
             of_piece.push(last);
         }
     }
-    let is_joint = joints(wood);
-    let of_piece = |(piece, left): (usize, Vec<Vec<[u32; 3]>>)| {
-        let piece = LeafId::from_index(piece);
-        let mut original = Original::new(wood, piece, views, resolution);
-        let all = left.into_iter().chain(tubes_of(wood, piece, &is_joint));
-        let judged = all.map(|left| (original.loss(&left).min(MOST_LOST), left));
-        falling(judged)
-    };
-    Ok(left.into_par_iter().enumerate().map(of_piece).collect())
+    Ok(left)
 }
 
 /// The first look at all places, each thread with a buffer of its own.

@@ -4,8 +4,10 @@ use glam::{DVec2, DVec3};
 use secateur_model::{LeafTriangle, Lod};
 use secateur_raster::measure::vmi::Vmi;
 use secateur_raster::occluders::Occluded;
-use secateur_raster::{AreaTable, CpuRasteriser, Scene, cpu};
+use secateur_raster::{AreaTable, CpuRasteriser, Scene, ViewSet, cpu};
 
+use super::super::levels::{Level, joints, levels};
+use super::super::parts::Parts;
 use super::super::tests::{tube, wood};
 use super::mesh::Effect;
 use super::seen::{Cost, triangles_as_leaves};
@@ -82,6 +84,14 @@ fn views(wood: &Foliage) -> ViewSet {
     ViewSet::octahedron(wood.bounding_sphere().unwrap())
 }
 
+fn levels_of(wood: &Foliage, resolution: u32) -> Vec<Vec<Level>> {
+    let views = &views(wood);
+    let judges = Judges { views, resolution };
+    let left = collapsed(wood, judges, &CpuRasteriser).unwrap();
+    let parts = Parts::of(wood);
+    levels(&parts, left, &joints(&parts), judges)
+}
+
 /// All collapses in turn, by the fast engine and by the literal one.
 fn both(wood: &Foliage, occluders: &Foliage) -> [Vec<Candidate>; 2] {
     let (views, table) = (views(wood), LgTable::new());
@@ -150,7 +160,7 @@ fn what_stands_before_the_wood_hides_it_from_both() {
 #[test]
 fn what_stays_is_made_of_corners_that_were_there_and_gets_ever_less() {
     let wood = wood();
-    let levels = levels(&wood, &views(&wood), 128, &CpuRasteriser).unwrap();
+    let levels = levels_of(&wood, 128);
     for (index, levels) in levels.iter().enumerate() {
         let of_piece = wood.triangles_of(LeafId::from_index(index)).len();
         assert!(!levels.is_empty(), "piece {index}");
@@ -203,7 +213,7 @@ fn sheet_with_a_seam() -> Foliage {
 #[test]
 fn seams_and_borders_stay_where_they_are_and_textures_do_not_swim() {
     let wood = sheet_with_a_seam();
-    let levels = levels(&wood, &views(&wood), 64, &CpuRasteriser).unwrap();
+    let levels = levels_of(&wood, 64);
     let all = wood.triangles();
     let coarsest = levels[0].last().unwrap();
     // Two halves of two triangles are the least that keeps outline and seam.
@@ -224,9 +234,11 @@ fn seams_and_borders_stay_where_they_are_and_textures_do_not_swim() {
 
 #[test]
 fn no_wood_has_no_levels() {
-    let views = views(&crossed_tubes());
-    let levels = levels(&Foliage::default(), &views, 16, &CpuRasteriser).unwrap();
-    assert!(levels.is_empty());
+    let views = &views(&crossed_tubes());
+    let resolution = 16;
+    let judges = Judges { views, resolution };
+    let left = collapsed(&Foliage::default(), judges, &CpuRasteriser).unwrap();
+    assert!(left.is_empty());
 }
 
 /// Costs by number of the triangles that go; from the first collapse on, those of odd numbers
