@@ -197,6 +197,7 @@ fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) {
         leaf_like,
         leaf_like_share,
         alike_share,
+        ..
     } = shape_evidence::sum_up(&geometry.positions, &geometry.triangles, geometry.pieces());
     let pieces = if count == 1 {
         "its only piece is"

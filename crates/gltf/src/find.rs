@@ -13,6 +13,7 @@ use super::parts::Part;
 use super::picture::Pictures;
 use super::property;
 use super::report;
+use super::shape_evidence;
 use super::survey::{Group, Survey};
 use super::tree::LeafSource;
 use super::write::check_references;
@@ -115,6 +116,7 @@ impl Document {
         report::extents(inspection, &survey, &parts);
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
         inspection.warnings.extend(pictures.warnings());
+        inspection.warnings.extend(self.mixed(&survey, &parts));
         choice?;
         let found = self.collect(&survey, &parts, &mut pictures, &mut inspection.warnings)?;
         report::foliage(inspection, &found.foliage);
@@ -255,6 +257,30 @@ impl Document {
             .at(place);
         }
         Ok(Some(self.elements(index)?.vectors().collect()))
+    }
+
+    /// A sentence for each primitive that looks like leaves and wood in one, which is kept as one.
+    fn mixed(&self, survey: &Survey, parts: &[Part]) -> Vec<String> {
+        let mut are_leaves = vec![false; survey.groups.len()];
+        for (part, group) in parts.iter().zip(&survey.group_of_part) {
+            are_leaves[*group] |= part.is_foliage;
+        }
+        let groups = survey.groups.iter().zip(are_leaves);
+        let mixed = groups.filter_map(|(group, are_leaves)| {
+            let geometry = &group.geometry;
+            let (positions, triangles) = (&geometry.positions, &geometry.triangles);
+            let pieces = shape_evidence::sum_up(positions, triangles, geometry.pieces());
+            let taken_for = if are_leaves { "leaves" } else { "wood" };
+            pieces.are_leaves_and_wood(group.placements).then(|| {
+                format!(
+                    "{}: {} of its pieces are small and flat and {} large and round, like leaves and wood in one primitive; all of it is taken for {taken_for}, since one primitive is one or the other",
+                    self.primitive_place(group.mesh, group.primitive),
+                    pieces.leaf_like,
+                    pieces.stem_like
+                )
+            })
+        });
+        mixed.collect()
     }
 
     fn warnings(

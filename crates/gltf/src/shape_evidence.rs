@@ -22,20 +22,43 @@ pub(crate) struct Pieces {
     /// The share of the leaf-like pieces, 0 to 1, that have the most common
     /// number of triangles.
     pub(crate) alike_share: f64,
+    /// Pieces of more than 64 triangles that are round, as stems are.
+    pub(crate) stem_like: usize,
+    /// The share of all triangles, 0 to 1, that lie in those.
+    pub(crate) stem_like_share: f64,
+}
+
+impl Pieces {
+    /// Whether they look like the leaves and the wood of a plant in one, `placements` times: many leaves,
+    /// a tenth of the triangles or more, beside stems of as many.
+    pub(crate) fn are_leaves_and_wood(&self, placements: usize) -> bool {
+        const ENOUGH: usize = 16;
+        const LEAST_SHARE: f64 = 0.1;
+        self.leaf_like * placements >= ENOUGH
+            && self.leaf_like_share.min(self.stem_like_share) >= LEAST_SHARE
+    }
 }
 
 /// Sums the pieces up.
 pub(crate) fn sum_up(positions: &[DVec3], triangles: &[[u32; 3]], pieces: &Leaves) -> Pieces {
     let mut leaf_like = 0;
     let mut leaf_like_triangles = 0;
+    let mut stem_like = 0;
+    let mut stem_like_triangles = 0;
     let mut by_size = [0usize; MOST_TRIANGLES + 1];
     for piece in pieces.iter() {
-        let is_leaf_like = piece.len() <= MOST_TRIANGLES
-            && flatness(positions, triangles, piece) >= LEAST_FLATNESS;
-        if is_leaf_like {
-            leaf_like += 1;
-            leaf_like_triangles += piece.len();
-            by_size[piece.len()] += 1;
+        let is_flat = flatness(positions, triangles, piece) >= LEAST_FLATNESS;
+        match (piece.len() <= MOST_TRIANGLES, is_flat) {
+            (true, true) => {
+                leaf_like += 1;
+                leaf_like_triangles += piece.len();
+                by_size[piece.len()] += 1;
+            }
+            (false, false) => {
+                stem_like += 1;
+                stem_like_triangles += piece.len();
+            }
+            _ => {}
         }
     }
     let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
@@ -45,6 +68,8 @@ pub(crate) fn sum_up(positions: &[DVec3], triangles: &[[u32; 3]], pieces: &Leave
         leaf_like,
         leaf_like_share: share(leaf_like_triangles, triangles.len()),
         alike_share: share(most_common, leaf_like),
+        stem_like,
+        stem_like_share: share(stem_like_triangles, triangles.len()),
     }
 }
 
@@ -161,7 +186,33 @@ mod tests {
                 leaf_like: 3,
                 leaf_like_share: 3.0 / 11.0,
                 alike_share: 1.0,
+                ..Pieces::default()
             }
         );
+    }
+
+    #[test]
+    fn many_leaves_beside_stems_are_leaves_and_wood() {
+        let with = |sides: u32, leaves: u32| {
+            let (mut positions, mut triangles) = prism(sides);
+            for k in 0..leaves {
+                let first = positions.len() as u32;
+                let at = DVec3::splat(10.0 + f64::from(k));
+                positions.extend([at, at + DVec3::X, at + DVec3::Y]);
+                triangles.push([first, first + 1, first + 2]);
+            }
+            let pieces = find_leaves(&positions, &triangles);
+            sum_up(&positions, &triangles, &pieces)
+        };
+        let mixed = with(40, 20);
+        assert_eq!((mixed.leaf_like, mixed.stem_like), (20, 1));
+        assert_eq!(mixed.stem_like_share, 0.8);
+        assert!(mixed.are_leaves_and_wood(1));
+        // Too few leaves, but for a shrub that is drawn often; next to no leaves; and stalks of leaves.
+        assert!(!with(40, 10).are_leaves_and_wood(1));
+        assert!(with(40, 10).are_leaves_and_wood(2));
+        assert!(!with(400, 20).are_leaves_and_wood(1));
+        assert!(!with(40, 2000).are_leaves_and_wood(1));
+        assert!(!with(8, 20).are_leaves_and_wood(1));
     }
 }

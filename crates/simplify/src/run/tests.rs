@@ -363,10 +363,13 @@ fn runs_that_share_what_they_found_are_the_same() {
                 };
                 let unseen = simplify(&crown, &unseen).unwrap();
                 assert_eq!(alone.lod, unseen.lod, "{triangles}");
-                // Where sizes are fitted to information it is looked at all the same.
-                let is_looked_at = preset == Preset::Information;
-                assert_eq!(unseen.areas.is_some(), is_looked_at, "{triangles}");
-                assert_eq!(unseen.driving_error_percent().is_some(), is_looked_at);
+                // Where sizes are fitted to information it is looked at all the same. What the method
+                // drew itself is handed on, but where leaves are coarser than those it was to choose from.
+                match (preset, triangles) {
+                    (Preset::Information, _) => assert!(unseen.areas.is_some()),
+                    (_, 6) => assert_eq!((unseen.areas, unseen.vmi_final), (None, None)),
+                    _ => {}
+                }
             }
         }
     }
