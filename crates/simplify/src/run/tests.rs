@@ -356,23 +356,35 @@ fn runs_that_share_what_they_found_are_the_same() {
                 assert_eq!(alone.costs, sharing.costs, "{triangles}");
                 assert_eq!(alone.areas, sharing.areas, "{triangles}");
                 assert_eq!(alone.vmi_original, sharing.vmi_original);
-                let unseen = Options {
-                    shows_what_is_left: false,
-                    audit: false,
-                    ..options
-                };
-                let unseen = simplify(&crown, &unseen).unwrap();
-                assert_eq!(alone.lod, unseen.lod, "{triangles}");
-                // Where sizes are fitted to information it is looked at all the same. What the method
-                // drew itself is handed on, but where leaves are coarser than those it was to choose from.
-                match (preset, triangles) {
-                    (Preset::Information, _) => assert!(unseen.areas.is_some()),
-                    (_, 6) => assert_eq!((unseen.areas, unseen.vmi_final), (None, None)),
-                    _ => {}
+                // What a method drew itself is handed on; of coarser leaves than it chose from it drew none.
+                if preset == Preset::Look && triangles == 6 {
+                    let unseen = Options {
+                        shows_what_is_left: false,
+                        audit: false,
+                        ..options
+                    };
+                    let unseen = simplify(&crown, &unseen).unwrap();
+                    assert_eq!(alone.lod, unseen.lod);
+                    assert_eq!((unseen.areas, unseen.vmi_final), (None, None));
                 }
             }
         }
     }
+}
+
+/// Whoever asks for an error has what is left looked at.
+#[test]
+fn an_error_is_looked_at_whether_it_is_to_be_shown_or_not() {
+    let (crown, _) = crown_and_wall();
+    let options = Options {
+        views: Views::Cube,
+        resolution: Resolution::Pixels(48),
+        audit: false,
+        shows_what_is_left: false,
+        ..Options::with_preset(Preset::Information, Target::MaxErrorPercent(5.0))
+    };
+    let found = simplify(&crown, &options).unwrap();
+    assert!(found.driving_error_percent().unwrap() <= 5.0);
 }
 
 /// Leaves of a thousandth of the crown: far below a pixel at 256.
