@@ -33,12 +33,12 @@ pub enum Place {
     Of(CornerRef),
     /// Anywhere, in world space.
     At(DVec3),
-    /// In the plane of a triangle of the donor, within it or not. The texture goes on
-    /// there: texture coordinates are of the same weights, as are, in files, normals and
+    /// In the plane of three corners of the donor, within their triangle or not. The texture goes
+    /// on there: texture coordinates are of the same weights, as are, in files, normals and
     /// displacements of morph targets.
     InPlaneOf {
-        /// Which of [`Foliage::triangles_of`] the donor.
-        triangle: u32,
+        /// Numbered as in [`CornerRef`].
+        corners: [u32; 3],
         /// Of its corners; together 1, some may be negative.
         weights: [f64; 3],
     },
@@ -78,12 +78,17 @@ impl NewLeaf {
             match c.place {
                 Place::Of(corner) => (corner.position(foliage), uv),
                 Place::At(position) => (position, uv),
-                Place::InPlaneOf { triangle, weights } => {
-                    let LeafTriangle { corners, uvs } = like[triangle as usize];
+                Place::InPlaneOf { corners, weights } => {
+                    let at = |corner: u32| {
+                        let triangle = &like[corner as usize / 3];
+                        let k = corner as usize % 3;
+                        (triangle.corners[k], triangle.uvs[k])
+                    };
                     let [a, b, c] = weights;
+                    let [of_a, of_b, of_c] = corners.map(at);
                     (
-                        a * corners[0] + b * corners[1] + c * corners[2],
-                        a * uvs[0] + b * uvs[1] + c * uvs[2],
+                        a * of_a.0 + b * of_b.0 + c * of_c.0,
+                        a * of_a.1 + b * of_b.1 + c * of_c.1,
                     )
                 }
             }

@@ -158,8 +158,11 @@ fn is_made_of(foliage: &Foliage, made: &NewLeaf) -> bool {
             Place::Of(at) => u64::from(at.corner) < 3 * triangles_of(at.leaf),
             // One by one: the largest element passes over what is no number.
             Place::At(at) => at.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE),
-            Place::InPlaneOf { triangle, weights } => {
-                u64::from(triangle) < of_donor && weights.iter().all(|w| w.abs() <= MAX_WEIGHT)
+            Place::InPlaneOf { corners, weights } => {
+                corners
+                    .iter()
+                    .all(|corner| u64::from(*corner) < 3 * of_donor)
+                    && weights.iter().all(|w| w.abs() <= MAX_WEIGHT)
             }
         };
         place && u64::from(corner.like) < 3 * of_donor
@@ -264,7 +267,7 @@ mod tests {
             assert!(why(&[(&[1], &[], &[far])]).contains("corners that are not there"));
             let mut heavy = made(1, 0);
             heavy.triangles[0][2].place = Place::InPlaneOf {
-                triangle: 0,
+                corners: [0, 1, 2],
                 weights: [x, 0.0, y],
             };
             assert!(why(&[(&[1], &[], &[heavy])]).contains("corners that are not there"));

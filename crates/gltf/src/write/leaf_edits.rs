@@ -50,11 +50,11 @@ pub(super) struct MadeCorner {
     pub(super) blend: Option<Blend>,
 }
 
-/// A sum of the vertices of a triangle, by weights.
+/// A sum of three vertices, by weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Blend {
-    /// A triangle of the primitive's list.
-    pub(super) triangle: u32,
+    /// Triangles of the primitive's list, and which corner of each.
+    pub(super) corners: [(u32, usize); 3],
     pub(super) weights: [f64; 3],
 }
 
@@ -94,18 +94,16 @@ impl<'t> LeafEdits<'t> {
         let corner = |donor: LeafId, corner: &NewCorner, position_world: DVec3| {
             let source = &self.tree.leaf_sources[donor.index()];
             let triangles = self.tree.triangles_of(source);
+            let in_list = |corner: u32| (triangles[corner as usize / 3], corner as usize % 3);
             let blend = match corner.place {
-                Place::InPlaneOf { triangle, weights } => Some(Blend {
-                    triangle: triangles[triangle as usize],
+                Place::InPlaneOf { corners, weights } => Some(Blend {
+                    corners: corners.map(in_list),
                     weights,
                 }),
                 Place::Of(_) | Place::At(_) => None,
             };
             MadeCorner {
-                like: (
-                    triangles[corner.like as usize / 3],
-                    corner.like as usize % 3,
-                ),
+                like: in_list(corner.like),
                 position_local: origin_of_point(world_from_local, position_world),
                 blend,
             }

@@ -129,14 +129,15 @@ fn kept_triangles(
                 ..
             } = triangle[k];
             let bits = position_local.to_array().map(f64::to_bits);
-            let blend_bits = blend.map(|t: Blend| (t.triangle, t.weights.map(f64::to_bits)));
+            let blend_bits = blend.map(|t: Blend| (t.corners, t.weights.map(f64::to_bits)));
             *placed.entry((bits, blend_bits)).or_insert_with(|| {
                 let number = resizes.len() as u32;
                 resizes.push(Resize {
                     centre_local: position_local,
                     linear_scale: 0.0,
                 });
-                let of_vertices = |t: Blend| (triangles[t.triangle as usize], t.weights);
+                let vertex = |(triangle, k): (u32, usize)| triangles[triangle as usize][k];
+                let of_vertices = |t: Blend| (t.corners.map(vertex), t.weights);
                 blends.extend(blend.map(|t| (number, of_vertices(t))));
                 number
             })

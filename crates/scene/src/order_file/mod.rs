@@ -1,7 +1,7 @@
 //! Removal orders as files: any level later, without simplifying again.
 //!
 //! ```text
-//! "secateur lod"  version:u32 = 1                   16 bytes, all little-endian
+//! "secateur lod"  version:u32 = 1 or 2              16 bytes, all little-endian
 //! foliage_sha256:32 bytes                           of the leaves that the order is of
 //! leaf_count:u32 step_count:u32 made_count:u32 shape_count:u32
 //! shapes, then steps, bit by bit: the lowest bit of a byte first, zeros up to the last byte's end
@@ -11,7 +11,8 @@
 //! leaf    as many bits as leaf_count has
 //! shape   triangles:gamma, then per corner
 //!           0 corner:small same-look             a corner of the donor
-//!           1 triangle:small 3 x f64 like:small  in the plane of a triangle of the donor
+//!           1 plane 3 x f64 like:small           in the plane of three corners of the donor
+//! plane   version 1: triangle:small, all three its corners; version 2: 3 x corner:small
 //! step    0    one leaf goes: name
 //!         10   one goes, one grows: name, name, area scale as f64
 //!         110  two go, one is made: name, name, made
@@ -47,7 +48,13 @@ pub use read::read_order;
 pub use write::write_order;
 
 const MAGIC: &[u8; 12] = b"secateur lod";
-const VERSION: u32 = 1;
+
+/// What files are of whose planes are all those of triangles.
+const PLANES_OF_TRIANGLES: u32 = 1;
+
+/// What files are of where planes are of any three corners of a leaf.
+const PLANES_OF_CORNERS: u32 = 2;
+
 const HEADER_BYTES: usize = 12 + 4 + 32 + 4 * 4;
 
 /// Why bytes are no order of a foliage.
@@ -60,7 +67,7 @@ pub enum OrderFileError {
     #[error("the removal order is no base64")]
     NoBase64,
     /// Another version of the form.
-    #[error("the removal order is of version {0}; this program reads version 1")]
+    #[error("the removal order is of version {0}; this program reads versions 1 and 2")]
     Version(u32),
     /// The order of other leaves.
     #[error(

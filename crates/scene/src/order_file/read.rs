@@ -6,7 +6,10 @@ use secateur_model::{
 };
 
 use super::bits::BitReader;
-use super::{HEADER_BYTES, MAGIC, OrderFileError, VERSION, corner_of, donor_of, width};
+use super::{
+    HEADER_BYTES, MAGIC, OrderFileError, PLANES_OF_CORNERS, PLANES_OF_TRIANGLES, corner_of,
+    donor_of, width,
+};
 
 /// The model whose order these bytes are, of this foliage.
 ///
@@ -29,8 +32,9 @@ pub fn read_order(bytes: &[u8], foliage: &Foliage) -> Result<LodModel, OrderFile
         let bytes = head[at..at + 4].try_into().expect("four bytes");
         u32::from_le_bytes(bytes)
     };
-    if number(12) != VERSION {
-        return Err(OrderFileError::Version(number(12)));
+    let version = number(12);
+    if ![PLANES_OF_TRIANGLES, PLANES_OF_CORNERS].contains(&version) {
+        return Err(OrderFileError::Version(version));
     }
     let [leaf_count, steps, made_count, shape_count] = [48, 52, 56, 60].map(number);
     if head[16..48] != foliage.sha256() || leaf_count as usize != foliage.leaves().len() {
@@ -38,6 +42,7 @@ pub fn read_order(bytes: &[u8], foliage: &Foliage) -> Result<LodModel, OrderFile
     }
     let mut reader = Reader {
         foliage,
+        version,
         name_bits: width(leaf_count as usize + made_count as usize),
         leaf_bits: width(leaf_count as usize),
         shape_bits: width(shape_count as usize),
@@ -98,6 +103,7 @@ enum ShapeCorner {
 
 struct Reader<'a> {
     foliage: &'a Foliage,
+    version: u32,
     name_bits: u32,
     leaf_bits: u32,
     shape_bits: u32,
@@ -283,11 +289,17 @@ impl Reader<'_> {
     }
 
     fn in_plane(&mut self) -> Option<NewCorner> {
-        let triangle = self.bits.small()?;
+        let corners = match self.version {
+            PLANES_OF_TRIANGLES => {
+                let first = self.bits.small()?.checked_mul(3)?;
+                [first, first.checked_add(1)?, first.checked_add(2)?]
+            }
+            _ => [self.bits.small()?, self.bits.small()?, self.bits.small()?],
+        };
         let mut real = || self.bits.real();
         let weights = [real()?, real()?, real()?];
         Some(NewCorner {
-            place: Place::InPlaneOf { triangle, weights },
+            place: Place::InPlaneOf { corners, weights },
             like: self.bits.small()?,
         })
     }

@@ -49,7 +49,7 @@ fn seeds(foliage: &Foliage) -> Vec<(&'static str, Vec<u8>)> {
     let in_plane = |x: f64| {
         let weights = [x, 1.0, -x];
         corner(Place::InPlaneOf {
-            triangle: 1,
+            corners: [3, 4, 5],
             weights,
         })
     };
@@ -81,7 +81,24 @@ fn seeds(foliage: &Foliage) -> Vec<(&'static str, Vec<u8>)> {
         made: &[],
         survivors_area_scale: 2.0,
     });
+    let mut flattened = RemovalOrder::new(24);
+    let sheet = |n: u32| NewLeaf {
+        donor: leaf(n),
+        triangles: vec![[0.0, 1.0, 2.0].map(|x| {
+            corner(Place::InPlaneOf {
+                corners: [1, n % 2, 5],
+                weights: [x, 1.0, -x],
+            })
+        })],
+    };
+    flattened.push_step(Step {
+        removed: &all,
+        grown: &[],
+        made: &(1..=24).map(sheet).collect::<Vec<_>>(),
+        survivors_area_scale: 1.0,
+    });
     let [pruned, collapsed, coarse] = [pruned, collapsed, coarse].map(bytes);
+    let flattened = bytes(flattened);
     let lots = bytes(stochastic::simplify(
         foliage,
         6,
@@ -94,7 +111,7 @@ fn seeds(foliage: &Foliage) -> Vec<(&'static str, Vec<u8>)> {
     };
     vec![
         ("nothing", bytes(RemovalOrder::new(24))),
-        ("broken_version", with(12, 2)),
+        ("broken_version", with(12, 3)),
         ("broken_leaves", with(48, 25)),
         ("broken_steps", with(55, 0x7f)),
         ("broken_made", with(56, 3)),
@@ -105,6 +122,7 @@ fn seeds(foliage: &Foliage) -> Vec<(&'static str, Vec<u8>)> {
         ("pruned", pruned),
         ("collapsed", collapsed),
         ("coarse", coarse),
+        ("flattened", flattened),
         ("by_lot", lots),
     ]
 }

@@ -151,7 +151,7 @@ fn heads_that_are_wrong_are_refused() {
         why(&bytes, &foliage)
     };
     assert!(with(0, b'S').contains("does not start with"));
-    assert!(with(12, 2).contains("of version 2"));
+    assert!(with(12, 3).contains("of version 3"));
     assert!(with(16, !bytes[16]).contains("of another tree"));
     assert!(with(48, 25).contains("of another tree"));
     // Counts that claim more than the file holds.

@@ -7,18 +7,26 @@ use secateur_model::{
 };
 
 use super::bits::BitWriter;
-use super::{HEADER_BYTES, MAGIC, VERSION, corner_of, donor_of, is_shape, width};
+use super::{
+    HEADER_BYTES, MAGIC, PLANES_OF_CORNERS, PLANES_OF_TRIANGLES, corner_of, donor_of, is_shape,
+    width,
+};
 
 /// A corner by its bits, so that equal ones are found.
-type CornerKey = (u32, u32, [u64; 3], u32);
+type CornerKey = (u8, [u32; 3], [u64; 3], u32);
 
 /// The bytes of a model's order, which [`read_order`](super::read_order) takes: equal models give
 /// equal bytes. `foliage` is that of the model.
 pub fn write_order(model: &LodModel, foliage: &Foliage) -> Vec<u8> {
     let order = model.order();
     let shapes = Shapes::of(order, foliage);
+    let version = match order.made().iter().all(has_planes_of_triangles) {
+        true => PLANES_OF_TRIANGLES,
+        false => PLANES_OF_CORNERS,
+    };
     let mut writer = Writer {
         order,
+        version,
         name_bits: width(order.name_count()),
         leaf_bits: width(order.leaf_count() as usize),
         shape_bits: width(shapes.all.len()),
@@ -31,7 +39,7 @@ pub fn write_order(model: &LodModel, foliage: &Foliage) -> Vec<u8> {
     let bits = writer.bits.into_bytes();
     let mut bytes = Vec::with_capacity(HEADER_BYTES + bits.len());
     bytes.extend_from_slice(MAGIC);
-    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&version.to_le_bytes());
     bytes.extend_from_slice(&model.foliage_sha256());
     let counts = [
         order.leaf_count(),
@@ -75,20 +83,35 @@ impl<'a> Shapes<'a> {
     }
 }
 
+/// Whether all planes that corners of a new leaf lie in are those of triangles of its donor.
+fn has_planes_of_triangles(made: &NewLeaf) -> bool {
+    made.triangles
+        .iter()
+        .flatten()
+        .all(|corner| match corner.place {
+            Place::InPlaneOf { corners, .. } => {
+                let first = corners[0];
+                first % 3 == 0 && corners == [first, first + 1, first + 2]
+            }
+            Place::Of(_) | Place::At(_) => true,
+        })
+}
+
 /// What two leaves have in common that are made of their donors in the same way.
 fn key_of(made: &NewLeaf) -> Vec<CornerKey> {
     let key = |corner: &NewCorner| match corner.place {
-        Place::Of(at) => (0, at.corner, [0; 3], corner.like),
-        Place::InPlaneOf { triangle, weights } => {
-            (1, triangle, weights.map(f64::to_bits), corner.like)
+        Place::Of(at) => (0, [at.corner; 3], [0; 3], corner.like),
+        Place::InPlaneOf { corners, weights } => {
+            (1, corners, weights.map(f64::to_bits), corner.like)
         }
-        Place::At(at) => (2, 0, at.to_array().map(f64::to_bits), corner.like),
+        Place::At(at) => (2, [0; 3], at.to_array().map(f64::to_bits), corner.like),
     };
     made.triangles.iter().flatten().map(key).collect()
 }
 
 struct Writer<'a> {
     order: &'a RemovalOrder,
+    version: u32,
     name_bits: u32,
     leaf_bits: u32,
     shape_bits: u32,
@@ -100,9 +123,9 @@ impl Writer<'_> {
         self.bits.gamma(shape.triangles.len() as u64);
         for corner in shape.triangles.iter().flatten() {
             match corner.place {
-                Place::InPlaneOf { triangle, weights } => {
+                Place::InPlaneOf { corners, weights } => {
                     self.bits.bits(1, 1);
-                    self.in_plane(triangle, weights, corner.like);
+                    self.in_plane(corners, weights, corner.like);
                 }
                 Place::Of(CornerRef { corner: number, .. }) => {
                     self.bits.bits(0, 1);
@@ -198,9 +221,9 @@ impl Writer<'_> {
                     at.to_array().iter().for_each(|x| self.bits.real(*x));
                     self.bits.small(corner.like);
                 }
-                Place::InPlaneOf { triangle, weights } => {
+                Place::InPlaneOf { corners, weights } => {
                     self.bits.bits(0b1111, 4);
-                    self.in_plane(triangle, weights, corner.like);
+                    self.in_plane(corners, weights, corner.like);
                 }
             }
         }
@@ -238,8 +261,11 @@ impl Writer<'_> {
         }
     }
 
-    fn in_plane(&mut self, triangle: u32, weights: [f64; 3], like: u32) {
-        self.bits.small(triangle);
+    fn in_plane(&mut self, corners: [u32; 3], weights: [f64; 3], like: u32) {
+        match self.version {
+            PLANES_OF_TRIANGLES => self.bits.small(corners[0] / 3),
+            _ => corners.iter().for_each(|corner| self.bits.small(*corner)),
+        }
         weights.iter().for_each(|w| self.bits.real(*w));
         self.bits.small(like);
     }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use secateur_gltf::LeafSurface;
-use secateur_model::{Foliage, Hold, LeafId, NewCorner, NewLeaf, Place, Surface};
+use secateur_model::{CornerRef, Foliage, Hold, LeafId, NewCorner, NewLeaf, Place, Surface};
 
 use crate::preview::octahedral;
 use crate::wind::NOTHING;
@@ -146,15 +146,19 @@ impl<'a> Leaves<'a> {
         match corner.place {
             Place::Of(at) => vertex.position = at.position(self.foliage).as_vec3(),
             Place::At(position) => vertex.position = position.as_vec3(),
-            Place::InPlaneOf { triangle, weights } => {
-                let at = &self.foliage.triangles_of(donor)[triangle as usize].corners;
-                let of = &corners[3 * triangle as usize..][..3];
+            Place::InPlaneOf {
+                corners: plane,
+                weights,
+            } => {
+                let leaf = donor;
                 let mut position = DVec3::ZERO;
                 let mut uv = glam::DVec2::ZERO;
                 let mut normal = DVec3::ZERO;
                 for k in 0..3 {
-                    let index = of[k] as usize;
-                    position += weights[k] * at[k];
+                    let corner = plane[k];
+                    let index = corners[corner as usize] as usize;
+                    let at = CornerRef { leaf, corner }.position(self.foliage);
+                    position += weights[k] * at;
                     if let Some(corner_uv) = surface.uvs.get(index) {
                         uv += weights[k] * corner_uv.as_dvec2();
                     }

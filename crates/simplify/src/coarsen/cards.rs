@@ -6,27 +6,17 @@
 //! enough away.
 
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 use secateur_model::{CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, Place};
 
-use super::enclosing_triangle::{CardTexture, Weights, enclosing_triangle};
+use super::card_textures::CardTextures;
+use super::enclosing_triangle::Weights;
 
 /// Largest number of triangles of a leaf that is looked at for cards.
-const MAX_TRIANGLES: usize = 64;
+pub(super) const MAX_TRIANGLES: usize = 64;
 
 /// Corners may be off a card's plane, or off the place that the texture gives them, by at most
 /// this part of its longest edge.
 const FLATNESS: f64 = 0.02;
-
-/// Cells into which all different cards together are divided, at most.
-const MAX_CELLS: usize = 1 << 20;
-
-/// Least and largest number of cells along a card's side.
-const CELLS_PER_SIDE: [usize; 2] = [32, 256];
-
-/// Number of different cards for which a triangle is sought; further ones stay as they are. Most
-/// trees have a few, which all leaves share.
-const MAX_CARD_TEXTURES: usize = 1024;
 
 /// For each leaf the triangles that show the same as all of it, where they are fewer.
 #[derive(Debug)]
@@ -36,9 +26,6 @@ pub(super) struct Cards(Vec<Option<Vec<[NewCorner; 3]>>>);
 /// of them has an area.
 type Card = Vec<usize>;
 
-/// What the triangle around a card depends on: its mask, and all texture coordinates.
-type Key = (u32, Vec<[u64; 6]>);
-
 impl Cards {
     /// Finds the cards of all leaves, on the threads of the current rayon pool.
     pub(super) fn of(foliage: &Foliage) -> Self {
@@ -46,30 +33,14 @@ impl Cards {
         let cards: Vec<Vec<Card>> = leaves
             .map(|index| cards_of(foliage, LeafId::from_index(index)))
             .collect();
-        let mut textures: Vec<CardTexture<'_>> = Vec::new();
-        let mut known: FxHashMap<Key, usize> = FxHashMap::default();
+        let mut textures = CardTextures::of(foliage);
         let mut number = |leaf: LeafId, card: &Card| {
             if card.len() == 1 {
                 return None;
             }
             let of_leaf = foliage.triangles_of(leaf);
             let cutout = foliage.leaf(leaf).cutout()?;
-            let triangles: Vec<LeafTriangle> = card.iter().map(|t| of_leaf[*t]).collect();
-            let bits = |t: &LeafTriangle| {
-                let [a, b, c] = t.uvs;
-                [a.x, a.y, b.x, b.y, c.x, c.y].map(f64::to_bits)
-            };
-            let key = (cutout, triangles.iter().map(bits).collect());
-            if textures.len() == MAX_CARD_TEXTURES {
-                return known.get(&key).copied();
-            }
-            Some(*known.entry(key).or_insert_with(|| {
-                textures.push(CardTexture {
-                    triangles: triangles.iter().map(|t| t.uvs).collect(),
-                    mask: &foliage.cutouts()[cutout as usize],
-                });
-                textures.len() - 1
-            }))
+            textures.number(cutout, card.iter().map(|t| of_leaf[*t].uvs).collect())
         };
         let numbers: Vec<Vec<Option<usize>>> = cards
             .iter()
@@ -79,14 +50,7 @@ impl Cards {
                 cards.iter().map(of).collect()
             })
             .collect();
-        let [least, most] = CELLS_PER_SIDE;
-        let side = (MAX_CELLS / textures.len().max(1))
-            .isqrt()
-            .clamp(least, most);
-        let found = textures
-            .par_iter()
-            .map(|texture| enclosing_triangle(texture, side));
-        let found: Vec<Option<[Weights; 3]>> = found.collect();
+        let found = textures.enclosing_triangles();
         let of_leaf = |(index, cards): (usize, &Vec<Card>)| {
             let leaf = LeafId::from_index(index);
             let pairs = cards.iter().zip(&numbers[index]);
@@ -167,7 +131,7 @@ fn placed(triangles: &[LeafTriangle], card: &Card, corners: [Weights; 3]) -> [Ne
         let (triangle, corner) = nearest.expect("a card has triangles");
         NewCorner {
             place: Place::InPlaneOf {
-                triangle: card[0] as u32,
+                corners: [0, 1, 2].map(|k| 3 * card[0] as u32 + k),
                 weights: weights.0,
             },
             like: (3 * triangle + corner) as u32,
@@ -182,6 +146,7 @@ mod tests {
     use glam::{DQuat, DVec2, DVec3};
     use secateur_model::{Cutout, NewLeaf, Wrap};
 
+    use super::super::card_textures::MAX_CARD_TEXTURES;
     use super::*;
     use crate::coarsen::{LossCurves, coarsen};
 
@@ -271,10 +236,10 @@ mod tests {
         };
         let of_card = foliage.triangles();
         for corner in triangle {
-            let Place::InPlaneOf { triangle, weights } = corner.place else {
+            let Place::InPlaneOf { corners, weights } = corner.place else {
                 panic!("in the plane of the card");
             };
-            assert_eq!(triangle, 0);
+            assert_eq!(corners, [0, 1, 2]);
             let uv = Weights(weights).at(&of_card[0].uvs);
             let distance = |(t, k): (usize, usize)| of_card[t].uvs[k].distance(uv);
             let own = distance((corner.like as usize / 3, corner.like as usize % 3));

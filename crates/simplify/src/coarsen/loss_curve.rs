@@ -7,7 +7,7 @@ use secateur_raster::ViewSet;
 use secateur_raster::cpu::LeafFragments;
 
 use super::triangle::{self, CornerTriple};
-use super::{Cards, collapsed, leaf_mesh};
+use super::{Cards, Sheets, collapsed, leaf_mesh};
 
 /// Width and height in pixels of the largest images in which leaves are drawn: the judge's.
 const MAX_RESOLUTION_PX: f64 = 512.0;
@@ -45,6 +45,7 @@ const MIN_WITH_CUTOUT: usize = 2;
 #[derive(Debug)]
 pub struct LossCurves {
     cards: Cards,
+    sheets: Sheets,
     kind_of: Vec<u32>,
     kinds: Vec<KindCurve>,
 }
@@ -55,7 +56,8 @@ struct KindCurve {
     points: Vec<LossPoint>,
     /// The lower convex hull of `points`: each further triangle is worth less than the last.
     hull: Vec<LossPoint>,
-    /// The corners of the one triangle that is better than what collapses leave, if any is.
+    /// The corners of the one triangle that is better than what collapses leave, if any is; of a
+    /// sheet those whose plane it lies in.
     three: Option<CornerTriple>,
 }
 
@@ -76,6 +78,7 @@ impl LossCurves {
     /// Draws samples of each kind of leaf, on the threads of the current rayon pool.
     pub fn of(foliage: &Foliage) -> Self {
         let cards = Cards::of(foliage);
+        let sheets = Sheets::of(foliage, &cards);
         let leaves: Vec<LeafId> = (0..foliage.leaves().len())
             .map(LeafId::from_index)
             .collect();
@@ -85,6 +88,7 @@ impl LossCurves {
             let least = cards.triangles_of(*leaf).map_or(0, <[_]>::len) as u32;
             let mut meeting = leaf_mesh::vertices(triangles).unwrap_or_default();
             meeting.push(least);
+            meeting.push(sheets.has(*leaf).into());
             (triangles.len(), foliage.leaf(*leaf).cutout(), meeting)
         };
         let kind_of_leaf: Vec<Kind> = leaves.par_iter().map(kind).collect();
@@ -107,6 +111,7 @@ impl LossCurves {
         let stage = foliage.bounding_sphere().map(|sphere| CrownViews {
             foliage,
             cards: &cards,
+            sheets: &sheets,
             views: ViewSet::dodecahedron(sphere),
             radius: sphere.radius,
         });
@@ -124,6 +129,7 @@ impl LossCurves {
         }
         Self {
             cards,
+            sheets,
             kind_of,
             kinds,
         }
@@ -160,13 +166,14 @@ impl LossCurves {
         at_most: usize,
     ) -> Option<NewLeaf> {
         let three = self.curve_of(leaf).three;
-        coarser(foliage, &self.cards, leaf, at_most, three)
+        coarser(foliage, &self.cards, &self.sheets, leaf, at_most, three)
     }
 }
 
 fn coarser(
     foliage: &Foliage,
     cards: &Cards,
+    sheets: &Sheets,
     leaf: LeafId,
     at_most: usize,
     three: Option<CornerTriple>,
@@ -183,10 +190,16 @@ fn coarser(
         }
         _ => (),
     }
-    let three = three.filter(|_| at_most == 1);
-    three
-        .and_then(|three| triangle::flat(foliage, leaf, three))
-        .or_else(|| collapsed(foliage, leaf, at_most))
+    match three.filter(|_| at_most == 1) {
+        // A fold may be too sharp for the plane in single leaves of a kind; they keep their texture.
+        Some(plane) if sheets.has(leaf) => sheets
+            .flat(foliage, leaf, plane)
+            .or_else(|| collapsed(foliage, leaf, MIN_WITH_CUTOUT)),
+        Some(three) => {
+            triangle::flat(foliage, leaf, three).or_else(|| collapsed(foliage, leaf, at_most))
+        }
+        None => collapsed(foliage, leaf, at_most),
+    }
 }
 
 fn least(foliage: &Foliage, cards: &Cards, leaf: LeafId) -> usize {
@@ -216,6 +229,7 @@ fn estimated_curve(least: usize, all: usize) -> KindCurve {
 struct CrownViews<'a> {
     foliage: &'a Foliage,
     cards: &'a Cards,
+    sheets: &'a Sheets,
     views: ViewSet,
     radius: f64,
 }
@@ -249,7 +263,7 @@ impl CrownViews<'_> {
         let mut loss = |triangles: usize, three: Option<CornerTriple>, samples: &[SampleLeaf]| {
             let (mut in_both, mut in_any) = (0, 0);
             for SampleLeaf { leaf, pixels } in samples {
-                let made = coarser(foliage, self.cards, *leaf, triangles, three)?;
+                let made = coarser(foliage, self.cards, self.sheets, *leaf, triangles, three)?;
                 if made.triangles.len() > triangles {
                     return None;
                 }
@@ -268,14 +282,9 @@ impl CrownViews<'_> {
                 Some(LossPoint { triangles, loss })
             })
             .collect();
-        let mut three = None;
-        if let Some(one) = points.first_mut()
-            && one.triangles == 1
-            && self.cards.triangles_of(leaves[0]).is_none()
-        {
+        let mut best_of = |candidates: Vec<CornerTriple>| {
             let some = &samples[..samples.len().min(MIN_SAMPLES)];
-            let candidates = triangle::candidates(foliage, leaves[0]).into_iter();
-            let mut tried: Vec<(f64, CornerTriple)> = candidates
+            let mut tried: Vec<(f64, CornerTriple)> = (candidates.into_iter())
                 .filter_map(|three| Some((loss(1, Some(three), some)?, three)))
                 .collect();
             tried.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -283,12 +292,25 @@ impl CrownViews<'_> {
             let finals = tried.iter();
             let finals =
                 finals.filter_map(|(_, three)| Some((loss(1, Some(*three), &samples)?, *three)));
-            if let Some((with, best)) = finals.min_by(|a, b| a.0.total_cmp(&b.0))
-                && with < CLEARLY_LESS * one.loss
-            {
-                one.loss = with;
-                three = Some(best);
+            finals.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let mut three = None;
+        match points.first_mut() {
+            _ if self.sheets.has(leaves[0]) => {
+                if let Some((loss, best)) = best_of(triangle::candidates(foliage, leaves[0])) {
+                    points.insert(0, LossPoint { triangles: 1, loss });
+                    three = Some(best);
+                }
             }
+            Some(one) if one.triangles == 1 && self.cards.triangles_of(leaves[0]).is_none() => {
+                if let Some((with, best)) = best_of(triangle::candidates(foliage, leaves[0]))
+                    && with < CLEARLY_LESS * one.loss
+                {
+                    one.loss = with;
+                    three = Some(best);
+                }
+            }
+            _ => (),
         }
         points.push(LossPoint {
             triangles: all,

@@ -6,20 +6,23 @@
 //! crown (`loss_curve`): an arch of three strips is lopsided with three triangles, and better
 //! off with two.
 //!
-//! A leaf becomes coarser in one of three ways: by edge collapses (`leaf_mesh`: meshoptimizer, by
+//! A leaf becomes coarser in one of four ways: by edge collapses (`leaf_mesh`: meshoptimizer, by
 //! quadric error, in f32; the same triangles on every processor if its C++ is compiled with
 //! `-ffp-contract=off`, as this workspace does), by a triangle around what its texture shows
-//! (`enclosing_triangle`), or by a triangle of three of its corners in its mean plane
+//! (`enclosing_triangle`), which for bent leaves is put into a plane of three of their corners
+//! (`sheets`), or by a triangle of three of its corners in its mean plane
 //! (`triangle`). In the first and last way it is then scaled and moved, so that its area and its
 //! centre stay.
 
 mod budget;
+mod card_textures;
 mod cards;
 mod enclosing_triangle;
 mod k_dop;
 pub(crate) mod leaf_mesh;
 mod loss_curve;
 mod pass;
+mod sheets;
 mod triangle;
 
 pub use budget::share_triangles;
@@ -31,6 +34,7 @@ use rayon::prelude::*;
 use secateur_model::{
     Foliage, Growth, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, RemovalOrder, Step,
 };
+use sheets::Sheets;
 
 /// Largest factor by which a coarser leaf is scaled to give back its area; with more, a sliver
 /// would become a spike.

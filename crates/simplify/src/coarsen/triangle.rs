@@ -56,7 +56,7 @@ pub(super) fn candidates(foliage: &Foliage, leaf: LeafId) -> Vec<CornerTriple> {
 }
 
 /// The vector sum of the triangles' areas.
-fn facing(triangles: &[LeafTriangle]) -> DVec3 {
+pub(super) fn facing(triangles: &[LeafTriangle]) -> DVec3 {
     let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a);
     triangles.iter().map(|t| area(t.corners)).sum()
 }

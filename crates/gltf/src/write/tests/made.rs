@@ -140,7 +140,7 @@ pub(super) fn beyond_its_corners(tree: &Tree) -> Lod {
     let leaf = LeafId::new(1).unwrap();
     let corner = |weights, like| NewCorner {
         place: Place::InPlaneOf {
-            triangle: 0,
+            corners: [0, 1, 2],
             weights,
         },
         like,
@@ -255,6 +255,50 @@ fn every_set_of_texture_coordinates_and_the_normals_go_on() {
             assert!(found.iter().any(is_there), "{semantic}: {sum} of {found:?}");
         }
     }
+}
+
+/// A triangle in the plane of corners of different triangles of its donor.
+#[test]
+fn the_plane_of_a_new_leaf_may_be_of_corners_of_several_triangles() {
+    let fixture = encodings::rich();
+    let tree = fixture.tree();
+    let of_leaf = |leaf: &LeafId| tree.foliage.triangles_of(*leaf).len() >= 2;
+    let mut leaves = (0..tree.foliage.leaves().len()).map(LeafId::from_index);
+    let leaf = leaves.find(of_leaf).expect("a leaf of two triangles");
+    let of_donor = tree.foliage.triangles_of(leaf);
+    let at = |corner: u32| {
+        let triangle = &of_donor[corner as usize / 3];
+        let k = corner as usize % 3;
+        (triangle.corners[k], triangle.uvs[k])
+    };
+    let is_new = |corner: &u32| (0..3).all(|first| at(first).0.distance(at(*corner).0) > 1e-3);
+    let beyond = (3..6).find(is_new).expect("a corner of the second alone");
+    let plane = [0, 1, beyond];
+    let corner = |weights, like| NewCorner {
+        place: Place::InPlaneOf {
+            corners: plane,
+            weights,
+        },
+        like,
+    };
+    let mut lod = Lod::original(tree.foliage.leaves().len());
+    lod.remove(leaf);
+    lod.make(NewLeaf {
+        donor: leaf,
+        triangles: vec![[
+            corner([1.5, 0.0, -0.5], 0),
+            corner([0.0, 1.0, 0.0], 1),
+            corner([-0.5, 0.0, 1.5], 2),
+        ]],
+    });
+    let after = read(tree.lod_to_bytes(&lod).unwrap());
+    let (a, c) = (at(0), at(beyond));
+    let at = (1.5 * a.0 - 0.5 * c.0, 1.5 * a.1 - 0.5 * c.1);
+    let is_there = |triangle: &secateur_model::LeafTriangle| {
+        let mut corners = triangle.corners.iter().zip(&triangle.uvs);
+        corners.any(|(p, uv)| p.distance(at.0) < 1e-5 && uv.distance(at.1) < 1e-5)
+    };
+    assert!(after.foliage.triangles().iter().any(is_there));
 }
 
 /// What coarser wood is: triangles between corners of the piece that was, some of them gone.
