@@ -33,7 +33,7 @@ const AIM: f64 = 0.012;
 /// From what differs too much the search goes back at least so many steps: it would else creep.
 const LEAST_BACK: f64 = 4.0;
 
-/// Once a level is within the difference, at most so many more are made for the same height.
+/// Once a level is within the difference, at most so many more are made for the same heights.
 const MORE_TRIALS: usize = 3;
 
 /// Levels of shares of all triangles, made as they are asked for.
@@ -75,12 +75,12 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(&self.made[&step])
     }
 
-    /// The step with the fewest triangles within the difference at a height, or hardly more; `first` if
+    /// The step with the fewest triangles within the difference at all these heights, or hardly more; `first` if
     /// none of it and the `pays_from` coarser ones on is within it. What has fewer triangles is taken to
     /// differ more, and where the difference is crossed is guessed from what was tried.
     pub(super) fn lightest(
         &mut self,
-        height: f64,
+        heights: &[f64],
         first: usize,
         pays_from: usize,
         observer: &mut Observer<'_>,
@@ -113,7 +113,9 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 }
             };
             let maker = self.maker;
-            let flip = maker.flip(self.level(next, observer)?, height);
+            let level = self.level(next, observer)?;
+            let flips = heights.iter().map(|height| maker.flip(level, *height));
+            let flip = flips.fold(0.0, f64::max);
             let over = (flip / maker.options.max_flip).max(f64::MIN_POSITIVE).ln();
             let before = match over <= 0.0 {
                 true => within.replace((next, over)),

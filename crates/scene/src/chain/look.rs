@@ -11,15 +11,27 @@ use secateur_raster::{View, ViewSet};
 
 use super::error::ChainError;
 use super::level_surfaces::LevelSurfaces;
-use super::scene_look::{SceneLook, tight_cameras, walk_around};
+use super::options::{ChainOptions, Wanted};
+use super::scene_look::{tight_cameras, walk_around};
 use crate::Screen;
-use crate::impostor::judge::{self, Judge};
+use crate::impostor::judge::Judge;
 
 /// Pictures that levels are judged by have at most this many pixels a side, those of `measure`: to
 /// draw larger ones would take longer than to make the level.
 const MOST_PICTURE_PX: f64 = 256.0;
 
-/// Least height of such a picture in pixels: in fewer, FLIP has no room for its filters.
+/// Levels for distances are judged by pictures of up to this many where the screen shows the plant so
+/// large: of small pictures, FLIP does not see what is lost of single leaves and twigs.
+const MOST_LARGE_PICTURE_PX: f64 = 1024.0;
+
+/// Every how many views has a picture that is larger than the usual ones: one of six, as it takes longer
+/// than these together. What it shows is by how much FLIP is above that of the usual one of this view.
+const LARGE_VIEW_STEP: usize = 6;
+
+/// A level whose FLIP in the usual pictures is this many times what is allowed is beyond it in larger ones.
+const HOPELESS: f64 = 1.1;
+
+/// Least height of a picture in pixels: in fewer, FLIP has no room for its filters.
 const LEAST_PICTURE_PX: f64 = 48.0;
 
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
@@ -35,8 +47,8 @@ const LEAF_VIEW_STEP: usize = 2;
 #[derive(Clone)]
 pub(super) struct Drawn {
     pub(super) level: LevelSurfaces,
-    /// Mean FLIP by the side of the pictures in pixels, as far as it is known.
-    flips: RefCell<BTreeMap<u32, f64>>,
+    /// FLIP of each view by the side of the pictures in pixels, as far as it is known.
+    flips: RefCell<BTreeMap<u32, Vec<f64>>>,
 }
 
 impl Drawn {
@@ -54,6 +66,8 @@ pub(super) struct Look {
     pub(super) original: Vec<Surface>,
     /// Pictures of that by their side in pixels: most heights need the same.
     originals: RefCell<BTreeMap<u32, Pictures>>,
+    /// Pixels a side of the largest pictures.
+    most_picture_px: f64,
     /// For pictures: one set of some of the held-out views, or of the cameras of a scene, each as
     /// narrow as holds the plant.
     pub(super) views: [ViewSet; 1],
@@ -76,8 +90,9 @@ impl Look {
     pub(super) fn new(
         document: &Document,
         items: &Foliage,
-        scene: Option<&SceneLook>,
+        options: &ChainOptions,
     ) -> Result<(Self, Judging), ChainError> {
+        let (wanted, scene) = (&options.wanted, options.scene.as_ref());
         let sphere = items.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
         // Not with exact textures, as `measure` has them: they would take three times as long, and in
         // so few pixels a leaf is off by a quarter of one at most.
@@ -108,6 +123,10 @@ impl Look {
         let look = Self {
             original: surfaces(document)?.surfaces,
             originals: RefCell::default(),
+            most_picture_px: match wanted {
+                Wanted::Distances(_) => MOST_LARGE_PICTURE_PX,
+                Wanted::Heights(_) | Wanted::Triangles(_) => MOST_PICTURE_PX,
+            },
             views: [ViewSet::new(views)],
             is_of_scene,
             obstacles: obstacles.iter().cloned().map(Arc::new).collect(),
@@ -119,28 +138,55 @@ impl Look {
         Ok((look, judging))
     }
 
-    /// Mean FLIP of a level where the screen shows the plant at this height in pixels.
-    pub(super) fn flip(&self, drawn: &Drawn, pixels_high: f64) -> f64 {
-        let side = (pixels_high / self.picture_share).clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX);
-        let side = side.round() as u32;
-        if let Some(flip) = drawn.flips.borrow().get(&side) {
-            return *flip;
+    /// Mean FLIP of a level where the screen shows the plant at this height in pixels. Of a plant that
+    /// is higher than the screen no more is seen at once than fills it. A level whose FLIP is above
+    /// `most` by more than a tenth even in the usual pictures is not looked at in larger ones.
+    pub(super) fn flip(&self, drawn: &Drawn, pixels_high: f64, screen: Screen, most: f64) -> f64 {
+        let side = pixels_high.min(screen.height_px) / self.picture_share;
+        let usual = side.clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX).round() as u32;
+        let of_usual = self.flips(drawn, usual);
+        let flip = mean(&of_usual);
+        let Some(large) = large_side(side.min(self.most_picture_px)) else {
+            return flip;
+        };
+        if flip > HOPELESS * most {
+            return flip;
         }
+        let seen: Vec<f64> = of_usual.into_iter().step_by(LARGE_VIEW_STEP).collect();
+        let [of_large, seen] = [self.flips(drawn, large), seen].map(|flips| mean(&flips));
+        match seen > 0.0 {
+            true => flip * of_large / seen,
+            // A level that is the tree differs in no picture.
+            false => of_large,
+        }
+    }
+
+    /// FLIP of each view of a level in pictures of this many pixels a side; of every
+    /// [`LARGE_VIEW_STEP`]th in large ones.
+    fn flips(&self, drawn: &Drawn, side: u32) -> Vec<f64> {
+        if let Some(flips) = drawn.flips.borrow().get(&side) {
+            return flips.clone();
+        }
+        let step = match f64::from(side) > MOST_PICTURE_PX {
+            true => LARGE_VIEW_STEP,
+            false => 1,
+        };
+        let views = self.views[0].views().iter().step_by(step).copied();
+        let views = ViewSet::new(views.collect());
         let mut originals = self.originals.borrow_mut();
         let original = originals
             .entry(side)
-            .or_insert_with(|| self.pictures(&self.original, side));
-        let of_level = self.pictures(&drawn.level.surfaces, side);
-        let flip = judge::flip(original, &of_level);
-        drawn.flips.borrow_mut().insert(side, flip);
-        flip
+            .or_insert_with(|| self.pictures(&self.original, &views, side));
+        let flips = original.flips(&self.pictures(&drawn.level.surfaces, &views, side));
+        drawn.flips.borrow_mut().insert(side, flips.clone());
+        flips
     }
 
     /// Pictures of what is drawn among the obstacles.
-    fn pictures(&self, surfaces: &[Surface], side: u32) -> Pictures {
+    fn pictures(&self, surfaces: &[Surface], views: &ViewSet, side: u32) -> Pictures {
         let obstacles = self.obstacles.iter().map(Arc::as_ref);
         let all: Vec<&Surface> = surfaces.iter().chain(obstacles).collect();
-        Pictures::of_size(&all, &self.views, side)
+        Pictures::of_size(&all, std::slice::from_ref(views), side)
     }
 
     /// What judges impostors where the screen shows the plant at this height.
@@ -165,6 +211,17 @@ impl Look {
     }
 }
 
+/// Of a picture that shows as much as one of `side` pixels a side, larger than the usual ones: a power of
+/// two, so that few originals are drawn; none where the usual ones do.
+fn large_side(side: f64) -> Option<u32> {
+    let doublings = (side / MOST_PICTURE_PX).log2().round();
+    (doublings > 0.0).then(|| (MOST_PICTURE_PX * doublings.exp2()) as u32)
+}
+
+fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len() as f64
+}
+
 /// The same view with a field of view that just holds the plant: what is far from it on the screen
 /// is no part of how it looks.
 fn tight(view: &View) -> View {
@@ -182,4 +239,86 @@ fn surfaces(document: &Document) -> Result<LevelSurfaces, GltfError> {
         surfaces,
         materials,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use secateur_model::{AlphaMode, Finish, Material};
+
+    /// A square of 2 x 2 of so many upright stripes, half of it covered.
+    fn stripes(count: u32) -> Surface {
+        let corner = |k: u32, y: f64| DVec3::new(f64::from(k) / f64::from(count) - 1.0, y, 0.0);
+        let quad = |k: u32| [(k, -1.0), (k + 1, -1.0), (k + 1, 1.0), (k, 1.0)];
+        let corners = (0..count).flat_map(|k| quad(2 * k));
+        Surface {
+            positions: corners.map(|(k, y)| corner(k, y)).collect(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles: (0..count)
+                .flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|c| 4 * k + c)))
+                .collect(),
+            material: Arc::new(Material {
+                name: String::new(),
+                base_color: [0.1, 0.3, 0.1, 1.0],
+                texture: None,
+                alpha_mode: AlphaMode::Opaque,
+                double_sided: true,
+                finish: Finish::default(),
+            }),
+        }
+    }
+
+    fn look(most_picture_px: f64) -> Look {
+        let eye = DVec3::Z * 3.0;
+        let view = View::look_at(eye, DVec3::ZERO, DVec3::Y, 1.0 / 3.0, 0.01).unwrap();
+        Look {
+            original: vec![stripes(128)],
+            originals: RefCell::default(),
+            most_picture_px,
+            views: [ViewSet::new(vec![view])],
+            is_of_scene: false,
+            obstacles: Vec::new(),
+            low: -1.0,
+            sphere: BoundingSphere {
+                centre: DVec3::ZERO,
+                radius: 2f64.sqrt(),
+            },
+            height: 2.0,
+            picture_share: 1.0,
+        }
+    }
+
+    /// Fewer stripes that are as much wider look the same from afar, but not where each is seen.
+    #[test]
+    fn what_is_seen_large_is_judged_in_large_pictures() {
+        let level = || Drawn {
+            level: LevelSurfaces {
+                surfaces: vec![stripes(64)],
+                materials: vec![None],
+            },
+            flips: RefCell::default(),
+        };
+        let screen = Screen::default();
+        let flip = |most_px: f64, pixels_high: f64, most: f64| {
+            look(most_px).flip(&level(), pixels_high, screen, most)
+        };
+        let [small, large] = [256.0, 1024.0].map(|high| flip(1024.0, high, 1.0));
+        assert!(large > 1.2 * small, "{large} over {small}");
+        assert_eq!(flip(256.0, 1024.0, 1.0), small);
+        // No more than a screen is seen at once, and what is beyond anyhow is not looked at closely.
+        assert_eq!(flip(1024.0, 9999.0, 1.0), large);
+        assert_eq!(flip(1024.0, 1024.0, 0.5 * small), small);
+    }
+
+    #[test]
+    fn larger_pictures_are_powers_of_two() {
+        let sides = [48.0, 256.0, 300.0, 400.0, 700.0, 800.0, 1024.0].map(large_side);
+        let large = [512, 512, 1024, 1024].map(Some);
+        assert_eq!(sides[..3], [None; 3]);
+        assert_eq!(sides[3..], large);
+    }
 }

@@ -65,7 +65,7 @@ impl<'a> Maker<'a> {
                 mode, foliage, leaves, wood, of_leaves, engine,
             )?),
         };
-        let (look, judging) = Look::new(items.document(), items.foliage(), options.scene.as_ref())?;
+        let (look, judging) = Look::new(items.document(), items.foliage(), options)?;
         Ok(Self {
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
@@ -147,7 +147,8 @@ impl<'a> Maker<'a> {
 
     /// Mean FLIP of a level where the screen shows the plant at this height in pixels.
     pub(super) fn flip(&self, level: &Made, pixels_high: f64) -> f64 {
-        self.look.flip(&level.drawn, pixels_high)
+        let (screen, most) = (self.options.screen, self.options.max_flip);
+        self.look.flip(&level.drawn, pixels_high, screen, most)
     }
 
     /// The largest of the usual heights below that of the level before at which a level is within

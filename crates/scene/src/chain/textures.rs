@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use glam::DQuat;
 use secateur_eval::{AsDrawnCoverage, MipMaps, Shown};
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{AlphaMode, BoundingSphere, Mips, Surface};
@@ -28,6 +29,13 @@ const TRIES: usize = 4;
 
 /// Coverage is looked at in every other view: from side to side it hardly differs.
 const VIEW_STEP: usize = 2;
+
+/// Pictures of fewer pixels a side are drawn from more sides, as many pixels in all: what few pixels
+/// cover is a matter of chance, and sizes and textures would be fitted to that.
+const ENOUGH_PX: f64 = 64.0;
+
+/// From how many times as many sides at most.
+const MOST_TURNS: f64 = 12.0;
 
 /// By how much more than is allowed coverage may change over the range of a level before other shares
 /// of the leaves are no more tried.
@@ -272,15 +280,27 @@ impl<'a> Client<'a> {
         let whole = self.side_of_whole(pixels_high);
         let side = whole.clamp(1.0, MOST_PX).ceil();
         let tangent = tangent * side / whole;
-        let from_afar = |view: &View| {
-            let eye = self.sphere.centre - view.forward() * distance;
+        let from_afar = |(view, turn): (&View, DQuat)| {
+            let eye = self.sphere.centre - turn * view.forward() * distance;
             let near = 0.5 * (distance - radius);
-            View::look_at(eye, self.sphere.centre, view.up(), tangent, near).unwrap_or(*view)
+            let up = turn * view.up();
+            View::look_at(eye, self.sphere.centre, up, tangent, near).unwrap_or(*view)
         };
+        let turns = turns_for(side);
         let views = self.directions.views().iter().step_by(VIEW_STEP);
+        let views = views.flat_map(|view| turns.iter().map(move |turn| (view, *turn)));
         let views = views.map(from_afar).collect();
         (ViewSet::new(views), side as u32)
     }
+}
+
+/// Turns about the vertical, for pictures of so many pixels a side; the first is none.
+fn turns_for(side: f64) -> Vec<DQuat> {
+    /// No two of them are near each other, however many there are.
+    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    let count = (ENOUGH_PX / side).powi(2).clamp(1.0, MOST_TURNS).ceil() as u32;
+    let turn = |k: u32| DQuat::from_rotation_y(GOLDEN_ANGLE * f64::from(k));
+    (0..count).map(turn).collect()
 }
 
 /// The textures that a level may have, for each of its materials with a mask.
@@ -358,6 +378,18 @@ mod tests {
                 double_sided: true,
                 finish: Finish::default(),
             }),
+        }
+    }
+
+    #[test]
+    fn small_pictures_are_drawn_from_more_sides() {
+        let counts = [256.0, 64.0, 32.0, 25.0, 4.0].map(|side| turns_for(side).len());
+        assert_eq!(counts, [1, 1, 4, 7, 12]);
+        let ahead: Vec<DVec3> = turns_for(4.0).iter().map(|t| *t * DVec3::Z).collect();
+        assert_eq!(ahead[0], DVec3::Z);
+        let pairs = (0..12).flat_map(|a| (0..a).map(move |b| (a, b)));
+        for (a, b) in pairs {
+            assert!(ahead[a].distance(ahead[b]) > 0.3, "{a} is beside {b}");
         }
     }
 

@@ -66,8 +66,11 @@ pub(super) fn lightest(
     let mut ladder = Ladder::new(maker);
     let mut made: Vec<Placed> = Vec::new();
     let (mut first, mut pays_from) = (0, 0);
-    for (height, place) in maker.heights() {
-        let step = ladder.lightest(height, first, pays_from, observer)?;
+    let places = maker.heights();
+    let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
+    for (k, (height, place)) in places.into_iter().enumerate() {
+        // It may be the last level, and FLIP is larger farther off on some plants.
+        let step = ladder.lightest(&heights[k..], first, pays_from, observer)?;
         let level = ladder.level(step, observer)?;
         if let Some((before, ..)) = made.last()
             && level.triangles() as f64 > MOST_OF_BEFORE * before.triangles() as f64
@@ -115,7 +118,7 @@ pub(super) fn spread(
         let level = match step.filter(is_near) {
             Some(level) => level,
             None => {
-                let step = ladder.lightest(height, 0, 0, observer)?;
+                let step = ladder.lightest(&[height], 0, 0, observer)?;
                 ladder.level(step, observer)?.clone()
             }
         };

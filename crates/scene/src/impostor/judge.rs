@@ -17,6 +17,8 @@ const PICTURE_PX: [f64; 2] = [48.0, 256.0];
 /// Views from one distance.
 pub struct Judge {
     views: ViewSet,
+    /// Pixels a side of a picture as large as the screen shows it, or as high as the screen.
+    whole_px: f64,
     side: u32,
     obstacles: Vec<Arc<Surface>>,
 }
@@ -45,12 +47,24 @@ impl Judge {
             View::look_at(eye, sphere.centre, view.up(), tangent, near).unwrap_or(*view)
         };
         let share = plant_height / (2.0 * distance * tangent);
-        let side = (pixels_high / share).clamp(PICTURE_PX[0], PICTURE_PX[1]);
-        Self {
+        let whole_px = pixels_high.min(screen.height_px) / share;
+        let judge = Self {
             views: ViewSet::new(directions.views().iter().map(from_afar).collect()),
-            side: side.round() as u32,
+            whole_px,
+            side: 0,
             obstacles: Vec::new(),
-        }
+        };
+        judge.in_pictures_of_at_most(PICTURE_PX[1])
+    }
+
+    /// The same in pictures of at most so many pixels a side instead of 256: what the screen shows larger
+    /// is judged by smaller pictures, in which single leaves hardly count.
+    pub fn in_pictures_of_at_most(mut self, most_px: f64) -> Self {
+        let side = self
+            .whole_px
+            .clamp(PICTURE_PX[0], most_px.max(PICTURE_PX[0]));
+        self.side = side.round() as u32;
+        self
     }
 
     /// The same from one view of three, for what is seen at a glance.
@@ -58,6 +72,7 @@ impl Judge {
         let views = self.views.views().iter().step_by(3).copied().collect();
         Self {
             views: ViewSet::new(views),
+            whole_px: self.whole_px,
             side: self.side,
             obstacles: self.obstacles.clone(),
         }

@@ -18,6 +18,9 @@ use crate::{Error, Host, Identity};
 /// judges its levels.
 const VIEWS: usize = 6;
 
+/// The most pixels a side that pictures have.
+const MOST_PICTURE_PX: f64 = 1024.0;
+
 /// The original of a plant.
 pub(super) struct DistanceJudge {
     surfaces: Vec<Surface>,
@@ -66,6 +69,7 @@ impl DistanceJudge {
         let pixels_high = screen.pixels_high(self.height, distance_m);
         let (directions, sphere) = (&self.directions, self.sphere);
         let judge = Judge::new(directions, sphere, self.height, screen, pixels_high);
+        let judge = judge.in_pictures_of_at_most(MOST_PICTURE_PX);
         Place {
             original: judge.of_surfaces(&self.surfaces),
             surfaces: &self.surfaces,
