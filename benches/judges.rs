@@ -2,7 +2,8 @@
 //!
 //! For each tree, level and case: VMI error from the views that drove, from the dual icosahedron,
 //! from the three turned ones (mean, worst of the four), IoU, coverage, seconds, and, with
-//! `--pictures`, FLIP at 512 pixels and at 128 as a client draws it. After them means over all, and
+//! `--pictures`, FLIP, and what a client draws
+//! 512 and 128 pixels wide: FLIP and overlap with the truth, coverage over it, specks. After them means over all, and
 //! how often a case of another method is better.
 //!
 //! ```text
@@ -13,7 +14,7 @@
 //! as `oak-20376`. A case is words in quotation marks: a method or preset (`look`, `information`,
 //! `paper`, `fsa`, `stochastic`, `meshopt`), `triangles` where levels are shares of the foliage's
 //! triangles, and `views=60`, `field=tight`, `resolution=256`, `resize=deficit`,
-//! `reference=previous`, `coverage=1`, `fit=none`, as the program has them.
+//! `reference=previous`, `coverage=1`, `fit=none`, `cutoffs=keep`, as the program has them.
 
 mod rows;
 
@@ -27,6 +28,7 @@ use secateur_eval::{AsDrawn, Judging, Original, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Lod, Surface};
 use secateur_raster::ViewSet;
+use secateur_scene::choose_cutoffs;
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::{Borders, MeshoptOptions};
 use secateur_simplify::stochastic::StochasticOptions;
@@ -59,8 +61,24 @@ const CASES: [&str; 9] = [
     "meshopt dilate-borders",
 ];
 
-/// The width of pictures as they are drawn, in pixels.
-const DRAWN_PX: u32 = 128;
+/// The widths of pictures as they are drawn, in pixels.
+const DRAWN_PX: [u32; 2] = [512, 128];
+
+/// Of each width what is found there.
+const DRAWN_KEYS: [[&str; 4]; 2] = [
+    [
+        "flip_drawn_512",
+        "truth_iou_drawn_512",
+        "coverage_drawn_512",
+        "specks_drawn_512",
+    ],
+    [
+        "flip_drawn_128",
+        "truth_iou_drawn_128",
+        "coverage_drawn_128",
+        "specks_drawn_128",
+    ],
+];
 
 fn main() {
     let asked = Asked::from_arguments();
@@ -171,7 +189,7 @@ fn options(case: &str, level: f64) -> Options {
         let name = || serde_json::Value::from(value);
         let known = "a case as the file's head says";
         match word.split('=').next().expect(known) {
-            "look" | "information" | "paper" | "triangles" => {}
+            "look" | "information" | "paper" | "triangles" | "cutoffs" => {}
             "fsa" => options.method = Method::Fsa(FsaOptions::published()),
             "stochastic" => options.method = Method::Stochastic(StochasticOptions::default()),
             "meshopt" => options.method = Method::Meshopt(MeshoptOptions::default()),
@@ -210,7 +228,7 @@ fn options(case: &str, level: f64) -> Options {
 struct JudgedTree<'a> {
     tree: &'a Tree,
     held_out: Original<'a>,
-    pictures: Option<(Pictures, AsDrawn)>,
+    pictures: Option<(Pictures, [AsDrawn; 2])>,
 }
 
 impl<'a> JudgedTree<'a> {
@@ -218,7 +236,8 @@ impl<'a> JudgedTree<'a> {
         let judging = Judging::held_out(tree.foliage()).expect("leaves");
         let pictures = with_pictures.then(|| {
             let surfaces = surfaces_of(tree.surfaces(), "the tree");
-            let drawn = AsDrawn::new(&surfaces, &judging.rigs[0], DRAWN_PX);
+            let of = |width_px| AsDrawn::new(&surfaces, &judging.rigs[0], width_px);
+            let drawn = DRAWN_PX.map(of);
             (Pictures::of(&surfaces, &judging.rigs), drawn)
         });
         Self {
@@ -256,16 +275,29 @@ impl<'a> JudgedTree<'a> {
             found.insert("own_vmi_error", self.own_error(&options, &result.lod));
         }
         if let Some((pictures, drawn)) = &self.pictures {
-            let bytes = self.tree.lod_to_bytes(&result.lod).expect("it is written");
+            let chosen = match options.chooses_cutoffs() && !case.contains("cutoffs=keep") {
+                true => choose_cutoffs(self.tree, &result.lod).expect("it is drawn"),
+                false => None,
+            };
+            let cutoffs = chosen.map(|chosen| chosen.cutoffs).unwrap_or_default();
+            let bytes = self.tree.lod_to_bytes_with(&result.lod, &cutoffs);
+            let bytes = bytes.expect("it is written");
             let document = Document::from_bytes("level.glb", bytes, None).expect("it is glTF");
             let surfaces = surfaces_of(document.surfaces(&[]), "a level");
             let rigs = &self.held_out.judging().rigs;
             let measured = pictures.measure(&Pictures::of(&surfaces, rigs));
             let flip = measured.overall.get("flip_mean").expect("a metric");
-            let drawn = drawn.measure(&surfaces);
             found.insert("flip_mean", flip);
-            found.insert("flip_drawn_128", drawn.flip_mean);
-            found.insert("iou_drawn_128", drawn.silhouette_iou);
+            for (drawn, keys) in drawn.iter().zip(DRAWN_KEYS) {
+                let drawn = drawn.measure(&surfaces);
+                let values = [
+                    drawn.flip_mean,
+                    drawn.truth_iou,
+                    drawn.coverage_over_truth,
+                    drawn.specks_per_view,
+                ];
+                found.extend(keys.into_iter().zip(values));
+            }
         }
         found
     }
@@ -318,8 +350,10 @@ fn summary(cases: &[String], scores: &BTreeMap<(String, String), BTreeMap<&'stat
             ("turned_vmi_error", 1.0),
             ("silhouette_iou", -1.0),
             ("flip_mean", 1.0),
+            ("flip_drawn_512", 1.0),
+            ("truth_iou_drawn_512", -1.0),
             ("flip_drawn_128", 1.0),
-            ("iou_drawn_128", -1.0),
+            ("truth_iou_drawn_128", -1.0),
         ] {
             let mut beaten = Vec::new();
             for ((of, _), found) in &own {

@@ -81,7 +81,7 @@ fn leaves_without_holes_make_up_for_twigs_that_are_gone() {
 
 /// A crown of cards 60 cm wide, whose texture repeats and is a disc in the middle: .2 of it, which passes the
 /// cutoff in the coarsest mips.
-fn crown_of_discs() -> Plant {
+fn crown_of_discs(cutoff: f32) -> Plant {
     const CARDS: u32 = 240;
     let texel = |k: u32| {
         let [x, y] = [k % 64, k / 64].map(|at| f64::from(at) - 31.5);
@@ -99,7 +99,7 @@ fn crown_of_discs() -> Plant {
             name: name.to_owned(),
             base_color: [1.0; 4],
             alpha_mode: match texture {
-                Some(_) => AlphaMode::Mask(0.1),
+                Some(_) => AlphaMode::Mask(cutoff),
                 None => AlphaMode::Opaque,
             },
             texture: texture.map(Arc::new),
@@ -158,7 +158,7 @@ fn crown_of_discs() -> Plant {
 #[test]
 fn cards_that_became_triangles_show_no_specks_in_a_client() {
     let bench = Bench::new();
-    bench.put("discs.glb", &plant_to_glb(&crown_of_discs()));
+    bench.put("discs.glb", &plant_to_glb(&crown_of_discs(0.1)));
     let few = ["--triangles", "0.5", "--views", "6", "--resolution", "64"];
     let simplify = [
         "simplify",
@@ -188,4 +188,45 @@ fn cards_that_became_triangles_show_no_specks_in_a_client() {
         let more = number("specks_per_view") - number("original_specks_per_view");
         assert!(more <= 2.0 && number("specks_per_view") < 5.0, "{level}");
     }
+}
+
+/// With a cutoff of .5 a mask of a fifth fades away from afar: the look chooses another, and says so. Near
+/// by the cards show what they did.
+#[test]
+fn a_simplified_crown_does_not_fade() {
+    let bench = Bench::new();
+    bench.put("discs.glb", &plant_to_glb(&crown_of_discs(0.5)));
+    let few = ["--ratio", "0.5", "--views", "6", "--resolution", "64"];
+    let made = |name: &str, more: &[&str]| {
+        let files = ["simplify", "discs.glb", "-o", name, "--report", "r.json"];
+        let run = bench.run(&[&files[..], &few, more].concat());
+        run.succeeded();
+        let document = secateur::Document::open(&bench.path(name)).unwrap();
+        let cutoff = document.json()["materials"][1]["alphaCutoff"].as_f64();
+        (bench.json("r.json"), cutoff.unwrap())
+    };
+    let (record, cutoff) = made("fit.glb", &[]);
+    let chosen = &record["cutoffs"];
+    assert_eq!(chosen["of_materials"], json!([[1, cutoff]]));
+    assert!(cutoff < 0.4, "{cutoff}");
+    for shown in chosen["as_drawn"].as_array().unwrap() {
+        let off = |key: &str| (shown[key].as_f64().unwrap() - 1.0).abs();
+        let (before, after) = (
+            off("coverage_over_truth_before"),
+            off("coverage_over_truth"),
+        );
+        assert!(after < before.max(0.1), "{shown}");
+    }
+    let notes = record["notes"].to_string();
+    assert!(notes.contains("instead of 0.5"), "{notes}");
+
+    let (record, cutoff) = made("kept.glb", &["--cutoffs", "keep"]);
+    assert_eq!((&record["cutoffs"], cutoff), (&Value::Null, 0.5));
+    // What looks for information, and methods of others, leave materials alone.
+    let (record, _) = made("others.glb", &["--method", "stochastic"]);
+    assert_eq!(record["cutoffs"], Value::Null);
+    let papers = ["simplify", "discs.glb", "-o", "p.glb", "--preset", "paper"];
+    let run = bench.run(&[&papers[..], &["--ratio", "0.5", "--cutoffs", "fit"]].concat());
+    run.misused_saying(&["--cutoffs", "contradicts", "--preset paper"]);
+    assert!(!bench.path("p.glb").exists());
 }

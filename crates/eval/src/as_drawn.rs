@@ -33,8 +33,15 @@ pub struct AsDrawn {
 #[derive(Debug)]
 struct Truth {
     image: RgbaImage,
+    /// By pixel, row by row, the share of it that shows the plant.
+    shares: Vec<f32>,
+}
+
+impl Truth {
     /// Pixels that show the plant, parts of pixels counted.
-    covered_px: f64,
+    fn covered_px(&self) -> f64 {
+        self.shares.iter().map(|share| f64::from(*share)).sum()
+    }
 }
 
 #[derive(Debug)]
@@ -50,8 +57,12 @@ pub struct AsDrawnMeasurement {
     pub coverage_over_truth: f64,
     /// The same for the original, drawn by the same client.
     pub original_coverage_over_truth: f64,
-    /// Overlap of the simplified tree's outline with the original's, both as drawn, 0 to 1.
+    /// Overlap of the simplified tree's outline with the original's, both as drawn, 0 to 1. What a client
+    /// does not show of the original is not missed here; [`Self::truth_iou`] misses it.
     pub silhouette_iou: f64,
+    /// Overlap of the simplified tree as drawn with what the original truly covers, 0 to 1: of each
+    /// pixel the smaller share that one of the two covers, over the larger, summed over all pixels.
+    pub truth_iou: f64,
     /// Islands of up to 3 pixels in a view of the simplified tree.
     pub specks_per_view: f64,
     /// Islands of up to 3 pixels in a view of the original.
@@ -74,10 +85,9 @@ impl AsDrawn {
         let truth = views.views().iter().map(|view| {
             let options = options(width_px, TRUTH_SAMPLES);
             let drawn = draw(original, &camera_of(view), &options, alpha);
-            let covered = drawn.is_covered.iter().filter(|is| **is).count();
             Truth {
                 image: drawn.image,
-                covered_px: covered as f64 / f64::from(TRUTH_SAMPLES * TRUTH_SAMPLES),
+                shares: shares(&drawn.is_covered, width_px as usize),
             }
         });
         Self {
@@ -91,7 +101,7 @@ impl AsDrawn {
     /// Draws a simplified tree from the same views, and compares.
     pub fn measure<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> AsDrawnMeasurement {
         let drawn = ViewPictures::of(simplified, &self.views, self.width_px);
-        let truth_px: f64 = self.truth.iter().map(|truth| truth.covered_px).sum();
+        let truth_px: f64 = self.truth.iter().map(Truth::covered_px).sum();
         let (mut both, mut any) = (0, 0);
         for ((_, a), (_, b)) in self.original.0.iter().zip(&drawn.0) {
             for (a, b) in a.iter().zip(b) {
@@ -108,11 +118,24 @@ impl AsDrawn {
             } else {
                 both as f64 / any as f64
             },
+            truth_iou: self.truth_iou(&drawn),
             specks_per_view: drawn.specks_per_view(self.width_px as usize),
             original_specks_per_view: self.original.specks_per_view(self.width_px as usize),
             flip_mean: self.flip(&drawn),
             original_flip_mean: self.flip(&self.original),
         }
+    }
+
+    fn truth_iou(&self, drawn: &ViewPictures) -> f64 {
+        let (mut both, mut any) = (0.0, 0.0);
+        for (truth, (_, is_covered)) in self.truth.iter().zip(&drawn.0) {
+            for (share, is_covered) in truth.shares.iter().zip(is_covered) {
+                let drawn = f32::from(u8::from(*is_covered));
+                both += f64::from(share.min(drawn));
+                any += f64::from(share.max(drawn));
+            }
+        }
+        if any == 0.0 { 1.0 } else { both / any }
     }
 
     fn flip(&self, drawn: &ViewPictures) -> f64 {
@@ -172,6 +195,19 @@ fn options(width_px: u32, samples: u32) -> RenderOptions {
         shadows: false,
         turns_normals: false,
     }
+}
+
+/// By pixel, row by row, the share of its samples that are covered, in a picture of this width in pixels.
+fn shares(is_covered: &[bool], width: usize) -> Vec<f32> {
+    let samples = TRUTH_SAMPLES as usize;
+    let mut counts = vec![0u32; is_covered.len() / (samples * samples)];
+    for (row, line) in is_covered.chunks(width * samples).enumerate() {
+        for (column, is) in line.iter().enumerate() {
+            counts[row / samples * width + column / samples] += u32::from(*is);
+        }
+    }
+    let all = (samples * samples) as f32;
+    counts.iter().map(|count| *count as f32 / all).collect()
 }
 
 /// Number of islands of at most [`SPECK_PX`] pixels; pixels that touch at a corner belong together.
@@ -284,10 +320,22 @@ pub(crate) mod tests {
         let near = measured(Mips::Blended, 64);
         assert_eq!(near.coverage_over_truth, 1.0);
         assert_eq!((near.silhouette_iou, near.specks_per_view), (1.0, 0.0));
+        assert_eq!(near.truth_iou, 1.0);
         // A mean alpha of a quarter is below the cutoff: nothing is left.
         let far = measured(Mips::Blended, 16);
         assert_eq!(far.coverage_over_truth, 0.0);
         assert_eq!(far.original_coverage_over_truth, 0.0);
+        // The original has faded alike, so that nothing differs, but for the truth.
+        assert_eq!((far.silhouette_iou, far.truth_iou), (1.0, 0.0));
         assert!(far.flip_mean > near.flip_mean);
+    }
+
+    /// Of each pixel of four texels a quarter is truly covered: an opaque card has four times that.
+    #[test]
+    fn parts_of_pixels_count_in_the_overlap_with_the_truth() {
+        let truth = AsDrawn::new(&[striped(Mips::Blended)], &card_view(), 16);
+        let mut full = striped(Mips::None);
+        Arc::make_mut(&mut full.material).alpha_mode = AlphaMode::Opaque;
+        assert_eq!(truth.measure(&[full]).truth_iou, 0.25);
     }
 }

@@ -25,12 +25,14 @@ mod lens;
 mod light_depth;
 pub mod measure;
 mod mips;
+mod outlines;
 mod parallel;
 pub mod pictures;
 mod point_in_triangle;
 mod render;
 mod screen_triangle;
 mod shading;
+mod strengths;
 mod texel;
 mod visibility;
 
@@ -43,7 +45,9 @@ pub use measure::{
     measure_lod,
 };
 pub use mips::MipMaps;
+pub use outlines::Outlines;
 pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};
+pub use strengths::Strengths;
 pub use texel::{FourTexels, color_of, sample_alpha};

@@ -143,7 +143,7 @@ fn drawn<S: Borrow<Surface> + Sync>(
 }
 
 /// Rows count downwards, so a front face runs clockwise on the raster.
-fn is_front(triangle: &ScreenTriangle) -> bool {
+pub(crate) fn is_front(triangle: &ScreenTriangle) -> bool {
     let [a, b, c] = triangle.corners.map(|corner| corner.at);
     (b - a).perp_dot(c - a) < 0.0
 }
@@ -371,7 +371,7 @@ fn nearest_of(corners: [f32; 3]) -> f32 {
 }
 
 /// The samples whose centres lie between two coordinates, within a range.
-fn sample_range(low: f32, high: f32, within: Range<usize>) -> Range<usize> {
+pub(crate) fn sample_range(low: f32, high: f32, within: Range<usize>) -> Range<usize> {
     let first = ((low - 0.5).floor().max(0.0) as usize).max(within.start);
     let end = ((high + 0.5).ceil().max(0.0) as usize).min(within.end);
     first..end.max(first)
@@ -382,13 +382,13 @@ fn weighted(values: [f32; 3], weights: [f32; 3]) -> f32 {
 }
 
 /// The alpha test of one triangle, if it has one.
-struct Cut<'a>(Option<CutFace<'a>>);
+pub(crate) struct Cut<'a>(Option<CutFace<'a>>);
 
 /// From what the alpha of one surface is read.
 #[derive(Clone, Copy, Default)]
-struct Alpha<'a> {
-    mips: Option<&'a MipChain>,
-    mask: Option<&'a CutMask>,
+pub(crate) struct Alpha<'a> {
+    pub(crate) mips: Option<&'a MipChain>,
+    pub(crate) mask: Option<&'a CutMask>,
 }
 
 struct CutFace<'a> {
@@ -400,7 +400,7 @@ struct CutFace<'a> {
 }
 
 impl<'a> Cut<'a> {
-    fn of(triangle: &ScreenTriangle, surface: &'a Surface, alpha: Alpha<'a>) -> Self {
+    pub(crate) fn of(triangle: &ScreenTriangle, surface: &'a Surface, alpha: Alpha<'a>) -> Self {
         let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
         let material = &*surface.material;
         Self(
@@ -426,14 +426,51 @@ impl<'a> Cut<'a> {
             return true;
         };
         let weights = face_weights(triangle, weights);
-        let uv = face.uvs[0] * weights[0] + face.uvs[1] * weights[1] + face.uvs[2] * weights[2];
-        let Alpha { mips, mask } = face.alpha;
-        let alpha = match (mips, mask.and_then(|mask| mask.passes(uv, face.alphas))) {
-            (Some(mips), _) => mips.sample_alpha(uv, uv_steps(triangle, place, at, face.uvs)),
-            (None, Some(passes)) => return passes,
-            (None, None) => sample_alpha(face.material.texture.as_deref(), uv),
+        let uv = face.uv(weights);
+        let mask = face.alpha.mask.filter(|_| face.alpha.mips.is_none());
+        if let Some(passes) = mask.and_then(|mask| mask.passes(uv, face.alphas)) {
+            return passes;
+        }
+        face.alpha_at(triangle, place, (at, uv), weights) >= face.cutoff
+    }
+
+    /// The ratio of alpha to its cutoff; infinite where there is none, or it is 0.
+    pub(crate) fn strength(
+        &self,
+        triangle: &ScreenTriangle,
+        place: &PointInTriangle,
+        at: Vec2,
+        weights: [f32; 3],
+    ) -> f32 {
+        match &self.0 {
+            Some(face) if face.cutoff > 0.0 => {
+                let weights = face_weights(triangle, weights);
+                let uv = face.uv(weights);
+                face.alpha_at(triangle, place, (at, uv), weights) / face.cutoff
+            }
+            _ => f32::INFINITY,
+        }
+    }
+}
+
+impl CutFace<'_> {
+    fn uv(&self, weights: [f32; 3]) -> Vec2 {
+        self.uvs[0] * weights[0] + self.uvs[1] * weights[1] + self.uvs[2] * weights[2]
+    }
+
+    /// Alpha where the face has these weights, the material's and the vertices' included.
+    fn alpha_at(
+        &self,
+        triangle: &ScreenTriangle,
+        place: &PointInTriangle,
+        (at, uv): (Vec2, Vec2),
+        weights: [f32; 3],
+    ) -> f32 {
+        let alpha = match self.alpha.mips {
+            Some(mips) => mips.sample_alpha(uv, uv_steps(triangle, place, at, self.uvs)),
+            None => sample_alpha(self.material.texture.as_deref(), uv),
         };
-        alpha * weighted(face.alphas, weights) >= face.cutoff
+        alpha * weighted(self.alphas, weights)
     }
 }
 

@@ -99,6 +99,7 @@
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
 //! | chains of levels | `write/chain/` |
+//! | alpha cutoffs of a level | `write/cutoffs.rs`, `write/beyond_cards.rs` |
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |
 //! | what vertices hang on, for wind | `wind.rs` |
@@ -175,7 +176,7 @@ pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
 pub use whole_tree::WholeTree;
 pub use write::{
-    CommitError, PreparedLod, StagedFiles, WriteOptions, Written, plant_into_glb, plant_to_glb,
-    surfaces_to_glb,
+    CommitError, Cutoffs, PreparedLod, StagedFiles, WriteOptions, Written, plant_into_glb,
+    plant_to_glb, surfaces_to_glb,
 };
 pub use write_problem::WriteProblem;

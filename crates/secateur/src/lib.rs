@@ -106,10 +106,10 @@ pub use secateur_eval::{
     AsDrawnMeasurement, Judging, JudgingViews, MeasureError, Measurement, PictureMeasurement,
 };
 pub use secateur_gltf::{
-    CommitError, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface, PreparedLod,
-    PrimitiveReport, Problem, Reason, SceneCamera, Selector, SelectorError, Spread, StagedFiles,
-    TakenFor, Tree, WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb, plant_to_glb,
-    surfaces_to_glb,
+    CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,
+    PreparedLod, PrimitiveReport, Problem, Reason, SceneCamera, Selector, SelectorError, Spread,
+    StagedFiles, TakenFor, Tree, WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb,
+    plant_to_glb, surfaces_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,

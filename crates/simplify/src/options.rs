@@ -104,6 +104,12 @@ impl Options {
         }
     }
 
+    /// Whether a level is to show as much of the crown in what clients draw from afar as there is, by
+    /// alpha cutoffs of its own: the look by VDS, where leaves grow as this preset has it and masks count.
+    pub fn chooses_cutoffs(&self) -> bool {
+        self.is_for_the_look() && self.grows_as_its_preset_has_it() && self.alpha == Alpha::Mask
+    }
+
     /// All sets of views that a run about a foliage with this bounding sphere looks from, one after
     /// the other.
     pub fn driving(&self, sphere: BoundingSphere) -> Vec<ViewSet> {
@@ -215,6 +221,22 @@ mod tests {
         let mut options = options.clone();
         change(options.method.vds_mut().unwrap());
         options
+    }
+
+    /// A crown that is meant to get thinner is not made dense again by its masks.
+    #[test]
+    fn the_look_alone_chooses_cutoffs() {
+        let of = |preset| Options::with_preset(preset, Target::leaf_share(0.1));
+        let look = of(Preset::Look);
+        assert!(look.chooses_cutoffs());
+        assert!(!of(Preset::Information).chooses_cutoffs());
+        assert!(!of(Preset::Paper).chooses_cutoffs());
+        assert!(!with_vds(&look, |vds| vds.resize = Resize::None).chooses_cutoffs());
+        let solid = Options {
+            alpha: Alpha::Ignore,
+            ..look.clone()
+        };
+        assert!(!solid.chooses_cutoffs());
     }
 
     #[test]

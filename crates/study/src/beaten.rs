@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::{Column, Row};
 
 /// What reports say that the cells of [`beaten_as_drawn`] count.
-pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and the overlap of outlines (IoU) of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide, and VMI error. However small the difference is.";
+pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide, against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
 
 /// What reports say that the lines of [`lost_cases`] are.
 pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";
@@ -15,12 +15,20 @@ pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budg
 /// The setting whose lost cases are listed: the default under a budget of triangles.
 const LISTED: &str = "vds triangles";
 
-fn judged() -> [&'static Column; 5] {
+/// By what rows are judged: outlines by the truth where all rows have that, else by what a client
+/// shows of the original.
+fn judged(rows: &[Row]) -> [&'static Column; 5] {
+    let by_truth = ["truth_iou_as_drawn_512", "truth_iou_as_drawn_128"];
+    let by_client = ["iou_as_drawn_512", "iou_as_drawn_128"];
+    let has = |row: &Row, key: &str| column(key).value_of(row).is_finite();
+    let mut drawn = rows.iter().filter(|row| has(row, by_client[0])).peekable();
+    let is_by_truth = drawn.peek().is_some() && drawn.all(|row| has(row, by_truth[0]));
+    let [near, far] = if is_by_truth { by_truth } else { by_client };
     [
         "flip_as_drawn_512",
-        "iou_as_drawn_512",
+        near,
         "flip_as_drawn_128",
-        "iou_as_drawn_128",
+        far,
         "vmi_error_percent",
     ]
     .map(column)
@@ -36,12 +44,12 @@ fn is_unfitted(row: &Row) -> bool {
 
 /// The rows that are compared: of leaves of trees as they are, judged as drawn too, by views that
 /// did not drive them.
-fn compared(rows: &[Row]) -> Vec<&Row> {
+fn compared<'r>(rows: &'r [Row], judged: &[&Column]) -> Vec<&'r Row> {
     let is_compared = |row: &&Row| {
         row.is_of_leaves()
             && row.change.is_empty()
             && !row.is_driven_by_judging_views
-            && judged().iter().all(|c| c.value_of(row).is_finite())
+            && judged.iter().all(|c| c.value_of(row).is_finite())
     };
     rows.iter().filter(is_compared).collect()
 }
@@ -56,12 +64,13 @@ fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
 /// A line for each setting of VDS and level; nothing if no row was judged as drawn, or there is
 /// no other method.
 pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
-    let rows = compared(rows);
+    let judged = judged(rows);
+    let rows = compared(rows, &judged);
     if !rows.iter().any(|row| is_vds(row)) || rows.iter().all(|row| is_vds(row)) {
         return None;
     }
     let mut head = vec!["method", "left", "trees"];
-    let titles = judged().map(|column| column.title.replace(" as drawn", ""));
+    let titles = judged.map(|column| column.title.replace(" as drawn", ""));
     head.extend(titles.iter().map(String::as_str));
     head.push("mostly by");
     let mut table = Table::new(&head);
@@ -78,7 +87,7 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
         let own: Vec<&Row> = own.copied().collect();
         let mut winners: Vec<(String, usize)> = Vec::new();
         let mut cells = vec![key.0.clone(), percent(key.1), own.len().to_string()];
-        for by in judged() {
+        for by in judged {
             let (mut lost, mut lost_to_unfitted) = (0, 0);
             for row in &own {
                 let better = better(row, &rows, by);
@@ -105,10 +114,11 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
 /// The cases that the default loses as a client draws, a line each: the best of the others.
 /// Nothing if the rows have none.
 pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
-    let rows = compared(rows);
+    let judged = judged(rows);
+    let rows = compared(rows, &judged);
     let mut table = Table::new(&["tree", "left", "metric", LISTED, "better", "its value"]);
     for own in rows.iter().filter(|row| row.label() == LISTED) {
-        for by in &judged()[..4] {
+        for by in &judged[..4] {
             let badness = |row: &Row| by.direction.badness(by.value_of(row));
             let better = better(own, &rows, by);
             let best = (better.iter()).min_by(|a, b| badness(a).total_cmp(&badness(b)));
@@ -142,6 +152,8 @@ mod tests {
         for column in DRAWN_COLUMNS {
             let value = match column.key.split('_').next() {
                 Some("flip") => flip,
+                // Against what a client shows of the original all are alike.
+                Some("iou") => 0.5,
                 _ => iou,
             };
             row.values.insert(column.key.into(), Some(value));
@@ -192,6 +204,12 @@ mod tests {
         assert_eq!(lost.body.len(), 4, "FLIP and IoU at two widths");
         assert_eq!(lost.body[0][3..], ["0.0200", "fsa fit=coverage", "0.0100"]);
         assert_eq!(lost.body[1][4..], ["stochastic", "0.9500"]);
+        // Of older rows without the truth the other overlap counts.
+        let mut older = rows.clone();
+        older[6].values.remove("truth_iou_as_drawn_512");
+        let table = beaten_as_drawn(&older).unwrap();
+        assert_eq!(table.body[0][3..7], ["1 / 0", "0 / 0", "1 / 0", "0 / 0"]);
+        assert!(table.head[4].starts_with("IoU at 512"), "{}", table.head[4]);
         // Rows that nobody judged as drawn are not compared.
         rows[3].values.remove("flip_as_drawn_128");
         let table = beaten_as_drawn(&rows).unwrap();

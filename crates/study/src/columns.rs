@@ -44,11 +44,16 @@ pub const DRAWN_WIDTHS_PX: [u32; 2] = [512, 128];
 
 /// The metrics of what a client draws: mip maps, the alpha test at the middle of each pixel, back
 /// faces culled. Rows that are older, and those that a paper's views judge, lack their values.
-pub const DRAWN_COLUMNS: [Column; 6] = [
+pub const DRAWN_COLUMNS: [Column; 8] = [
     drawn(
         "flip_as_drawn_512",
         "FLIP at 512 px as drawn",
         Direction::Lower,
+    ),
+    drawn(
+        "truth_iou_as_drawn_512",
+        "IoU with the truth at 512 px as drawn",
+        Direction::Higher,
     ),
     drawn(
         "iou_as_drawn_512",
@@ -64,6 +69,11 @@ pub const DRAWN_COLUMNS: [Column; 6] = [
         "flip_as_drawn_128",
         "FLIP at 128 px as drawn",
         Direction::Lower,
+    ),
+    drawn(
+        "truth_iou_as_drawn_128",
+        "IoU with the truth at 128 px as drawn",
+        Direction::Higher,
     ),
     drawn(
         "iou_as_drawn_128",
@@ -96,13 +106,14 @@ pub(crate) fn column(key: &str) -> &'static Column {
 }
 
 /// The values of [`DRAWN_COLUMNS`] of one width, by their keys.
-pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> [(String, Option<f64>); 3] {
+pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> [(String, Option<f64>); 4] {
     let value = |what: &str, value: f64| {
         let key = format!("{what}_as_drawn_{}", measured.width_px);
         (key, Some(value).filter(|value| value.is_finite()))
     };
     [
         value("flip", measured.flip_mean),
+        value("truth_iou", measured.truth_iou),
         value("iou", measured.silhouette_iou),
         value("coverage", measured.coverage_over_truth),
     ]
@@ -145,6 +156,7 @@ mod tests {
                 coverage_over_truth: 1.0,
                 original_coverage_over_truth: 1.0,
                 silhouette_iou: 1.0,
+                truth_iou: 1.0,
                 specks_per_view: 0.0,
                 original_specks_per_view: 0.0,
                 flip_mean: f64::NAN,

@@ -8,8 +8,9 @@ use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur_eval::measure::Scores;
 use secateur_eval::pictures::{PictureScores, Pictures, difference};
 use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
-use secateur_gltf::{Document, Tree};
+use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_model::{Lod, Surface};
+use secateur_scene::choose_cutoffs;
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
@@ -94,7 +95,12 @@ impl<'a> LevelJudge<'a> {
         let StudyRun { case, seed, .. } = run;
         let foliage = self.tree.foliage();
         let measured = self.original.measure_lod(&ran.lod);
-        let surfaces = surfaces_of(self.tree, self.path, &ran.lod)?;
+        let cutoffs = match ran.chooses_cutoffs {
+            true => choose_cutoffs(self.tree, &ran.lod)?.map(|chosen| chosen.cutoffs),
+            false => None,
+        };
+        let cutoffs = cutoffs.unwrap_or_default();
+        let surfaces = surfaces_of(self.tree, self.path, &ran.lod, &cutoffs)?;
         let judging = self.original.judging();
         let pictured = self
             .pictures
@@ -193,9 +199,14 @@ pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
     command.split(' ').map(within).collect::<Vec<_>>().join(" ")
 }
 
-/// All that is drawn of a level of the tree in this file.
-pub(crate) fn surfaces_of(tree: &Tree, path: &Path, lod: &Lod) -> Result<Vec<Surface>, Error> {
-    let bytes = tree.lod_to_bytes(lod)?;
+/// All that is drawn of a level of the tree in this file, with these alpha cutoffs.
+pub(crate) fn surfaces_of(
+    tree: &Tree,
+    path: &Path,
+    lod: &Lod,
+    cutoffs: &Cutoffs,
+) -> Result<Vec<Surface>, Error> {
+    let bytes = tree.lod_to_bytes_with(lod, cutoffs)?;
     let name = path.display().to_string();
     // As `Document::open` does: where the file itself is, not a link to it.
     let place = path.canonicalize();

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::base_color::{base_color_texture_mut, sampler_number, texture_users};
+use super::cutoffs::Cutoffs;
 use super::draft::Draft;
 use super::plant::wrap_code;
 use super::references::as_index;
@@ -31,11 +32,17 @@ const LOST_PART: u64 = 100;
 /// Texture coordinates that are beyond the rim by no more than this do not need the wrap.
 const RIM: f64 = 1e-3;
 
-/// Changes the materials of leaves that reach beyond their cards.
-pub(super) fn clear(draft: &mut Draft, tree: &Tree, lod: &Lod) -> Result<(), Fault> {
+/// Changes the materials of leaves that reach beyond their cards, but for cutoffs that somebody chose.
+pub(super) fn clear(
+    draft: &mut Draft,
+    tree: &Tree,
+    lod: &Lod,
+    chosen: &Cutoffs,
+) -> Result<(), Fault> {
     let mut remedies = Remedies::new(tree);
     for (material, shown_by) in reaching(tree, lod)? {
-        let remedy = remedies.of(material, shown_by)?;
+        let mut remedy = remedies.of(material, shown_by)?;
+        remedy.cutoff = remedy.cutoff.filter(|_| !chosen.has(material));
         remedy.apply(draft, tree, material, material);
     }
     Ok(())

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::beyond_cards;
 use super::compact_vertices::drop_unused_vertices;
+use super::cutoffs::Cutoffs;
 use super::draft::Draft;
 use super::drop_unreferenced::{
     References, drop_extension, drop_meshes, drop_unreferenced, remove_field,
@@ -40,7 +41,7 @@ pub(super) struct Content {
 ///
 /// # Panics
 /// If the LOD is of another number of leaves.
-pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
+pub(super) fn lod_content(tree: &Tree, lod: &Lod, cutoffs: &Cutoffs) -> Result<Content, Fault> {
     assert_eq!(
         lod.area_scales().len(),
         tree.foliage.leaves().len(),
@@ -53,7 +54,8 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod) -> Result<Content, Fault> {
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
     drop_order(&mut draft, tree, lod);
-    beyond_cards::clear(&mut draft, tree, lod)?;
+    beyond_cards::clear(&mut draft, tree, lod, cutoffs)?;
+    cutoffs.apply(&mut draft, tree);
     drop_unused_vertices(&mut draft, &before)?;
     let triangles = count_triangles(tree, &edits)?;
     finished(draft, &before, triangles)

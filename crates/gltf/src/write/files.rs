@@ -9,6 +9,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::Value;
 
 use super::content::{Content, lod_content};
+use super::cutoffs::Cutoffs;
 use super::images::{self, Copy};
 use super::staged_files::StagedFiles;
 use crate::binary_chunk::BinaryChunk;
@@ -144,7 +145,19 @@ impl Tree {
     /// # Panics
     /// If the LOD is of another number of leaves.
     pub fn lod_to_bytes(&self, lod: &Lod) -> Result<Vec<u8>, GltfError> {
-        let content = lod_content(self, lod).map_err(|fault| self.document.error(fault))?;
+        self.lod_to_bytes_with(lod, &Cutoffs::default())
+    }
+
+    /// [`lod_to_bytes`](Self::lod_to_bytes) with alpha cutoffs of its own.
+    ///
+    /// # Errors
+    /// As [`lod_to_bytes`](Self::lod_to_bytes).
+    ///
+    /// # Panics
+    /// If the LOD is of another number of leaves.
+    pub fn lod_to_bytes_with(&self, lod: &Lod, cutoffs: &Cutoffs) -> Result<Vec<u8>, GltfError> {
+        let content =
+            lod_content(self, lod, cutoffs).map_err(|fault| self.document.error(fault))?;
         glb_bytes(&content.root, content.buffer)
             .ok_or_else(|| self.document.error(Problem::from(WriteProblem::TooLarge)))
     }
@@ -194,14 +207,31 @@ impl Tree {
         path: &Path,
         options: WriteOptions,
     ) -> Result<PreparedLod, GltfError> {
-        self.prepare_lod_beside(lod, path, options, &[])
+        self.prepare_lod_with(lod, &Cutoffs::default(), path, options)
     }
 
-    /// [`prepare_lod`](Self::prepare_lod) without the images that are among these
+    /// [`prepare_lod`](Self::prepare_lod) with alpha cutoffs of its own.
+    ///
+    /// # Errors
+    /// As [`prepare_lod`](Self::prepare_lod).
+    ///
+    /// # Panics
+    /// If the LOD is of another number of leaves.
+    pub fn prepare_lod_with(
+        &self,
+        lod: &Lod,
+        cutoffs: &Cutoffs,
+        path: &Path,
+        options: WriteOptions,
+    ) -> Result<PreparedLod, GltfError> {
+        self.prepare_lod_beside((lod, cutoffs), path, options, &[])
+    }
+
+    /// [`prepare_lod_with`](Self::prepare_lod_with) without the images that are among these
     /// files.
     pub(super) fn prepare_lod_beside(
         &self,
-        lod: &Lod,
+        (lod, cutoffs): (&Lod, &Cutoffs),
         path: &Path,
         options: WriteOptions,
         beside: &[PathBuf],
@@ -211,7 +241,8 @@ impl Tree {
         };
         let target = Output::new(path).map_err(failed)?;
         self.check_not_input(&target).map_err(failed)?;
-        let content = lod_content(self, lod).map_err(|fault| self.document.error(fault))?;
+        let content = lod_content(self, lod, cutoffs);
+        let content = content.map_err(|fault| self.document.error(fault))?;
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
         let images = self.images_to_copy(&content.root, &target, &mut notes);
         let mut images = images.map_err(failed)?;

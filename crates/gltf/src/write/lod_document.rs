@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::content::lod_content;
+use super::cutoffs::Cutoffs;
 use crate::binary_chunk::BinaryChunk;
 use crate::container::Unpacked;
 use crate::document::Document;
@@ -24,7 +25,7 @@ impl Tree {
     pub fn lod_document(&self, lod: &Lod) -> Result<Document, GltfError> {
         let original = &self.document;
         let made = || -> Result<Document, Fault> {
-            let content = lod_content(self, lod)?;
+            let content = lod_content(self, lod, &Cutoffs::default())?;
             let mut budget = Budget::new(original.memory);
             let bytes = content.buffer.len() as u64;
             let taken = budget.take(bytes, || "the level".to_owned(), ALLOW_MORE);

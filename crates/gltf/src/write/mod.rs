@@ -11,6 +11,7 @@ mod bounds;
 pub(crate) mod chain;
 mod compact_vertices;
 mod content;
+mod cutoffs;
 mod draft;
 mod drop_unreferenced;
 mod files;
@@ -31,6 +32,7 @@ mod surfaces;
 mod tests;
 mod vertices;
 
+pub use cutoffs::Cutoffs;
 pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub(crate) use references::check_references;

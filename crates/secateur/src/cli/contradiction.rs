@@ -3,7 +3,7 @@
 use secateur::{FieldOfView, Fitting, LeafTriangles, Preset, Resolution, Views};
 
 use super::args::{MaxCoverage, Simplify};
-use super::names::{AlphaName, MethodName, ReferenceName, TiesName, text};
+use super::names::{AlphaName, CutoffsName, MethodName, ReferenceName, TiesName, text};
 
 /// Why a paper's preset can't be what it says, a sentence; nothing where all agrees. Other presets
 /// are where options begin, and may be changed.
@@ -54,6 +54,7 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
             args.leaf_triangles
                 .is_some_and(|t| t != LeafTriangles::Keep),
         ),
+        ("--cutoffs", args.cutoffs == Some(CutoffsName::Fit)),
         ("--fit", !matches!(args.fit, Fitting::Auto | Fitting::None)),
     ];
     let (option, _) = others.into_iter().find(|(_, is_other)| *is_other)?;

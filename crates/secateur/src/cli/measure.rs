@@ -152,6 +152,11 @@ fn pretty(
             ),
         );
         row(
+            "drawn IoU",
+            format!("{:.4}", drawn.truth_iou),
+            format!("overlap {at} with what the original truly covers, 1 is best"),
+        );
+        row(
             "specks",
             format!("{:.1}", drawn.specks_per_view),
             format!(

@@ -2,6 +2,7 @@
 
 mod args;
 mod contradiction;
+mod cutoffs;
 mod demo;
 mod escape;
 mod failure;

@@ -48,6 +48,15 @@ pub(crate) enum MethodName {
     Merge,
 }
 
+/// Which alpha cutoffs leaves have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CutoffsName {
+    /// Such that clients show as much of the crown from afar as there is, and near by what they did
+    Fit,
+    /// Those of the tree, raised only where single triangles would show specks
+    Keep,
+}
+
 names!(
 /// What becomes of the wood.
 WoodName => WoodMode {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use secateur::{
     AreaTable, Inspection, Judging, Objective, Options, StagedFiles, TakenFor, Views, Vmi, Written,
 };
+use secateur_scene::ChosenCutoffs;
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -53,6 +54,8 @@ pub(crate) struct RunRecord<'a> {
     pub(crate) subject: &'a Subject,
     pub(crate) outcome: &'a Outcome,
     pub(crate) options: &'a Options,
+    /// Where other alpha cutoffs were chosen.
+    pub(crate) cutoffs: Option<&'a ChosenCutoffs>,
     pub(crate) written: &'a Written,
     pub(crate) surroundings: &'a Surroundings,
     pub(crate) stages: &'a [(&'static str, f64)],
@@ -93,6 +96,7 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "vmi_bits_original": result.vmi_original.bits(),
         "driving_vmi_error_percent": result.driving_error_percent(),
         "stopped": result.stopped.name(),
+        "cutoffs": super::cutoffs::record(run.cutoffs),
         "audit": result.audited_by,
         "settings": settings(run, args),
         "foliage": foliage(subject.tree().inspection()),

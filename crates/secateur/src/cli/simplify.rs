@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders, MeshoptOptions,
-    Method, Objective, Options, PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles,
-    StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
-    read_cameras,
+    ChainOptions, Cutoffs, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders,
+    MeshoptOptions, Method, Objective, Options, PreparedLod, Preset, Progress, Resolution,
+    Simplified, StagedFiles, StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode,
+    WriteOptions, Written, read_cameras,
 };
 use secateur_raster::Scene;
 
@@ -20,7 +20,7 @@ use super::progress_bar::RunProgress;
 use super::record::{self, RunRecord};
 use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
-use super::{interrupt, machine, order, output};
+use super::{cutoffs, interrupt, machine, order, output};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -63,12 +63,19 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
             .map(|(stage, time)| (stage.name(), *time)),
     );
 
+    interrupt::check()?;
+    let chosen = timed(&mut stages, "cutoffs", || {
+        let lod = &outcome.lod;
+        Ok(cutoffs::chosen(tree, lod, &options, args, &mut warnings))
+    })?;
     interrupt::writing()?;
     machine::give_back_free_memory();
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        tree.prepare_lod(&outcome.lod, &args.output, write_options(args))
+        let none = Cutoffs::default();
+        let cutoffs = chosen.as_ref().map_or(&none, |chosen| &chosen.cutoffs);
+        tree.prepare_lod_with(&outcome.lod, cutoffs, &args.output, write_options(args))
             .map_err(Failure::from)
     })?;
     let picture = match args.picture {
@@ -93,6 +100,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         subject: &subject,
         outcome: &outcome,
         options: &options,
+        cutoffs: chosen.as_ref(),
         written: &written,
         surroundings: &surroundings,
         stages: &stages,
@@ -412,6 +420,9 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     }
     if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
         say("sizes", fitted_to(objective));
+    }
+    if let Some(chosen) = run.cutoffs {
+        say("cutoffs", cutoffs::in_words(chosen));
     }
     if let Some(lost) = result.driving_error_percent() {
         say(

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use secateur_gltf::WholeTree;
+use secateur_gltf::{Cutoffs, WholeTree};
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
@@ -136,7 +136,7 @@ impl<'a> Maker<'a> {
                 continue;
             };
             levels.push(Level {
-                surfaces: surfaces_of(self.tree.items(), self.path, lod)?,
+                surfaces: surfaces_of(self.tree.items(), self.path, lod, &Cutoffs::default())?,
                 leaves: level.leaves,
                 triangles: level.triangles(),
             });
@@ -258,6 +258,7 @@ impl<'a> Maker<'a> {
                 tree.items(),
                 self.path,
                 &tree.joined(&made.leaves.lod, &made.wood),
+                &Cutoffs::default(),
             )?,
             leaves: left.leaves().len() as u64,
             triangles: (left.triangles().len() + made.wood_triangles) as u64,

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
+use secateur_scene::choose_cutoffs;
 use secateur_simplify::whole::{WholePlant, simplify_keeping_wood};
 use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Target};
 
@@ -53,9 +54,11 @@ pub(super) fn made(
         made => made?,
     };
     let lod = tree.joined(&made.leaves.lod, &made.wood);
+    let cutoffs = choose_cutoffs(tree.items(), &lod)?;
+    let cutoffs = cutoffs.map(|chosen| chosen.cutoffs).unwrap_or_default();
     let [_, setting] = case.method_and_setting();
     Ok(Some(PlantOutcome {
-        surfaces: surfaces_of(tree.items(), path, &lod)?,
+        surfaces: surfaces_of(tree.items(), path, &lod, &cutoffs)?,
         leaves_final: made.leaves.lod.foliage(leaves).leaves().len() as u64,
         wood_triangles_final: Some(made.wood_triangles as u64),
         seconds,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::cutoffs::Cutoffs;
 use super::super::files::WriteOptions;
 use super::super::staged_files::{CommitError, StagedFiles};
 use super::{Layout, Level};
@@ -127,8 +128,9 @@ impl Tree {
         for (file, place) in chain.files.into_iter().zip(places) {
             let level = self.as_written(file.bytes)?;
             // Levels share their images.
-            let lod = Lod::original(0);
-            let prepared = level.prepare_lod_beside(&lod, &place, options, &written.files)?;
+            let (lod, cutoffs) = (Lod::original(0), Cutoffs::default());
+            let what = (&lod, &cutoffs);
+            let prepared = level.prepare_lod_beside(what, &place, options, &written.files)?;
             let (one, files) = prepared.into_files();
             staged.append(files);
             written.bytes += one.bytes;

@@ -12,7 +12,7 @@ use crate::chain::{Layout, Level, LevelTexture};
 use secateur_model::{Filters, Lod, Texture, Wrap};
 
 /// Cards with a texture of 8 x 8 texels, repeated by default, and this cutoff.
-fn cards(cutoff: f64, alpha: impl Fn(u32, u32) -> u8) -> Fixture {
+pub(super) fn cards(cutoff: f64, alpha: impl Fn(u32, u32) -> u8) -> Fixture {
     let mut fixture = encodings::textured();
     let texel = |x, y| image::Rgba([10, 200, 30, alpha(x, y)]);
     let mut png = std::io::Cursor::new(Vec::new());
@@ -28,7 +28,7 @@ fn cards(cutoff: f64, alpha: impl Fn(u32, u32) -> u8) -> Fixture {
 }
 
 /// Nine opaque texels in the middle of 64: a mean of .14.
-fn middle(x: u32, y: u32) -> u8 {
+pub(super) fn middle(x: u32, y: u32) -> u8 {
     match (3..6).contains(&x) && (3..6).contains(&y) {
         true => 255,
         false => 0,

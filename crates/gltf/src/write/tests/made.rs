@@ -223,7 +223,7 @@ fn morph_targets_move_new_leaves_with_their_donors() {
 fn every_set_of_texture_coordinates_and_the_normals_go_on() {
     let tree = encodings::rich().tree();
     let lod = beyond_its_corners(&tree);
-    let content = lod_content(&tree, &lod).unwrap();
+    let content = lod_content(&tree, &lod, &crate::Cutoffs::default()).unwrap();
     let became_f32 = |note: &String| note.contains("texture coordinates or normals became f32");
     assert!(content.notes.iter().any(became_f32));
     let after = read(tree.lod_to_bytes(&lod).unwrap());

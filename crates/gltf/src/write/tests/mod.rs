@@ -10,6 +10,7 @@ mod check;
 #[path = "../../../../../tests/clients/clients.rs"]
 mod clients;
 mod compressed;
+mod cutoffs;
 mod encodings;
 mod every_encoding;
 mod fixture;

@@ -22,7 +22,7 @@ fn without(tree: &Tree, removed: &[u32]) -> Lod {
 
 fn content(fixture: &Fixture, lod: impl Fn(&Tree) -> Lod) -> Content {
     let tree = fixture.tree();
-    lod_content(&tree, &lod(&tree)).unwrap()
+    lod_content(&tree, &lod(&tree), &crate::Cutoffs::default()).unwrap()
 }
 
 fn names(list: &Value) -> Vec<(&Value, &Value)> {

@@ -6,8 +6,9 @@ use clap::Args;
 use secateur::{FieldOfView, Fitting, LeafTriangles, Resolution, Target};
 
 use super::super::names::{
-    AlphaName, ClusterSizeName, CornersName, EngineName, HausdorffName, MeshoptModeName,
-    MethodName, MetricName, PresetName, ReferenceName, ResizeName, SidesName, TiesName, WoodName,
+    AlphaName, ClusterSizeName, CornersName, CutoffsName, EngineName, HausdorffName,
+    MeshoptModeName, MethodName, MetricName, PresetName, ReferenceName, ResizeName, SidesName,
+    TiesName, WoodName,
 };
 use super::{
     Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, above_zero, from_zero, leaves,
@@ -82,6 +83,10 @@ pub(crate) struct Simplify {
         allow_negative_numbers = true
     )]
     pub(crate) fit: Fitting,
+    /// Which alpha cutoffs cut-out leaves have in the result [default: fit for the look by vds, if masks
+    /// count; else keep].
+    #[arg(long, value_enum)]
+    pub(crate) cutoffs: Option<CutoffsName>,
     /// What the cost of a leaf is measured against [default: previous for the look, original for
     /// information].
     #[arg(long, help_heading = OF_VDS, value_enum)]

@@ -1,0 +1,339 @@
+//! Alpha cutoffs with which clients show as much of a level as there is.
+//!
+//! Mip maps mix what a texture shows with the nothing around it, so that masks of leaves fade, or
+//! close, where the screen shows them small. The alpha of most leaf textures is near 0 or near 1: near
+//! by it hardly matters which cutoff between them is asked for, and from afar it decides how much is
+//! left.
+
+use secateur_eval::{MipMaps, Outlines, Strengths};
+use secateur_gltf::{Cutoffs, Detail, DrawnSurface, GltfError, Tree};
+use secateur_model::{AlphaMode, Lod, Surface, Texture};
+use secateur_raster::ViewSet;
+
+/// Width of the largest pictures that are looked at, in pixels; the crown takes a little more than
+/// half of it.
+const WIDTH_PX: u32 = 512;
+
+/// The pictures are this many times smaller.
+const STEPS: [u32; 3] = [1, 2, 4];
+
+/// Corners of a cube that make a tetrahedron: views from four sides.
+const SIDES: [usize; 4] = [0, 3, 5, 6];
+
+/// Coverage that is no farther off than this at any size is left as it is.
+const NEAR_ENOUGH: f64 = 0.03;
+
+/// The cutoffs that are tried are between these, and as many to an octave.
+const RANGE: [f32; 2] = [0.1, 0.9];
+const TRIES_PER_OCTAVE: f32 = 8.0;
+
+/// The share by which a texture itself may show more or less with another cutoff.
+const NEAR_BY: f64 = 0.02;
+
+/// As many specks a view as a level may show more than there truly are, if it did not before.
+const MOST_MORE_SPECKS: f64 = 2.0;
+
+/// Cutoffs that were chosen, and what they do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChosenCutoffs {
+    /// Those that differ from what the level has without.
+    pub cutoffs: Cutoffs,
+    /// By what all cutoffs were multiplied.
+    pub times: f64,
+    /// Width and height of pictures in pixels, and in them the pixels that a client shows over those
+    /// that the original truly covers: without and with these cutoffs.
+    pub coverage: Vec<(u32, [f64; 2])>,
+}
+
+/// Chooses the cutoffs of a level of a tree; none where nothing needs another, and of the tree as
+/// it is, from which nothing is gone.
+///
+/// # Errors
+/// [`GltfError`] if the tree or the level can't be drawn.
+pub fn choose_cutoffs(tree: &Tree, lod: &Lod) -> Result<Option<ChosenCutoffs>, GltfError> {
+    if *lod == Lod::original(tree.foliage().leaves().len()) {
+        return Ok(None);
+    }
+    let free = tree.cut_out_materials();
+    let Some(sphere) = tree
+        .foliage()
+        .bounding_sphere()
+        .filter(|_| !free.is_empty())
+    else {
+        return Ok(None);
+    };
+    let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
+    let is_free = |drawn: &DrawnSurface| drawn.material.is_some_and(|m| free.contains(&m));
+    let ratios = range(level.iter().filter(|drawn| is_free(drawn)));
+    let Some(ratios) = ratios else {
+        return Ok(None);
+    };
+    let all = ViewSet::cube(sphere);
+    let views = ViewSet::new(SIDES.map(|side| all.views()[side]).into());
+    let original = tree.document().drawn_as_one(Detail::Color)?;
+    let original: Vec<&Surface> = original.iter().map(|drawn| &drawn.surface).collect();
+    let truth = Outlines::of_truth(&original, &views, WIDTH_PX);
+    let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
+    let known = MipMaps::of_cut_outs(&surfaces);
+    let sizes = STEPS.map(|step| {
+        let width_px = WIDTH_PX / step;
+        let is_free = |surface: usize| is_free(&level[surface]);
+        Size {
+            width_px,
+            truth: truth.every(step),
+            level: Strengths::new(&surfaces, is_free, &views, width_px, ratios[1], &known),
+        }
+    });
+    let Some(times) = best(&sizes, ratios) else {
+        return Ok(None);
+    };
+    let cutoff = |drawn: &DrawnSurface| match drawn.surface.material.alpha_mode {
+        AlphaMode::Mask(cutoff) if is_free(drawn) => {
+            Some((drawn.material?, f64::from(cutoff * times)))
+        }
+        _ => None,
+    };
+    Ok(Some(ChosenCutoffs {
+        cutoffs: Cutoffs::new(level.iter().filter_map(cutoff)),
+        times: times.into(),
+        coverage: sizes
+            .iter()
+            .map(|size| {
+                (
+                    size.width_px,
+                    [1.0, times].map(|times| size.coverage(times)),
+                )
+            })
+            .collect(),
+    }))
+}
+
+/// Pictures of one size.
+struct Size {
+    width_px: u32,
+    truth: Outlines,
+    level: Strengths,
+}
+
+impl Size {
+    fn coverage(&self, times: f32) -> f64 {
+        let truth = self.truth.covered_px().max(1);
+        self.level.shown(times).covered_px() as f64 / truth as f64
+    }
+
+    fn specks_too_many(&self, times: f32) -> f64 {
+        let more = self.level.shown(times).specks_per_view() - self.truth.specks_per_view();
+        (more - MOST_MORE_SPECKS).max(0.0)
+    }
+}
+
+/// By what cutoffs are to be multiplied; none where they are best as they are.
+fn best(sizes: &[Size], [low, high]: [f32; 2]) -> Option<f32> {
+    let off = |times: f32| -> f64 {
+        let of_size = |size: &Size| size.coverage(times).max(1e-3).ln().powi(2);
+        sizes.iter().map(of_size).sum()
+    };
+    let is_near = |size: &Size| (size.coverage(1.0) - 1.0).abs() <= NEAR_ENOUGH;
+    if sizes.iter().all(is_near) {
+        return None;
+    }
+    let before: Vec<f64> = sizes.iter().map(|size| size.specks_too_many(1.0)).collect();
+    let has_no_more_specks = |times: f32| {
+        let mut pairs = sizes.iter().zip(&before);
+        pairs.all(|(size, before)| size.specks_too_many(times) <= *before)
+    };
+    let first = (low.log2() * TRIES_PER_OCTAVE).ceil() as i32;
+    let last = (high.log2() * TRIES_PER_OCTAVE).floor() as i32;
+    let tried = (first..=last).map(|step| (step as f32 / TRIES_PER_OCTAVE).exp2());
+    let mut found: Vec<(f64, f32)> = tried.map(|times| (off(times), times)).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let now = off(1.0);
+    let better = found.into_iter().take_while(|(off, _)| *off < now);
+    let mut better = better.map(|(_, times)| times);
+    better.find(|times| has_no_more_specks(*times))
+}
+
+/// By what the cutoffs of these surfaces may be multiplied, at least and at most: within [`RANGE`],
+/// and so that near by no texture shows much more or less. None if there are no surfaces.
+fn range<'a>(drawn: impl Iterator<Item = &'a DrawnSurface>) -> Option<[f32; 2]> {
+    let mut range: Option<[f32; 2]> = None;
+    let mut seen: Vec<usize> = Vec::new();
+    for drawn in drawn {
+        let material = &drawn.surface.material;
+        let (Some(texture), AlphaMode::Mask(cutoff)) = (&material.texture, material.alpha_mode)
+        else {
+            continue;
+        };
+        let Some(number) = drawn.material.filter(|number| !seen.contains(number)) else {
+            continue;
+        };
+        seen.push(number);
+        let own = range_of(texture, cutoff / material.base_color[3]);
+        let [low, high] = range.unwrap_or([0.0, f32::INFINITY]);
+        range = Some([low.max(own[0]), high.min(own[1])]);
+    }
+    range.filter(|[low, high]| low <= high)
+}
+
+/// The same of one texture whose alpha is held against this cutoff.
+fn range_of(texture: &Texture, cutoff: f32) -> [f32; 2] {
+    if !(cutoff > 0.0 && cutoff.is_finite()) {
+        return [1.0; 2];
+    }
+    let mut texels = [0u64; 256];
+    for texel in texture.rgba.chunks_exact(4) {
+        texels[usize::from(texel[3])] += 1;
+    }
+    let shown = |cutoff: f32| -> u64 {
+        let passes = |alpha: &usize| *alpha as f32 / 255.0 >= cutoff;
+        (0..256).filter(passes).map(|alpha| texels[alpha]).sum()
+    };
+    let before = shown(cutoff) as f64;
+    let is_the_same = |other: f32| (shown(other) as f64 - before).abs() <= NEAR_BY * before;
+    let at = |step: usize| RANGE[0] + (RANGE[1] - RANGE[0]) * step as f32 / 80.0;
+    let same: Vec<f32> = (0..=80)
+        .map(at)
+        .filter(|other| is_the_same(*other))
+        .collect();
+    let low = same.first().copied().unwrap_or(cutoff).min(cutoff);
+    let high = same.last().copied().unwrap_or(cutoff).max(cutoff);
+    [low / cutoff, high / cutoff]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DQuat, DVec3, EulerRot, Vec2};
+    use secateur_gltf::{Document, plant_to_glb};
+    use secateur_model::{Filters, Finish, Material, Plant, Wrap};
+    use std::sync::Arc;
+
+    /// Cards of a unit side in a ball of radius 10, whose texture of 256 x 256 texels shows what
+    /// `is_there`.
+    fn crown(is_there: impl Fn(u32, u32) -> bool) -> Tree {
+        let texel = |k: u32| [60, 140, 40, 255 * u8::from(is_there(k % 256, k / 256))];
+        let texture = Texture {
+            width: 256,
+            height: 256,
+            rgba: (0..256 * 256).flat_map(texel).collect(),
+            wrap: [Wrap::Repeat; 2],
+            filters: Filters::default(),
+        };
+        let material = |name: &str, texture: Option<Texture>| {
+            Arc::new(Material {
+                name: name.to_owned(),
+                base_color: [1.0; 4],
+                alpha_mode: match texture {
+                    Some(_) => AlphaMode::Mask(0.5),
+                    None => AlphaMode::Opaque,
+                },
+                texture: texture.map(Arc::new),
+                double_sided: true,
+                finish: Finish::default(),
+            })
+        };
+        let surface = |material| Surface {
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles: Vec::new(),
+            material,
+        };
+        let mut leaves = surface(material("leaves", Some(texture)));
+        for k in 0..CARDS {
+            let part = (f64::from(k) + 0.5) / f64::from(CARDS);
+            let [a, b] = [2.4, 1.7].map(|angle| angle * f64::from(k));
+            let turn = DQuat::from_euler(EulerRot::YXZ, a, b, 0.0);
+            let centre = DVec3::Y * 12.0 + turn * DVec3::X * 9.0 * part.cbrt();
+            let first = leaves.positions.len() as u32;
+            for [u, v] in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
+                let corner = turn * DVec3::new(u - 0.5, 0.5 - v, 0.0);
+                leaves.positions.push(centre + corner);
+                leaves.uvs.push(Vec2::new(u as f32, v as f32));
+            }
+            let quad = [[0, 1, 2], [0, 2, 3]];
+            let quad = quad.map(|corners| corners.map(|corner| first + corner));
+            leaves.triangles.extend(quad);
+        }
+        let mut wood = surface(material("bark", None));
+        wood.positions = [[-0.1, 0.0], [0.1, 0.0], [0.0, 12.0]]
+            .map(|[x, y]| DVec3::new(x, y, 0.0))
+            .into();
+        wood.triangles = vec![[0, 1, 2]];
+        let plant = Plant {
+            name: "crown".to_owned(),
+            wood,
+            leaves,
+            triangles_per_leaf: vec![2; CARDS as usize],
+            skeleton: None,
+            holds: None,
+        };
+        let document = Document::from_bytes("crown.glb", plant_to_glb(&plant), None).unwrap();
+        document.into_tree(&[]).unwrap()
+    }
+
+    const CARDS: u32 = 400;
+
+    /// All leaves but the first.
+    fn level(tree: &Tree) -> Lod {
+        let count = tree.foliage().leaves().len();
+        let mut order = secateur_model::RemovalOrder::new(count as u32);
+        order.push_step(secateur_model::Step {
+            removed: &[secateur_model::LeafId::from_index(0)],
+            grown: &[],
+            made: &[],
+            survivors_area_scale: 1.0,
+        });
+        Lod::after(&order, 1)
+    }
+
+    fn chosen(tree: &Tree, lod: &Lod) -> Option<ChosenCutoffs> {
+        choose_cutoffs(tree, lod).unwrap()
+    }
+
+    /// Stripes that get wider from one side to the other, up to a half: all mips are below that.
+    #[test]
+    fn a_crown_that_fades_gets_a_lower_cutoff() {
+        let tree = crown(|x, _| x % 16 < x / 32);
+        let found = chosen(&tree, &level(&tree)).unwrap();
+        let own: Vec<(usize, f64)> = found.cutoffs.of_materials().collect();
+        let [(1, cutoff)] = own[..] else {
+            panic!("of the leaves alone: {own:?}");
+        };
+        assert!((0.1..0.45).contains(&cutoff), "{cutoff}");
+        assert!((found.times - cutoff / 0.5).abs() < 1e-3);
+        let far = found.coverage[2].1;
+        assert!(far[0] < 0.5 && (0.7..1.2).contains(&far[1]), "{far:?}");
+        // From a level that is the tree nothing is gone.
+        let original = Lod::original(CARDS as usize);
+        assert_eq!(chosen(&tree, &original), None);
+    }
+
+    /// What is hardly cut out fades nowhere.
+    #[test]
+    fn a_crown_that_does_not_fade_stays_as_it_is() {
+        let tree = crown(|x, _| x > 0);
+        assert_eq!(chosen(&tree, &level(&tree)), None);
+    }
+
+    #[test]
+    fn only_cutoffs_that_change_hardly_a_texel_are_tried() {
+        let texture = |alphas: &[u8]| Texture {
+            width: alphas.len() as u32,
+            height: 1,
+            rgba: alphas.iter().flat_map(|a| [0, 0, 0, *a]).collect(),
+            wrap: [Wrap::Repeat; 2],
+            filters: Filters::default(),
+        };
+        let times = |alphas: &[u8], cutoff| range_of(&texture(alphas), cutoff);
+        let near =
+            |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs() < 0.05 && (a[1] - b[1]).abs() < 0.05;
+        // There or not: anything between a tenth and nine.
+        assert!(near(times(&[0, 255], 0.5), [0.2, 1.8]));
+        // As many texels of .4 as of 1: not below that.
+        assert!(near(times(&[0, 102, 255], 0.5), [0.82, 1.8]));
+        assert_eq!(times(&[0, 255], 0.0), [1.0; 2]);
+    }
+}

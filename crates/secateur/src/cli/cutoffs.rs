@@ -1,0 +1,62 @@
+//! Alpha cutoffs of a result, and what is said of them.
+
+use secateur::{Lod, Options, Tree};
+use secateur_scene::{ChosenCutoffs, choose_cutoffs};
+use serde_json::{Value, json};
+
+use super::args;
+use super::names::CutoffsName;
+
+/// The cutoffs of a level, where it needs others than those of the tree. What can't be drawn keeps its
+/// own, with a warning.
+pub(crate) fn chosen(
+    tree: &Tree,
+    lod: &Lod,
+    options: &Options,
+    args: &args::Simplify,
+    warnings: &mut Vec<String>,
+) -> Option<ChosenCutoffs> {
+    let is_asked = match args.cutoffs {
+        Some(name) => name == CutoffsName::Fit,
+        None => options.chooses_cutoffs(),
+    };
+    if !is_asked {
+        return None;
+    }
+    choose_cutoffs(tree, lod).unwrap_or_else(|error| {
+        let warning =
+            format!("alpha cutoffs stay as they are, since the result can't be drawn: {error}");
+        tracing::warn!("{warning}");
+        warnings.push(warning);
+        None
+    })
+}
+
+/// What the record says of them; nothing where all stay.
+pub(crate) fn record(chosen: Option<&ChosenCutoffs>) -> Value {
+    let of_width = |(width_px, [before, after]): &(u32, [f64; 2])| {
+        json!({
+            "width_px": width_px,
+            "coverage_over_truth_before": before,
+            "coverage_over_truth": after,
+        })
+    };
+    json!(chosen.map(|chosen| json!({
+        "times": chosen.times,
+        "of_materials": chosen.cutoffs.of_materials().collect::<Vec<_>>(),
+        "as_drawn": chosen.coverage.iter().map(of_width).collect::<Vec<_>>(),
+    })))
+}
+
+/// A line of the summary.
+pub(crate) fn in_words(chosen: &ChosenCutoffs) -> String {
+    let of = |(width_px, [before, after]): &(u32, [f64; 2])| {
+        format!("{before:.2} -> {after:.2} at {width_px} px")
+    };
+    let coverage: Vec<String> = chosen.coverage.iter().map(of).collect();
+    format!(
+        "times {:.2}; pixels that clients show over what there is: {}",
+        chosen.times,
+        coverage.join(", ")
+    )
+}
