@@ -1,7 +1,7 @@
 //! How far a simplified tree looks from its original, in plainly shaded,
 //! textured pictures.
 //!
-//! Both are drawn by [`render`] from the views that judge; every
+//! Both are drawn by [`render`](crate::render()) from the views that judge; every
 //! [`PictureMetric`] of [`PICTURE_METRICS`] is then a function of two pictures
 //! of one view.
 

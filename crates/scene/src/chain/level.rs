@@ -32,7 +32,7 @@ pub struct ChainLevel {
     /// The level that casts its shadow, counted from 0.
     pub shadow: usize,
     /// Outline of the leaves against the original's, by three of the held-out views in 256 x 256
-    /// pixels; none for impostors.
+    /// pixels, without exact textures; none for impostors.
     pub silhouette_iou: Option<f64>,
     /// VMI error of the leaves by the same, in per cent; none for impostors.
     pub vmi_error_percent: Option<f64>,
