@@ -1,12 +1,15 @@
 //! Alpha cutoffs of a level's own.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
 use super::draft::Draft;
+use super::files::{PreparedLod, WriteOptions};
+use crate::error::GltfError;
 use crate::tree::Tree;
-use secateur_model::{AlphaMode, Mips};
+use secateur_model::{AlphaMode, Lod, Mips};
 
 /// What glTF has where a material that cuts out says nothing.
 const DEFAULT_CUTOFF: f64 = 0.5;
@@ -57,6 +60,23 @@ impl Cutoffs {
 }
 
 impl Tree {
+    /// [`prepare_lod`](Self::prepare_lod) with alpha cutoffs of its own.
+    ///
+    /// # Errors
+    /// As [`prepare_lod`](Self::prepare_lod).
+    ///
+    /// # Panics
+    /// If the LOD is of another number of leaves.
+    pub fn prepare_lod_with(
+        &self,
+        lod: &Lod,
+        cutoffs: &Cutoffs,
+        path: &Path,
+        options: WriteOptions,
+    ) -> Result<PreparedLod, GltfError> {
+        self.prepare_lod_beside((lod, cutoffs), path, options, &[])
+    }
+
     /// The materials of leaves that cut out what a texture with mip maps shows, by their numbers in
     /// the file.
     pub fn cut_out_materials(&self) -> Vec<usize> {

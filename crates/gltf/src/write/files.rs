@@ -210,23 +210,6 @@ impl Tree {
         self.prepare_lod_with(lod, &Cutoffs::default(), path, options)
     }
 
-    /// [`prepare_lod`](Self::prepare_lod) with alpha cutoffs of its own.
-    ///
-    /// # Errors
-    /// As [`prepare_lod`](Self::prepare_lod).
-    ///
-    /// # Panics
-    /// If the LOD is of another number of leaves.
-    pub fn prepare_lod_with(
-        &self,
-        lod: &Lod,
-        cutoffs: &Cutoffs,
-        path: &Path,
-        options: WriteOptions,
-    ) -> Result<PreparedLod, GltfError> {
-        self.prepare_lod_beside((lod, cutoffs), path, options, &[])
-    }
-
     /// [`prepare_lod_with`](Self::prepare_lod_with) without the images that are among these
     /// files.
     pub(super) fn prepare_lod_beside(
