@@ -246,13 +246,18 @@ mod tests {
 
     #[test]
     fn a_plane_that_faces_away_is_none() {
-        // Folded by more than a right angle: corners of one half and the fold face aside.
-        let foliage = of(&[folded(DVec3::ZERO, 0.5)]);
+        // The right half, half as wide, is turned back over the left one and faces down.
+        let mut leaf = folded(DVec3::ZERO, 0.2);
+        for triangle in &mut leaf[2..] {
+            for at in &mut triangle.corners {
+                at.x *= -0.5;
+            }
+        }
+        let foliage = of(&[leaf]);
         let sheets = Sheets::of(&foliage, &Cards::of(&foliage));
-        let leaf = LeafId::from_index(0);
-        // All three on the fold's line are no triangle.
-        let on_fold = [1, 2, 6];
-        assert!(sheets.flat(&foliage, leaf, on_fold).is_none());
-        assert!(sheets.flat(&foliage, leaf, [0, 1, 2]).is_some());
+        let flat = |plane| sheets.flat(&foliage, LeafId::from_index(0), plane);
+        assert!(flat([0, 1, 2]).is_some(), "the left half");
+        assert!(flat([6, 7, 8]).is_none(), "the right half");
+        assert!(flat([1, 2, 6]).is_none(), "three on the fold");
     }
 }
