@@ -99,3 +99,39 @@ fn in_both(a: &[u32], b: &[u32]) -> usize {
     };
     a.iter().filter(is_in_b).count()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::rings::tubes;
+    use super::super::tests::tube;
+    use super::*;
+
+    /// Three sides in the place of eight: few pixels of a view show next to nothing of it, many do.
+    #[test]
+    fn a_level_loses_more_where_more_pixels_show_it() {
+        let mut wood = Foliage::default();
+        let triangles = tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.4, 8);
+        wood.push_leaf(&triangles, None).unwrap();
+        let views = ViewSet::octahedron(wood.bounding_sphere().unwrap());
+        let level = tubes(&triangles, true)
+            .into_iter()
+            .find(|level| level.len() == 6)
+            .unwrap();
+        let loss = |resolution: u32| {
+            let mut fragments = LeafFragments::new(resolution);
+            Original::new(&wood, LeafId::from_index(0), &views, &mut fragments).loss(&level)
+        };
+        let [few, many] = [32, 256].map(loss);
+        // Half of the loss at most is that of the outline, which is alike.
+        assert!(many > few + 0.15, "{few}, then {many}");
+        // What is as it was loses nothing.
+        let all: Vec<[u32; 3]> = (0..triangles.len() as u32)
+            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+            .collect();
+        let mut fragments = LeafFragments::new(64);
+        let mut original = Original::new(&wood, LeafId::from_index(0), &views, &mut fragments);
+        assert!(original.loss(&all) < 1e-12);
+    }
+}
