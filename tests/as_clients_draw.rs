@@ -51,7 +51,7 @@ fn levels_cover_what_the_original_truly_does_at_each_switch() {
     }
     // What a client makes of the original itself at the switch.
     let original = seen[2]["original_coverage_over_truth"].as_f64().unwrap();
-    assert!(original < 0.5, "{original}");
+    assert!(original < 0.7, "{original}");
 }
 
 /// Twigs that are gone from a level are missing from its outline. Leaves without holes have no texture that

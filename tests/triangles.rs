@@ -75,14 +75,13 @@ fn leaves_become_coarser_before_they_go() {
     let (half, report) = simplified(&bench, "rowan.glb", &["--triangles", "360"]);
     assert_eq!(half.leaves().len(), 40);
     assert!(half.triangles().len() <= 360 && half.triangles().len() > 300);
-    assert!((area(&half) / area(original.foliage()) - 1.0).abs() < 1e-5);
     assert_eq!(report["settings"]["leaf_triangles"], "auto");
     assert_eq!(report["max_area_scale"], 1.0);
 
-    // Of leaves that have cut-outs and are no cards, none has fewer than two triangles.
+    // Folded leaves with a cut-out get down to one triangle, with all of their texture.
     let (tenth, report) = simplified(&bench, "rowan.glb", &["--triangles", "0.05"]);
-    assert_eq!((tenth.leaves().len(), tenth.triangles().len()), (18, 36));
-    assert_eq!(report["leaves"]["final"], 18);
+    assert_eq!((tenth.leaves().len(), tenth.triangles().len()), (36, 36));
+    assert_eq!(report["leaves"]["final"], 36);
     let (solid, _) = simplified(
         &bench,
         "rowan.glb",
@@ -97,6 +96,7 @@ fn leaves_become_coarser_before_they_go() {
         &["--triangles", "1.0", "--leaf-triangles", "4"],
     );
     assert_eq!((coarse.leaves().len(), coarse.triangles().len()), (40, 160));
+    assert!((area(&coarse) / area(original.foliage()) - 1.0).abs() < 1e-5);
     let keep = ["--triangles", "360", "--leaf-triangles", "keep"];
     let (kept, _) = simplified(&bench, "rowan.glb", &keep);
     assert_eq!((kept.leaves().len(), kept.triangles().len()), (20, 360));
@@ -110,7 +110,7 @@ fn leaves_become_coarser_before_they_go() {
 #[test]
 fn a_variable_number_of_views_is_that_of_the_last_step() {
     let bench = with_rowan();
-    for (budget, views) in [("0.95", 20), ("0.07", 8)] {
+    for (budget, views) in [("0.95", 20), ("0.03", 8)] {
         let files = [
             "rowan.glb",
             "-o",
@@ -213,11 +213,11 @@ fn coarser_leaves_are_the_same_on_every_processor() {
     let bench = with_rowan();
     for (options, order, areas) in [
         (
-            &["--preset", "information", "--triangles", "0.1"][..],
-            "ceb67a6c44a3",
-            "632c503c560a",
+            &["--preset", "information", "--triangles", "0.04"][..],
+            "cd5777229bef",
+            "ebe1b42d9238",
         ),
-        (&["--triangles", "0.1"], "cfc0293b03a2", "6cb4e33197c3"),
+        (&["--triangles", "0.04"], "e20e1f93a088", "0e928900d4ec"),
         (
             &["--method", "meshopt", "--triangles", "0.3"],
             "27bf9c8f23dc",
