@@ -14,7 +14,7 @@ use crate::render::is_covered;
 #[derive(Clone, Debug)]
 pub struct Outlines {
     width_px: u32,
-    /// Row by row.
+    /// For each view, whether each pixel is covered, in rows from the top.
     views: Vec<Vec<bool>>,
 }
 
@@ -50,7 +50,8 @@ impl Outlines {
         sum as f64 / self.views.len().max(1) as f64
     }
 
-    /// Every so many pixels of every so many rows alone: the same in smaller pictures.
+    /// The outlines in pictures that are `step` times smaller: of each square of `step` x `step` pixels
+    /// only the middle one.
     ///
     /// # Panics
     /// If the width is no multiple of `step`.

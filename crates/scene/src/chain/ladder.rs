@@ -10,7 +10,7 @@ use super::maker::{Made, Maker};
 /// How many steps halve the triangles: from step to step there are 2 % fewer.
 const STEPS_A_HALF: usize = 32;
 
-/// Of so many shares of all triangles levels for heights are sought. Step 0 is the tree as it is, for
+/// The number of shares of all triangles among which levels for heights are sought. Step 0 is the tree as it is, for
 /// heights at which nothing less will do; the last has .78 % of all.
 const STEPS: usize = 7 * STEPS_A_HALF + 1;
 
@@ -30,10 +30,11 @@ const LEAST_GAIN: usize = 2;
 /// So far below what is allowed the next level is aimed, as FLIP is not as smooth as a line.
 const AIM: f64 = 0.012;
 
-/// From what differs too much the search goes back at least so many steps: it would else creep.
+/// The least number of steps by which the search goes back from a level that differs too much: with
+/// fewer it would creep.
 const LEAST_BACK: f64 = 4.0;
 
-/// Once a level is within the difference, at most so many more are made for the same heights.
+/// The most levels that are made for the same heights after one was within the difference.
 const MORE_TRIALS: usize = 3;
 
 /// Levels of shares of all triangles, made as they are asked for.

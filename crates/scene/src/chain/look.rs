@@ -247,7 +247,7 @@ mod tests {
     use glam::DVec3;
     use secateur_model::{AlphaMode, Finish, Material};
 
-    /// A square of 2 x 2 of so many upright stripes, half of it covered.
+    /// A square of 2 x 2 with `count` upright stripes, which cover half of it.
     fn stripes(count: u32) -> Surface {
         let corner = |k: u32, y: f64| DVec3::new(f64::from(k) / f64::from(count) - 1.0, y, 0.0);
         let quad = |k: u32| [(k, -1.0), (k + 1, -1.0), (k + 1, 1.0), (k, 1.0)];

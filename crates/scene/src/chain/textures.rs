@@ -294,7 +294,8 @@ impl<'a> Client<'a> {
     }
 }
 
-/// Turns about the vertical, for pictures of so many pixels a side; the first is none.
+/// Turns about the vertical from which pictures of `side` pixels are taken, more where they are small;
+/// the first leaves the plant as it stands.
 fn turns_for(side: f64) -> Vec<DQuat> {
     /// No two of them are near each other, however many there are.
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;

@@ -57,8 +57,8 @@ impl Judge {
         judge.in_pictures_of_at_most(PICTURE_PX[1])
     }
 
-    /// The same in pictures of at most so many pixels a side instead of 256: what the screen shows larger
-    /// is judged by smaller pictures, in which single leaves hardly count.
+    /// The same judge with pictures of at most `most_px` pixels a side, by default 256. What the screen
+    /// shows larger is judged in pictures of that size, in which single leaves hardly count.
     pub fn in_pictures_of_at_most(mut self, most_px: f64) -> Self {
         let side = self
             .whole_px
