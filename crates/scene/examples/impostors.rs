@@ -7,13 +7,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur_eval::Judging;
+use secateur_eval::pictures::share_of_tight_frame;
 use secateur_gltf::WholeTree;
 use secateur_model::{Surface, Texture};
 use secateur_raster::ViewSet;
 use secateur_scene::Screen;
 use secateur_scene::impostor::Impostor;
 use secateur_scene::impostor::crossed::Planes;
-use secateur_scene::impostor::judge::{Judge, flip};
+use secateur_scene::impostor::judge::Judge;
 
 const HEIGHTS_PX: [f64; 3] = [64.0, 128.0, 256.0];
 
@@ -31,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let views = Judging::held_out(items.foliage())?.rigs.swap_remove(0);
     let views = ViewSet::new(views.views().iter().copied().step_by(2).collect());
     let sphere = items.foliage().bounding_sphere().ok_or("nothing to see")?;
+    let of_leaves = tree.leaves().bounding_sphere().unwrap_or(sphere);
     let ys = || {
         surfaces
             .iter()
@@ -40,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("pixels,impostor,atlas,seconds,flip_normal_map,flip_flat,coverage_of_mips");
     for height in HEIGHTS_PX {
         let judge = Judge::new(&views, sphere, tall, Screen::default(), height);
+        let judge = judge.with_frame_share(share_of_tight_frame(sphere, of_leaves));
         let original = judge.of_surfaces(&surfaces);
         let mut all: Vec<(String, f64, Impostor)> = Vec::new();
         for planes in Planes::ALL {
@@ -55,8 +58,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         for (name, seconds, made) in &all {
             let pictures = judge.of_impostor(made);
-            let bent = flip(&original, &pictures);
-            let flat = flip(&original, &judge.of_impostor(&made.flat()));
+            let bent = judge.flip(&original, &pictures);
+            let flat = judge.flip(&original, &judge.of_impostor(&made.flat()));
             let material = &made.surface.material;
             let texture = material.texture.as_deref().ok_or("no texture")?;
             println!(

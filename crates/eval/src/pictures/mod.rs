@@ -6,6 +6,7 @@
 //! of one view.
 
 mod flip;
+mod frame;
 mod ssim;
 mod whole;
 
@@ -28,6 +29,7 @@ use crate::visibility::AlphaFrom;
 use crate::{Camera, RenderOptions};
 
 use flip::FlipPicture;
+pub use frame::share_of_tight_frame;
 pub use whole::{WholeMeasurement, WholePictures};
 
 /// A number that says how far a picture is from another.

@@ -10,7 +10,7 @@ use super::maker::{Made, Maker};
 use super::texture_bytes::{bytes_of, texture_bytes};
 use super::textures::{Chosen, Client, end_of};
 use crate::impostor::crossed::Planes;
-use crate::impostor::judge::{Judge, best_crossed, flip, largest_flip};
+use crate::impostor::judge::{Judge, best_crossed};
 use crate::impostor::{Choice, Impostor};
 
 /// Two crossed planes whose FLIP is this many times what is wanted are given up: to bake more of them
@@ -63,10 +63,10 @@ impl Maker<'_> {
             return Ok(None);
         }
         let original = judge.of_surfaces(&self.look.original);
-        let of_mesh = flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
+        let of_mesh = judge.flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
         let found = match choice {
             Choice::Octahedral => Impostor::octahedral(&self.look.original, height).map(|made| {
-                let flip = flip(&original, &judge.of_impostor(&made));
+                let flip = judge.flip(&original, &judge.of_impostor(&made));
                 (made, flip)
             }),
             _ => best_crossed(&self.look.original, &original, &judge, height),
@@ -84,7 +84,7 @@ impl Maker<'_> {
             && let Ok(equal) = self.level(triangles, observer)
         {
             let pictures = judge.of_surfaces(&equal.drawn.level.surfaces);
-            same_cost = Some((equal.triangles() as u64, self::flip(&original, &pictures)));
+            same_cost = Some((equal.triangles() as u64, judge.flip(&original, &pictures)));
         }
         if let Some((triangles, of_equal)) = same_cost
             && choice == Choice::Auto
@@ -114,8 +114,8 @@ impl Maker<'_> {
         let fewest = Impostor::crossed(&self.look.original, Planes::ALL[0], height)?;
         let judge = judge.from_few();
         let original = judge.of_surfaces(&self.look.original);
-        let of_fewest = flip(&original, &judge.of_impostor(&fewest));
-        let of_mesh = flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
+        let of_fewest = judge.flip(&original, &judge.of_impostor(&fewest));
+        let of_mesh = judge.flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
         let most = HOPELESS * of_mesh.max(self.options.max_flip);
         (of_fewest > most).then_some([of_fewest, of_mesh])
     }
@@ -131,7 +131,7 @@ impl Maker<'_> {
             if let Some((before, _)) = kept.last() {
                 let screen = self.options.screen;
                 let judge = self.look.judge_of_switches(screen, level.pixels_high);
-                let pop = largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
+                let pop = judge.largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
                 if self.options.max_pop.is_some_and(|most| pop > most) {
                     notes.push(format!(
                         "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a FLIP of {pop:.3}",

@@ -15,7 +15,7 @@ const STEPS_A_HALF: usize = 32;
 const STEPS: usize = 7 * STEPS_A_HALF + 1;
 
 /// The step that is tried first, of a tenth of all triangles: levels at which pictures of 256
-/// pixels differ by .05 have a tenth to a quarter on the trees that it was tried with.
+/// pixels differ by .02 have a tenth to a quarter on the trees that it was tried with.
 const FIRST: usize = 104;
 
 /// How many steps coarser a level must be to save a third: to switch for less would not pay.

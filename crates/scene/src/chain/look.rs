@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use secateur_eval::pictures::share_of_tight_frame;
 use secateur_eval::{Judging, MeasureError, Pictures};
 use secateur_gltf::{Detail, Document, GltfError};
 use secateur_model::{BoundingSphere, Foliage, Surface};
@@ -82,14 +83,17 @@ pub(super) struct Look {
     pub(super) height: f64,
     /// How much of a picture's height it takes, as a share of the side.
     picture_share: f64,
+    /// By what FLIP over a picture is multiplied to be that over the frame of `measure`.
+    frame_share: f64,
 }
 
 impl Look {
-    /// The look of a plant of these items, drawn as the file has them; and the held-out views that
-    /// its leaves are judged from.
+    /// The look of a plant of these items and leaves, drawn as the file has them; and the held-out
+    /// views that its leaves are judged from.
     pub(super) fn new(
         document: &Document,
         items: &Foliage,
+        leaves: &Foliage,
         options: &ChainOptions,
     ) -> Result<(Self, Judging), ChainError> {
         let (wanted, scene) = (&options.wanted, options.scene.as_ref());
@@ -134,11 +138,12 @@ impl Look {
             sphere,
             height: high - low,
             picture_share: (high - low) / seen,
+            frame_share: share_of_tight_frame(sphere, leaves.bounding_sphere().unwrap_or(sphere)),
         };
         Ok((look, judging))
     }
 
-    /// Mean FLIP of a level where the screen shows the plant at this height in pixels. Of a plant that
+    /// Mean FLIP of a level, over the frame of `measure`, where the screen shows the plant at this height in pixels. Of a plant that
     /// is higher than the screen no more is seen at once than fills it. A level whose FLIP is above
     /// `most` by more than a tenth even in the usual pictures is not looked at in larger ones.
     pub(super) fn flip(&self, drawn: &Drawn, pixels_high: f64, screen: Screen, most: f64) -> f64 {
@@ -178,6 +183,7 @@ impl Look {
             .entry(side)
             .or_insert_with(|| self.pictures(&self.original, &views, side));
         let flips = original.flips(&self.pictures(&drawn.level.surfaces, &views, side));
+        let flips: Vec<f64> = flips.into_iter().map(|f| f * self.frame_share).collect();
         drawn.flips.borrow_mut().insert(side, flips.clone());
         flips
     }
@@ -207,7 +213,7 @@ impl Look {
 
     fn judge_from(&self, directions: &ViewSet, screen: Screen, pixels_high: f64) -> Judge {
         let judge = Judge::new(directions, self.sphere, self.height, screen, pixels_high);
-        judge.among(self.obstacles.clone())
+        (judge.with_frame_share(self.frame_share)).among(self.obstacles.clone())
     }
 }
 
@@ -222,8 +228,8 @@ fn mean(numbers: &[f64]) -> f64 {
     numbers.iter().sum::<f64>() / numbers.len() as f64
 }
 
-/// The same view with a field of view that just holds the plant: what is far from it on the screen
-/// is no part of how it looks.
+/// The same view with a field of view that just holds the plant: a picture of as many pixels shows more of
+/// it.
 fn tight(view: &View) -> View {
     let ahead = view.eye() + view.forward() * (view.near() * 1e3);
     let tight = View::look_at(view.eye(), ahead, view.up(), TIGHT_TANGENT, view.near());
@@ -289,6 +295,7 @@ mod tests {
             },
             height: 2.0,
             picture_share: 1.0,
+            frame_share: 1.0,
         }
     }
 

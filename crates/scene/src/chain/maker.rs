@@ -65,7 +65,7 @@ impl<'a> Maker<'a> {
                 mode, foliage, leaves, wood, of_leaves, engine,
             )?),
         };
-        let (look, judging) = Look::new(items.document(), items.foliage(), options)?;
+        let (look, judging) = Look::new(items.document(), items.foliage(), leaves, options)?;
         Ok(Self {
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),

@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 use std::sync::Arc;
 
 use secateur_eval::Pictures;
+use secateur_eval::pictures::share_of_tight_frame;
 use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::{View, ViewSet};
 
@@ -21,6 +22,8 @@ pub struct Judge {
     whole_px: f64,
     side: u32,
     obstacles: Vec<Arc<Surface>>,
+    /// By what FLIP over a picture is multiplied to be that over the frame of `measure`.
+    frame_share: f64,
 }
 
 impl Judge {
@@ -53,6 +56,7 @@ impl Judge {
             whole_px,
             side: 0,
             obstacles: Vec::new(),
+            frame_share: share_of_tight_frame(sphere, sphere),
         };
         judge.in_pictures_of_at_most(PICTURE_PX[1])
     }
@@ -75,6 +79,7 @@ impl Judge {
             whole_px: self.whole_px,
             side: self.side,
             obstacles: self.obstacles.clone(),
+            frame_share: self.frame_share,
         }
     }
 
@@ -84,7 +89,23 @@ impl Judge {
         self
     }
 
-    /// Pictures of what is the same from everywhere.
+    /// The same for a plant of which FLIP over a picture is multiplied by this to be that over the frame of
+    /// `measure` ([`share_of_tight_frame`]), by default 3/8, as where leaves are all around the plant.
+    pub fn with_frame_share(mut self, share: f64) -> Self {
+        self.frame_share = share;
+        self
+    }
+
+    /// Pictures of a mesh that is held against other meshes, with normals as the file has them: those that
+    /// `measure` draws.
+    pub fn of_mesh(&self, surfaces: &[Surface]) -> Pictures {
+        let obstacles = self.obstacles.iter().map(Arc::as_ref);
+        let all: Vec<&Surface> = surfaces.iter().chain(obstacles).collect();
+        Pictures::of_size(&all, std::slice::from_ref(&self.views), self.side)
+    }
+
+    /// Pictures of a mesh that is held against an impostor, with the normals of double-sided materials turned to
+    /// the viewer, as those that an impostor is baked from are.
     pub fn of_surfaces(&self, surfaces: &[Surface]) -> Pictures {
         let obstacles = self.obstacles.iter().map(Arc::as_ref);
         let all: Vec<&Surface> = surfaces.iter().chain(obstacles).collect();
@@ -100,17 +121,23 @@ impl Judge {
         };
         Pictures::of_seen(seen, &self.views, self.side)
     }
-}
 
-/// Mean FLIP of pictures against others, over all views.
-pub fn flip(a: &Pictures, b: &Pictures) -> f64 {
-    let flips = a.flips(b);
-    flips.iter().sum::<f64>() / flips.len() as f64
-}
+    /// FLIP of pictures against others, of each view, over the frame of `measure`.
+    pub fn flips(&self, a: &Pictures, b: &Pictures) -> Vec<f64> {
+        let flips = a.flips(b).into_iter();
+        flips.map(|flip| flip * self.frame_share).collect()
+    }
 
-/// That of the view in which it is largest.
-pub fn largest_flip(a: &Pictures, b: &Pictures) -> f64 {
-    a.flips(b).into_iter().fold(0.0, f64::max)
+    /// The mean of [`Self::flips`].
+    pub fn flip(&self, a: &Pictures, b: &Pictures) -> f64 {
+        let flips = self.flips(a, b);
+        flips.iter().sum::<f64>() / flips.len() as f64
+    }
+
+    /// The largest of [`Self::flips`].
+    pub fn largest_flip(&self, a: &Pictures, b: &Pictures) -> f64 {
+        self.flips(a, b).into_iter().fold(0.0, f64::max)
+    }
 }
 
 /// The crossed planes that look most like the plant, lit by baked normals or flat, and their FLIP.
@@ -121,7 +148,7 @@ pub fn best_crossed<S: Borrow<Surface> + Sync>(
     pixels_high: f64,
 ) -> Option<(Impostor, f64)> {
     let of = |made: Impostor| {
-        let flip = flip(original, &judge.of_impostor(&made));
+        let flip = judge.flip(original, &judge.of_impostor(&made));
         (made, flip)
     };
     let made = Planes::ALL

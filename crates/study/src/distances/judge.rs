@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use secateur_eval::pictures::share_of_tight_frame;
 use secateur_eval::{MeasureError, Pictures};
 use secateur_gltf::WholeTree;
 use secateur_model::{BoundingSphere, Surface};
@@ -26,6 +27,8 @@ pub(super) struct DistanceJudge {
     surfaces: Vec<Surface>,
     directions: ViewSet,
     sphere: BoundingSphere,
+    /// By what FLIP over a picture is multiplied to be that over the frame of `measure`.
+    frame_share: f64,
     /// Height of the plant in metres.
     height: f64,
 }
@@ -55,9 +58,12 @@ impl DistanceJudge {
         let picture = portrait(&surfaces, &camera(&surfaces));
         let file = PictureFile::picture(identity.original_picture());
         file.write(opaque(&picture), folder, host)?;
+        let sphere = (items.foliage().bounding_sphere()).ok_or(MeasureError::NoFoliage)?;
+        let of_leaves = tree.leaves().bounding_sphere().unwrap_or(sphere);
         Ok(Self {
             directions: ViewSet::new(views.into_iter().step_by(step).collect()),
-            sphere: (items.foliage().bounding_sphere()).ok_or(MeasureError::NoFoliage)?,
+            frame_share: share_of_tight_frame(sphere, of_leaves),
+            sphere,
             height: high - low,
             surfaces,
         })
@@ -69,9 +75,11 @@ impl DistanceJudge {
         let pixels_high = screen.pixels_high(self.height, distance_m);
         let (directions, sphere) = (&self.directions, self.sphere);
         let judge = Judge::new(directions, sphere, self.height, screen, pixels_high);
+        let judge = judge.with_frame_share(self.frame_share);
         let judge = judge.in_pictures_of_at_most(MOST_PICTURE_PX);
         Place {
-            original: judge.of_surfaces(&self.surfaces),
+            original: judge.of_mesh(&self.surfaces),
+            original_beside_impostor: judge.of_surfaces(&self.surfaces),
             surfaces: &self.surfaces,
             judge,
             distance_m,
@@ -87,20 +95,29 @@ pub(super) struct Place<'a> {
     surfaces: &'a [Surface],
     judge: Judge,
     original: Pictures,
+    original_beside_impostor: Pictures,
 }
 
 impl Place<'_> {
     /// FLIP of each view of a mesh.
     pub(super) fn flips(&self, surfaces: &[Surface]) -> Vec<f64> {
-        self.original.flips(&self.judge.of_surfaces(surfaces))
+        let pictures = self.judge.of_mesh(surfaces);
+        self.judge.flips(&self.original, &pictures)
+    }
+
+    /// FLIP of each view of a mesh as impostors are judged.
+    pub(super) fn flips_beside_impostor(&self, surfaces: &[Surface]) -> Vec<f64> {
+        let pictures = self.judge.of_surfaces(surfaces);
+        self.judge.flips(&self.original_beside_impostor, &pictures)
     }
 
     /// The crossed planes that look most like the plant, and FLIP of each view of them; none of a plant
     /// of which nothing can be seen.
     pub(super) fn crossed(&self) -> Option<(Impostor, Vec<f64>)> {
         let (judge, height) = (&self.judge, self.pixels_high);
-        let (impostor, _) = best_crossed(self.surfaces, &self.original, judge, height)?;
-        let flips = self.original.flips(&self.judge.of_impostor(&impostor));
+        let original = &self.original_beside_impostor;
+        let (impostor, _) = best_crossed(self.surfaces, original, judge, height)?;
+        let flips = judge.flips(original, &judge.of_impostor(&impostor));
         Some((impostor, flips))
     }
 }

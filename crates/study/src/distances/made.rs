@@ -9,13 +9,13 @@ use secateur_gltf::{Cutoffs, WholeTree};
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
-use secateur_scene::chain::{ChainOptions, MAX_FLIP, Shape, Textures, Wanted, chain};
+use secateur_scene::chain::{ChainOptions, Shape, Textures, Wanted, chain};
 use secateur_scene::impostor::Choice;
 use secateur_simplify::whole::{WholePlant, WoodMode};
 use secateur_simplify::{Amount, Error as SimplifyError, Options, Preset, Progress, Target};
 
 use super::judge::Place;
-use super::{DistanceCase, Drawn, joined};
+use super::{DistanceCase, Drawn, MOST_FLIP, joined};
 use crate::judge::surfaces_of;
 use crate::{Error, Host};
 
@@ -28,7 +28,7 @@ fn chain_options(wanted: Wanted, leaves: &Options) -> ChainOptions {
         wanted,
         wood: WoodMode::Auto,
         screen: Screen::default(),
-        max_flip: MAX_FLIP,
+        max_flip: MOST_FLIP,
         leaves: leaves.clone(),
         impostor: Choice::None,
         shadow_steps: 1,
@@ -113,7 +113,10 @@ impl<'a> Maker<'a> {
 
     /// What `lods --distances` makes, without an impostor.
     pub(super) fn for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
-        let options = format!("--distances {} --impostor none", joined(distances_m));
+        let options = format!(
+            "--distances {} --max-flip {MOST_FLIP} --impostor none",
+            joined(distances_m)
+        );
         self.levels(Wanted::Distances(distances_m.to_vec()), &options)
     }
 
@@ -215,7 +218,7 @@ impl<'a> Maker<'a> {
             case: DistanceCase::MeshOfSameCost,
             leaves: light.leaves,
             triangles: light.triangles,
-            flips: place.flips(&light.surfaces),
+            flips: place.flips_beside_impostor(&light.surfaces),
             seconds: light.seconds,
             command,
         });

@@ -8,7 +8,6 @@ mod table;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
-use secateur_scene::chain::MAX_FLIP;
 use serde::{Deserialize, Serialize};
 
 use crate::job::Finished;
@@ -29,6 +28,9 @@ const DISTANCES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
 
 /// The shares of all triangles that levels for no distance have if the user names none.
 const SHARES: [f64; 3] = [0.5, 0.25, 0.1];
+
+/// The mean FLIP, over the frame of `measure`, that a level may have at its distance.
+const MOST_FLIP: f64 = 0.05;
 
 /// No share is asked for of what is made for a distance.
 const NO_LEVEL: f64 = 1.0;
@@ -205,7 +207,7 @@ impl Walk<'_> {
             host.working_on(&format!("{}: at {distance_m} m", subject.name));
             let place = judge.at(distance_m);
             let ours = maker.level_for(&for_distances, &place)?;
-            let most = ours.mean_flip().max(MAX_FLIP);
+            let most = ours.mean_flip().max(MOST_FLIP);
             let fixed = maker.coarsest(&of_shares, &place, most)?;
             let mut all = vec![ours, fixed];
             all.extend(maker.impostor_and_mesh(&place)?);

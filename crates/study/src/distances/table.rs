@@ -1,13 +1,11 @@
 //! Rows of what is drawn at distances, as tables.
 
-use secateur_scene::chain::MAX_FLIP;
-
-use super::DistanceCase;
+use super::{DistanceCase, MOST_FLIP};
 use crate::Row;
 use crate::table::Table;
 
 /// What stands above the tables.
-pub(crate) const WHAT_IS_COMPARED: &str = "A plant from which one walks away, on a screen of 1080 pixels and 60 degrees. `for the distances` is `lods --distances` with those of the walk; of fixed shares of all triangles (`lods --levels`) the coarsest level is drawn whose FLIP at the distance is at most .05, or at most that of the level for the distance if this has more, and the original if none is. FLIP is of the whole plant as large as the screen shows it there, in pictures of 48 to 1024 pixels a side, from six of the views that judge: as far off as it is seen from, but at least three radii. Impostors are crossed planes, two to four of them, lit by normals or flat, whichever has the least FLIP; beside them stands a mesh of as many triangles (`simplify --triangles`), where one can be made.";
+pub(crate) const WHAT_IS_COMPARED: &str = "A plant from which one walks away, on a screen of 1080 pixels and 60 degrees. `for the distances` is `lods --distances --max-flip 0.05` with those of the walk; of fixed shares of all triangles (`lods --levels`) the coarsest level is drawn whose FLIP at the distance is at most .05, or at most that of the level for the distance if this has more, and the original if none is. FLIP is of the whole plant as large as the screen shows it there, in pictures of 48 to 1024 pixels a side, from six of the views that judge: as far off as it is seen from, but at least three radii; its mean is over the frame of `measure`. Impostors are crossed planes, two to four of them, lit by normals or flat, whichever has the least FLIP, and normals of double-sided leaves are turned to the viewer there; beside them stands a mesh of as many triangles (`simplify --triangles`), where one can be made.";
 
 /// What is drawn of a tree at a distance, if there are rows of it. Of several the last counts.
 pub(super) fn drawn<'r>(
@@ -125,7 +123,7 @@ fn of_range(walk: &[f64]) -> String {
 /// A title and a table: triangles over the walk, then what each tree shows at each distance.
 pub(crate) fn tables(rows: &[Row]) -> Vec<(String, Table)> {
     let walk = walks(rows).map(|table| {
-        let title = format!("Triangles drawn over the walk, at a FLIP of {MAX_FLIP}");
+        let title = format!("Triangles drawn over the walk, at a FLIP of {MOST_FLIP}");
         (title, table)
     });
     let of_tree = |tree: &str| (format!("{tree} at each distance"), at_distances(rows, tree));
