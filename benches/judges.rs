@@ -14,7 +14,7 @@
 //! as `oak-20376`. A case is words in quotation marks: a method or preset (`look`, `information`,
 //! `paper`, `fsa`, `stochastic`, `meshopt`), `triangles` where levels are shares of the foliage's
 //! triangles, and `views=60`, `field=tight`, `resolution=256`, `resize=deficit`,
-//! `reference=previous`, `coverage=1`, `fit=none`, `cutoffs=keep`, as the program has them.
+//! `reference=previous`, `coverage=1`, `fit=none`, `cutoffs=keep`, `cutoffs=fit-with-mips`, as the program has them.
 
 mod rows;
 
@@ -28,7 +28,7 @@ use secateur_eval::{AsDrawn, Judging, Original, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Lod, Surface};
 use secateur_raster::ViewSet;
-use secateur_scene::choose_cutoffs;
+use secateur_scene::{MaterialChange, choose_cutoffs};
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::{Borders, MeshoptOptions};
 use secateur_simplify::stochastic::StochasticOptions;
@@ -275,8 +275,12 @@ impl<'a> JudgedTree<'a> {
             found.insert("own_vmi_error", self.own_error(&options, &result.lod));
         }
         if let Some((pictures, drawn)) = &self.pictures {
+            let change = match case.contains("cutoffs=fit-with-mips") {
+                true => MaterialChange::Cutoffs,
+                false => MaterialChange::CutoffsOrMips,
+            };
             let chosen = match options.chooses_cutoffs() && !case.contains("cutoffs=keep") {
-                true => choose_cutoffs(self.tree, &result.lod).expect("it is drawn"),
+                true => choose_cutoffs(self.tree, &result.lod, change).expect("it is drawn"),
                 false => None,
             };
             let cutoffs = chosen.map(|chosen| chosen.cutoffs).unwrap_or_default();

@@ -82,11 +82,16 @@ fn leaves_without_holes_make_up_for_twigs_that_are_gone() {
 /// A crown of cards 60 cm wide, whose texture repeats and is a disc in the middle: .2 of it, which passes the
 /// cutoff in the coarsest mips.
 fn crown_of_discs(cutoff: f32) -> Plant {
+    crown(cutoff, |x, y| {
+        let [x, y] = [x, y].map(|at| f64::from(at) - 31.5);
+        x * x + y * y < 256.0
+    })
+}
+
+/// Such a crown whose texture of 64 x 64 texels shows what `is_there`.
+fn crown(cutoff: f32, is_there: impl Fn(u32, u32) -> bool) -> Plant {
     const CARDS: u32 = 240;
-    let texel = |k: u32| {
-        let [x, y] = [k % 64, k / 64].map(|at| f64::from(at) - 31.5);
-        [60, 140, 40, if x * x + y * y < 256.0 { 255 } else { 0 }]
-    };
+    let texel = |k: u32| [60, 140, 40, 255 * u8::from(is_there(k % 64, k / 64))];
     let texture = Texture {
         width: 64,
         height: 64,
@@ -226,7 +231,56 @@ fn a_simplified_crown_does_not_fade() {
     let (record, _) = made("others.glb", &["--method", "stochastic"]);
     assert_eq!(record["cutoffs"], Value::Null);
     let papers = ["simplify", "discs.glb", "-o", "p.glb", "--preset", "paper"];
-    let run = bench.run(&[&papers[..], &["--ratio", "0.5", "--cutoffs", "fit"]].concat());
+    let run = bench.run(
+        &[
+            &papers[..],
+            &["--ratio", "0.5", "--cutoffs", "fit-with-mips"],
+        ]
+        .concat(),
+    );
     run.misused_saying(&["--cutoffs", "contradicts", "--preset paper"]);
     assert!(!bench.path("p.glb").exists());
+}
+
+/// Where coarse mip maps have the same alpha all over, any cutoff shows cards whole or not at all: the look
+/// reads no mip maps then, and says so.
+#[test]
+fn a_crown_that_no_cutoff_helps_is_read_without_mip_maps() {
+    let bench = Bench::new();
+    let holes = crown(0.5, |x, y| x % 8 < 6 && y % 8 < 7);
+    bench.put("holes.glb", &plant_to_glb(&holes));
+    let made = |more: &[&str]| {
+        let files = [
+            "simplify",
+            "holes.glb",
+            "-o",
+            "out.glb",
+            "--report",
+            "r.json",
+        ];
+        let few = ["--ratio", "0.5", "--views", "6", "--resolution", "64"];
+        let run = bench.run(&[&files[..], &few, more].concat());
+        run.succeeded();
+        let document = secateur::Document::open(&bench.path("out.glb")).unwrap();
+        let min_filter = document.json()["samplers"][0]["minFilter"].as_u64();
+        (bench.json("r.json"), min_filter.unwrap())
+    };
+    let (record, min_filter) = made(&[]);
+    let chosen = &record["cutoffs"];
+    assert_eq!(chosen["without_mips"], json!([1]));
+    assert_eq!(chosen["of_materials"], json!([]));
+    assert_eq!(min_filter, 9729);
+    for shown in chosen["as_drawn"].as_array().unwrap() {
+        let after = shown["coverage_over_truth"].as_f64().unwrap();
+        assert!((after - 1.0).abs() < 0.1, "{shown}");
+    }
+    let notes = record["notes"].to_string();
+    assert!(notes.contains("without mip maps"), "{notes}");
+
+    let (record, min_filter) = made(&["--cutoffs", "fit-with-mips"]);
+    assert_eq!(min_filter, 9987);
+    let without = &record["cutoffs"]["without_mips"];
+    assert!(without.is_null() || *without == json!([]), "{record}");
+    let (record, min_filter) = made(&["--cutoffs", "keep"]);
+    assert_eq!((&record["cutoffs"], min_filter), (&Value::Null, 9987));
 }

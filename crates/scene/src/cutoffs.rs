@@ -3,11 +3,16 @@
 //! Mip maps mix what a texture shows with the nothing around it, so that masks of leaves fade, or
 //! close, where the screen shows them small. The alpha of most leaf textures is near 0 or near 1: near
 //! by it hardly matters which cutoff between them is asked for, and from afar it decides how much is
-//! left.
+//! left. Where a texture's mip maps all have nearly the same alpha, a cutoff shows all of them or
+//! nothing. Such textures are read without mip maps: then each pixel shows what is at its middle, and
+//! all together as much as there is.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use secateur_eval::{MipMaps, Outlines, Strengths};
 use secateur_gltf::{Cutoffs, Detail, DrawnSurface, GltfError, Tree};
-use secateur_model::{AlphaMode, Lod, Surface, Texture};
+use secateur_model::{AlphaMode, Lod, Material, Mips, Surface, Texture};
 use secateur_raster::ViewSet;
 
 /// Width of the largest pictures that are looked at, in pixels; the crown takes a little more than
@@ -23,6 +28,10 @@ const SIDES: [usize; 4] = [0, 3, 5, 6];
 /// Coverage that is no farther off than this at any size is left as it is.
 const NEAR_ENOUGH: f64 = 0.03;
 
+/// Mip maps are left out, if they may be, where with the best cutoffs coverage is farther off than
+/// this at some size.
+const FAR_OFF: f64 = 0.08;
+
 /// The cutoffs that are tried are between these, and as many to an octave.
 const RANGE: [f32; 2] = [0.1, 0.9];
 const TRIES_PER_OCTAVE: f32 = 8.0;
@@ -33,24 +42,41 @@ const NEAR_BY: f64 = 0.02;
 /// As many specks a view as a level may show more than there truly are, if it did not before.
 const MOST_MORE_SPECKS: f64 = 2.0;
 
+/// Without mip maps pixels show what is at their middle, as the truth that specks are counted in does, and
+/// so specks of leaves that got larger or moved: as many times the truth's, and [`MOST_MORE_SPECKS`], may be.
+const SPECKS_WITHOUT_MIPS: f64 = 1.25;
+
+/// What may be done to materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaterialChange {
+    /// They may have other cutoffs.
+    Cutoffs,
+    /// They may have other cutoffs, or be read without mip maps.
+    CutoffsOrMips,
+}
+
 /// Cutoffs that were chosen, and what they do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChosenCutoffs {
     /// Those that differ from what the level has without.
     pub cutoffs: Cutoffs,
-    /// By what all cutoffs were multiplied.
+    /// By what all cutoffs were multiplied; 1 where mip maps are left out.
     pub times: f64,
     /// Width and height of pictures in pixels, and in them the pixels that a client shows over those
     /// that the original truly covers: without and with these cutoffs.
     pub coverage: Vec<(u32, [f64; 2])>,
 }
 
-/// Chooses the cutoffs of a level of a tree; none where nothing needs another, and of the tree as
-/// it is, from which nothing is gone.
+/// Chooses the cutoffs of a level of a tree, and whether its mip maps are read; none where nothing needs
+/// another, and of the tree as it is, from which nothing is gone.
 ///
 /// # Errors
 /// [`GltfError`] if the tree or the level can't be drawn.
-pub fn choose_cutoffs(tree: &Tree, lod: &Lod) -> Result<Option<ChosenCutoffs>, GltfError> {
+pub fn choose_cutoffs(
+    tree: &Tree,
+    lod: &Lod,
+    change: MaterialChange,
+) -> Result<Option<ChosenCutoffs>, GltfError> {
     if *lod == Lod::original(tree.foliage().leaves().len()) {
         return Ok(None);
     }
@@ -73,39 +99,86 @@ pub fn choose_cutoffs(tree: &Tree, lod: &Lod) -> Result<Option<ChosenCutoffs>, G
     let original = tree.document().drawn_as_one(Detail::Color)?;
     let original: Vec<&Surface> = original.iter().map(|drawn| &drawn.surface).collect();
     let truth = Outlines::of_truth(&original, &views, WIDTH_PX);
-    let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
-    let known = MipMaps::of_cut_outs(&surfaces);
-    let sizes = STEPS.map(|step| {
-        let width_px = WIDTH_PX / step;
-        let is_free = |surface: usize| is_free(&level[surface]);
-        Size {
-            width_px,
-            truth: truth.every(step),
-            level: Strengths::new(&surfaces, is_free, &views, width_px, ratios[1], &known),
-        }
-    });
-    let Some(times) = best(&sizes, ratios) else {
-        return Ok(None);
+    let sizes = |level: &[DrawnSurface], enough: f32| {
+        let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
+        let known = MipMaps::of_cut_outs(&surfaces);
+        STEPS.map(|step| {
+            let width_px = WIDTH_PX / step;
+            let is_free = |surface: usize| is_free(&level[surface]);
+            Size {
+                width_px,
+                truth: truth.every(step),
+                level: Strengths::new(&surfaces, is_free, &views, width_px, enough, &known),
+            }
+        })
+    };
+    let with_mips = sizes(&level, ratios[1]);
+    let best = best(&with_mips, ratios);
+    let now = best.unwrap_or(1.0);
+    let chosen = |cutoffs, times: f32, after: &dyn Fn(usize) -> f64| ChosenCutoffs {
+        cutoffs,
+        times: times.into(),
+        coverage: (with_mips.iter().enumerate())
+            .map(|(k, size)| (size.width_px, [size.coverage(1.0), after(k)]))
+            .collect(),
     };
     let cutoff = |drawn: &DrawnSurface| match drawn.surface.material.alpha_mode {
         AlphaMode::Mask(cutoff) if is_free(drawn) => {
-            Some((drawn.material?, f64::from(cutoff * times)))
+            Some((drawn.material?, f64::from(cutoff * now)))
         }
         _ => None,
     };
-    Ok(Some(ChosenCutoffs {
-        cutoffs: Cutoffs::new(level.iter().filter_map(cutoff)),
-        times: times.into(),
-        coverage: sizes
-            .iter()
-            .map(|size| {
-                (
-                    size.width_px,
-                    [1.0, times].map(|times| size.coverage(times)),
-                )
-            })
-            .collect(),
-    }))
+    let by_cutoffs = best.map(|times| {
+        let cutoffs = Cutoffs::new(level.iter().filter_map(cutoff));
+        chosen(cutoffs, times, &|k| with_mips[k].coverage(times))
+    });
+    if change == MaterialChange::CutoffsOrMips && farthest_off(&with_mips, now) > FAR_OFF {
+        let (level, changed) = without_mips(level, is_free);
+        let without = sizes(&level, 1.0);
+        let has_more_specks = |(with, without): (&Size, &Size)| {
+            let most = with.truth.specks_per_view() * SPECKS_WITHOUT_MIPS + MOST_MORE_SPECKS;
+            let [before, after] = [(with, now), (without, 1.0)]
+                .map(|(size, times)| size.level.shown(times).specks_per_view());
+            after > before.max(most)
+        };
+        let is_better = farthest_off(&without, 1.0) < farthest_off(&with_mips, now)
+            && !with_mips.iter().zip(&without).any(has_more_specks);
+        if is_better {
+            let cutoffs = Cutoffs::without_mips(changed);
+            return Ok(Some(chosen(cutoffs, 1.0, &|k| without[k].coverage(1.0))));
+        }
+    }
+    Ok(by_cutoffs)
+}
+
+/// By how much coverage is off at the size where it is farthest off, with cutoffs `times` as high.
+fn farthest_off(sizes: &[Size], times: f32) -> f64 {
+    let off = |size: &Size| (size.coverage(times) - 1.0).abs();
+    sizes.iter().map(off).fold(0.0, f64::max)
+}
+
+/// The same surfaces, but those that are free are read without mip maps; and the numbers of their
+/// materials.
+fn without_mips(
+    mut level: Vec<DrawnSurface>,
+    is_free: impl Fn(&DrawnSurface) -> bool,
+) -> (Vec<DrawnSurface>, Vec<usize>) {
+    let mut changed: BTreeMap<usize, Arc<Material>> = BTreeMap::new();
+    for drawn in &mut level {
+        let Some(number) = drawn.material.filter(|_| is_free(drawn)) else {
+            continue;
+        };
+        let material = &mut drawn.surface.material;
+        let without = changed.entry(number).or_insert_with(|| {
+            let mut without = Material::clone(material);
+            if let Some(texture) = &mut without.texture {
+                Arc::make_mut(texture).filters.mips = Mips::None;
+            }
+            Arc::new(without)
+        });
+        *material = without.clone();
+    }
+    (level, changed.into_keys().collect())
 }
 
 /// Pictures of one size.
@@ -290,7 +363,7 @@ mod tests {
     }
 
     fn chosen(tree: &Tree, lod: &Lod) -> Option<ChosenCutoffs> {
-        choose_cutoffs(tree, lod).unwrap()
+        choose_cutoffs(tree, lod, MaterialChange::Cutoffs).unwrap()
     }
 
     /// Stripes that get wider from one side to the other, up to a half: all mips are below that.
@@ -309,6 +382,37 @@ mod tests {
         // From a level that is the tree nothing is gone.
         let original = Lod::original(CARDS as usize);
         assert_eq!(chosen(&tree, &original), None);
+    }
+
+    /// Two thirds of each square of 8 x 8 texels are there: all coarse mip maps have that mean, and each
+    /// cutoff shows cards whole or not at all.
+    #[test]
+    fn what_no_cutoff_helps_is_read_without_mip_maps() {
+        let tree = crown(|x, y| x % 8 < 6 && y % 8 < 7);
+        let by = |change| choose_cutoffs(&tree, &level(&tree), change).unwrap();
+        let off = |found: &ChosenCutoffs| {
+            let off = |(_, [_, after]): &(u32, [f64; 2])| (after - 1.0).abs();
+            found.coverage.iter().map(off).fold(0.0, f64::max)
+        };
+        let found = by(MaterialChange::CutoffsOrMips).unwrap();
+        let without: Vec<usize> = found.cutoffs.materials_without_mips().collect();
+        assert_eq!(without, [1], "the leaves alone");
+        assert_eq!(found.cutoffs.of_materials().count(), 0);
+        assert_eq!(found.times, 1.0);
+        assert!(off(&found) < 0.05, "{found:?}");
+        // The level that is written shows that much.
+        let bytes = tree.lod_to_bytes_with(&level(&tree), &found.cutoffs);
+        let document = Document::from_bytes("level.glb", bytes.unwrap(), None).unwrap();
+        let drawn = document.drawn_as_one(Detail::Color).unwrap();
+        let texture = |one: &DrawnSurface| one.surface.material.texture.clone();
+        let textures: Vec<_> = drawn.iter().filter_map(texture).collect();
+        assert_eq!(textures.len(), 1);
+        assert_eq!(textures[0].filters.mips, Mips::None);
+        // With mip maps some size stays far off, whatever the cutoff.
+        let kept = by(MaterialChange::Cutoffs);
+        assert!(kept.is_none_or(|kept| {
+            kept.cutoffs.materials_without_mips().count() == 0 && off(&kept) > FAR_OFF
+        }));
     }
 
     /// What is hardly cut out fades nowhere.

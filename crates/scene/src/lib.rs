@@ -1,7 +1,8 @@
 //! Trees in a scene: how large a screen shows them, and a page to look at them.
 //!
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
-//! - [`choose_cutoffs`]: alpha cutoffs with which clients show as much of a level as there is.
+//! - [`choose_cutoffs`]: alpha cutoffs with which clients show as much of a level as there is, or whether
+//!   they had better read no mip maps.
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`impostor`]: pictures that stand for a plant far off.
 //! - [`leaf_boxes`]: boxes about the leaves of branches, and pictures on their diagonal planes.
@@ -29,5 +30,5 @@ pub mod stream;
 pub mod view_dependent;
 pub mod wind;
 
-pub use cutoffs::{ChosenCutoffs, choose_cutoffs};
+pub use cutoffs::{ChosenCutoffs, MaterialChange, choose_cutoffs};
 pub use screen::Screen;

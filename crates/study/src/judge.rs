@@ -10,7 +10,7 @@ use secateur_eval::pictures::{PictureScores, Pictures, difference};
 use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
 use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_model::{Lod, Surface};
-use secateur_scene::choose_cutoffs;
+use secateur_scene::{MaterialChange, choose_cutoffs};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
@@ -96,7 +96,8 @@ impl<'a> LevelJudge<'a> {
         let foliage = self.tree.foliage();
         let measured = self.original.measure_lod(&ran.lod);
         let cutoffs = match ran.chooses_cutoffs {
-            true => choose_cutoffs(self.tree, &ran.lod)?.map(|chosen| chosen.cutoffs),
+            true => choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?
+                .map(|chosen| chosen.cutoffs),
             false => None,
         };
         let cutoffs = cutoffs.unwrap_or_default();

@@ -1,9 +1,10 @@
 //! Base colour textures in the JSON of a draft, and samplers of their own.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::draft::Draft;
 use super::references::as_index;
+use crate::material::base_color_texture;
 use crate::surfaces::for_each_texture;
 
 pub(super) fn textures_of(root: &Value) -> impl Iterator<Item = &Value> {
@@ -45,4 +46,31 @@ pub(super) fn sampler_number(draft: &mut Draft, sampler: Value, old: Option<usiz
     let known = draft.root.get("samplers").and_then(Value::as_array);
     let known = known.and_then(|all| all.iter().position(|other| *other == sampler));
     known.unwrap_or_else(|| draft.push("samplers", sampler))
+}
+
+/// Changes the sampler of a material's base colour texture for that material alone: others that show
+/// the texture, and other textures, keep theirs.
+pub(super) fn change_sampler(draft: &mut Draft, material: usize, change: impl FnOnce(&mut Value)) {
+    let fields = &draft.root["materials"][material];
+    let number = base_color_texture(fields).and_then(|info| info.get("index"));
+    let Some(number) = number.and_then(as_index) else {
+        return;
+    };
+    let is_alone = texture_users(&draft.root, number) == 1;
+    let mut texture = draft.root["textures"][number].clone();
+    let old = texture.get("sampler").and_then(as_index);
+    let mut sampler = match old {
+        Some(old) => draft.root["samplers"][old].clone(),
+        None => json!({}),
+    };
+    change(&mut sampler);
+    texture["sampler"] = sampler_number(draft, sampler, old.filter(|_| is_alone)).into();
+    if is_alone {
+        draft.root["textures"][number] = texture;
+        return;
+    }
+    let own = draft.push("textures", texture);
+    if let Some(info) = base_color_texture_mut(&mut draft.root["materials"][material]) {
+        info["index"] = own.into();
+    }
 }

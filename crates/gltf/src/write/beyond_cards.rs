@@ -11,13 +11,13 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::base_color::{base_color_texture_mut, sampler_number, texture_users};
+use super::base_color::change_sampler;
 use super::cutoffs::Cutoffs;
 use super::draft::Draft;
 use super::plant::wrap_code;
 use super::references::as_index;
 use crate::error::Fault;
-use crate::material::{MaterialLook, base_color_texture};
+use crate::material::MaterialLook;
 use crate::picture::{Decoded, Picture, Pictures};
 use crate::tree::Tree;
 use secateur_model::{AlphaMode, Lod, Mips, Place, Wrap};
@@ -32,7 +32,8 @@ const LOST_PART: u64 = 100;
 /// Texture coordinates that are beyond the rim by no more than this do not need the wrap.
 const RIM: f64 = 1e-3;
 
-/// Changes the materials of leaves that reach beyond their cards, but for cutoffs that somebody chose.
+/// Changes the materials of leaves that reach beyond their cards, but for the cutoffs of those for which somebody
+/// chose a cutoff, or no mip maps.
 pub(super) fn clear(
     draft: &mut Draft,
     tree: &Tree,
@@ -207,28 +208,9 @@ fn needs_no_wrap(tree: &Tree, material: usize, look: &MaterialLook) -> Result<bo
 
 /// Gives the base colour texture of a material a sampler that clamps.
 fn clamp(draft: &mut Draft, material: usize) {
-    let fields = &draft.root["materials"][material];
-    let number = base_color_texture(fields).and_then(|info| info.get("index"));
-    let Some(number) = number.and_then(as_index) else {
-        return;
-    };
-    let is_alone = texture_users(&draft.root, number) == 1;
-    let mut texture = draft.root["textures"][number].clone();
-    let old = texture.get("sampler").and_then(as_index);
-    let mut sampler = match old {
-        Some(old) => draft.root["samplers"][old].clone(),
-        None => json!({}),
-    };
-    for side in ["wrapS", "wrapT"] {
-        sampler[side] = wrap_code(Wrap::ClampToEdge).into();
-    }
-    texture["sampler"] = sampler_number(draft, sampler, old.filter(|_| is_alone)).into();
-    if is_alone {
-        draft.root["textures"][number] = texture;
-        return;
-    }
-    let own = draft.push("textures", texture);
-    if let Some(info) = base_color_texture_mut(&mut draft.root["materials"][material]) {
-        info["index"] = own.into();
-    }
+    change_sampler(draft, material, |sampler| {
+        for side in ["wrapS", "wrapT"] {
+            sampler[side] = wrap_code(Wrap::ClampToEdge).into();
+        }
+    });
 }

@@ -54,7 +54,10 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
             args.leaf_triangles
                 .is_some_and(|t| t != LeafTriangles::Keep),
         ),
-        ("--cutoffs", args.cutoffs == Some(CutoffsName::Fit)),
+        (
+            "--cutoffs",
+            args.cutoffs.is_some_and(|name| name != CutoffsName::Keep),
+        ),
         ("--fit", !matches!(args.fit, Fitting::Auto | Fitting::None)),
     ];
     let (option, _) = others.into_iter().find(|(_, is_other)| *is_other)?;

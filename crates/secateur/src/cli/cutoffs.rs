@@ -1,7 +1,7 @@
 //! Alpha cutoffs of a result, and what is said of them.
 
 use secateur::{Lod, Options, Tree};
-use secateur_scene::{ChosenCutoffs, choose_cutoffs};
+use secateur_scene::{ChosenCutoffs, MaterialChange, choose_cutoffs};
 use serde_json::{Value, json};
 
 use super::args;
@@ -16,14 +16,13 @@ pub(crate) fn chosen(
     args: &args::Simplify,
     warnings: &mut Vec<String>,
 ) -> Option<ChosenCutoffs> {
-    let is_asked = match args.cutoffs {
-        Some(name) => name == CutoffsName::Fit,
-        None => options.chooses_cutoffs(),
+    let change = match args.cutoffs {
+        Some(CutoffsName::Keep) => return None,
+        None if !options.chooses_cutoffs() => return None,
+        Some(CutoffsName::FitWithMips) => MaterialChange::Cutoffs,
+        Some(CutoffsName::Fit) | None => MaterialChange::CutoffsOrMips,
     };
-    if !is_asked {
-        return None;
-    }
-    choose_cutoffs(tree, lod).unwrap_or_else(|error| {
+    choose_cutoffs(tree, lod, change).unwrap_or_else(|error| {
         let warning =
             format!("alpha cutoffs stay as they are, since the result can't be drawn: {error}");
         tracing::warn!("{warning}");
@@ -44,6 +43,7 @@ pub(crate) fn record(chosen: Option<&ChosenCutoffs>) -> Value {
     json!(chosen.map(|chosen| json!({
         "times": chosen.times,
         "of_materials": chosen.cutoffs.of_materials().collect::<Vec<_>>(),
+        "without_mips": chosen.cutoffs.materials_without_mips().collect::<Vec<_>>(),
         "as_drawn": chosen.coverage.iter().map(of_width).collect::<Vec<_>>(),
     })))
 }
@@ -54,9 +54,12 @@ pub(crate) fn in_words(chosen: &ChosenCutoffs) -> String {
         format!("{before:.2} -> {after:.2} at {width_px} px")
     };
     let coverage: Vec<String> = chosen.coverage.iter().map(of).collect();
+    let what = match chosen.cutoffs.materials_without_mips().next() {
+        Some(_) => "as they are, without mip maps".to_owned(),
+        None => format!("times {:.2}", chosen.times),
+    };
     format!(
-        "times {:.2}; pixels that clients show over what there is: {}",
-        chosen.times,
+        "{what}; pixels that clients show over what there is: {}",
         coverage.join(", ")
     )
 }

@@ -51,8 +51,11 @@ pub(crate) enum MethodName {
 /// Which alpha cutoffs leaves have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CutoffsName {
-    /// Such that clients show as much of the crown from afar as there is, and near by what they did
+    /// Such that clients show as much of the crown from afar as there is, and near by what they did; where
+    /// no cutoff does, textures are read without mip maps
     Fit,
+    /// As fit, but textures are read with mip maps as they were
+    FitWithMips,
     /// Those of the tree, raised only where single triangles would show specks
     Keep,
 }

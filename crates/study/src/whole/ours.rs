@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
-use secateur_scene::choose_cutoffs;
+use secateur_scene::{MaterialChange, choose_cutoffs};
 use secateur_simplify::whole::{WholePlant, simplify_keeping_wood};
 use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Target};
 
@@ -54,7 +54,7 @@ pub(super) fn made(
         made => made?,
     };
     let lod = tree.joined(&made.leaves.lod, &made.wood);
-    let cutoffs = choose_cutoffs(tree.items(), &lod)?;
+    let cutoffs = choose_cutoffs(tree.items(), &lod, MaterialChange::CutoffsOrMips)?;
     let cutoffs = cutoffs.map(|chosen| chosen.cutoffs).unwrap_or_default();
     let [_, setting] = case.method_and_setting();
     Ok(Some(PlantOutcome {
