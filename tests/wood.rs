@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use secateur::{OpenEngine, Options, Target, Tree, WholePlant, WholeTree};
+use secateur::{Foliage, LeafId, OpenEngine, Options, Target, Tree, WholePlant, WholeTree};
 use secateur_simplify::wood::{hanging_on, leaf_wood_gaps};
 use serde_json::Value;
 
-use crate::program::{Bench, OAK_LEAVES};
+use crate::program::{Bench, OAK_LEAVES, shared_tree};
 
 fn simplified(bench: &Bench, options: &[&str]) -> Value {
     let files = ["oak.glb", "-o", "out.glb", "--report", "r.json"];
@@ -54,6 +54,40 @@ fn a_budget_of_triangles_is_the_whole_plants() {
         }
     }
     crate::validator::assert_valid(&[bench.path("out.glb")]);
+}
+
+/// Eleven stems, each of which carries a tenth of the crown: from the ground up to it, whatever pixels they save.
+#[test]
+fn a_bush_of_few_triangles_stands() {
+    let Some(bush) = shared_tree("ez_bush2.glb") else {
+        return;
+    };
+    let tree = WholeTree::open(&bush, &[]).unwrap();
+    let (leaves, wood) = (tree.leaves(), tree.wood());
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(tree.items().foliage(), leaves, wood, &engine).unwrap();
+    let heights = |wood: &Foliage, piece: usize| {
+        let corners = wood.triangles_of(LeafId::from_index(piece)).iter();
+        let heights = corners.flat_map(|t| t.corners).map(|c| c.y);
+        let low = heights.clone().fold(f64::INFINITY, f64::min);
+        [low, heights.fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let whole = wood.bounding_sphere().unwrap();
+    let all = (0..wood.leaves().len()).map(|piece| heights(wood, piece)[0]);
+    let ground = all.fold(f64::INFINITY, f64::min);
+    for triangles in [300, 476] {
+        let options = Options::to(Target::triangles(triangles));
+        let level = plant.simplified(&options, &engine, &mut |_| ControlFlow::Continue(()));
+        let level = level.unwrap();
+        let left = level.wood.foliage(wood);
+        let stems = (0..left.leaves().len()).filter(|piece| {
+            let [low, high] = heights(&left, *piece);
+            low < ground + 0.05 * whole.radius && high > whole.centre.y
+        });
+        assert_eq!(stems.count(), 11, "{triangles}");
+        let of_all = level.wood_triangles as u64;
+        assert!(5 * of_all < 2 * triangles, "{of_all} of {triangles}");
+    }
 }
 
 /// The largest gaps that levels allow are those of the tree at first, twice these, four times and so on.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::observe::observe;
 use crate::rest::HeldBy;
 use crate::stage::Observer;
-use crate::wood::{Parts, Wood, hanging_on};
+use crate::wood::{Parts, Wood, WoodBudget, hanging_on};
 use crate::{
     Error, Fitting, Options, Shared, Simplified, Target, Views, simplify_on, simplify_sharing,
     sphere_of,
@@ -222,8 +222,8 @@ impl<'a> WholePlant<'a> {
             leaves,
             wood,
             occluders: Arc::new(wood.clone()),
-            levels: levels.with_leaves(leaves),
             leaves_px: of_leaves.iter().sum(),
+            levels: levels.with_leaves(leaves, of_leaves),
         })
     }
 
@@ -256,7 +256,8 @@ impl<'a> WholePlant<'a> {
         let px_a_triangle = LEAF_MARGIN * self.px_a_leaf_triangle(triangles);
         let most = (MOST_WOOD * triangles as f64) as usize;
         let spare = triangles.saturating_sub(self.leaves.triangles().len());
-        let worth = self.levels.worth(hanging_px, px_a_triangle, most);
+        let budget = WoodBudget::of_plant(most, triangles);
+        let worth = self.levels.worth(hanging_px, px_a_triangle, budget);
         worth.max(spare)
     }
 
@@ -350,7 +351,8 @@ impl<'a> WholePlant<'a> {
     /// The wood of a plant of `triangles` triangles, and the number of triangles in that wood.
     fn wood_of(&self, hanging_px: &[f64], triangles: usize) -> (Lod, usize) {
         let most = self.wood_budget_bearing(hanging_px, triangles);
-        let (wood, _) = self.levels.bearing(hanging_px, most.min(triangles));
+        let budget = WoodBudget::of_plant(most.min(triangles), triangles);
+        let (wood, _) = self.levels.bearing(hanging_px, budget);
         let count = wood.foliage(self.wood).triangles().len();
         (wood, count)
     }

@@ -32,6 +32,8 @@ pub(super) struct Borne {
 /// By piece, the leaves that hang on it; and how far leaves are from wood at most.
 pub(super) struct Bearing {
     pub(super) of_pieces: Vec<Vec<Borne>>,
+    /// By leaf, the piece that is nearest to it; nothing without wood.
+    pub(super) nearest: Vec<Option<u32>>,
     pub(super) largest_gap: f64,
 }
 
@@ -64,6 +66,11 @@ pub(super) fn bearing(wood: &Foliage, levels: &[&[Level]], leaves: &Foliage) -> 
             .map(|piece| (piece, leaf as u32))
             .collect::<Vec<_>>()
     };
+    let nearest_piece = |(_, point): &(f64, DVec3)| {
+        let mut near = tree.nearest_neighbor_iter(point.to_array());
+        near.next().map(|triangle| triangle.data)
+    };
+    let nearest_pieces = nearest.par_iter().map(nearest_piece).collect();
     let pairs: Vec<Vec<(u32, u32)>> = nearest.par_iter().enumerate().map(bearers).collect();
     let mut leaves_of: Vec<Vec<u32>> = vec![Vec::new(); levels.len()];
     for (piece, leaf) in pairs.concat() {
@@ -92,6 +99,7 @@ pub(super) fn bearing(wood: &Foliage, levels: &[&[Level]], leaves: &Foliage) -> 
     let of_pieces = leaves_of.into_par_iter().enumerate().map(of_piece);
     Bearing {
         of_pieces: of_pieces.collect(),
+        nearest: nearest_pieces,
         largest_gap,
     }
 }

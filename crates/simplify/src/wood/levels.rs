@@ -25,6 +25,10 @@ pub(super) struct Level {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The share of the piece's pixels that it shows no longer, or elsewhere: 0 to 1.
     pub(super) loss: f64,
+    /// Whether it goes where the piece went, from end to end.
+    pub(super) reaches: bool,
+    /// Whether it does, and is seen from all sides: what carries the crown may become that.
+    pub(super) stands: bool,
 }
 
 /// A normal that would be off by its whole length counts as much as a surface that is off by this
@@ -36,8 +40,16 @@ const NORMAL_WEIGHT: f64 = 0.05;
 /// What a level loses at most: what shows nothing of a piece may still bear leaves and twigs.
 const MOST_LOST: f64 = 0.999;
 
-/// The levels of all pieces, finest first; of any two of a piece the coarser loses more. `collapsed` are
-/// the triangles that collapses leave of each piece.
+/// A level goes where its piece went if both ends of that, and its corners on the mean, are no further from it
+/// than this share of the radius of the wood: a bent stem may be straight.
+const MOST_OFF: f64 = 0.1;
+
+/// It is seen from all sides if no view shows less of it than this share of what that showed of the piece:
+/// a flat strip is next to nothing edge on, a stem that ends in a point is half of it.
+const LEAST_SHOWN: f64 = 0.3;
+
+/// The levels of all pieces, finest first; of two of a piece the coarser loses more, but for the coarsest
+/// that stands. `collapsed` are the triangles that collapses leave of each piece.
 pub(super) fn levels(
     parts: &Parts,
     collapsed: Vec<Vec<Vec<[u32; 3]>>>,
@@ -45,13 +57,22 @@ pub(super) fn levels(
     judges: Judges<'_>,
 ) -> Vec<Vec<Level>> {
     let wood = parts.foliage();
+    let radius = wood.bounding_sphere().map_or(0.0, |sphere| sphere.radius);
     let of_piece = |fragments: &mut LeafFragments, (piece, collapsed): (usize, Vec<_>)| {
         let piece = LeafId::from_index(piece);
-        let mut original = Original::new(wood, piece, judges.views, fragments);
+        let mut original = Original::new(wood, piece, judges, fragments);
         let all = collapsed.into_iter();
         let all = all.chain(tubes_of(wood, piece, is_joint));
-        let judged = all.map(|left| (original.loss(&left).min(MOST_LOST), left));
-        falling(judged)
+        falling(all.map(|triangles| {
+            let lost = original.loss(&triangles);
+            let reaches = lost.off.max(lost.ends_off) <= MOST_OFF * radius;
+            Level {
+                triangles,
+                loss: lost.loss.min(MOST_LOST),
+                reaches,
+                stands: reaches && lost.least_shown >= LEAST_SHOWN,
+            }
+        }))
     };
     let all = collapsed.into_par_iter().enumerate();
     let buffer = || LeafFragments::new(judges.resolution);
@@ -110,15 +131,21 @@ fn tubes_of(wood: &Foliage, piece: LeafId, is_joint: &dyn Fn(DVec3) -> bool) -> 
 }
 
 /// Levels of ever fewer triangles and ever larger losses; what loses as much as one of no more
-/// triangles is left out, and what loses all of a piece, which is no better than nothing.
-fn falling(levels: impl Iterator<Item = (f64, Vec<[u32; 3]>)>) -> Vec<Level> {
-    let mut all: Vec<(f64, Vec<[u32; 3]>)> = levels.filter(|(loss, _)| *loss < 1.0).collect();
+/// triangles is left out, but for the coarsest that stands, and so is what loses all of a piece, which is no
+/// better than nothing.
+fn falling(levels: impl Iterator<Item = Level>) -> Vec<Level> {
+    let mut all: Vec<Level> = levels.filter(|level| level.loss < 1.0).collect();
     // The coarsest first, of as many triangles the one that loses least.
-    all.sort_by(|a, b| a.1.len().cmp(&b.1.len()).then(a.0.total_cmp(&b.0)));
+    let by_count = |a: &Level, b: &Level| a.triangles.len().cmp(&b.triangles.len());
+    all.sort_by(|a, b| by_count(a, b).then(a.loss.total_cmp(&b.loss)));
     let mut falling: Vec<Level> = Vec::new();
-    for (loss, triangles) in all {
-        if falling.last().is_none_or(|coarser| loss < coarser.loss) {
-            falling.push(Level { triangles, loss });
+    let mut least = f64::INFINITY;
+    let mut one_stands = false;
+    for level in all {
+        if level.loss < least || (level.stands && !one_stands) {
+            least = level.loss.min(least);
+            one_stands |= level.stands;
+            falling.push(level);
         }
     }
     falling.reverse();

@@ -19,6 +19,7 @@ mod order;
 mod parts;
 mod rings;
 mod spend;
+mod standing;
 mod support;
 mod thickness;
 mod vmi;
@@ -33,6 +34,8 @@ pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
 use levels::{Level, collapsed, joints, levels};
 use loss::Judges;
 pub use parts::Parts;
+pub use spend::WoodBudget;
+use standing::{Carrier, carriers};
 pub use support::supports;
 
 /// A plant's wood, ready for any number of budgets.
@@ -41,6 +44,8 @@ pub struct Wood {
     parts: Parts,
     /// By part.
     pieces: Vec<Piece>,
+    /// What carries the crown to the ground, what carries most first.
+    carriers: Vec<Carrier>,
     leaf_gap: f64,
 }
 
@@ -55,7 +60,9 @@ struct Piece {
     /// Pixels that the views show of it.
     seen_px: f64,
     triangles: usize,
-    /// Ever coarser, each losing more a triangle saved than the one before.
+    /// Whether it carries a part of the crown to the ground: then no level may end half way.
+    carries: bool,
+    /// Ever coarser, each losing more than the one before, but for the coarsest that stands.
     levels: Vec<Level>,
 }
 
@@ -112,6 +119,7 @@ impl Wood {
                 bears: Vec::new(),
                 seen_px,
                 triangles: wood.triangles_of(LeafId::from_index(index)).len(),
+                carries: false,
                 levels,
             }
         };
@@ -119,21 +127,31 @@ impl Wood {
         Self {
             parts,
             pieces,
+            carriers: Vec::new(),
             leaf_gap: f64::INFINITY,
         }
     }
 
-    /// The wood with these leaves on it, so that it may be chosen to bear some of them.
-    pub fn with_leaves(mut self, leaves: &Foliage) -> Self {
+    /// The wood with these leaves on it, so that it may be chosen to bear some of them, and so that what
+    /// carries many of them to the ground stays. `seen_px`: how many pixels the views show of each leaf.
+    ///
+    /// # Panics
+    /// If there is not one number for each leaf.
+    pub fn with_leaves(mut self, leaves: &Foliage, seen_px: &[f64]) -> Self {
         let levels: Vec<&[Level]> = self.pieces.iter().map(|p| &p.levels[..]).collect();
         let Bearing {
             of_pieces,
+            nearest,
             largest_gap,
         } = bearing::bearing(self.parts.foliage(), &levels, leaves);
         for (piece, bears) in self.pieces.iter_mut().zip(of_pieces) {
             piece.bears = bears;
         }
         self.leaf_gap = largest_gap;
+        self.carriers = carriers(&self.pieces, &nearest, seen_px);
+        for carrier in &self.carriers {
+            self.pieces[carrier.piece].carries = true;
+        }
         self
     }
 
@@ -152,16 +170,16 @@ impl Wood {
 
     /// The wood with at most this many triangles, and the pixels that it loses.
     pub fn within(&self, triangles_at_most: usize) -> (Lod, f64) {
-        self.bearing(&[], triangles_at_most)
+        self.bearing(&[], WoodBudget::all(triangles_at_most))
     }
 
     /// [`Self::within`], where leaves that it bears save pixels too. `hanging_px`: what each leaf of
     /// [`Self::with_leaves`] loses if nothing bears it; those at the end may be left out.
-    pub fn bearing(&self, hanging_px: &[f64], triangles_at_most: usize) -> (Lod, f64) {
-        if triangles_at_most >= self.triangle_count() {
+    pub fn bearing(&self, hanging_px: &[f64], budget: WoodBudget) -> (Lod, f64) {
+        if budget.triangles >= self.triangle_count() {
             return (Lod::original(self.parts.piece_count()), 0.0);
         }
-        let chosen = self.choose(hanging_px, triangles_at_most, 0.0);
+        let chosen = self.choose(hanging_px, budget, 0.0);
         let lost = self
             .pieces
             .iter()
@@ -173,25 +191,25 @@ impl Wood {
         (self.lod(&chosen), lost.sum())
     }
 
-    /// How many triangles save at least `px_a_triangle` pixels each, the worthiest first; at most
-    /// `triangles_at_most`. `hanging_px` as for [`Self::bearing`].
-    pub fn worth(&self, hanging_px: &[f64], px_a_triangle: f64, triangles_at_most: usize) -> usize {
-        let chosen = self.choose(hanging_px, triangles_at_most, px_a_triangle);
+    /// How many triangles carry the crown to the ground or save at least `px_a_triangle` pixels each, the
+    /// worthiest first. `hanging_px` as for [`Self::bearing`].
+    pub fn worth(&self, hanging_px: &[f64], px_a_triangle: f64, budget: WoodBudget) -> usize {
+        let chosen = self.choose(hanging_px, budget, px_a_triangle);
         let pieces = self.pieces.iter().zip(chosen);
         pieces.map(|(piece, level)| piece.count(level)).sum()
     }
 
     /// The level of each piece that is left: 0 for the piece as it is, else one more than an index
-    /// of its levels. Triangles that save fewer pixels each than asked for are not spent.
+    /// of its levels. Triangles that save fewer pixels each than asked for are not spent, but on what
+    /// carries the crown.
     fn choose(
         &self,
         hanging_px: &[f64],
-        triangles_at_most: usize,
+        budget: WoodBudget,
         least_px_a_triangle: f64,
     ) -> Vec<Option<usize>> {
         let mut chosen: Vec<Option<usize>> = vec![None; self.pieces.len()];
-        let budget = (triangles_at_most, least_px_a_triangle);
-        self.spend(hanging_px, budget, |offer, _| {
+        self.spend(hanging_px, budget, least_px_a_triangle, |offer, _| {
             chosen[offer.piece] = Some(offer.level);
         });
         chosen

@@ -2,7 +2,7 @@
 
 use secateur_model::{LeafId, NewLeaf, RemovalOrder, Step};
 
-use super::Wood;
+use super::{Wood, WoodBudget};
 
 /// A piece of several parts is made anew once this share of its triangles is gone since it was made last, so that
 /// all steps together hold a few times as many triangles as the piece.
@@ -16,7 +16,7 @@ impl Wood {
     /// steps nothing is left.
     pub fn order(&self) -> RemovalOrder {
         let mut spent = Vec::new();
-        self.spend(&[], (usize::MAX, 0.0), |offer, before| {
+        self.spend(&[], WoodBudget::all(usize::MAX), 0.0, |offer, before| {
             spent.push((offer.piece, before));
         });
         let pieces = (0..self.parts.piece_count()).map(LeafId::from_index);

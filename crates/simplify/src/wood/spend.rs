@@ -57,6 +57,10 @@ impl Worth {
     }
 }
 
+/// What carries the crown to the ground takes at most this share of a plant's triangles, whatever it shows; the
+/// first piece, without which nothing stands, may take more. Other values were not tried.
+const MOST_STANDING: f64 = 0.25;
+
 struct Spending<'a> {
     wood: &'a Wood,
     /// By piece, those that grow on it.
@@ -67,14 +71,44 @@ struct Spending<'a> {
     left: usize,
 }
 
+/// How many triangles wood may have.
+#[derive(Clone, Copy, Debug)]
+pub struct WoodBudget {
+    /// All of them.
+    pub triangles: usize,
+    /// Of these, the most for what carries the crown to the ground, whatever pixels it saves; but
+    /// the first piece, which carries the most, may take as many as there are.
+    pub standing: usize,
+}
+
+impl WoodBudget {
+    /// What wood may have of all triangles of a plant, if it may have so many.
+    pub fn of_plant(of_wood: usize, of_plant: usize) -> Self {
+        Self {
+            triangles: of_wood,
+            standing: (MOST_STANDING * of_plant as f64) as usize,
+        }
+    }
+
+    /// As many as that, and all of them for what carries the crown if need be.
+    pub fn all(triangles: usize) -> Self {
+        Self {
+            triangles,
+            standing: triangles,
+        }
+    }
+}
+
 impl Wood {
-    /// Takes offers, the best first, that cost `triangles_at_most` together at most, and says of each which
-    /// level its piece had before. Triangles that each save fewer pixels than `least_px_a_triangle` are not
-    /// spent.
+    /// Takes first what carries the crown to the ground, as far as the budget has triangles for that;
+    /// then offers, the best first, while there are triangles left. Says of each which level its
+    /// piece had before. Triangles that each save fewer pixels than `least_px_a_triangle` are not
+    /// spent, but on what carries the crown.
     pub(super) fn spend(
         &self,
         hanging_px: &[f64],
-        (triangles_at_most, least_px_a_triangle): (usize, f64),
+        budget: WoodBudget,
+        least_px_a_triangle: f64,
         mut take: impl FnMut(Offer, Option<usize>),
     ) {
         let mut growing: Vec<Vec<usize>> = vec![Vec::new(); self.pieces.len()];
@@ -88,14 +122,14 @@ impl Wood {
             growing,
             chosen: vec![None; self.pieces.len()],
             hanging_px: hanging_px.to_vec(),
-            left: triangles_at_most,
+            left: budget.triangles,
         };
         let mut is_queued = vec![false; self.pieces.len()];
         let mut queue = BinaryHeap::new();
-        let roots = (0..self.pieces.len()).filter(|piece| self.pieces[*piece].support.is_none());
-        for piece in roots {
+        spending.stand(budget.standing, &mut take);
+        for (piece, is_queued) in is_queued.iter_mut().enumerate() {
             if let Some(offer) = spending.offer(piece) {
-                is_queued[piece] = true;
+                *is_queued = true;
                 queue.push(offer);
             }
         }
@@ -128,6 +162,24 @@ impl Wood {
 }
 
 impl Spending<'_> {
+    /// Takes what carries the crown, what carries most first, each at the coarsest level that stands.
+    fn stand(&mut self, triangles_at_most: usize, take: &mut impl FnMut(Offer, Option<usize>)) {
+        let mut spent = 0;
+        for carrier in &self.wood.carriers {
+            let count = self.wood.pieces[carrier.piece].count(Some(carrier.level));
+            let is_first = spent == 0;
+            if count <= self.left && (is_first || spent + count <= triangles_at_most) {
+                let offer = Offer {
+                    px_a_triangle: f64::INFINITY,
+                    piece: carrier.piece,
+                    level: carrier.level,
+                };
+                take(offer, self.take(offer));
+                spent += count;
+            }
+        }
+    }
+
     /// Takes an offer; the level that its piece had before.
     fn take(&mut self, offer: Offer) -> Option<usize> {
         let piece = &self.wood.pieces[offer.piece];
@@ -185,6 +237,7 @@ impl Spending<'_> {
             };
             coarsest.is_some_and(|coarsest| support.is_none_or(|now| now <= coarsest as usize))
         };
+        let reaches = |level: usize| level == 0 || piece.levels[level - 1].reaches;
         let mut borne_px = 0.0;
         let mut best: Option<(usize, Worth)> = None;
         for level in finer.rev() {
@@ -195,7 +248,9 @@ impl Spending<'_> {
             };
             let is_better =
                 |(_, known): &(usize, Worth)| worth.px_a_triangle() > known.px_a_triangle();
-            if worth.triangles <= self.left && fits(level) && best.as_ref().is_none_or(is_better) {
+            let is_more = (1..=self.left).contains(&worth.triangles);
+            let can_be = is_more && fits(level) && (!piece.carries || reaches(level));
+            if can_be && best.as_ref().is_none_or(is_better) {
                 best = Some((level, worth));
             }
         }

@@ -12,6 +12,9 @@ use super::parts::Parts;
 /// Largest number of corners of a piece that are compared with other pieces.
 const MOST_CORNERS: usize = 192;
 
+/// What begins no higher above the lowest wood than this share of the radius of all wood is on the ground.
+const GROUND: f64 = 0.02;
+
 /// For each piece the one that it grows on: of those of more area the one nearest to any of its
 /// corners. The piece of the most area grows on none. Pieces of equal area are taken in their
 /// order.
@@ -39,7 +42,8 @@ pub(super) fn growing(wood: &Foliage) -> Vec<Option<Growing>> {
 }
 
 /// What each part grows on: a part of the same piece, or as [`growing`] has it for pieces the nearest part
-/// of a larger piece.
+/// of a larger piece. What stands on the ground grows on none: stems of a bush may pass each other nearer
+/// in the air than where they rise.
 pub(super) fn growing_of_parts(parts: &Parts) -> Vec<Option<Growing>> {
     let wood = parts.foliage();
     let count = wood.leaves().len();
@@ -51,7 +55,51 @@ pub(super) fn growing_of_parts(parts: &Parts) -> Vec<Option<Growing>> {
     let ranks: Vec<usize> = (0..count)
         .map(|part| of_pieces[parts.piece_of(part).index()])
         .collect();
-    growing_by(wood, &ranks, |part| parts.on(part))
+    let mut growing = growing_by(wood, &ranks, |part| parts.on(part));
+    let ground = Ground::of(wood);
+    for (part, found) in growing.iter_mut().enumerate() {
+        if parts.on(part).is_none() && ground.bears(wood, part) {
+            *found = None;
+        }
+    }
+    growing
+}
+
+/// Where the lowest wood is.
+struct Ground {
+    y: f64,
+    /// What is no higher above that is on the ground.
+    reach: f64,
+}
+
+impl Ground {
+    fn of(wood: &Foliage) -> Self {
+        let corners = wood.triangles().iter().flat_map(|t| t.corners);
+        let radius = wood.bounding_sphere().map_or(0.0, |sphere| sphere.radius);
+        Self {
+            y: corners.map(|corner| corner.y).fold(f64::INFINITY, f64::min),
+            reach: GROUND * radius,
+        }
+    }
+
+    /// Whether a piece begins at the ground and has most of its area in the lower half of its height: the tip of a
+    /// twig that hangs to the ground is thin.
+    fn bears(&self, wood: &Foliage, piece: usize) -> bool {
+        let triangles = wood.triangles_of(LeafId::from_index(piece));
+        let heights = || triangles.iter().flat_map(|t| t.corners).map(|c| c.y);
+        let low = heights().fold(f64::INFINITY, f64::min);
+        let high = heights().fold(f64::NEG_INFINITY, f64::max);
+        if low > self.y + self.reach {
+            return false;
+        }
+        let middle = 0.5 * (low + high);
+        let areas = triangles.iter().map(|t| {
+            let [a, b, c] = t.corners;
+            let is_low = (a.y + b.y + c.y) / 3.0 <= middle;
+            (b - a).cross(c - a).length() * if is_low { 1.0 } else { -1.0 }
+        });
+        areas.sum::<f64>() >= 0.0
+    }
 }
 
 /// The place of each in the order of area, the largest first; those of equal area in their own order.
@@ -137,5 +185,40 @@ impl rstar::PointDistance for Bounds {
     fn distance_2(&self, point: &[f64; 3]) -> f64 {
         let point = DVec3::from_array(*point);
         (point - nearest(self.1, point).point).length_squared()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use secateur_model::Foliage;
+
+    use super::super::tests::tube;
+    use super::*;
+
+    /// Two stems that cross above the ground; and a bough of the thicker one whose tip hangs to the ground.
+    #[test]
+    fn stems_rise_from_the_ground_and_tips_hang_to_it() {
+        let mut wood = Foliage::default();
+        let right = DVec3::new(2.0, 0.0, 0.0);
+        let left = DVec3::new(-2.0, 0.0, 0.0);
+        let up = 6.0 * DVec3::Y;
+        wood.push_leaf(&tube(left, right + up, 0.2, 8), None)
+            .unwrap();
+        wood.push_leaf(&tube(right, left + up, 0.1, 8), None)
+            .unwrap();
+        let from = DVec3::new(1.0, 4.5, 0.0);
+        let mut bough = tube(from, DVec3::new(5.0, 0.02, 0.0), 0.06, 8);
+        for corner in bough.iter_mut().flat_map(|t| &mut t.corners) {
+            let share = (corner.y / from.y).clamp(0.1, 1.0);
+            let middle = DVec3::new(5.0, 0.0, 0.0).lerp(from, corner.y / from.y);
+            *corner = middle + share * (*corner - middle);
+        }
+        wood.push_leaf(&bough, None).unwrap();
+        let growing = growing_of_parts(&Parts::of(&wood));
+        let on: Vec<Option<usize>> = growing.iter().map(|found| Some((*found)?.on)).collect();
+        assert_eq!(on, [None, None, Some(0)]);
+        // As pieces that may be anywhere the thinner one grows on the other.
+        assert_eq!(supports(&wood), [None, Some(0), Some(0)]);
     }
 }
