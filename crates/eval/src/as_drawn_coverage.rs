@@ -9,9 +9,11 @@ use secateur_raster::{View, ViewSet};
 use serde::Serialize;
 
 use crate::as_drawn::specks;
+use crate::cut_mask::CutMasks;
 use crate::mips::{MipChains, MipMaps};
 use crate::pictures::camera_of;
 use crate::render::is_covered;
+use crate::visibility::AlphaFrom;
 
 /// How much of a tree a client shows; see [`AsDrawnMeasurement`](crate::AsDrawnMeasurement).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,8 +60,10 @@ impl AsDrawnCoverage {
     ) -> Self {
         assert!(width_px > 0 && !views.is_empty());
         let samples = (TRUTH_SIDE / width_px).clamp(1, 4);
+        let masks = CutMasks::default();
+        let alpha = AlphaFrom::masks(&masks);
         let covered_px = |view: &View| {
-            let is_covered = is_covered(original, &camera_of(view), width_px * samples, None);
+            let is_covered = is_covered(original, &camera_of(view), width_px * samples, alpha);
             let covered = is_covered.iter().filter(|is| **is).count();
             covered as f64 / f64::from(samples * samples)
         };
@@ -101,7 +105,8 @@ fn counted<S: Borrow<Surface> + Sync>(
 ) -> Vec<Counted> {
     let mips = MipChains::of_cut_outs(surfaces, known);
     let of_view = |view: &View| {
-        let is_covered = is_covered(surfaces, &camera_of(view), width_px, Some(&mips));
+        let alpha = AlphaFrom::mips(Some(&mips));
+        let is_covered = is_covered(surfaces, &camera_of(view), width_px, alpha);
         Counted {
             covered_px: is_covered.iter().filter(|is| **is).count(),
             specks: specks(&is_covered, width_px as usize),

@@ -7,8 +7,10 @@ use secateur_model::Surface;
 use secateur_raster::{View, ViewSet};
 
 use crate::as_drawn::specks;
+use crate::cut_mask::CutMasks;
 use crate::pictures::camera_of;
 use crate::render::is_covered;
+use crate::visibility::AlphaFrom;
 
 /// For each view which pixels show a tree.
 #[derive(Clone, Debug)]
@@ -29,7 +31,9 @@ impl Outlines {
         views: &ViewSet,
         width_px: u32,
     ) -> Self {
-        let of = |view: &View| is_covered(surfaces, &camera_of(view), width_px, None);
+        let masks = CutMasks::default();
+        let alpha = AlphaFrom::masks(&masks);
+        let of = |view: &View| is_covered(surfaces, &camera_of(view), width_px, alpha);
         Self::new(width_px, views.views().par_iter().map(of).collect())
     }
 

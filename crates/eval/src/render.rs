@@ -118,10 +118,10 @@ pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     camera: &Camera,
     side: u32,
-    mips: Option<&MipChains>,
+    alpha: AlphaFrom<'_>,
 ) -> Vec<bool> {
     let lens = Lens::perspective(camera, side, side);
-    outline(surfaces, &lens, mips)
+    outline(surfaces, &lens, alpha)
 }
 
 /// A scene and what is seen of it.

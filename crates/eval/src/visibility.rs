@@ -76,9 +76,8 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
 pub(crate) fn outline<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     lens: &Lens,
-    mips: Option<&MipChains>,
+    alpha: AlphaFrom<'_>,
 ) -> Vec<bool> {
-    let alpha = AlphaFrom::mips(mips);
     let seen = drawn(surfaces, lens, (Culling::Material, Seek::Any), alpha);
     let is_covered = seen.frontmost.iter().map(|index| *index != NOTHING);
     is_covered.collect()

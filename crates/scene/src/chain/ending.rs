@@ -108,11 +108,11 @@ impl Maker<'_> {
         Ok(Some((level, height, flip)))
     }
 
-    /// In few views the FLIP of the fewest crossed planes and of a mesh, if the planes are so far from the
+    /// In one view the FLIP of the fewest crossed planes and of a mesh, if the planes are so far from the
     /// plant there that more of them will not do.
     fn hopeless(&self, mesh: &Made, judge: &Judge, height: f64) -> Option<[f64; 2]> {
         let fewest = Impostor::crossed(&self.look.original, Planes::ALL[0], height)?;
-        let judge = judge.from_few();
+        let judge = judge.from_one();
         let original = judge.of_surfaces(&self.look.original);
         let of_fewest = judge.flip(&original, &judge.of_impostor(&fewest));
         let of_mesh = judge.flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));

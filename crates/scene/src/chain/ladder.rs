@@ -32,7 +32,7 @@ const AIM: f64 = 0.012;
 
 /// The least number of steps by which the search goes back from a level that differs too much: with
 /// fewer it would creep.
-const LEAST_BACK: f64 = 4.0;
+const LEAST_BACK: f64 = 2.0;
 
 /// The most levels that are made for the same heights after one was within the difference.
 const MORE_TRIALS: usize = 3;
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(guess(None, Some((80, 0.3 - AIM)), 0.0125, 0, 80), 56);
         assert_eq!(guess(Some((80, -0.3 - AIM)), None, 0.0125, 81, STEPS), 104);
         // A hair too much is no reason to creep.
-        assert_eq!(guess(None, Some((80, 0.001)), 0.0125, 0, 80), 76);
+        assert_eq!(guess(None, Some((80, 0.001)), 0.0125, 0, 80), 78);
         // Between two it is where a line crosses, and never beyond what is known.
         let [fine, coarse] = [(40, -0.1 - AIM), (60, 0.3 - AIM)];
         assert_eq!(guess(Some(fine), Some(coarse), 9.0, 41, 60), 45);

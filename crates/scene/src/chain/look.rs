@@ -25,9 +25,41 @@ const MOST_PICTURE_PX: f64 = 256.0;
 /// large: of small pictures, FLIP does not see what is lost of single leaves and twigs.
 const MOST_LARGE_PICTURE_PX: f64 = 1024.0;
 
-/// Every how many views has a picture that is larger than the usual ones: one of six, as it takes longer
-/// than these together. What it shows is by how much FLIP is above that of the usual one of this view.
-const LARGE_VIEW_STEP: usize = 6;
+/// What is this many times what is allowed, or less, or that many times, or more, is judged from every other
+/// view: from side to side FLIP differs by less.
+const PLAIN: [f64; 2] = [0.8, 1.25];
+
+/// From how many views FLIP is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Enough {
+    /// As many as tell on which side of a bound it is.
+    ToDecide,
+    /// All: what is put down should be near what `measure` says.
+    AllViews,
+}
+
+/// Some of the views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    /// The first and every other one from there.
+    Even,
+    /// Those between.
+    Odd,
+    /// The first, of which there is a picture that is larger than the usual ones: it takes longer than these
+    /// together. What it shows is by how much FLIP is above that of the usual one of this view.
+    First,
+}
+
+impl Part {
+    fn of<T: Clone>(self, all: &[T]) -> Vec<T> {
+        let (skipped, step) = match self {
+            Self::Even => (0, 2),
+            Self::Odd => (1, 2),
+            Self::First => (0, usize::MAX),
+        };
+        all.iter().skip(skipped).step_by(step).cloned().collect()
+    }
+}
 
 /// A level whose FLIP in the usual pictures is this many times what is allowed is beyond it in larger ones.
 const HOPELESS: f64 = 1.1;
@@ -49,7 +81,7 @@ const LEAF_VIEW_STEP: usize = 2;
 pub(super) struct Drawn {
     pub(super) level: LevelSurfaces,
     /// FLIP of each view by the side of the pictures in pixels, as far as it is known.
-    flips: RefCell<BTreeMap<u32, Vec<f64>>>,
+    flips: RefCell<BTreeMap<(u32, Part), Vec<f64>>>,
 }
 
 impl Drawn {
@@ -66,7 +98,7 @@ impl Drawn {
 pub(super) struct Look {
     pub(super) original: Vec<Surface>,
     /// Pictures of that by their side in pixels: most heights need the same.
-    originals: RefCell<BTreeMap<u32, Pictures>>,
+    originals: RefCell<BTreeMap<(u32, Part), Pictures>>,
     /// Pixels a side of the largest pictures.
     most_picture_px: f64,
     /// For pictures: one set of some of the held-out views, or of the cameras of a scene, each as
@@ -146,10 +178,22 @@ impl Look {
     /// Mean FLIP of a level, over the frame of `measure`, where the screen shows the plant at this height in pixels. Of a plant that
     /// is higher than the screen no more is seen at once than fills it. A level whose FLIP is above
     /// `most` by more than a tenth even in the usual pictures is not looked at in larger ones.
-    pub(super) fn flip(&self, drawn: &Drawn, pixels_high: f64, screen: Screen, most: f64) -> f64 {
+    /// What is plainly within it, or beyond, is judged from half of the views if that is `enough`.
+    pub(super) fn flip(
+        &self,
+        drawn: &Drawn,
+        (pixels_high, screen): (f64, Screen),
+        most: f64,
+        enough: Enough,
+    ) -> f64 {
         let side = pixels_high.min(screen.height_px) / self.picture_share;
         let usual = side.clamp(LEAST_PICTURE_PX, MOST_PICTURE_PX).round() as u32;
-        let of_usual = self.flips(drawn, usual);
+        let mut of_usual = self.flips(drawn, usual, Part::Even);
+        let seen = of_usual[0];
+        let over = mean(&of_usual) / most;
+        if enough == Enough::AllViews || (over > PLAIN[0] && over < PLAIN[1]) {
+            of_usual.extend(self.flips(drawn, usual, Part::Odd));
+        }
         let flip = mean(&of_usual);
         let Some(large) = large_side(side.min(self.most_picture_px)) else {
             return flip;
@@ -157,8 +201,7 @@ impl Look {
         if flip > HOPELESS * most {
             return flip;
         }
-        let seen: Vec<f64> = of_usual.into_iter().step_by(LARGE_VIEW_STEP).collect();
-        let [of_large, seen] = [self.flips(drawn, large), seen].map(|flips| mean(&flips));
+        let of_large = mean(&self.flips(drawn, large, Part::First));
         match seen > 0.0 {
             true => flip * of_large / seen,
             // A level that is the tree differs in no picture.
@@ -166,25 +209,24 @@ impl Look {
         }
     }
 
-    /// FLIP of each view of a level in pictures of this many pixels a side; of every
-    /// [`LARGE_VIEW_STEP`]th in large ones.
-    fn flips(&self, drawn: &Drawn, side: u32) -> Vec<f64> {
-        if let Some(flips) = drawn.flips.borrow().get(&side) {
+    /// FLIP of some of the views of a level in pictures of this many pixels a side.
+    fn flips(&self, drawn: &Drawn, side: u32, part: Part) -> Vec<f64> {
+        let key = (side, part);
+        if let Some(flips) = drawn.flips.borrow().get(&key) {
             return flips.clone();
         }
-        let step = match f64::from(side) > MOST_PICTURE_PX {
-            true => LARGE_VIEW_STEP,
-            false => 1,
-        };
-        let views = self.views[0].views().iter().step_by(step).copied();
-        let views = ViewSet::new(views.collect());
+        let views = part.of(self.views[0].views());
+        if views.is_empty() {
+            return Vec::new();
+        }
+        let views = ViewSet::new(views);
         let mut originals = self.originals.borrow_mut();
         let original = originals
-            .entry(side)
+            .entry(key)
             .or_insert_with(|| self.pictures(&self.original, &views, side));
         let flips = original.flips(&self.pictures(&drawn.level.surfaces, &views, side));
         let flips: Vec<f64> = flips.into_iter().map(|f| f * self.frame_share).collect();
-        drawn.flips.borrow_mut().insert(side, flips.clone());
+        drawn.flips.borrow_mut().insert(key, flips.clone());
         flips
     }
 
@@ -311,7 +353,7 @@ mod tests {
         };
         let screen = Screen::default();
         let flip = |most_px: f64, pixels_high: f64, most: f64| {
-            look(most_px).flip(&level(), pixels_high, screen, most)
+            look(most_px).flip(&level(), (pixels_high, screen), most, Enough::ToDecide)
         };
         let [small, large] = [256.0, 1024.0].map(|high| flip(1024.0, high, 1.0));
         assert!(large > 1.2 * small, "{large} over {small}");
@@ -319,6 +361,33 @@ mod tests {
         // No more than a screen is seen at once, and what is beyond anyhow is not looked at closely.
         assert_eq!(flip(1024.0, 9999.0, 1.0), large);
         assert_eq!(flip(1024.0, 1024.0, 0.5 * small), small);
+    }
+
+    /// Where a level is plainly within, or beyond, half of the views decide; what is put down is of all.
+    #[test]
+    fn few_views_decide_where_it_is_plain() {
+        let from =
+            |x: f64| View::look_at(DVec3::new(x, 0.0, 3.0), DVec3::ZERO, DVec3::Y, 0.4, 0.01);
+        let look = Look {
+            views: [ViewSet::new([0.0, 2.5].map(|x| from(x).unwrap()).into())],
+            ..look(256.0)
+        };
+        let drawn = Drawn {
+            level: LevelSurfaces {
+                surfaces: vec![stripes(64)],
+                materials: vec![None],
+            },
+            flips: RefCell::default(),
+        };
+        let at = (128.0, Screen::default());
+        let flip = |most: f64, enough| look.flip(&drawn, at, most, enough);
+        let first = flip(1.0, Enough::ToDecide);
+        assert_eq!(drawn.flips.borrow().len(), 1);
+        let all = flip(1.0, Enough::AllViews);
+        assert!(first != all);
+        let decided = [1.0, 1.3 * first, 1.2 * first, 0.9 * first, 0.7 * first];
+        let decided = decided.map(|most| flip(most, Enough::ToDecide));
+        assert_eq!(decided, [first, first, all, all, first]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use secateur_simplify::{Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
-use super::look::{Drawn, Look};
+use super::look::{Drawn, Enough, Look};
 use super::options::{ChainOptions, HEIGHTS_PX, Wanted};
 
 /// A level before its distance is known.
@@ -145,10 +145,21 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// Mean FLIP of a level where the screen shows the plant at this height in pixels.
+    /// Mean FLIP of a level where the screen shows the plant at this height in pixels, near enough to be
+    /// held against the bound.
     pub(super) fn flip(&self, level: &Made, pixels_high: f64) -> f64 {
-        let (screen, most) = (self.options.screen, self.options.max_flip);
-        self.look.flip(&level.drawn, pixels_high, screen, most)
+        self.flip_from(level, pixels_high, Enough::ToDecide)
+    }
+
+    /// The same as it is put down.
+    pub(super) fn flip_mean(&self, level: &Made, pixels_high: f64) -> f64 {
+        self.flip_from(level, pixels_high, Enough::AllViews)
+    }
+
+    fn flip_from(&self, level: &Made, pixels_high: f64, enough: Enough) -> f64 {
+        let at = (pixels_high, self.options.screen);
+        let most = self.options.max_flip;
+        self.look.flip(&level.drawn, at, most, enough)
     }
 
     /// The largest of the usual heights below that of the level before at which a level is within
@@ -158,7 +169,7 @@ impl<'a> Maker<'a> {
         loop {
             let flip = self.flip(level, height);
             if flip <= self.options.max_flip || height <= 32.0 {
-                return (height, flip);
+                return (height, self.flip_mean(level, height));
             }
             height /= 2.0;
         }

@@ -30,6 +30,9 @@ const TRIES: usize = 4;
 /// Coverage is looked at in every other view: from side to side it hardly differs.
 const VIEW_STEP: usize = 2;
 
+/// And in every third where pictures have as many pixels as these have at most.
+const LARGE_VIEW_STEP: usize = 3;
+
 /// Pictures of fewer pixels a side are drawn from more sides, as many pixels in all: what few pixels
 /// cover is a matter of chance, and sizes and textures would be fitted to that.
 const ENOUGH_PX: f64 = 64.0;
@@ -208,7 +211,9 @@ impl<'a> Client<'a> {
                 let next = of(fits.textures(mips, gain));
                 gain *= next.as_drawn.wanted_gain();
                 let error = next.as_drawn.error();
-                let is_enough = error <= NEAR_ENOUGH || next.as_drawn.is_hopeless();
+                // A gain is found for the coverage: specks hardly answer to it.
+                let is_near = next.as_drawn.coverage_error() <= NEAR_ENOUGH;
+                let is_enough = is_near || next.as_drawn.is_hopeless();
                 if tried
                     .as_ref()
                     .is_none_or(|tried| error < tried.as_drawn.error())
@@ -287,7 +292,11 @@ impl<'a> Client<'a> {
             View::look_at(eye, self.sphere.centre, up, tangent, near).unwrap_or(*view)
         };
         let turns = turns_for(side);
-        let views = self.directions.views().iter().step_by(VIEW_STEP);
+        let step = match side < MOST_PX {
+            true => VIEW_STEP,
+            false => LARGE_VIEW_STEP,
+        };
+        let views = self.directions.views().iter().step_by(step);
         let views = views.flat_map(|view| turns.iter().map(move |turn| (view, *turn)));
         let views = views.map(from_afar).collect();
         (ViewSet::new(views), side as u32)

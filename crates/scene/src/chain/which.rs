@@ -81,7 +81,7 @@ pub(super) fn lightest(
             ));
             continue;
         }
-        let flip = maker.flip(level, height);
+        let flip = maker.flip_mean(level, height);
         made.push((level.clone(), height, flip));
         (first, pays_from) = (step, step + STEPS_THAT_PAY);
     }
@@ -122,7 +122,7 @@ pub(super) fn spread(
                 ladder.level(step, observer)?.clone()
             }
         };
-        let flip = maker.flip(&level, height);
+        let flip = maker.flip_mean(&level, height);
         made.push((level, height, flip));
     }
     made.reverse();

@@ -71,9 +71,9 @@ impl Judge {
         self
     }
 
-    /// The same from one view of three, for what is seen at a glance.
-    pub fn from_few(&self) -> Self {
-        let views = self.views.views().iter().step_by(3).copied().collect();
+    /// The same from the first view, for what is seen at a glance.
+    pub fn from_one(&self) -> Self {
+        let views = self.views.views().iter().take(1).copied().collect();
         Self {
             views: ViewSet::new(views),
             whole_px: self.whole_px,

@@ -33,7 +33,7 @@ use secateur_raster::{
     CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, View, ViewSet, cpu,
 };
 
-use self::coverage::Coverage;
+use self::coverage::{Coverage, is_covered_alike};
 use self::information::Information;
 use self::rounds::{Trial, fit_in_rounds};
 use self::sized_view::SizedView;
@@ -157,6 +157,19 @@ impl<'a> Fit<'a> {
         }
     }
 
+    /// Whether what is left covers the views as the original does, so that no size is to be sought.
+    fn covers_alike(&self, originals: &DrawnOriginals) -> bool {
+        let all_left = Lod::original(self.left.leaves().len());
+        let pairs = self.views.par_iter().zip(&originals.sets);
+        let pairs = pairs.flat_map(|(views, originals)| {
+            let scene = self.scene(self.left, &all_left, views);
+            let pairs = views.views().par_iter().zip(originals);
+            let drawn = pairs.map(|(view, original)| (original, self.leaf_ids(&scene, view)));
+            drawn.collect::<Vec<_>>()
+        });
+        is_covered_alike(pairs)
+    }
+
     /// The original's leaf IDs in all views, unless they would take more than [`MOST_SHARED_BYTES`].
     fn draw_originals(&self) -> Option<DrawnOriginals> {
         let views: u64 = self.views.iter().map(|set| set.len() as u64).sum();
@@ -244,6 +257,9 @@ pub fn fit_within(
                 *originals = known.or_else(|| fit.draw_originals());
                 originals.as_ref()
             });
+            if originals.is_some_and(|originals| fit.covers_alike(originals)) {
+                return Ok(ControlFlow::Continue(vec![1.0; fit.left.leaves().len()]));
+            }
             let coverage = Coverage::new(fit, &mut budget, originals)?;
             Ok(fitted(coverage, progress))
         }

@@ -42,6 +42,34 @@ fn views_of(original: &Foliage) -> [ViewSet; 1] {
     [ViewSet::cuboctahedron(original.bounding_sphere().unwrap())]
 }
 
+/// What is found in pictures alone is what the lists say, also where something hides leaves.
+#[test]
+fn pictures_say_whether_there_is_nothing_to_gain() {
+    let original = crown(80, 3);
+    let before = crown(15, 9);
+    let mut said = [0; 2];
+    for gone in [0, 40, 20, 10, 5, 3, 2] {
+        let mut lod = Lod::original(80);
+        for index in 0..gone {
+            lod.remove(LeafId::from_index(index));
+        }
+        let left = lod.foliage(&original);
+        let views = views_of(&original);
+        for occluders in [None, Some(&before)] {
+            let way = Fit {
+                occluders,
+                ..of(&original, &left, &views)
+            };
+            let originals = way.draw_originals().unwrap();
+            let trial = Coverage::new(&way, &mut Budget::unlimited(), Some(&originals)).unwrap();
+            let is_there_nothing = trial.is_there_nothing_to_gain();
+            assert_eq!(way.covers_alike(&originals), is_there_nothing, "{gone}");
+            said[usize::from(is_there_nothing)] += 1;
+        }
+    }
+    assert!(said[0] > 2 && said[1] > 2, "{said:?}");
+}
+
 fn fitted(original: &Foliage, left: &Foliage) -> Vec<f64> {
     let views = views_of(original);
     match fit(&of(original, left, &views), &mut |_, _| {
