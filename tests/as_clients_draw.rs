@@ -268,7 +268,8 @@ fn a_crown_that_no_cutoff_helps_is_read_without_mip_maps() {
     let (record, min_filter) = made(&[]);
     let chosen = &record["cutoffs"];
     assert_eq!(chosen["without_mips"], json!([1]));
-    assert_eq!(chosen["of_materials"], json!([]));
+    // Engines that make mip maps whatever a file says have the cutoff that is best with them.
+    assert_eq!(chosen["of_materials"][0][0], 1);
     assert_eq!(min_filter, 9729);
     for shown in chosen["as_drawn"].as_array().unwrap() {
         let after = shown["coverage_over_truth"].as_f64().unwrap();

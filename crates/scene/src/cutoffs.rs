@@ -60,7 +60,7 @@ pub enum MaterialChange {
 pub struct ChosenCutoffs {
     /// Those that differ from what the level has without.
     pub cutoffs: Cutoffs,
-    /// By what all cutoffs were multiplied; 1 where mip maps are left out.
+    /// By what all cutoffs were multiplied.
     pub times: f64,
     /// Width and height of pictures in pixels, and in them the pixels that a client shows over those
     /// that the original truly covers: without and with these cutoffs.
@@ -128,27 +128,28 @@ pub fn choose_cutoffs(
         }
         _ => None,
     };
-    let by_cutoffs = best.map(|times| {
-        let cutoffs = Cutoffs::new(level.iter().filter_map(cutoff));
-        chosen(cutoffs, times, &|k| with_mips[k].coverage(times))
-    });
+    let cutoffs = match best {
+        Some(_) => Cutoffs::new(level.iter().filter_map(cutoff)),
+        None => Cutoffs::default(),
+    };
     if change == MaterialChange::CutoffsOrMips && farthest_off(&with_mips, now) > FAR_OFF {
         let (level, changed) = without_mips(level, is_free);
-        let without = sizes(&level, 1.0);
+        let without = sizes(&level, ratios[1]);
         let has_more_specks = |(with, without): (&Size, &Size)| {
             let most = with.truth.specks_per_view() * SPECKS_WITHOUT_MIPS + MOST_MORE_SPECKS;
-            let [before, after] = [(with, now), (without, 1.0)]
-                .map(|(size, times)| size.level.shown(times).specks_per_view());
+            let [before, after] =
+                [with, without].map(|size| size.level.shown(now).specks_per_view());
             after > before.max(most)
         };
-        let is_better = farthest_off(&without, 1.0) < farthest_off(&with_mips, now)
+        let is_better = farthest_off(&without, now) < farthest_off(&with_mips, now)
             && !with_mips.iter().zip(&without).any(has_more_specks);
         if is_better {
-            let cutoffs = Cutoffs::without_mips(changed);
-            return Ok(Some(chosen(cutoffs, 1.0, &|k| without[k].coverage(1.0))));
+            // The cutoffs stay, for clients that make mip maps whatever a file says.
+            let cutoffs = cutoffs.without_mips(changed);
+            return Ok(Some(chosen(cutoffs, now, &|k| without[k].coverage(now))));
         }
     }
-    Ok(by_cutoffs)
+    Ok(best.map(|times| chosen(cutoffs, times, &|k| with_mips[k].coverage(times))))
 }
 
 /// By how much coverage is off at the size where it is farthest off, with cutoffs `times` as high.
@@ -413,6 +414,21 @@ mod tests {
         assert!(kept.is_none_or(|kept| {
             kept.cutoffs.materials_without_mips().count() == 0 && off(&kept) > FAR_OFF
         }));
+    }
+
+    /// Blots of two sizes: a lower cutoff helps some mip maps, and not the coarsest.
+    #[test]
+    fn cutoffs_stay_where_mip_maps_are_left_out() {
+        let tree = crown(|x, y| x % 16 < 7 && y % 16 < 7);
+        let by = |change| choose_cutoffs(&tree, &level(&tree), change).unwrap();
+        let with = by(MaterialChange::Cutoffs).unwrap();
+        let without = by(MaterialChange::CutoffsOrMips).unwrap();
+        assert_eq!(without.cutoffs.materials_without_mips().count(), 1);
+        assert_eq!(with.cutoffs.materials_without_mips().count(), 0);
+        let cutoffs = |found: &ChosenCutoffs| found.cutoffs.of_materials().collect::<Vec<_>>();
+        assert!(cutoffs(&with).len() == 1 && with.times != 1.0, "{with:?}");
+        assert_eq!(cutoffs(&without), cutoffs(&with));
+        assert_eq!(without.times, with.times);
     }
 
     /// What is hardly cut out fades nowhere.

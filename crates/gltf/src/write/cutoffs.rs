@@ -40,13 +40,12 @@ impl Cutoffs {
         }
     }
 
-    /// The cutoffs of the tree, with base colour textures of these materials, by their numbers in the file,
-    /// read without mip maps.
-    pub fn without_mips(materials: impl IntoIterator<Item = usize>) -> Self {
-        Self {
-            of_materials: BTreeMap::new(),
-            without_mips: materials.into_iter().collect(),
-        }
+    /// The same, with base colour textures of these materials, by their numbers in the file, read without
+    /// mip maps.
+    #[must_use]
+    pub fn without_mips(mut self, materials: impl IntoIterator<Item = usize>) -> Self {
+        self.without_mips.extend(materials);
+        self
     }
 
     /// Each material that has one of its own, by its number in the file, with its cutoff.

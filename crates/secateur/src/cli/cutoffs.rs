@@ -54,10 +54,11 @@ pub(crate) fn in_words(chosen: &ChosenCutoffs) -> String {
         format!("{before:.2} -> {after:.2} at {width_px} px")
     };
     let coverage: Vec<String> = chosen.coverage.iter().map(of).collect();
-    let what = match chosen.cutoffs.materials_without_mips().next() {
-        Some(_) => "as they are, without mip maps".to_owned(),
-        None => format!("times {:.2}", chosen.times),
+    let mips = match chosen.cutoffs.materials_without_mips().next() {
+        Some(_) => ", without mip maps",
+        None => "",
     };
+    let what = format!("times {:.2}{mips}", chosen.times);
     format!(
         "{what}; pixels that clients show over what there is: {}",
         coverage.join(", ")

@@ -43,7 +43,7 @@ fn a_level_is_read_without_mip_maps_where_that_was_chosen() {
             json!({"index": 0});
         let tree = fixture.tree();
         // The wood is not cut out, and there is no seventh material.
-        let chosen = Cutoffs::without_mips([0, 1, 7]);
+        let chosen = Cutoffs::new([(1, 0.2)]).without_mips([0, 1, 7]);
         let lod = one_gone_one_grown(&tree);
         let written = read(tree.lod_to_bytes_with(&lod, &chosen).unwrap());
         let root = written.document.root.clone();
@@ -56,7 +56,7 @@ fn a_level_is_read_without_mip_maps_where_that_was_chosen() {
         let of_wood = sampler(0);
         assert_eq!(of_wood["minFilter"].as_u64(), min_filter);
         assert!(written.cut_out_materials().is_empty());
-        assert_eq!(root["materials"][1]["alphaCutoff"], 0.1);
+        assert_eq!(root["materials"][1]["alphaCutoff"], 0.2);
         let of_leaves = sampler(1);
         assert_eq!(of_leaves["wrapS"], 33071);
         of_leaves["minFilter"].as_u64().unwrap()
@@ -74,7 +74,7 @@ fn without_mip_maps_no_cutoff_is_raised_and_that_is_said() {
     let lod = beyond_its_corners(&tree);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.glb");
-    let chosen = Cutoffs::without_mips([1]);
+    let chosen = Cutoffs::default().without_mips([1]);
     let options = crate::WriteOptions::default();
     let prepared = tree
         .prepare_lod_with(&lod, &chosen, &path, options)
