@@ -111,6 +111,13 @@ const three = {
   },
 };
 
+// A disposed engine keeps its context until it is collected, and of too many a browser loses the oldest.
+const release = (engine) => {
+  const context = engine.getRenderingCanvas().getContext("webgl2");
+  engine.dispose();
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+};
+
 const babylon = {
   async load(url, view, maxLODsToLoad = 10) {
     const canvas = document.createElement("canvas");
@@ -157,7 +164,7 @@ const babylon = {
       return loaded;
     };
     if (layout === "Files") {
-      for (const url of urls) (await one(url)).engine.dispose();
+      for (const url of urls) release((await one(url)).engine);
     } else if (layout === "Siblings") {
       const loaded = await this.load(urls[0], view);
       // It takes skinned meshes out of their nodes; their names tell.
@@ -170,13 +177,13 @@ const babylon = {
         for (const level of levels) level.forEach((node) => node.setEnabled(level === shown));
         pictures.push(await this.draw(loaded, view));
       }
-      loaded.engine.dispose();
+      release(loaded.engine);
     } else {
       // It loads the coarsest level first and lets each finer one take its place.
       for (let k = 0; k < names.length; k++) {
         const { engine, scene } = await one(urls[0], names.length - k);
         if (k === 0) coverage = scene.getNodeByName(names[0]).metadata.gltf.extras.MSFT_screencoverage;
-        engine.dispose();
+        release(engine);
       }
     }
     return { pictures, coverage };
@@ -192,7 +199,7 @@ const run = async () => {
     for (const [client, it] of Object.entries({ three, babylon })) {
       const loaded = await it.load(input, view);
       const original = await it.draw(loaded, view);
-      loaded.engine?.dispose();
+      if (loaded.engine) release(loaded.engine);
       for (const { layout, files, names } of layouts) {
         const { pictures, coverage } = await it.levels(layout, files, names, view);
         results.push({
