@@ -39,12 +39,13 @@ const TRIES_PER_OCTAVE: f32 = 8.0;
 /// The share by which a texture itself may show more or less with another cutoff.
 const NEAR_BY: f64 = 0.02;
 
-/// As many specks a view as a level may show more than there truly are, if it did not before.
+/// As many specks a view as a level may show more than there truly are, or without mip maps than a client
+/// shows of the original, if it did not before.
 const MOST_MORE_SPECKS: f64 = 2.0;
 
-/// Without mip maps pixels show what is at their middle, as the truth that specks are counted in does, and
-/// so specks of leaves that got larger or moved: as many times the truth's, and [`MOST_MORE_SPECKS`], may be.
-const SPECKS_WITHOUT_MIPS: f64 = 1.25;
+/// An original of which a client shows a smaller share than this has faded, and its specks too: then those
+/// that there truly are count.
+const WHOLE: f64 = 0.9;
 
 /// What may be done to materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,11 +136,21 @@ pub fn choose_cutoffs(
     if change == MaterialChange::CutoffsOrMips && farthest_off(&with_mips, now) > FAR_OFF {
         let (level, changed) = without_mips(level, is_free);
         let without = sizes(&level, ratios[1]);
+        let known = MipMaps::of_cut_outs(&original);
         let has_more_specks = |(with, without): (&Size, &Size)| {
-            let most = with.truth.specks_per_view() * SPECKS_WITHOUT_MIPS + MOST_MORE_SPECKS;
             let [before, after] =
                 [with, without].map(|size| size.level.shown(now).specks_per_view());
-            after > before.max(most)
+            let of_original = || {
+                let width_px = with.width_px;
+                let drawn = Strengths::new(&original, |_| false, &views, width_px, 1.0, &known);
+                let drawn = drawn.shown(1.0);
+                let covered = drawn.covered_px() as f64 / with.truth.covered_px() as f64;
+                match covered < WHOLE {
+                    true => with.truth.specks_per_view(),
+                    false => drawn.specks_per_view(),
+                }
+            };
+            after > before && after > of_original() + MOST_MORE_SPECKS
         };
         let is_better = farthest_off(&without, now) < farthest_off(&with_mips, now)
             && !with_mips.iter().zip(&without).any(has_more_specks);
