@@ -247,7 +247,7 @@ fn a_simplified_crown_does_not_fade() {
 #[test]
 fn a_crown_that_no_cutoff_helps_is_read_without_mip_maps() {
     let bench = Bench::new();
-    let holes = crown(0.5, |x, y| x % 8 < 6 && y % 8 < 7);
+    let holes = crown(0.5, |x, y| x % 8 < 6 && y % 8 < 5);
     bench.put("holes.glb", &plant_to_glb(&holes));
     let made = |more: &[&str]| {
         let files = [
