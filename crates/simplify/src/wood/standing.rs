@@ -145,6 +145,37 @@ mod tests {
         assert_eq!(bare.worth(&[], f64::INFINITY, WoodBudget::all(200)), 0);
     }
 
+    /// A stub of a stem that shows all of it for a triangle more than what stands.
+    #[test]
+    fn a_stem_does_not_end_half_way_for_more_pixels() {
+        let plant = bush();
+        let of = |reaches: bool| {
+            let mut wood = leafy(&plant);
+            let number = wood.carriers[0].level;
+            let stem = &mut wood.pieces[0];
+            stem.seen_px = 1e6;
+            let standing = stem.levels[number - 1].triangles.len();
+            let whole = plant.0.triangles_of(LeafId::from_index(0));
+            let low = (0..whole.len() as u32).filter(|t| {
+                let corners = whole[*t as usize].corners;
+                corners.iter().all(|corner| corner.y < 4.0)
+            });
+            let stub = &mut stem.levels[number - 2];
+            stub.triangles = low
+                .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+                .take(standing + 1)
+                .collect();
+            stub.loss = 0.0;
+            stub.reaches = reaches;
+            let (left, _) = wood.bearing(&[], WoodBudget::all(200));
+            let [low, high] = reach(&plant.0, &left)[0].expect("a stem");
+            assert!(low < 0.1, "{low}");
+            high
+        };
+        assert!(of(false) > 7.9);
+        assert!(of(true) < 4.1);
+    }
+
     #[test]
     fn what_carries_most_stands_first() {
         let plant = bush();
