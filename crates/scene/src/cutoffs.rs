@@ -43,9 +43,13 @@ const NEAR_BY: f64 = 0.02;
 /// shows of the original, if it did not before.
 const MOST_MORE_SPECKS: f64 = 2.0;
 
-/// An original of which a client shows a smaller share than this has faded, and its specks too: then those
-/// that there truly are count.
-const WHOLE: f64 = 0.9;
+/// An original of which a client shows a smaller or a larger share of the truth than these has faded, or its
+/// holes have closed, and so have its specks: then those that there truly are count.
+const WHOLE: [f64; 2] = [0.9, 1.05];
+
+/// So they do where the best cutoffs leave less than this share of the truth at some size: a crown that
+/// vanishes is worse than one with specks.
+const VANISHED: f64 = 0.5;
 
 /// As many times as many specks as there truly are may then be: leaves that got larger or moved show others,
 /// and alpha between texels is mixed, which the truth does not do.
@@ -147,6 +151,8 @@ pub fn choose_cutoffs(
         };
         let now = best.unwrap_or(1.0);
         let known = MipMaps::of_cut_outs(&original);
+        let has_vanished = |size: &Size| size.coverage(best_with_mips.unwrap_or(1.0)) < VANISHED;
+        let vanishes = with_mips.iter().any(has_vanished);
         let has_more_specks = |(with, without): (&Size, &Size)| {
             let before = with.level.shown(best_with_mips.unwrap_or(1.0));
             let before = before.specks_per_view();
@@ -156,9 +162,9 @@ pub fn choose_cutoffs(
                 let drawn = Strengths::new(&original, |_| false, &views, width_px, 1.0, &known);
                 let drawn = drawn.shown(1.0);
                 let covered = drawn.covered_px() as f64 / with.truth.covered_px() as f64;
-                match covered < WHOLE {
-                    true => with.truth.specks_per_view() * SPECKS_WITHOUT_MIPS,
-                    false => drawn.specks_per_view(),
+                match (WHOLE[0]..=WHOLE[1]).contains(&covered) && !vanishes {
+                    true => drawn.specks_per_view(),
+                    false => with.truth.specks_per_view() * SPECKS_WITHOUT_MIPS,
                 }
             };
             after > before && after > of_original() + MOST_MORE_SPECKS
@@ -437,16 +443,35 @@ mod tests {
         assert!(kept.is_none_or(|kept| {
             kept.cutoffs.materials_without_mips().count() == 0 && off(&kept) > FAR_OFF
         }));
+
+        // Two thirds are there: clients close the holes of the original too, and so show no specks of it.
+        let tree = crown(|x, y| x % 8 < 6 && y % 8 < 7);
+        let found = choose_cutoffs(&tree, &level(&tree), MaterialChange::CutoffsOrMips).unwrap();
+        let without = found.unwrap().cutoffs;
+        assert_eq!(without.materials_without_mips().count(), 1);
     }
 
-    /// Two thirds of each square of 8 x 8 texels are there: clients show cards of the original whole from
-    /// afar, and so no specks. Without mip maps they would show the holes, and what is left between them.
+    /// Wide stripes: close by clients show no more of them than there is, with fewer specks than without mip maps.
     #[test]
     fn mip_maps_stay_where_there_would_be_more_specks_than_of_the_original() {
-        let tree = crown(|x, y| x % 8 < 6 && y % 8 < 7);
+        let tree = crown(|x, _| x % 128 < 64);
         let found = choose_cutoffs(&tree, &level(&tree), MaterialChange::CutoffsOrMips).unwrap();
         let without = |found: ChosenCutoffs| found.cutoffs.materials_without_mips().count();
         assert_eq!(found.map_or(0, without), 0);
+    }
+
+    /// Squares, of which from afar a third is left: that outweighs some more specks close by.
+    #[test]
+    fn a_crown_that_vanishes_may_show_more_specks_than_the_original() {
+        let tree = crown(|x, y| x % 128 < 64 && y % 128 < 64);
+        let found = choose_cutoffs(&tree, &level(&tree), MaterialChange::CutoffsOrMips).unwrap();
+        let found = found.unwrap();
+        assert_eq!(found.cutoffs.materials_without_mips().count(), 1);
+        let [before, after] = found.coverage[2].1;
+        assert!(
+            before < 0.4 && (after - 1.0).abs() < 0.05,
+            "{before}, {after}"
+        );
     }
 
     /// Large blots: a lower cutoff helps fine mip maps, and not the coarsest.
