@@ -7,13 +7,19 @@
 //! nothing. Such textures are read without mip maps: then each pixel shows what is at its middle, and
 //! all together as much as there is.
 
+mod range;
+mod specks;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use secateur_eval::{MipMaps, Outlines, Strengths};
 use secateur_gltf::{Cutoffs, Detail, DrawnSurface, GltfError, Tree};
-use secateur_model::{AlphaMode, Lod, Material, Mips, Surface, Texture};
+use secateur_model::{AlphaMode, Lod, Material, Mips, Surface};
 use secateur_raster::ViewSet;
+
+use self::range::range;
+use self::specks::DrawnOriginal;
 
 /// Width of the largest pictures that are looked at, in pixels; the crown takes a little more than
 /// half of it.
@@ -32,28 +38,11 @@ const NEAR_ENOUGH: f64 = 0.03;
 /// this at some size.
 const FAR_OFF: f64 = 0.08;
 
-/// The cutoffs that are tried are between these, and as many to an octave.
-const RANGE: [f32; 2] = [0.1, 0.9];
+/// How many cutoffs are tried between one and its double.
 const TRIES_PER_OCTAVE: f32 = 8.0;
 
-/// The share by which a texture itself may show more or less with another cutoff.
-const NEAR_BY: f64 = 0.02;
-
-/// As many specks a view as a level may show more than there truly are, or without mip maps than a client
-/// shows of the original, if it did not before.
+/// How many specks a view a level may show beyond those that there truly are, if it did not before.
 const MOST_MORE_SPECKS: f64 = 2.0;
-
-/// An original of which a client shows a smaller or a larger share of the truth than these has faded, or its
-/// holes have closed, and so have its specks: then those that there truly are count.
-const WHOLE: [f64; 2] = [0.9, 1.05];
-
-/// So they do where the best cutoffs leave less or more than these shares of the truth at some size: a crown
-/// that vanishes or closes is worse than one with specks.
-const WITH_MIPS: [f64; 2] = [0.5, 1.15];
-
-/// As many times as many specks as there truly are may then be: leaves that got larger or moved show others,
-/// and alpha between texels is mixed, which the truth does not do.
-const SPECKS_WITHOUT_MIPS: f64 = 1.25;
 
 /// What may be done to materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,38 +128,24 @@ pub fn choose_cutoffs(
         };
         Cutoffs::new(level.iter().filter_map(cutoff))
     };
-    let off = farthest_off(&with_mips, best_with_mips.unwrap_or(1.0));
+    let times_with_mips = best_with_mips.unwrap_or(1.0);
+    let off = farthest_off(&with_mips, times_with_mips);
     if change == MaterialChange::CutoffsOrMips && off > FAR_OFF {
         let (level, changed) = without_mips(&level, is_free);
         let without = sizes(&level, ratios[1]);
         // Some clients make mip maps whatever a file says: the cutoffs that are best with them stay where
         // they do no harm.
-        let best = match farthest_off(&without, best_with_mips.unwrap_or(1.0)) <= FAR_OFF {
+        let best = match farthest_off(&without, times_with_mips) <= FAR_OFF {
             true => best_with_mips,
             false => best(&without, ratios),
         };
         let now = best.unwrap_or(1.0);
-        let known = MipMaps::of_cut_outs(&original);
-        let is_tolerable = |size: &Size| {
-            let covered = size.coverage(best_with_mips.unwrap_or(1.0));
-            (WITH_MIPS[0]..=WITH_MIPS[1]).contains(&covered)
-        };
-        let are_tolerable = with_mips.iter().all(is_tolerable);
+        let tolerable = |size: &Size| specks::is_tolerable(size.coverage(times_with_mips));
+        let original = DrawnOriginal::new(&original, &views, with_mips.iter().all(tolerable));
         let has_more_specks = |(with, without): (&Size, &Size)| {
-            let before = with.level.shown(best_with_mips.unwrap_or(1.0));
-            let before = before.specks_per_view();
+            let before = with.level.shown(times_with_mips).specks_per_view();
             let after = without.level.shown(now).specks_per_view();
-            let of_original = || {
-                let width_px = with.width_px;
-                let drawn = Strengths::new(&original, |_| false, &views, width_px, 1.0, &known);
-                let drawn = drawn.shown(1.0);
-                let covered = drawn.covered_px() as f64 / with.truth.covered_px() as f64;
-                match (WHOLE[0]..=WHOLE[1]).contains(&covered) && are_tolerable {
-                    true => drawn.specks_per_view(),
-                    false => with.truth.specks_per_view() * SPECKS_WITHOUT_MIPS,
-                }
-            };
-            after > before && after > of_original() + MOST_MORE_SPECKS
+            after > before && after > original.most_specks(&with.truth, with.width_px)
         };
         let is_better = farthest_off(&without, now) < off
             && !with_mips.iter().zip(&without).any(has_more_specks);
@@ -261,59 +236,12 @@ fn best(sizes: &[Size], [low, high]: [f32; 2]) -> Option<f32> {
     better.find(|times| has_no_more_specks(*times))
 }
 
-/// By what the cutoffs of these surfaces may be multiplied, at least and at most: within [`RANGE`],
-/// and so that near by no texture shows much more or less. None if there are no surfaces.
-fn range<'a>(drawn: impl Iterator<Item = &'a DrawnSurface>) -> Option<[f32; 2]> {
-    let mut range: Option<[f32; 2]> = None;
-    let mut seen: Vec<usize> = Vec::new();
-    for drawn in drawn {
-        let material = &drawn.surface.material;
-        let (Some(texture), AlphaMode::Mask(cutoff)) = (&material.texture, material.alpha_mode)
-        else {
-            continue;
-        };
-        let Some(number) = drawn.material.filter(|number| !seen.contains(number)) else {
-            continue;
-        };
-        seen.push(number);
-        let own = range_of(texture, cutoff / material.base_color[3]);
-        let [low, high] = range.unwrap_or([0.0, f32::INFINITY]);
-        range = Some([low.max(own[0]), high.min(own[1])]);
-    }
-    range.filter(|[low, high]| low <= high)
-}
-
-/// The same of one texture whose alpha is held against this cutoff.
-fn range_of(texture: &Texture, cutoff: f32) -> [f32; 2] {
-    if !(cutoff > 0.0 && cutoff.is_finite()) {
-        return [1.0; 2];
-    }
-    let mut texels = [0u64; 256];
-    for texel in texture.rgba.chunks_exact(4) {
-        texels[usize::from(texel[3])] += 1;
-    }
-    let shown = |cutoff: f32| -> u64 {
-        let passes = |alpha: &usize| *alpha as f32 / 255.0 >= cutoff;
-        (0..256).filter(passes).map(|alpha| texels[alpha]).sum()
-    };
-    let before = shown(cutoff) as f64;
-    let is_the_same = |other: f32| (shown(other) as f64 - before).abs() <= NEAR_BY * before;
-    let at = |step: usize| RANGE[0] + (RANGE[1] - RANGE[0]) * step as f32 / 80.0;
-    let same: Vec<f32> = (0..=80)
-        .map(at)
-        .filter(|other| is_the_same(*other))
-        .collect();
-    let low = same.first().copied().unwrap_or(cutoff).min(cutoff);
-    let high = same.last().copied().unwrap_or(cutoff).max(cutoff);
-    [low / cutoff, high / cutoff]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::{DQuat, DVec3, EulerRot, Vec2};
     use secateur_gltf::{Document, plant_to_glb};
-    use secateur_model::{Filters, Finish, Material, Plant, Wrap};
+    use secateur_model::{Filters, Finish, Material, Plant, Texture, Wrap};
     use std::sync::Arc;
 
     /// Cards of a unit side in a ball of radius 10, whose texture of 256 x 256 texels shows what
@@ -498,24 +426,5 @@ mod tests {
     fn a_crown_that_does_not_fade_stays_as_it_is() {
         let tree = crown(|x, _| x > 0);
         assert_eq!(chosen(&tree, &level(&tree)), None);
-    }
-
-    #[test]
-    fn only_cutoffs_that_change_hardly_a_texel_are_tried() {
-        let texture = |alphas: &[u8]| Texture {
-            width: alphas.len() as u32,
-            height: 1,
-            rgba: alphas.iter().flat_map(|a| [0, 0, 0, *a]).collect(),
-            wrap: [Wrap::Repeat; 2],
-            filters: Filters::default(),
-        };
-        let times = |alphas: &[u8], cutoff| range_of(&texture(alphas), cutoff);
-        let near =
-            |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs() < 0.05 && (a[1] - b[1]).abs() < 0.05;
-        // There or not: anything between a tenth and nine.
-        assert!(near(times(&[0, 255], 0.5), [0.2, 1.8]));
-        // As many texels of .4 as of 1: not below that.
-        assert!(near(times(&[0, 102, 255], 0.5), [0.82, 1.8]));
-        assert_eq!(times(&[0, 255], 0.0), [1.0; 2]);
     }
 }

@@ -41,9 +41,9 @@ pub(super) enum Enough {
 /// Some of the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
-    /// The first and every other one from there.
+    /// Views 0, 2, 4 and so on.
     Even,
-    /// Those between.
+    /// Views 1, 3, 5 and so on.
     Odd,
     /// The first, of which there is a picture that is larger than the usual ones: it takes longer than these
     /// together. What it shows is by how much FLIP is above that of the usual one of this view.

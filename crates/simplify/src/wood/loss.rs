@@ -113,7 +113,7 @@ impl<'a> Original<'a> {
         }
     }
 
-    /// The least share, over the views that show the piece, of its pixels that are as many as these pixels.
+    /// The pixels of `now` in a view, over those that showed the piece there: the least of all views that showed it.
     fn least_shown(&self, now: &[u32]) -> f64 {
         let view_px = u64::from(self.resolution).pow(2);
         let in_view = |pixels: &[u32], view: u64| {

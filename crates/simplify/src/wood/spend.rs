@@ -74,15 +74,15 @@ struct Spending<'a> {
 /// How many triangles wood may have.
 #[derive(Clone, Copy, Debug)]
 pub struct WoodBudget {
-    /// All of them.
+    /// The most triangles of all wood together.
     pub triangles: usize,
-    /// Of these, the most for what carries the crown to the ground, whatever pixels it saves; but
-    /// the first piece, which carries the most, may take as many as there are.
+    /// The most of these triangles that go to pieces which carry the crown to the ground, whatever pixels
+    /// they save. The piece that carries the most may exceed this, up to `triangles`.
     pub standing: usize,
 }
 
 impl WoodBudget {
-    /// What wood may have of all triangles of a plant, if it may have so many.
+    /// The budget of a plant that may have `of_plant` triangles, of which wood may have `of_wood`.
     pub fn of_plant(of_wood: usize, of_plant: usize) -> Self {
         Self {
             triangles: of_wood,
@@ -90,7 +90,7 @@ impl WoodBudget {
         }
     }
 
-    /// As many as that, and all of them for what carries the crown if need be.
+    /// A budget of which all may go to pieces that carry the crown to the ground.
     pub fn all(triangles: usize) -> Self {
         Self {
             triangles,
