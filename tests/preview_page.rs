@@ -12,7 +12,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbaImage;
 use secateur::{Detail, Document, Surface};
-use secateur_eval::pictures::FLIP_MEAN;
+use secateur_eval::pictures::flip_mean;
 use secateur_scene::Screen;
 use secateur_scene::preview::{Facts, Level, Preview, page};
 use serde_json::{Value, json};
@@ -456,7 +456,7 @@ fn flip_against_three(glb: &[u8], views: &[[f64; 2]]) -> Option<Vec<f64>> {
         let theirs = decoded(url.as_str().unwrap());
         let share = drawn(&theirs);
         assert!((0.04..0.9).contains(&share), "three.js drew {share}");
-        (FLIP_MEAN.of)(&theirs, &ours)
+        flip_mean(&theirs, &ours)
     };
     Some(ours.into_iter().map(compare).collect())
 }

@@ -2,7 +2,7 @@
 
 use image::RgbaImage;
 use secateur::{Detail, Document};
-use secateur_eval::pictures::FLIP_MEAN;
+use secateur_eval::pictures::flip_mean;
 use secateur_model::LodModel;
 use secateur_scene::Screen;
 use secateur_scene::order_file::read_order;
@@ -111,7 +111,7 @@ fn check(options: &[&str]) {
         let from_file = picture(&mut tab, &camera, &Value::Null);
         let share = drawn(&from_file);
         assert!((0.04..0.9).contains(&share), "{share} is drawn");
-        let flip = (FLIP_MEAN.of)(&from_file, from_order);
+        let flip = flip_mean(&from_file, from_order);
         eprintln!("{options:?}, {leaves} leaves: FLIP {flip:.5}");
         assert!(flip < MOST_FLIP, "{leaves} leaves: {flip}");
     }

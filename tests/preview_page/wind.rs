@@ -4,7 +4,7 @@ use image::RgbaImage;
 use secateur::Surface;
 use secateur::glam::DVec2;
 use secateur::{Hold, plant_to_glb};
-use secateur_eval::pictures::FLIP_MEAN;
+use secateur_eval::pictures::flip_mean;
 use secateur_plant::{GrowOptions, Species, grow};
 use secateur_scene::wind::Wind;
 use serde_json::Value;
@@ -100,7 +100,7 @@ fn the_original_and_its_level_sway_by_the_formula() {
     assert_eq!(tab.ask("document.querySelector('#wind').hidden"), true);
     for level in 0..2 {
         let expected = picture(&mut tab, level, &camera, &Value::Null);
-        let flip = (FLIP_MEAN.of)(&expected, &found[level]);
+        let flip = flip_mean(&expected, &found[level]);
         let changed = differing(&still[level], &expected);
         eprintln!("level {level}: FLIP {flip:.5}, {changed:.3} of the picture moved");
         assert!(changed > 0.02, "level {level}: {changed}");

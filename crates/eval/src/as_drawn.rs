@@ -5,13 +5,14 @@
 use std::borrow::Borrow;
 
 use image::RgbaImage;
+use rayon::prelude::*;
 use secateur_model::Surface;
-use secateur_raster::ViewSet;
+use secateur_raster::{View, ViewSet};
 use serde::Serialize;
 
 use crate::cut_mask::CutMasks;
 use crate::mips::MipChains;
-use crate::pictures::{FLIP_MEAN, camera_of};
+use crate::pictures::{FlipPicture, camera_of};
 use crate::render::{DrawnPicture, RenderOptions, draw};
 use crate::visibility::AlphaFrom;
 
@@ -28,11 +29,12 @@ pub struct AsDrawn {
     width_px: u32,
     truth: Vec<Truth>,
     original: ViewPictures,
+    original_flip_mean: f64,
 }
 
 #[derive(Debug)]
 struct Truth {
-    image: RgbaImage,
+    for_flip: FlipPicture,
     /// By pixel, row by row, the share of it that shows the plant.
     shares: Vec<f32>,
 }
@@ -82,17 +84,21 @@ impl AsDrawn {
         assert!(width_px > 0 && !views.is_empty());
         let masks = CutMasks::default();
         let alpha = AlphaFrom::masks(&masks);
-        let truth = views.views().iter().map(|view| {
+        let truth = |view: &View| {
             let options = options(width_px, TRUTH_SAMPLES);
             let drawn = draw(original, &camera_of(view), &options, alpha);
             Truth {
-                image: drawn.image,
+                for_flip: FlipPicture::of(&drawn.image),
                 shares: shares(&drawn.is_covered, width_px as usize),
             }
-        });
+        };
+        // Parallel over the views, as each has parts that are not.
+        let truth: Vec<Truth> = views.views().par_iter().map(truth).collect();
+        let original = ViewPictures::of(original, views, width_px);
         Self {
-            truth: truth.collect(),
-            original: ViewPictures::of(original, views, width_px),
+            original_flip_mean: flip(&truth, &original),
+            original,
+            truth,
             views: views.clone(),
             width_px,
         }
@@ -121,8 +127,8 @@ impl AsDrawn {
             truth_iou: self.truth_iou(&drawn),
             specks_per_view: drawn.specks_per_view(self.width_px as usize),
             original_specks_per_view: self.original.specks_per_view(self.width_px as usize),
-            flip_mean: self.flip(&drawn),
-            original_flip_mean: self.flip(&self.original),
+            flip_mean: flip(&self.truth, &drawn),
+            original_flip_mean: self.original_flip_mean,
         }
     }
 
@@ -137,14 +143,15 @@ impl AsDrawn {
         }
         if any == 0.0 { 1.0 } else { both / any }
     }
+}
 
-    fn flip(&self, drawn: &ViewPictures) -> f64 {
-        let pairs = self.truth.iter().zip(&drawn.0);
-        let sum: f64 = pairs
-            .map(|(truth, (image, _))| (FLIP_MEAN.of)(&truth.image, image))
-            .sum();
-        sum / self.truth.len() as f64
-    }
+/// The mean over the views.
+fn flip(truth: &[Truth], drawn: &ViewPictures) -> f64 {
+    let of = |(truth, (image, _)): (&Truth, &(RgbaImage, Vec<bool>))| {
+        truth.for_flip.mean_error(&FlipPicture::of(image))
+    };
+    let of_views: Vec<f64> = truth.par_iter().zip(&drawn.0).map(of).collect();
+    of_views.iter().sum::<f64>() / truth.len() as f64
 }
 
 /// [`AsDrawn::measure`] for one measurement alone.
@@ -163,17 +170,13 @@ pub fn measure_as_drawn<S: Borrow<Surface> + Sync>(
 impl ViewPictures {
     fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet, width_px: u32) -> Self {
         let mips = MipChains::of(surfaces);
-        let drawn = views.views().iter().map(|view| {
-            let options = options(width_px, 1);
-            let DrawnPicture { image, is_covered } = draw(
-                surfaces,
-                &camera_of(view),
-                &options,
-                AlphaFrom::mips(Some(&mips)),
-            );
+        let alpha = AlphaFrom::mips(Some(&mips));
+        let drawn = |view: &View| {
+            let DrawnPicture { image, is_covered } =
+                draw(surfaces, &camera_of(view), &options(width_px, 1), alpha);
             (image, is_covered)
-        });
-        Self(drawn.collect())
+        };
+        Self(views.views().par_iter().map(drawn).collect())
     }
 
     fn covered_px(&self) -> f64 {

@@ -164,19 +164,34 @@ impl<'a> Snapper<'a> {
     }
 
     fn cuts_for_affine(&self, centre: DVec3, linear_scale: f64, triangles: &[LeafTriangle]) -> u32 {
+        let corners = || {
+            let corners = triangles.iter().flat_map(|t| &t.corners);
+            corners.map(|c| self.camera_from_leaf(centre, linear_scale, *c))
+        };
         let (mut lo, mut hi) = (f64::INFINITY, 0.0);
-        for corner in triangles.iter().flat_map(|t| &t.corners) {
-            let w = self.camera_from_leaf(centre, linear_scale, *corner).z;
+        for DVec3 { z: w, .. } in corners() {
             lo = if w < lo { w } else { lo };
             hi = if w > hi { w } else { hi };
         }
         if hi <= self.view.near {
             return 0;
         }
-        let mut excess = hi / lo.max(self.view.near) - 1.0;
+        let nearest = lo.max(self.view.near);
+        let mut excess = hi / nearest - 1.0;
+        if excess <= self.view.affine_depth_ratio {
+            return 0;
+        }
+        let box_of = |(lo, hi): (DVec3, DVec3), at: DVec3| (lo.min(at), hi.max(at));
+        let (lo, hi) = corners().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), box_of);
+        let mut width_px = (hi - lo).truncate().max_element() * self.focal_px / nearest;
         let mut cuts = 0;
-        while excess > self.view.affine_depth_ratio && cuts < MAX_CUTS {
+        // A texel is out of place by at most a quarter of the excess, as a part of the width.
+        while excess > self.view.affine_depth_ratio
+            && 0.25 * excess * width_px > self.view.affine_error_px
+            && cuts < MAX_CUTS
+        {
             excess *= 0.5;
+            width_px *= 0.5;
             cuts += 1;
         }
         cuts
@@ -419,4 +434,38 @@ fn texels(at: [f64; 3], wrap: Wrap, size: u32) -> [f64; 3] {
         }
     };
     shifted.map(|t| t * f64::from(size) * TEXEL_ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How often a leaf of 2 x 2 whose far end is a tenth farther off than its near one is cut, in
+    /// pictures where it is this wide.
+    fn cuts(view: &View, width_px: u32) -> u32 {
+        let [near, far] = [-9.5, -10.45];
+        let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
+        let triangle = |corners: [DVec3; 3]| LeafTriangle::plain(corners);
+        let leaf = [
+            triangle([corner(-1.0, near), corner(1.0, near), corner(1.0, far)]),
+            triangle([corner(-1.0, near), corner(1.0, far), corner(-1.0, far)]),
+        ];
+        // The leaf takes 2 of 9.5 units across, and a picture 2 times its tangent of them.
+        let snapper = Snapper {
+            focal_px: f64::from(width_px) * 9.5 / 2.0,
+            ..Snapper::new(view, 1)
+        };
+        snapper.cuts_for_affine(DVec3::ZERO, 1.0, &leaf)
+    }
+
+    /// A tenth is cut once to get below a 16th, and five times to get below a 256th, of which four are
+    /// made; a leaf of w pixels cut n times is out of place by w / 40 / 4^n of them, at most a 64th.
+    #[test]
+    fn leaves_are_cut_no_further_than_a_64th_of_a_pixel_asks_for() {
+        let view = View::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 0.01).unwrap();
+        assert_eq!([1, 10, 1000].map(|px| cuts(&view, px)), [1; 3]);
+        let exact = view.with_exact_textures();
+        let of_sizes = [0, 1, 2, 3, 9, 11, 39, 41, 159, 161, 1000].map(|px| cuts(&exact, px));
+        assert_eq!(of_sizes, [0, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4]);
+    }
 }

@@ -32,6 +32,9 @@ pub struct View {
     pub(crate) tan_half_fov: f64,
     pub(crate) near: f64,
     pub(crate) affine_depth_ratio: f64,
+    /// Leaves whose texels are at most this far out of place on the image are not cut, however deep
+    /// they are.
+    pub(crate) affine_error_px: f64,
 }
 
 impl View {
@@ -87,16 +90,18 @@ impl View {
             tan_half_fov,
             near,
             affine_depth_ratio: AFFINE_DEPTH_RATIO,
+            affine_error_px: 0.0,
         })
     }
 
-    /// The same camera, with textures 16 times as exact: not a 64th of a leaf but a
-    /// 1024th out of place ([`AFFINE_DEPTH_RATIO`]), but for leaves as deep as they are
-    /// far. It takes several times as long to draw leaves that have a cut-out.
+    /// The same camera, with textures 16 times as exact: not a 64th of a leaf but a 1024th of it, or
+    /// a 64th of a pixel, out of place ([`AFFINE_DEPTH_RATIO`]), but for leaves as deep as they are
+    /// far. It takes up to several times as long to draw leaves that have a cut-out.
     #[must_use]
     pub fn with_exact_textures(self) -> Self {
         Self {
             affine_depth_ratio: AFFINE_DEPTH_RATIO / 16.0,
+            affine_error_px: 1.0 / 64.0,
             ..self
         }
     }

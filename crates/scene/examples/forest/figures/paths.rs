@@ -1,7 +1,7 @@
 //! Cameras that come nearer: how many triangles a tree has then, and how much levels pop.
 
 use glam::DVec3;
-use secateur_eval::pictures::FLIP_MEAN;
+use secateur_eval::pictures::flip_mean;
 use secateur_scene::stand::{Instance, StandCamera};
 
 use super::{Figures, Frames, SMALL, stand};
@@ -41,7 +41,7 @@ impl Figures<'_> {
                 let drawn = renderer.draw(&list, &camera);
                 let picture = renderer.picture();
                 let case = format!("towards: {times} radii off, {}", method.name());
-                let flip = (FLIP_MEAN.of)(full.get_or_insert_with(|| picture.clone()), &picture);
+                let flip = flip_mean(full.get_or_insert_with(|| picture.clone()), &picture);
                 self.note(&case, "triangles a frame", "", drawn.triangles as f64);
                 self.note(&case, "FLIP against full geometry", "", flip);
             }
@@ -78,7 +78,7 @@ impl Figures<'_> {
                     renderer.draw(&list, &camera)
                 });
                 frames.add(drawn.triangles, seconds);
-                pops.push((FLIP_MEAN.of)(&before, &renderer.picture()));
+                pops.push(flip_mean(&before, &renderer.picture()));
             }
         }
         for (method, frames, pops) in &all {

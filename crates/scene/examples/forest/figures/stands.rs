@@ -1,7 +1,7 @@
 //! Stands in pictures: each method beside full geometry.
 
 use image::RgbaImage;
-use secateur_eval::pictures::FLIP_MEAN;
+use secateur_eval::pictures::flip_mean;
 use secateur_scene::stand::{LeavesByHeight, StandCamera};
 
 use super::{Figures, Frames, LARGE, SMALL, stand};
@@ -81,7 +81,7 @@ impl Figures<'_> {
         for shown in &all {
             self.note_frames(&shown.case, &shown.frames);
             self.note(&shown.case, "draw calls", "", shown.calls as f64);
-            let flip = (FLIP_MEAN.of)(&full.picture, &shown.picture);
+            let flip = flip_mean(&full.picture, &shown.picture);
             self.note(&shown.case, "FLIP against full geometry", "", flip);
             self.note_ratios(&shown.case, &shown.frames, &full.frames);
             keep(shown);
