@@ -85,6 +85,8 @@ fn octahedral_views_say_how_they_lie() {
         "o.glb",
         "--distances",
         "20,200",
+        "--max-flip",
+        "0.05",
         "--impostor",
         "octahedral",
         "--report",
@@ -95,6 +97,11 @@ fn octahedral_views_say_how_they_lie() {
     let last = levels(&record).last().unwrap();
     assert_eq!(last["kind"], "impostor");
     assert!((last["distance"].as_f64().unwrap() - 200.0).abs() < 1e-6);
+    // No mesh is made for where it stands, though a lighter one would do there.
+    let [mesh, _] = &levels(&record)[..] else {
+        panic!("two levels in {record}")
+    };
+    assert_eq!(last["impostor"]["mesh_triangles"], mesh["triangles"]);
     assert_eq!(
         last["triangles"], 4,
         "two planes for clients without a sampler"

@@ -57,7 +57,7 @@ fn is_no_less(level: &Made, before: Option<&Made>, all: usize) -> bool {
 }
 
 /// For each place the fewest triangles within the difference, but for places that would save less than a
-/// third.
+/// third, and for the last where an impostor stands there whatever a mesh would look like.
 pub(super) fn lightest(
     maker: &Maker<'_>,
     notes: &mut Vec<String>,
@@ -66,7 +66,10 @@ pub(super) fn lightest(
     let mut ladder = Ladder::new(maker);
     let mut made: Vec<Placed> = Vec::new();
     let (mut first, mut pays_from) = (0, 0);
-    let places = maker.heights();
+    let mut places = maker.heights();
+    if maker.options.impostor.is_demanded() && places.len() > 1 {
+        places.pop();
+    }
     let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
     for (k, (height, place)) in places.into_iter().enumerate() {
         // It may be the last level, and FLIP is larger farther off on some plants.

@@ -39,6 +39,13 @@ pub enum Choice {
     Auto,
 }
 
+impl Choice {
+    /// Whether the chain ends in an impostor, however far that is from the plant.
+    pub fn is_demanded(self) -> bool {
+        matches!(self, Self::Crossed | Self::Octahedral)
+    }
+}
+
 /// The least and the largest texels a side of a cell.
 const CELL: [u32; 2] = [32, 512];
 
