@@ -26,6 +26,7 @@ mod failure_case;
 mod files;
 mod flags;
 mod format;
+mod fsa_time;
 mod held_out;
 mod host;
 mod job;
