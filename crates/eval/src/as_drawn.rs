@@ -19,6 +19,9 @@ use crate::visibility::AlphaFrom;
 /// Samples along each side of a pixel of the truth.
 const TRUTH_SAMPLES: u32 = 4;
 
+/// What FLIP sees of the truth is kept from level to level in pictures of at most this many pixels a side.
+const MOST_KEPT_PX: u32 = 512;
+
 /// Islands of at most this many pixels are specks.
 const SPECK_PX: usize = 3;
 
@@ -34,7 +37,9 @@ pub struct AsDrawn {
 
 #[derive(Debug)]
 struct Truth {
-    for_flip: FlipPicture,
+    image: RgbaImage,
+    /// Where it is no larger than [`MOST_KEPT_PX`]: it takes five times the memory of the picture.
+    for_flip: Option<FlipPicture>,
     /// By pixel, row by row, the share of it that shows the plant.
     shares: Vec<f32>,
 }
@@ -88,12 +93,13 @@ impl AsDrawn {
             let options = options(width_px, TRUTH_SAMPLES);
             let drawn = draw(original, &camera_of(view), &options, alpha);
             Truth {
-                for_flip: FlipPicture::of(&drawn.image),
+                for_flip: (width_px <= MOST_KEPT_PX).then(|| FlipPicture::of(&drawn.image)),
+                image: drawn.image,
                 shares: shares(&drawn.is_covered, width_px as usize),
             }
         };
-        // Parallel over the views, as each has parts that are not.
-        let truth: Vec<Truth> = views.views().par_iter().map(truth).collect();
+        // One after another: of all samples of a view there is a list.
+        let truth: Vec<Truth> = views.views().iter().map(truth).collect();
         let original = ViewPictures::of(original, views, width_px);
         Self {
             original_flip_mean: flip(&truth, &original),
@@ -148,7 +154,11 @@ impl AsDrawn {
 /// The mean over the views.
 fn flip(truth: &[Truth], drawn: &ViewPictures) -> f64 {
     let of = |(truth, (image, _)): (&Truth, &(RgbaImage, Vec<bool>))| {
-        truth.for_flip.mean_error(&FlipPicture::of(image))
+        let drawn = FlipPicture::of(image);
+        match &truth.for_flip {
+            Some(truth) => truth.mean_error(&drawn),
+            None => FlipPicture::of(&truth.image).mean_error(&drawn),
+        }
     };
     let of_views: Vec<f64> = truth.par_iter().zip(&drawn.0).map(of).collect();
     of_views.iter().sum::<f64>() / truth.len() as f64

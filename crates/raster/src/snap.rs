@@ -23,6 +23,8 @@
 //! f64 additions, multiplications, divisions and square roots are the same on
 //! every platform; nothing else is used.
 
+use std::cmp::Ordering::Less;
+
 use glam::{DVec2, DVec3};
 use secateur_model::{Cutout, Facing, Leaf, LeafTriangle, Wrap};
 
@@ -183,11 +185,14 @@ impl<'a> Snapper<'a> {
         }
         let box_of = |(lo, hi): (DVec3, DVec3), at: DVec3| (lo.min(at), hi.max(at));
         let (lo, hi) = corners().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), box_of);
-        let mut width_px = (hi - lo).truncate().max_element() * self.focal_px / nearest;
+        // On the image: what is farther off is drawn nearer to the middle, too.
+        let across = (hi - lo) + excess * lo.abs().max(hi.abs());
+        let mut width_px = across.truncate().max_element() * self.focal_px / nearest;
         let mut cuts = 0;
-        // A texel is out of place by at most a quarter of the excess, as a part of the width.
+        // Along each axis a texel is out of place by at most a quarter of the excess, as a part of the
+        // width.
         while excess > self.view.affine_depth_ratio
-            && 0.25 * excess * width_px > self.view.affine_error_px
+            && (0.25 * excess * width_px).partial_cmp(&self.view.affine_error_px) != Some(Less)
             && cuts < MAX_CUTS
         {
             excess *= 0.5;
@@ -440,32 +445,36 @@ fn texels(at: [f64; 3], wrap: Wrap, size: u32) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// How often a leaf of 2 x 2 whose far end is a tenth farther off than its near one is cut, in
-    /// pictures where it is this wide.
-    fn cuts(view: &View, width_px: u32) -> u32 {
-        let [near, far] = [-9.5, -10.45];
-        let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
-        let triangle = |corners: [DVec3; 3]| LeafTriangle::plain(corners);
-        let leaf = [
-            triangle([corner(-1.0, near), corner(1.0, near), corner(1.0, far)]),
-            triangle([corner(-1.0, near), corner(1.0, far), corner(-1.0, far)]),
-        ];
-        // The leaf takes 2 of 9.5 units across, and a picture 2 times its tangent of them.
+    /// How often a leaf is cut that goes from this place to one a tenth farther off, both `width` wide,
+    /// where a unit at its near end takes this many pixels.
+    fn cuts(view: &View, from: DVec3, width: f64, px_per_unit: f64) -> u32 {
+        let to = DVec3::new(from.x, from.y, 1.1 * from.z);
+        let beside = DVec3::X * width;
+        let leaf = [[from, from + beside, to + beside], [from, to + beside, to]];
         let snapper = Snapper {
-            focal_px: f64::from(width_px) * 9.5 / 2.0,
+            focal_px: -from.z * px_per_unit,
             ..Snapper::new(view, 1)
         };
-        snapper.cuts_for_affine(DVec3::ZERO, 1.0, &leaf)
+        snapper.cuts_for_affine(DVec3::ZERO, 1.0, &leaf.map(LeafTriangle::plain))
     }
 
     /// A tenth is cut once to get below a 16th, and five times to get below a 256th, of which four are
-    /// made; a leaf of w pixels cut n times is out of place by w / 40 / 4^n of them, at most a 64th.
+    /// made; a leaf of w pixels cut n times is out of place by w / 40 / 4^n of them, at most a 64th until
+    /// no more cuts are made.
     #[test]
     fn leaves_are_cut_no_further_than_a_64th_of_a_pixel_asks_for() {
         let view = View::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 0.01).unwrap();
-        assert_eq!([1, 10, 1000].map(|px| cuts(&view, px)), [1; 3]);
         let exact = view.with_exact_textures();
-        let of_sizes = [0, 1, 2, 3, 9, 11, 39, 41, 159, 161, 1000].map(|px| cuts(&exact, px));
-        assert_eq!(of_sizes, [0, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4]);
+        // As wide as they seem: in the middle of the image what is farther off hardly moves.
+        let amid = |view: &View, px: f64| cuts(view, DVec3::Z * -9.5, px, 1.0);
+        assert_eq!([1.0, 10.0, 1000.0].map(|px| amid(&view, px)), [1; 3]);
+        let of_sizes = [0.5, 1.0, 2.0, 2.4, 9.0, 11.0, 36.0, 41.0, 1000.0];
+        let of_sizes = of_sizes.map(|px| amid(&exact, px));
+        assert_eq!(of_sizes, [0, 1, 1, 2, 2, 3, 3, 4, 4]);
+        // A thread that points away from the eye, off the middle: its far end is a tenth nearer to that.
+        let off_middle = |px: f64| cuts(&exact, DVec3::new(10.0 * px, 0.0, -9.5), 1e-9, 1.0);
+        assert_eq!([0.5, 2.0, 9.0, 36.0, 41.0].map(off_middle), [0, 1, 2, 3, 4]);
+        // No width at all is no reason to cut less where no error is allowed.
+        assert_eq!(cuts(&view, DVec3::Z * -9.5, 0.0, 1.0), 1);
     }
 }

@@ -1,6 +1,6 @@
 //! The time of VDS over that of FSA as published, tree by tree.
 
-use crate::format::percent;
+use crate::format::{duration, percent};
 use crate::table::Table;
 use crate::{Case, Row};
 
@@ -31,9 +31,11 @@ pub(crate) fn fsa_time(rows: &[Row]) -> Option<Table> {
         let cell = |level: &f64| {
             let [ours, theirs] = [&vds, &fsa].map(|case| seconds(rows, tree, *level, case));
             let (ours, theirs) = (ours?, theirs?);
+            let ratio = ours / theirs;
             Some(format!(
-                "{ours:.2} s / {theirs:.2} s = {:.2}",
-                ours / theirs
+                "{} / {} = {ratio:.2}",
+                duration(ours),
+                duration(theirs)
             ))
         };
         let cells: Vec<Option<String>> = levels.iter().map(cell).collect();

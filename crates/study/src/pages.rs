@@ -98,7 +98,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "means" => means(&given, &COMPARED, &[0.5, 0.25, 0.1]),
         "tenth" => means(&given, &AT_A_TENTH, &[0.1]),
         "all" => means_of_all(&given),
-        "fsa-time" => fsa_time(rows),
+        "fsa-time" => fsa_time(&given),
         "beaten" => beaten_as_drawn(rows).map(typed),
         "lost" => match (beaten_as_drawn(rows), lost_cases(rows)) {
             (Some(_), None) => return Ok(Some("None.\n".to_owned())),
@@ -269,9 +269,9 @@ mod tests {
         let page = "<!-- rows all a/study -->\n<!-- end of rows -->";
         let filled = fill(page).unwrap();
         let lines: Vec<&str> = filled.lines().collect();
-        for (line, method) in lines[3..].iter().zip(["vds --triangles", "stochastic"]) {
-            assert!(line.starts_with(&format!("| `{method}` |")), "{filled}");
-        }
+        let methods = lines[3..lines.len() - 1].iter();
+        let methods: Vec<&str> = methods.filter_map(|line| line.split('`').nth(1)).collect();
+        assert_eq!(methods, ["vds --triangles", "stochastic"]);
     }
 
     #[test]

@@ -62,7 +62,7 @@ pub enum Shape {
 pub struct ImpostorLevel {
     /// Its planes and pictures.
     pub impostor: Impostor,
-    /// Triangles of the mesh that would be drawn there without it.
+    /// Triangles of the mesh that would be drawn there if it were left out.
     pub mesh_triangles: u64,
     /// That mesh's FLIP by the judge of the impostor, who stands as far off as it is seen from.
     pub mesh_flip_mean: f64,

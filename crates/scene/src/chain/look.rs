@@ -130,7 +130,7 @@ impl Look {
     ) -> Result<(Self, Judging), ChainError> {
         let (wanted, scene) = (&options.wanted, options.scene.as_ref());
         let sphere = items.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
-        // Not with exact textures, as `measure` has them: they would take three times as long, and in
+        // Not with exact textures, as `measure` has them: they would take longer, and in
         // so few pixels a leaf is off by a quarter of one at most.
         let held_out = ViewSet::held_out(sphere);
         let held_out = held_out.iter().flat_map(ViewSet::views);

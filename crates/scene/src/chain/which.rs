@@ -67,10 +67,10 @@ pub(super) fn lightest(
     let mut made: Vec<Placed> = Vec::new();
     let (mut first, mut pays_from) = (0, 0);
     let mut places = maker.heights();
+    let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
     if maker.options.impostor.is_demanded() && places.len() > 1 {
         places.pop();
     }
-    let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
     for (k, (height, place)) in places.into_iter().enumerate() {
         // It may be the last level, and FLIP is larger farther off on some plants.
         let step = ladder.lightest(&heights[k..], first, pays_from, observer)?;

@@ -40,7 +40,7 @@ pub enum Choice {
 }
 
 impl Choice {
-    /// Whether the chain ends in an impostor, however far that is from the plant.
+    /// Whether the chain ends in an impostor whatever it looks like beside a mesh.
     pub fn is_demanded(self) -> bool {
         matches!(self, Self::Crossed | Self::Octahedral)
     }

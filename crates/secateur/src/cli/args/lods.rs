@@ -26,7 +26,8 @@ pub(crate) struct Lods {
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = leaves)]
     pub(crate) triangles: Vec<u64>,
     /// The distances in metres from which levels are seen, the nearest first, such as 5,20,80: for
-    /// each the lightest level within `--max-flip` at the height that the screen shows there.
+    /// each the lightest level within `--max-flip` at the height that the screen shows there; for the
+    /// last of several none, if `--impostor` asks for crossed planes or octahedral views.
     #[arg(long, value_name = "M,M,...", value_parser = distances, allow_negative_numbers = true, conflicts_with_all = ["triangles", "levels"])]
     pub(crate) distances: Option<Distances>,
     /// How the levels lie in files [default: files in a folder, siblings in one file].
