@@ -465,13 +465,14 @@ mod tests {
     fn leaves_are_cut_no_further_than_a_64th_of_a_pixel_asks_for() {
         let view = View::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 0.01).unwrap();
         let exact = view.with_exact_textures();
-        // As wide as they seem: in the middle of the image what is farther off hardly moves.
+        // In the middle of the image, where the far end of a leaf is drawn just beside its near end.
         let amid = |view: &View, px: f64| cuts(view, DVec3::Z * -9.5, px, 1.0);
         assert_eq!([1.0, 10.0, 1000.0].map(|px| amid(&view, px)), [1; 3]);
         let of_sizes = [0.5, 1.0, 2.0, 2.4, 9.0, 11.0, 36.0, 41.0, 1000.0];
         let of_sizes = of_sizes.map(|px| amid(&exact, px));
         assert_eq!(of_sizes, [0, 1, 1, 2, 2, 3, 3, 4, 4]);
-        // A thread that points away from the eye, off the middle: its far end is a tenth nearer to that.
+        // A thread that points away from the eye, off the middle of the image: its far end is drawn a
+        // tenth nearer to the middle.
         let off_middle = |px: f64| cuts(&exact, DVec3::new(10.0 * px, 0.0, -9.5), 1e-9, 1.0);
         assert_eq!([0.5, 2.0, 9.0, 36.0, 41.0].map(off_middle), [0, 1, 2, 3, 4]);
         // No width at all is no reason to cut less where no error is allowed.

@@ -95,8 +95,8 @@ impl View {
     }
 
     /// The same camera, with textures 16 times as exact: not a 64th of a leaf but a 1024th of it, or
-    /// a 64th of a pixel, out of place ([`AFFINE_DEPTH_RATIO`]), but for leaves as deep as they are
-    /// far. It takes up to several times as long to draw leaves that have a cut-out.
+    /// a 64th of a pixel where that is more, out of place ([`AFFINE_DEPTH_RATIO`]), but for leaves as
+    /// deep as they are far. It takes up to several times as long to draw leaves that have a cut-out.
     #[must_use]
     pub fn with_exact_textures(self) -> Self {
         Self {

@@ -97,7 +97,6 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
     let found = match kind {
         "means" => means(&given, &COMPARED, &[0.5, 0.25, 0.1]),
         "tenth" => means(&given, &AT_A_TENTH, &[0.1]),
-        "all" => means_of_all(&given),
         "fsa-time" => fsa_time(&given),
         "beaten" => beaten_as_drawn(rows).map(typed),
         "lost" => match (beaten_as_drawn(rows), lost_cases(rows)) {
@@ -113,7 +112,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, all, fsa-time, beaten, lost, subject, paper, nearest and walks"
+                "{kind} is no kind of table: there are means, tenth, fsa-time, beaten, lost, subject, paper, nearest and walks"
             ));
         }
     };
@@ -150,21 +149,6 @@ fn typed(mut table: Table) -> Table {
         }
     }
     table
-}
-
-/// Means over trees of all methods that there are, in the order of the rows.
-fn means_of_all(rows: &[Row]) -> Option<Table> {
-    let mut labels: Vec<String> = Vec::new();
-    for row in rows {
-        if !labels.contains(&row.label()) {
-            labels.push(row.label());
-        }
-    }
-    let mut levels: Vec<f64> = rows.iter().map(|row| row.level).collect();
-    levels.sort_by(|a, b| b.total_cmp(a));
-    levels.dedup();
-    let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
-    means(rows, &labels, &levels)
 }
 
 /// Means over trees of the methods named, a line for each and each level.
@@ -262,16 +246,6 @@ mod tests {
         assert!(!filled.contains("old"));
         assert_eq!(fill(&filled).unwrap(), filled, "filled again");
         assert_eq!(fill("no table").unwrap(), "no table");
-    }
-
-    #[test]
-    fn all_methods_are_listed_as_their_rows_come() {
-        let page = "<!-- rows all a/study -->\n<!-- end of rows -->";
-        let filled = fill(page).unwrap();
-        let lines: Vec<&str> = filled.lines().collect();
-        let methods = lines[3..lines.len() - 1].iter();
-        let methods: Vec<&str> = methods.filter_map(|line| line.split('`').nth(1)).collect();
-        assert_eq!(methods, ["vds --triangles", "stochastic"]);
     }
 
     #[test]
