@@ -145,6 +145,97 @@ fn an_impostor_is_taken_unasked_only_where_it_looks_no_worse() {
     }
 }
 
+/// Cards are ordinary quads, as few as are within the difference, which show as much as there is of the plant.
+#[test]
+fn cards_stand_for_a_plant_far_off() {
+    let bench = Bench::new();
+    let lods = |impostor: &str, max_flip: &str, output: &str| {
+        let lods = [
+            "lods",
+            "oak.glb",
+            "-o",
+            output,
+            "--distances",
+            "20,60",
+            "--max-flip",
+            max_flip,
+            "--impostor",
+            impostor,
+            "--report",
+            "r.json",
+            "--overwrite",
+        ];
+        bench.run(&lods).succeeded();
+        bench.json("r.json")
+    };
+    let record = lods("cards", "0.05", "c");
+    let last = levels(&record).last().unwrap();
+    assert_eq!(last["kind"], "impostor");
+    let said = &last["impostor"];
+    assert_eq!(said["layout"], "cards");
+    assert_eq!(count(&last["triangles"]), 2 * count(&said["cards"]));
+    assert!(last["flip_mean"].as_f64().unwrap() <= 0.05, "{last}");
+    for coverage in ["coverage_as_drawn", "coverage_as_drawn_at_end"] {
+        let coverage = last[coverage].as_f64().unwrap();
+        assert!((0.9..=1.1).contains(&coverage), "{last}");
+    }
+    let written = files(&bench, &record);
+    validator::assert_valid(&written);
+    let document = Document::open(written.last().unwrap()).unwrap();
+    let surfaces = document.surfaces(&[]).unwrap();
+    let [(cards, _)] = &surfaces[..] else {
+        panic!("one material: {}", surfaces.len())
+    };
+    let height = height_of(&bench.path("oak.glb"));
+    let top = cards.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+    assert!((top / height - 1.0).abs() < 0.1, "{top} of {height}");
+    // A client reads the mips with which the coverage was looked at.
+    let read = cards.material.texture.as_ref().unwrap().filters.mips;
+    let sampler = &document.json()["samplers"][0];
+    let reads_none = sampler["minFilter"] == 9729;
+    assert_eq!(read == secateur::Mips::None, reads_none, "{sampler}");
+    // With a smaller difference there are more of them.
+    let finer = lods("cards", "0.03", "f");
+    let finer = levels(&finer).last().unwrap();
+    assert!(count(&finer["triangles"]) > count(&last["triangles"]));
+}
+
+/// Unasked, cards take the place of meshes that they save a third of.
+#[test]
+fn cards_are_taken_unasked_where_they_are_lighter() {
+    let bench = Bench::new();
+    let lods = |options: &[&str]| {
+        let lods = ["lods", "oak.glb", "-o", "c", "--report", "r.json"];
+        bench
+            .run(&[&lods[..], options, &["--overwrite"]].concat())
+            .succeeded();
+        bench.json("r.json")
+    };
+    let at = ["--distances", "20,60,200", "--max-flip", "0.05"];
+    let chosen = lods(&at);
+    let meshes = lods(&[&at[..], &["--impostor", "none"]].concat());
+    let lightest = count(&levels(&meshes).last().unwrap()["triangles"]);
+    let is_cards = |level: &&Value| level["impostor"]["layout"] == "cards";
+    let cards: Vec<&Value> = levels(&chosen).iter().filter(is_cards).collect();
+    let [cards] = cards[..] else {
+        panic!("one level of cards in {chosen}")
+    };
+    assert!(3 * count(&cards["triangles"]) <= 2 * lightest, "{cards}");
+    assert!(cards["flip_mean"].as_f64().unwrap() <= 0.05);
+    assert!(count(&cards["impostor"]["mesh_triangles"]) >= lightest);
+    let distances: Vec<f64> = levels(&chosen)
+        .iter()
+        .map(|level| level["distance"].as_f64().unwrap())
+        .collect();
+    assert!(
+        distances.windows(2).all(|pair| pair[0] < pair[1]),
+        "{distances:?}"
+    );
+    // Levels for heights on the screen are meshes.
+    let heights = lods(&["--max-flip", "0.05"]);
+    assert!(!levels(&heights).iter().any(|level| is_cards(&level)));
+}
+
 /// A browser compiles the GLSL sampler of the manual.
 #[test]
 fn the_glsl_sampler_compiles() {

@@ -13,10 +13,13 @@ use secateur_model::{Surface, Texture};
 use secateur_raster::ViewSet;
 use secateur_scene::Screen;
 use secateur_scene::impostor::Impostor;
+use secateur_scene::impostor::cards::Cards;
 use secateur_scene::impostor::crossed::Planes;
 use secateur_scene::impostor::judge::Judge;
 
 const HEIGHTS_PX: [f64; 3] = [64.0, 128.0, 256.0];
+
+const CARDS: [usize; 3] = [30, 100, 300];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -49,6 +52,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             let start = Instant::now();
             if let Some(made) = Impostor::crossed(&surfaces, planes, height) {
                 let name = format!("crossed-{}", planes.count());
+                all.push((name, start.elapsed().as_secs_f64(), made));
+            }
+        }
+        for count in CARDS {
+            let start = Instant::now();
+            let cards = Cards::new(&surfaces, count);
+            if let Some(made) = Impostor::cards(&cards, height, f64::INFINITY) {
+                let name = format!("cards-{}", cards.count());
                 all.push((name, start.elapsed().as_secs_f64(), made));
             }
         }

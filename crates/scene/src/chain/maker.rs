@@ -13,6 +13,7 @@ use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
 use super::look::{Drawn, Enough, Look};
 use super::options::{ChainOptions, HEIGHTS_PX, Wanted};
+use super::textures::Client;
 
 /// A level before its distance is known.
 #[derive(Clone)]
@@ -80,6 +81,18 @@ impl<'a> Maker<'a> {
             look,
             leaves: Measured::new(tree.leaves(), judging)?,
         })
+    }
+
+    /// What a client shows of levels.
+    pub(super) fn client(&self) -> Client<'_> {
+        let (look, [views]) = (&self.look, &self.look.views);
+        Client::new(
+            &look.original,
+            views,
+            look.sphere,
+            self.options.screen,
+            look.height,
+        )
     }
 
     pub(super) fn level(

@@ -1,7 +1,10 @@
 //! Chains of levels of detail of whole plants: which levels, and for which distances.
 
+mod card_cutoffs;
+mod cards;
 mod ending;
 mod error;
+mod impostors;
 mod ladder;
 mod leaf_texture;
 mod level;
@@ -43,29 +46,30 @@ pub fn chain(
 ) -> Result<Chain, ChainError> {
     options.check()?;
     let maker = Maker::new(tree, options, engine)?;
+    let client = maker.client();
     let mut notes = Vec::new();
     let mut made = match &options.wanted {
         Wanted::Triangles(amounts) => asked(&maker, amounts, &mut notes, observer)?,
         Wanted::Heights(_) => spread(&maker, &mut notes, observer)?,
         Wanted::Distances(_) => lightest(&maker, &mut notes, observer)?,
     };
-    let impostor = maker.impostor(&made, &mut notes, observer)?;
-    if let Some((_, height, _)) = &impostor {
-        made.retain(|(_, begins, _)| begins > height);
+    let impostors = maker.impostors(&made, &client, &mut notes, observer)?;
+    let followed_at = impostors.first().map(|(_, height, _)| *height);
+    if let Some(height) = followed_at {
+        made.retain(|(_, begins, _)| *begins > height);
     }
-    let followed_at = impostor.as_ref().map(|(_, height, _)| *height);
-    let made = maker.covering(made, followed_at)?;
+    let made = maker.covering(made, followed_at, &client)?;
     let mut levels = Vec::new();
     for (level, height, flip) in made {
         let pictured = Pictured::Mesh(level.drawn.level.clone());
         levels.push((pictured, maker.finished(level, height, flip)?));
     }
-    if let Some((level, height, flip)) = impostor {
+    for (level, height, flip) in impostors {
         let pictured = Pictured::Impostor(level.impostor.clone());
         levels.push((pictured, maker.finished_impostor(level, height, flip)));
     }
     let levels = maker.without_pops(levels, &mut notes)?;
-    let mut levels = maker.with_textures(levels)?;
+    let mut levels = maker.with_textures(levels, &client)?;
     let ends: Vec<f64> = levels
         .iter()
         .skip(1)

@@ -32,6 +32,7 @@ impl Maker<'_> {
         &self,
         placed: Vec<Placed>,
         followed_at: Option<f64>,
+        client: &Client<'_>,
     ) -> Result<Vec<Placed>, ChainError> {
         if self
             .look
@@ -41,16 +42,12 @@ impl Maker<'_> {
         {
             return Ok(placed);
         }
-        let look = &self.look;
-        let (original, [views]) = (&look.original, &look.views);
-        let screen = self.options.screen;
-        let client = Client::new(original, views, look.sphere, screen, look.height);
         let mut ends: Vec<Option<f64>> = placed.iter().skip(1).map(|(_, h, _)| Some(*h)).collect();
         ends.push(followed_at);
         let levels = placed.into_iter().zip(ends);
         levels
             .map(|((made, height, flip), end)| {
-                let (made, flip) = self.in_other_sizes(&client, (made, flip), height, end)?;
+                let (made, flip) = self.in_other_sizes(client, (made, flip), height, end)?;
                 Ok((made, height, flip))
             })
             .collect()

@@ -90,7 +90,7 @@ impl LevelAsDrawn {
 
     /// The share by which coverage is off where it is off most; a speck too many counts as much
     /// as a hundredth.
-    fn error(&self) -> f64 {
+    pub(super) fn error(&self) -> f64 {
         self.coverage_error() + 0.01 * self.specks_too_many()
     }
 
@@ -111,7 +111,7 @@ impl LevelAsDrawn {
         begin.max(end) > begin.min(end) * HOPELESS * WITHIN[1] / WITHIN[0]
     }
 
-    fn is_within(&self) -> bool {
+    pub(super) fn is_within(&self) -> bool {
         let within = |shown: &Shown| (WITHIN[0]..=WITHIN[1]).contains(&shown.coverage_over_truth);
         within(&self.begin) && within(&self.end) && self.specks_too_many() == 0.0
     }
@@ -162,7 +162,17 @@ impl<'a> Client<'a> {
 
     /// How a level looks with its surfaces as they are.
     pub(super) fn as_drawn(&self, surfaces: &[Surface], range: [f64; 2]) -> LevelAsDrawn {
-        let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, h));
+        self.as_drawn_with(surfaces, &self.mips, range)
+    }
+
+    /// The same with the mip maps of its textures, where they are known.
+    pub(super) fn as_drawn_with(
+        &self,
+        surfaces: &[Surface],
+        mips: &MipMaps,
+        range: [f64; 2],
+    ) -> LevelAsDrawn {
+        let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, mips, h));
         let more = |shown: Shown, original: Shown| {
             let is_whole = original.coverage_over_truth >= WITHIN[0];
             is_whole.then_some(shown.specks_per_view - original.specks_per_view)
@@ -245,7 +255,7 @@ impl<'a> Client<'a> {
     }
 
     /// What a client shows of a level, and of the original.
-    fn shown(&self, surfaces: &[Surface], pixels_high: f64) -> (Shown, Shown) {
+    fn shown(&self, surfaces: &[Surface], mips: &MipMaps, pixels_high: f64) -> (Shown, Shown) {
         let mut truths = self.truths.borrow_mut();
         let truth = truths.entry(pixels_high.to_bits());
         let truth = truth.or_insert_with(|| {
@@ -257,7 +267,7 @@ impl<'a> Client<'a> {
             specks_per_view: shown.specks_per_view * per_picture.max(1.0),
             ..shown
         };
-        let shown = [truth.shown(surfaces, &self.mips), truth.original_shown()];
+        let shown = [truth.shown(surfaces, mips), truth.original_shown()];
         let [level, original] = shown.map(of_picture);
         (level, original)
     }

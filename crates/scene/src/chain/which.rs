@@ -8,7 +8,7 @@ use super::maker::{Made, Maker};
 
 /// A level that is sought for a distance has at most this share of the triangles of the one before
 /// it: to switch for less would not pay.
-const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
+pub(super) const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
 
 /// How many times the triangles of the next coarser level a level for a height has: four of them
 /// go from all that shows to a fifth of it.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec2;
-use secateur_model::{AlphaMode, Filters, Finish, Material, NormalMap, Texture, Wrap};
+use secateur_model::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Texture, Wrap};
 
 use super::cell::Cell;
 use super::coverage::CUTOFF;
@@ -14,33 +14,30 @@ pub const BORDER: f64 = 1.0 / 16.0;
 
 /// The colours and normals of cells.
 pub(super) struct Atlas {
-    /// Texels a side of a cell.
-    pub(super) cell: u32,
-    /// Cells across and down.
-    pub(super) cells: [u32; 2],
+    /// Width and height in texels.
+    pub(super) size: [u32; 2],
     pub(super) rgba: Vec<u8>,
     pub(super) normals: Vec<u8>,
 }
 
 impl Atlas {
-    pub(super) fn new(cell: u32, cells: [u32; 2]) -> Self {
-        let texels = (cell * cells[0]) as usize * (cell * cells[1]) as usize;
+    pub(super) fn new(size: [u32; 2]) -> Self {
+        let texels = size[0] as usize * size[1] as usize;
         Self {
-            cell,
-            cells,
+            size,
             rgba: vec![0; 4 * texels],
             normals: [128, 128, 255, 255].repeat(texels),
         }
     }
 
-    /// Puts a cell in its place, counted from the upper left.
-    pub(super) fn put(&mut self, baked: &Cell, [across, down]: [u32; 2]) {
-        assert_eq!(baked.side, self.cell, "cells of one size");
-        let width = (self.cell * self.cells[0]) as usize;
-        let side = self.cell as usize;
-        for at in 0..side * side {
-            let (x, y) = (at % side, at / side);
-            let texel = (down as usize * side + y) * width + across as usize * side + x;
+    /// Puts a cell where its upper left texel is this one.
+    pub(super) fn put(&mut self, baked: &Cell, corner: [u32; 2]) {
+        let [across, down] = corner.map(|texels| texels as usize);
+        let width = self.size[0] as usize;
+        let own_width = baked.size[0] as usize;
+        for at in 0..baked.alphas.len() {
+            let (x, y) = (at % own_width, at / own_width);
+            let texel = (down + y) * width + across + x;
             let [r, g, b] = baked.colors[at].to_array().map(srgb_byte);
             self.rgba[4 * texel..][..4].copy_from_slice(&[r, g, b, baked.alphas[at]]);
             let [x, y, z] = baked.normals[at].to_array().map(direction_byte);
@@ -48,29 +45,35 @@ impl Atlas {
         }
     }
 
-    /// Texture coordinates of a place in a cell, in texels from its middle, right and down.
-    pub(super) fn uv(&self, [across, down]: [u32; 2], from_middle: Vec2) -> Vec2 {
-        let middle = Vec2::new(across as f32 + 0.5, down as f32 + 0.5) * self.cell as f32;
-        let size = Vec2::new(self.cells[0] as f32, self.cells[1] as f32) * self.cell as f32;
-        (middle + from_middle) / size
+    /// Texture coordinates of a place in texels, right and down from the upper left corner.
+    pub(super) fn uv(&self, place: Vec2) -> Vec2 {
+        let [width, height] = self.size;
+        place / Vec2::new(width as f32, height as f32)
     }
 
-    /// The glTF material that draws the atlas.
-    pub(super) fn material(&self) -> Material {
-        let size = self.cells.map(|count| count * self.cell);
-        material(size, self.rgba.clone(), self.normals.clone())
+    /// The glTF material that draws the atlas, and reads these mips of it.
+    pub(super) fn material(&self, mips: Mips) -> Material {
+        material(self.size, self.rgba.clone(), self.normals.clone(), mips)
     }
 }
 
 /// What draws a texture of colours and one of normals: cut out, both sides, lit.
-pub(super) fn material([width, height]: [u32; 2], rgba: Vec<u8>, normals: Vec<u8>) -> Material {
+pub(super) fn material(
+    [width, height]: [u32; 2],
+    rgba: Vec<u8>,
+    normals: Vec<u8>,
+    mips: Mips,
+) -> Material {
     let texture = |rgba: Vec<u8>| {
         Arc::new(Texture {
             width,
             height,
             rgba,
             wrap: [Wrap::ClampToEdge; 2],
-            filters: Filters::default(),
+            filters: Filters {
+                mips,
+                ..Filters::default()
+            },
         })
     };
     Material {

@@ -1,21 +1,30 @@
-//! A square of an atlas: what one view sees of a plant, such that filters find nothing wrong in it.
+//! What views see of a plant, as texels in which filters find nothing wrong.
 
 use std::borrow::Borrow;
 
 use glam::Vec3;
 use secateur_eval::{ParallelView, SeenTexel, seen_along};
-use secateur_model::Surface;
+use secateur_model::{Mips, Surface};
 
-use super::coverage::alpha_that_keeps_coverage;
+use super::coverage::{alpha_that_keeps_coverage, alpha_without_mips};
 use crate::dilate::dilated;
 
 /// Samples along a side of a cell, at least: finer cells have fewer a texel.
 const SAMPLES: u32 = 384;
 
-/// One view of a plant, baked into texels.
+/// A rectangle of texels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// The upper left one.
+    pub(super) corner: [u32; 2],
+    /// Width and height.
+    pub(super) size: [u32; 2],
+}
+
+/// One or more views of a plant, baked into texels.
 pub(super) struct Cell {
     /// Width and height in texels.
-    pub(super) side: u32,
+    pub(super) size: [u32; 2],
     /// Linear; where nothing is seen, that of what is near.
     pub(super) colors: Vec<Vec3>,
     /// Along right, up and toward the eye, unit.
@@ -30,22 +39,40 @@ pub(super) fn bake<S: Borrow<Surface> + Sync>(
     side: u32,
 ) -> Cell {
     let samples = (SAMPLES / side.max(1)).clamp(2, 4);
-    let seen = seen_along(surfaces, view, [side, side], samples);
-    let coverage: Vec<f32> = seen.iter().map(|texel| texel.coverage).collect();
-    let weighted = |t: &SeenTexel| ([t.color * t.coverage, t.normal * t.coverage], t.coverage);
-    let size = [side as usize; 2];
-    let filled = dilated(
-        seen.iter().map(weighted).collect(),
-        size,
-        [Vec3::ZERO, Vec3::Z],
-    );
-    Cell {
-        side,
-        colors: filled.iter().map(|[color, _]| *color).collect(),
-        normals: filled
-            .iter()
-            .map(|[_, normal]| normal.normalize_or(Vec3::Z))
-            .collect(),
-        alphas: alpha_that_keeps_coverage(&coverage, side as usize),
+    let size = [side; 2];
+    let seen = seen_along(surfaces, view, size, samples);
+    let corner = [0, 0];
+    Cell::of_texels(seen, size, &[Place { corner, size }], Mips::Blended)
+}
+
+impl Cell {
+    /// Of what is seen in texels, powers of two of them on each side, for a sampler that reads these mips; each of the
+    /// pictures in it keeps its own coverage.
+    pub(super) fn of_texels(
+        seen: Vec<SeenTexel>,
+        size: [u32; 2],
+        pictures: &[Place],
+        mips: Mips,
+    ) -> Self {
+        let coverage: Vec<f32> = seen.iter().map(|texel| texel.coverage).collect();
+        let alphas = match mips {
+            Mips::None => alpha_without_mips(&coverage, size, pictures),
+            Mips::Nearest | Mips::Blended => alpha_that_keeps_coverage(&coverage, size, pictures),
+        };
+        let weighted = |t: SeenTexel| ([t.color * t.coverage, t.normal * t.coverage], t.coverage);
+        let filled = dilated(
+            seen.into_iter().map(weighted).collect(),
+            size.map(|side| side as usize),
+            [Vec3::ZERO, Vec3::Z],
+        );
+        Self {
+            size,
+            colors: filled.iter().map(|[color, _]| *color).collect(),
+            normals: filled
+                .iter()
+                .map(|[_, normal]| normal.normalize_or(Vec3::Z))
+                .collect(),
+            alphas,
+        }
     }
 }

@@ -15,13 +15,15 @@
 //! There is an end to the room: where few texels are there and lie scattered one by one, not in
 //! clumps as leaves do, the third mip and coarser ones lose some of them still.
 
+use super::cell::Place;
+
 /// What alpha is tested against, 0 to 1.
 pub const CUTOFF: f32 = 0.5;
 
 /// How far alpha keeps from the cutoff: more than rounding to bytes moves it over all mips.
 const MARGIN: f32 = 4.0 / 255.0;
 
-/// Mips of this side and less are left as they come: there a crown is a few texels.
+/// Mips with a side of this and less are left as they come: there a crown is a few texels.
 const LEAST_SIDE: usize = 4;
 
 /// Halvings of the step in the search for what to add to four alphas.
@@ -30,17 +32,34 @@ const HALVINGS: usize = 16;
 /// A mip: for each texel the alpha that it would have, the share of the finest mip's texels below
 /// it that are there, and the range that its alpha may be in.
 struct Mip {
-    side: usize,
+    /// Texels across and down.
+    size: [usize; 2],
     alphas: Vec<f32>,
     shares: Vec<f32>,
     ranges: Vec<[f32; 2]>,
 }
 
-/// Alpha for a square of texels, a power of two on each side, that are covered by these shares.
-pub(super) fn alpha_that_keeps_coverage(coverage: &[f32], side: usize) -> Vec<u8> {
-    assert!(side.is_power_of_two() && coverage.len() == side * side);
-    let mut mips = vec![finest(coverage, side)];
-    while let Some(finer) = mips.last().filter(|mip| mip.side > LEAST_SIDE) {
+/// Alpha for texels that are covered by these shares, of which as many are there in each picture as it covers. Mips
+/// do not keep that: it is for samplers that read none.
+pub(super) fn alpha_without_mips(coverage: &[f32], size: [u32; 2], pictures: &[Place]) -> Vec<u8> {
+    let size = size.map(|side| side as usize);
+    bytes(finest(coverage, size, pictures).alphas)
+}
+
+/// Alpha for texels that are covered by these shares, a power of two of them on each side. As many texels of each
+/// picture are there as it covers; outside of pictures nothing is.
+pub(super) fn alpha_that_keeps_coverage(
+    coverage: &[f32],
+    size: [u32; 2],
+    pictures: &[Place],
+) -> Vec<u8> {
+    let size = size.map(|side| side as usize);
+    assert!(size.iter().all(|side| side.is_power_of_two()) && coverage.len() == size[0] * size[1]);
+    let mut mips = vec![finest(coverage, size, pictures)];
+    while let Some(finer) = mips
+        .last()
+        .filter(|mip| mip.size.iter().all(|s| *s > LEAST_SIDE))
+    {
         let coarser = halved(finer);
         mips.push(coarser);
     }
@@ -48,22 +67,50 @@ pub(super) fn alpha_that_keeps_coverage(coverage: &[f32], side: usize) -> Vec<u8
     for mip in mips.iter().rev() {
         let alphas = match &above {
             None => held(&mip.alphas, &mip.ranges),
-            Some((side, means)) => spread(mip, means, *side),
+            Some((width, means)) => spread(mip, means, *width),
         };
-        above = Some((mip.side, alphas));
+        above = Some((mip.size[0], alphas));
     }
     let (_, alphas) = above.unwrap_or_default();
+    bytes(alphas)
+}
+
+fn bytes(alphas: Vec<f32>) -> Vec<u8> {
     let byte = |alpha: f32| (alpha.clamp(0.0, 1.0) * 255.0).round() as u8;
     alphas.into_iter().map(byte).collect()
 }
 
-/// As many texels are there as are covered in all: those that are covered most.
-fn finest(coverage: &[f32], side: usize) -> Mip {
+fn finest(coverage: &[f32], size: [usize; 2], pictures: &[Place]) -> Mip {
+    let texels = coverage.len();
+    let mut mip = Mip {
+        size,
+        alphas: vec![0.0; texels],
+        shares: vec![0.0; texels],
+        ranges: vec![range(false); texels],
+    };
+    for picture in pictures {
+        let [left, top] = picture.corner.map(|texels| texels as usize);
+        let [across, down] = picture.size.map(|texels| texels as usize);
+        let at = |k: usize| (top + k / across) * size[0] + left + k % across;
+        let own: Vec<f32> = (0..across * down).map(|k| coverage[at(k)]).collect();
+        for (k, (alpha, is_there)) in of_picture(&own, [across, down]).into_iter().enumerate() {
+            let range = range(is_there);
+            mip.alphas[at(k)] = alpha.clamp(range[0], range[1]);
+            mip.shares[at(k)] = f32::from(u8::from(is_there));
+            mip.ranges[at(k)] = range;
+        }
+    }
+    mip
+}
+
+/// As many texels of a picture are there as are covered in all: those that are covered most. With the alpha
+/// that each would have.
+fn of_picture(coverage: &[f32], [across, down]: [usize; 2]) -> Vec<(f32, bool)> {
     let wanted = coverage.iter().sum::<f32>().round() as usize;
     // Of texels with as much coverage, those come first whose neighbours have more.
     let key = |at: usize| {
-        let (x, y) = (at % side, at / side);
-        let get = |x: usize, y: usize| coverage[y.min(side - 1) * side + x.min(side - 1)];
+        let (x, y) = (at % across, at / across);
+        let get = |x: usize, y: usize| coverage[y.min(down - 1) * across + x.min(across - 1)];
         let around = get(x + 1, y) + get(x.saturating_sub(1), y);
         let around = around + get(x, y + 1) + get(x, y.saturating_sub(1));
         coverage[at] + 1e-3 * around
@@ -83,17 +130,8 @@ fn finest(coverage: &[f32], side: usize) -> Mip {
         true => CUTOFF * covered / edge,
         false => CUTOFF + (1.0 - CUTOFF) * (covered - edge) / (1.0 - edge),
     };
-    let ranges: Vec<[f32; 2]> = is_there.iter().map(|&there| range(there)).collect();
-    let alphas: Vec<f32> = coverage.iter().map(|&c| alpha(c)).collect();
-    Mip {
-        side,
-        alphas: held(&alphas, &ranges),
-        shares: is_there
-            .iter()
-            .map(|&there| f32::from(u8::from(there)))
-            .collect(),
-        ranges,
-    }
+    let alphas = coverage.iter().map(|&covered| alpha(covered));
+    alphas.zip(is_there).collect()
 }
 
 fn range(is_there: bool) -> [f32; 2] {
@@ -109,23 +147,28 @@ fn held(alphas: &[f32], ranges: &[[f32; 2]]) -> Vec<f32> {
 }
 
 /// The four texels of a finer mip below one.
-fn below(x: usize, y: usize, finer_side: usize) -> [usize; 4] {
-    let first = 2 * y * finer_side + 2 * x;
-    [first, first + 1, first + finer_side, first + finer_side + 1]
+fn below(x: usize, y: usize, finer_width: usize) -> [usize; 4] {
+    let first = 2 * y * finer_width + 2 * x;
+    [
+        first,
+        first + 1,
+        first + finer_width,
+        first + finer_width + 1,
+    ]
 }
 
 fn halved(finer: &Mip) -> Mip {
-    let side = finer.side / 2;
+    let [width, height] = finer.size.map(|side| side / 2);
     let mean = |values: &[f32], four: [usize; 4]| four.map(|k| values[k]).iter().sum::<f32>() / 4.0;
     let mut mip = Mip {
-        side,
-        alphas: Vec::with_capacity(side * side),
-        shares: Vec::with_capacity(side * side),
-        ranges: Vec::with_capacity(side * side),
+        size: [width, height],
+        alphas: Vec::with_capacity(width * height),
+        shares: Vec::with_capacity(width * height),
+        ranges: Vec::with_capacity(width * height),
     };
-    for y in 0..side {
-        for x in 0..side {
-            let four = below(x, y, finer.side);
+    for y in 0..height {
+        for x in 0..width {
+            let four = below(x, y, finer.size[0]);
             mip.alphas.push(mean(&finer.alphas, four));
             mip.shares.push(mean(&finer.shares, four));
             let bound = |k: usize| four.iter().map(|&at| finer.ranges[at][k]).sum::<f32>() / 4.0;
@@ -143,15 +186,15 @@ fn halved(finer: &Mip) -> Mip {
 /// Which texels of a mip are there: as many as its shares say, wherever they are, where the ranges
 /// of their alphas let them.
 fn there(mip: &Mip) -> Vec<bool> {
-    let side = mip.side;
+    let [width, height] = mip.size;
     let may_be = |at: usize| mip.shares[at] > 0.0 && mip.ranges[at][1] >= CUTOFF + MARGIN;
     let may_not = |at: usize| mip.shares[at] < 1.0 && mip.ranges[at][0] <= CUTOFF - MARGIN;
-    let mut is_there = vec![false; side * side];
+    let mut is_there = vec![false; width * height];
     // What texels so far showed too little, for this row and the next.
-    let mut owed = [vec![0.0f32; side + 2], vec![0.0f32; side + 2]];
-    for y in 0..side {
-        for x in 0..side {
-            let at = y * side + x;
+    let mut owed = [vec![0.0f32; width + 2], vec![0.0f32; width + 2]];
+    for y in 0..height {
+        for x in 0..width {
+            let at = y * width + x;
             let wanted = mip.shares[at] + owed[0][x + 1];
             is_there[at] = (may_be(at) && wanted >= 0.5) || !may_not(at);
             // Gaps hand on what is owed to what lies beyond them.
@@ -168,7 +211,7 @@ fn there(mip: &Mip) -> Vec<bool> {
     let wanted = mip.shares.iter().sum::<f32>().round() as usize;
     let found = is_there.iter().filter(|&&is| is).count();
     let lacks = found < wanted;
-    let mut others: Vec<usize> = (0..side * side)
+    let mut others: Vec<usize> = (0..width * height)
         .filter(|&at| match lacks {
             true => !is_there[at] && may_be(at),
             false => is_there[at] && may_not(at),
@@ -187,14 +230,14 @@ fn there(mip: &Mip) -> Vec<bool> {
 
 /// Alphas of a mip whose means are those of the mip above it: all four get the same more or less,
 /// as far as their ranges let them.
-fn spread(mip: &Mip, means: &[f32], side_above: usize) -> Vec<f32> {
+fn spread(mip: &Mip, means: &[f32], width_above: usize) -> Vec<f32> {
     let mut alphas = vec![0.0; mip.alphas.len()];
-    for y in 0..side_above {
-        for x in 0..side_above {
-            let four = below(x, y, mip.side);
+    for y in 0..mip.size[1] / 2 {
+        for x in 0..width_above {
+            let four = below(x, y, mip.size[0]);
             let own = four.map(|k| (mip.alphas[k], mip.ranges[k]));
             let held = |more: f32| own.map(|(a, [low, high])| (a + more).clamp(low, high));
-            let wanted = 4.0 * means[y * side_above + x];
+            let wanted = 4.0 * means[y * width_above + x];
             let (mut low, mut high) = (-1.0f32, 1.0f32);
             for _ in 0..HALVINGS {
                 let middle = (low + high) / 2.0;
@@ -214,6 +257,11 @@ fn spread(mip: &Mip, means: &[f32], side_above: usize) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn of_square(coverage: &[f32], side: u32) -> Vec<u8> {
+        let (corner, size) = ([0, 0], [side; 2]);
+        alpha_that_keeps_coverage(coverage, size, &[Place { corner, size }])
+    }
 
     /// The share of texels of each mip that pass the test, as a client makes mips: finest first.
     fn shares(alpha: &[u8], side: usize) -> Vec<f32> {
@@ -262,7 +310,7 @@ mod tests {
         for density in [0.25, 0.5, 0.75, 0.95] {
             let coverage = crown(128, density);
             let truth = coverage.iter().sum::<f32>() / coverage.len() as f32;
-            let kept = shares(&alpha_that_keeps_coverage(&coverage, 128), 128);
+            let kept = shares(&of_square(&coverage, 128), 128);
             // 128, 64, 32, 16 texels a side; of 8 x 8 one is 2 % of all.
             for (mip, share) in kept.iter().take(4).enumerate() {
                 let ratio = share / truth;
@@ -280,9 +328,9 @@ mod tests {
     #[test]
     fn what_is_whole_stays_whole_and_nothing_stays_nothing() {
         for whole in [0.0, 1.0] {
-            let alpha = alpha_that_keeps_coverage(&[whole; 64], 8);
+            let alpha = of_square(&[whole; 64], 8);
             assert!(alpha.iter().all(|&a| a == (255.0 * whole) as u8));
         }
-        assert_eq!(alpha_that_keeps_coverage(&[1.0], 1), [255]);
+        assert_eq!(of_square(&[1.0], 1), [255]);
     }
 }

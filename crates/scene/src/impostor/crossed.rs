@@ -6,7 +6,7 @@
 use std::borrow::Borrow;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 use secateur_eval::ParallelView;
 use secateur_model::Surface;
@@ -153,26 +153,29 @@ fn texel(planes: &[Plane], cell: u32) -> f64 {
     (2.0 * largest / room).max(f64::MIN_POSITIVE)
 }
 
-/// Bakes planes into cells of an atlas, and gives the quads that show them.
+/// Bakes planes into cells of an atlas, of which this is the side, and gives the quads that show them. Places are
+/// counted in cells.
 pub(super) fn quads<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     planes: &[Plane],
+    cell: u32,
     places: &[[u32; 2]],
     atlas: &mut Atlas,
 ) -> Quads {
-    let texel = texel(planes, atlas.cell);
-    let cell = atlas.cell;
+    let texel = texel(planes, cell);
     let baked = planes
         .par_iter()
         .map(|plane| bake(surfaces, &plane.view(texel), cell));
     let baked: Vec<_> = baked.collect();
     let mut quads = Quads::default();
     for ((plane, baked), &place) in planes.iter().zip(&baked).zip(places) {
-        atlas.put(baked, place);
+        atlas.put(baked, place.map(|cells| cells * cell));
         // The texels at the rim are whole.
         let half = plane.half + texel;
         let in_texels = (half / texel).as_vec2();
-        let uvs = [-1.0, 1.0].map(|side| atlas.uv(place, in_texels * side));
+        let [across, down] = place.map(|cells| cells as f32 + 0.5);
+        let middle = Vec2::new(across, down) * cell as f32;
+        let uvs = [-1.0, 1.0].map(|side| atlas.uv(middle + in_texels * side));
         quads.push(plane.centre, plane.view(texel).axes(), half, uvs);
     }
     quads

@@ -71,6 +71,11 @@ impl Judge {
         self
     }
 
+    /// Pixels a side of a picture.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
     /// The same from the first view, for what is seen at a glance.
     pub fn from_one(&self) -> Self {
         let views = self.views.views().iter().take(1).copied().collect();

@@ -1,27 +1,32 @@
 //! Impostors: pictures of a plant that stand for it far off.
 //!
-//! [`crossed`] planes are a few quads that any client draws; [`octahedral`] views are more pictures,
-//! of which a sampler blends those that are nearest to where the eye is. Both are baked from the
-//! original with colour, alpha and normals: `cell` makes the picture of one view, `coverage` its
-//! alpha, and `atlas` puts them side by side. [`judge`] says how far they look from the plant.
+//! [`crossed`] planes are a few quads that any client draws; [`cards`] are some dozens to hundreds, each with a
+//! layer of the plant; [`octahedral`] views are pictures of which a sampler blends those that are nearest
+//! to where the eye is. All are baked from the original with colour, alpha and normals: `cell` makes the picture of
+//! one view, `coverage` its alpha, and `atlas` puts them side by side. [`judge`] says how far they look from
+//! the plant, and [`fewest_cards`] how many cards are enough.
 
 mod atlas;
+pub mod cards;
 mod cell;
 mod coverage;
 pub mod crossed;
+pub mod fewest_cards;
 pub mod judge;
 pub mod octahedral;
+mod principal_axes;
 mod quads;
 
 use std::borrow::Borrow;
 use std::sync::Arc;
 
 use glam::DVec3;
-use secateur_model::Surface;
+use secateur_model::{AlphaMode, Mips, Surface};
 use serde_json::{Value, json};
 
 pub(crate) use atlas::srgb_byte;
 use atlas::{Atlas, BORDER};
+use cards::{Baked, Cards};
 use crossed::Planes;
 use octahedral::{CELLS, FRAMES, Octahedral};
 
@@ -33,16 +38,19 @@ pub enum Choice {
     None,
     /// Planes that cross along the main axes of the crown, each with a picture.
     Crossed,
+    /// Cards, each with a flat layer of the plant, as few as are within the difference.
+    Cards,
     /// Views from all directions in one texture, laid out as an octahedron that is folded open.
     Octahedral,
-    /// Crossed planes where they look no worse than what they take the place of.
+    /// Crossed planes where they look no worse than what they take the place of, and cards where these are within
+    /// the difference and lighter than a mesh by a third.
     Auto,
 }
 
 impl Choice {
     /// Whether the chain ends in an impostor whatever it looks like beside a mesh.
     pub fn is_demanded(self) -> bool {
-        matches!(self, Self::Crossed | Self::Octahedral)
+        matches!(self, Self::Crossed | Self::Cards | Self::Octahedral)
     }
 }
 
@@ -63,6 +71,7 @@ pub struct Impostor {
 #[derive(Clone, Debug)]
 enum Look {
     Crossed(Planes, u32),
+    Cards { texel_px: f64 },
     Octahedral(Octahedral),
 }
 
@@ -80,10 +89,10 @@ impl Impostor {
         let places: Vec<[u32; 2]> = (0..wanted.count())
             .map(|k| [k % across, k / across])
             .collect();
-        let mut atlas = Atlas::new(cell, [across, down]);
-        let quads = crossed::quads(surfaces, &planes, &places, &mut atlas);
+        let mut atlas = Atlas::new([across, down].map(|cells| cells * cell));
+        let quads = crossed::quads(surfaces, &planes, cell, &places, &mut atlas);
         Some(Self {
-            surface: quads.surface(atlas.material()),
+            surface: quads.surface(atlas.material(Mips::Blended)),
             look: Look::Crossed(wanted, cell),
         })
     }
@@ -94,14 +103,25 @@ impl Impostor {
         let planes = crossed::planes(surfaces, Planes::ALL[0])?;
         let (centre, radius) = sphere_of(surfaces)?;
         let cell = cell_for(pixels_high, VIEW_CELL);
-        let mut atlas = Atlas::new(cell, [CELLS; 2]);
-        octahedral::bake_views(surfaces, centre, radius, &mut atlas);
+        let mut atlas = Atlas::new([CELLS * cell; 2]);
+        octahedral::bake_views(surfaces, (centre, radius), cell, &mut atlas);
         let places = [[0, FRAMES], [1, FRAMES]];
-        let quads = crossed::quads(surfaces, &planes, &places, &mut atlas);
+        let quads = crossed::quads(surfaces, &planes, cell, &places, &mut atlas);
         Some(Self {
-            surface: quads.surface(atlas.material()),
-            look: Look::Octahedral(Octahedral::new(centre, radius, atlas)),
+            surface: quads.surface(atlas.material(Mips::Blended)),
+            look: Look::Octahedral(Octahedral::new(centre, radius, cell, atlas)),
         })
+    }
+
+    /// Cards for a height on the screen. Their texels are a pixel long there, or as much longer as it takes for one
+    /// texture to hold them; `None` if that is more than `coarsest_px` pixels, or there is nothing to see.
+    pub fn cards(cards: &Cards, pixels_high: f64, coarsest_px: f64) -> Option<Self> {
+        let Baked { surface, texel_px } = cards.baked(pixels_high, coarsest_px)?;
+        let made = Self {
+            surface,
+            look: Look::Cards { texel_px },
+        };
+        Some(made.with_cutoff(cards::CUTOFF))
     }
 
     /// The same without its normals: each quad is lit as the plane that it is.
@@ -109,6 +129,30 @@ impl Impostor {
         let mut flat = self.clone();
         Arc::make_mut(&mut flat.surface.material).finish.normal_map = None;
         flat
+    }
+
+    /// The same, tested against this alpha.
+    pub fn with_cutoff(&self, cutoff: f32) -> Self {
+        let mut other = self.clone();
+        Arc::make_mut(&mut other.surface.material).alpha_mode = AlphaMode::Mask(cutoff);
+        other
+    }
+
+    /// The same, read with these mips.
+    pub fn with_mips(&self, mips: Mips) -> Self {
+        let mut other = self.clone();
+        let material = Arc::make_mut(&mut other.surface.material);
+        let normals = material
+            .finish
+            .normal_map
+            .as_mut()
+            .map(|map| &mut map.texture);
+        for texture in material.texture.as_mut().into_iter().chain(normals) {
+            if texture.filters.mips != mips {
+                Arc::make_mut(texture).filters.mips = mips;
+            }
+        }
+        other
     }
 
     /// Whether only a sampler of its own draws it as it is meant.
@@ -119,7 +163,7 @@ impl Impostor {
     /// What an eye sees of it: octahedral views as their sampler shows them.
     pub fn seen_from(&self, eye: DVec3) -> Surface {
         match &self.look {
-            Look::Crossed(..) => self.surface.clone(),
+            Look::Crossed(..) | Look::Cards { .. } => self.surface.clone(),
             Look::Octahedral(views) => {
                 let mut facing = views.facing(eye - views.centre);
                 if self.surface.material.finish.normal_map.is_none() {
@@ -141,6 +185,13 @@ impl Impostor {
                 "normal_map": self.surface.material.finish.normal_map.is_some(),
                 "atlas": size,
                 "cell": cell,
+            }),
+            Look::Cards { texel_px } => json!({
+                "layout": "cards",
+                "cards": self.surface.triangles.len() / 2,
+                "normal_map": self.surface.material.finish.normal_map.is_some(),
+                "atlas": size,
+                "texel_px": texel_px,
             }),
             Look::Octahedral(views) => json!({
                 "layout": "octahedral",

@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use secateur_eval::ParallelView;
-use secateur_model::Surface;
+use secateur_model::{Mips, Surface};
 
 pub use super::atlas::BORDER;
 use super::atlas::{Atlas, direction_byte, material, srgb_byte};
@@ -88,15 +88,14 @@ fn direction_of([x, y]: [u32; 2]) -> DVec3 {
     direction(DVec2::new(x.into(), y.into()) / most * 2.0 - 1.0)
 }
 
-/// Bakes all views into an atlas.
+/// Bakes all views into an atlas of cells of this side.
 pub(super) fn bake_views<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
-    centre: DVec3,
-    radius: f64,
+    (centre, radius): (DVec3, f64),
+    cell: u32,
     atlas: &mut Atlas,
 ) {
-    let texel = 2.0 * radius / (f64::from(atlas.cell) * (1.0 - 2.0 * BORDER));
-    let cell = atlas.cell;
+    let texel = 2.0 * radius / (f64::from(cell) * (1.0 - 2.0 * BORDER));
     let places: Vec<[u32; 2]> = (0..FRAMES * FRAMES)
         .map(|k| [k % FRAMES, k / FRAMES])
         .collect();
@@ -111,8 +110,8 @@ pub(super) fn bake_views<S: Borrow<Surface> + Sync>(
         bake(surfaces, &view, cell)
     };
     let cells: Vec<_> = places.par_iter().map(of_view).collect();
-    for (place, cell) in places.iter().zip(&cells) {
-        atlas.put(cell, *place);
+    for (place, baked) in places.iter().zip(&cells) {
+        atlas.put(baked, place.map(|cells| cells * cell));
     }
 }
 
@@ -127,12 +126,12 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
 });
 
 impl Octahedral {
-    pub(super) fn new(centre: DVec3, radius: f64, atlas: Atlas) -> Self {
+    pub(super) fn new(centre: DVec3, radius: f64, cell: u32, atlas: Atlas) -> Self {
         Self {
             centre,
             radius,
-            cell: atlas.cell,
-            size: atlas.cell * atlas.cells[0],
+            cell,
+            size: atlas.size[0],
             rgba: atlas.rgba,
             normals: atlas.normals,
         }
@@ -177,7 +176,7 @@ impl Octahedral {
         let mut quad = Quads::default();
         let half = DVec2::splat(self.radius);
         quad.push(self.centre, own, half, [Vec2::ZERO, Vec2::ONE]);
-        quad.surface(material([self.cell; 2], rgba, normals))
+        quad.surface(material([self.cell; 2], rgba, normals, Mips::Blended))
     }
 
     /// Colour, alpha and normal at a place of a view, -1 to 1 right and down within its border.

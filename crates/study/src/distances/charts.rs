@@ -18,6 +18,7 @@ pub(crate) fn charts(rows: &[Row]) -> Vec<(String, String)> {
         let triangles = |row: &Row| row.triangles_final as f64;
         let levels = [
             line("for the distances", DistanceCase::ForDistances, triangles),
+            line("meshes alone", DistanceCase::MeshesForDistances, triangles),
             line("fixed shares", DistanceCase::FixedShares, triangles),
         ];
         let looks = [

@@ -23,14 +23,14 @@ use crate::{Error, Host};
 const VIEWS: u64 = 20;
 
 /// How chains are made, and their leaves.
-fn chain_options(wanted: Wanted, leaves: &Options) -> ChainOptions {
+fn chain_options(wanted: Wanted, impostor: Choice, leaves: &Options) -> ChainOptions {
     ChainOptions {
         wanted,
         wood: WoodMode::Auto,
         screen: Screen::default(),
         max_flip: MOST_FLIP,
         leaves: leaves.clone(),
-        impostor: Choice::None,
+        impostor,
         shadow_steps: 1,
         max_pop: None,
         // The judge sees how far meshes look from the plant, not what a client's mips make of them.
@@ -47,7 +47,7 @@ fn of_shares(shares: &[f64]) -> Wanted {
 /// Whether there can be such levels.
 pub(super) fn check(distances_m: &[f64], shares: &[f64]) -> Result<(), Error> {
     let leaves = Options::with_preset(Preset::default(), Target::triangle_share(1.0));
-    let check = |wanted| chain_options(wanted, &leaves).check();
+    let check = |wanted| chain_options(wanted, Choice::None, &leaves).check();
     check(Wanted::Distances(distances_m.to_vec()))?;
     Ok(check(of_shares(shares))?)
 }
@@ -55,6 +55,7 @@ pub(super) fn check(distances_m: &[f64], shares: &[f64]) -> Result<(), Error> {
 /// A level, ready to be drawn.
 struct Level {
     surfaces: Vec<Surface>,
+    is_impostor: bool,
     leaves: u64,
     triangles: u64,
 }
@@ -111,23 +112,37 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// What `lods --distances` makes, without an impostor.
+    /// What `lods --distances` makes.
     pub(super) fn for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
+        let options = format!("--distances {} --max-flip {MOST_FLIP}", joined(distances_m));
+        self.levels(
+            Wanted::Distances(distances_m.to_vec()),
+            Choice::Auto,
+            &options,
+        )
+    }
+
+    /// The same without impostors.
+    pub(super) fn meshes_for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
         let options = format!(
             "--distances {} --max-flip {MOST_FLIP} --impostor none",
             joined(distances_m)
         );
-        self.levels(Wanted::Distances(distances_m.to_vec()), &options)
+        self.levels(
+            Wanted::Distances(distances_m.to_vec()),
+            Choice::None,
+            &options,
+        )
     }
 
     /// What `lods --levels` makes.
     pub(super) fn of_shares(&self, shares: &[f64]) -> Result<LevelSet, Error> {
         let options = format!("--levels {}", joined(shares));
-        self.levels(of_shares(shares), &options)
+        self.levels(of_shares(shares), Choice::None, &options)
     }
 
-    fn levels(&self, wanted: Wanted, words: &str) -> Result<LevelSet, Error> {
-        let options = chain_options(wanted, &self.leaf_options);
+    fn levels(&self, wanted: Wanted, impostor: Choice, words: &str) -> Result<LevelSet, Error> {
+        let options = chain_options(wanted, impostor, &self.leaf_options);
         let begun = Instant::now();
         let mut observer = |_: Progress| self.goes_on();
         let made = chain(self.tree, &options, &self.engine, &mut observer)?;
@@ -135,11 +150,15 @@ impl<'a> Maker<'a> {
         let mut levels = Vec::new();
         let mut begins_m = Vec::new();
         for level in &made.levels {
-            let Shape::Mesh(lod) = &level.shape else {
-                continue;
+            let surfaces = match &level.shape {
+                Shape::Mesh(lod) => {
+                    surfaces_of(self.tree.items(), self.path, lod, &Cutoffs::default())?
+                }
+                Shape::Impostor(made) => vec![made.impostor.surface.clone()],
             };
             levels.push(Level {
-                surfaces: surfaces_of(self.tree.items(), self.path, lod, &Cutoffs::default())?,
+                surfaces,
+                is_impostor: matches!(level.shape, Shape::Impostor(_)),
                 leaves: level.leaves,
                 triangles: level.triangles(),
             });
@@ -161,10 +180,13 @@ impl<'a> Maker<'a> {
     }
 
     /// The level for a distance.
-    pub(super) fn level_for(&self, set: &LevelSet, place: &Place<'_>) -> Result<Drawn, Error> {
+    pub(super) fn level_for(&self, set: &LevelSet, case: DistanceCase, place: &Place<'_>) -> Drawn {
         let level = &set.levels[set.begun_at(place.distance_m)];
-        let flips = place.flips(&level.surfaces);
-        Ok(set.drawn(level, DistanceCase::ForDistances, flips))
+        let flips = match level.is_impostor {
+            true => place.flips_beside_impostor(&level.surfaces),
+            false => place.flips(&level.surfaces),
+        };
+        set.drawn(level, case, flips)
     }
 
     /// The coarsest level that differs no more than `most` there; else the original.
@@ -186,6 +208,7 @@ impl<'a> Maker<'a> {
         }
         let original = Level {
             surfaces: Vec::new(),
+            is_impostor: false,
             leaves: self.tree.leaves().leaves().len() as u64,
             triangles: self.tree.items().foliage().triangles().len() as u64,
         };

@@ -86,6 +86,8 @@ pub struct SeenFrom {
 pub enum DistanceCase {
     /// The level that `lods --distances` has there.
     ForDistances,
+    /// The same of meshes alone.
+    MeshesForDistances,
     /// The coarsest level of fixed shares that differs no more than may be.
     FixedShares,
     /// A mesh of as many triangles as the impostor.
@@ -96,8 +98,9 @@ pub enum DistanceCase {
 
 impl DistanceCase {
     /// In the order of running: the impostor's row says that its mesh was tried.
-    const ALL: [Self; 4] = [
+    const ALL: [Self; 5] = [
         Self::ForDistances,
+        Self::MeshesForDistances,
         Self::FixedShares,
         Self::MeshOfSameCost,
         Self::Impostor,
@@ -107,6 +110,10 @@ impl DistanceCase {
     fn method_and_setting(self, plan: &WalkPlan, distance_m: f64) -> [String; 2] {
         let (method, what) = match self {
             Self::ForDistances => ("lods", format!("distances {}", joined(&plan.distances_m))),
+            Self::MeshesForDistances => (
+                "lods",
+                format!("distances {} impostor none", joined(&plan.distances_m)),
+            ),
             Self::FixedShares => ("lods", format!("levels {}", joined(&plan.shares))),
             Self::MeshOfSameCost => ("vds", "triangles of the impostor".to_owned()),
             Self::Impostor => ("lods", "impostor crossed".to_owned()),
@@ -201,15 +208,17 @@ impl Walk<'_> {
         let plan = WalkPlan::of(options);
         host.working_on(&format!("{}: levels for distances", subject.name));
         let for_distances = maker.for_distances(&plan.distances_m)?;
+        let meshes = maker.meshes_for_distances(&plan.distances_m)?;
         host.working_on(&format!("{}: levels of fixed shares", subject.name));
         let of_shares = maker.of_shares(&plan.shares)?;
         for &distance_m in &plan.distances_m {
             host.working_on(&format!("{}: at {distance_m} m", subject.name));
             let place = judge.at(distance_m);
-            let ours = maker.level_for(&for_distances, &place)?;
+            let ours = maker.level_for(&for_distances, DistanceCase::ForDistances, &place);
+            let meshes = maker.level_for(&meshes, DistanceCase::MeshesForDistances, &place);
             let most = ours.mean_flip().max(MOST_FLIP);
             let fixed = maker.coarsest(&of_shares, &place, most)?;
-            let mut all = vec![ours, fixed];
+            let mut all = vec![ours, meshes, fixed];
             all.extend(maker.impostor_and_mesh(&place)?);
             if host.is_stop_asked() {
                 return Err(Error::Stopped(options.folder.clone()));
@@ -326,7 +335,7 @@ pub(crate) mod tests {
             .flat_map(|case| DISTANCES_M.map(|d| seen(*case, d, 9, 0.1)));
         let text: String = all.map(|row| crate::to_line(&row)).collect();
         let rows = crate::read_rows(&text).unwrap();
-        assert_eq!(rows.len(), 20);
+        assert_eq!(rows.len(), 25);
         let setting = |k: usize| rows[k].label();
         assert_eq!(setting(0), "lods distances 5,10,20,40,80 at 5 m");
         assert_eq!(setting(9), "lods levels 0.5,0.25,0.1 at 80 m");

@@ -5,7 +5,7 @@ use crate::Row;
 use crate::table::Table;
 
 /// What stands above the tables.
-pub(crate) const WHAT_IS_COMPARED: &str = "A plant from which one walks away, on a screen of 1080 pixels and 60 degrees. `for the distances` is `lods --distances --max-flip 0.05` with those of the walk; of fixed shares of all triangles (`lods --levels`) the coarsest level is drawn whose FLIP at the distance is at most .05, or at most that of the level for the distance if this has more, and the original if none is. FLIP is of the whole plant as large as the screen shows it there, in pictures of 48 to 1024 pixels a side, from six of the views that judge: as far off as it is seen from, but at least three radii; its mean is over the frame of `measure`. Impostors are crossed planes, two to four of them, lit by normals or flat, whichever has the least FLIP, and normals of double-sided leaves are turned to the viewer there; beside them stands a mesh of as many triangles (`simplify --triangles`), where one can be made.";
+pub(crate) const WHAT_IS_COMPARED: &str = "A plant from which one walks away, on a screen of 1080 pixels and 60 degrees. `for the distances` is `lods --distances --max-flip 0.05` with those of the walk, which takes cards (docs/impostors.md) where they are within the difference and lighter, and `meshes alone` the same with `--impostor none`; of fixed shares of all triangles (`lods --levels`) the coarsest level is drawn whose FLIP at the distance is at most .05, or at most that of the level for the distance if this has more, and the original if none is. FLIP is of the whole plant as large as the screen shows it there, in pictures of 48 to 1024 pixels a side, from six of the views that judge: as far off as it is seen from, but at least three radii; its mean is over the frame of `measure`. Crossed planes are two to four, lit by normals or flat, whichever has the least FLIP. Where cards and crossed planes are judged, normals of double-sided leaves are turned to the viewer. Beside crossed planes stands a mesh of as many triangles (`simplify --triangles`), where one can be made.";
 
 /// What is drawn of a tree at a distance, if there are rows of it. Of several the last counts.
 pub(super) fn drawn<'r>(
@@ -82,6 +82,8 @@ pub(crate) fn walks(rows: &[Row]) -> Option<Table> {
         "metres",
         "for the distances",
         "most FLIP",
+        "meshes alone",
+        "most FLIP",
         "fixed shares",
         "most FLIP",
         "times the fixed shares'",
@@ -97,12 +99,15 @@ pub(crate) fn walks(rows: &[Row]) -> Option<Table> {
         if let (Some((ours, our_flip)), Some((fixed, fixed_flip)), Some(seen)) =
             (ours, fixed, original)
         {
+            let meshes = of(DistanceCase::MeshesForDistances);
             table.push(vec![
                 tree.to_owned(),
                 seen.triangles_original.to_string(),
                 of_range(&walk_of(rows, tree)),
                 format!("{ours:.0}"),
                 format!("{our_flip:.4}"),
+                meshes.map_or(String::new(), |(triangles, _)| format!("{triangles:.0}")),
+                meshes.map_or(String::new(), |(_, flip)| format!("{flip:.4}")),
                 format!("{fixed:.0}"),
                 format!("{fixed_flip:.4}"),
                 format!("{:.2}", ours / fixed),
@@ -138,9 +143,11 @@ fn at_distances(rows: &[Row], tree: &str) -> Table {
         "pixels high",
         "for the distances",
         "FLIP",
+        "meshes alone",
+        "FLIP",
         "fixed shares",
         "FLIP",
-        "impostor",
+        "crossed planes",
         "FLIP",
         "mesh of as many",
         "FLIP",
@@ -149,6 +156,7 @@ fn at_distances(rows: &[Row], tree: &str) -> Table {
         let of = |case| drawn(rows, tree, case, distance_m);
         let cases = [
             DistanceCase::ForDistances,
+            DistanceCase::MeshesForDistances,
             DistanceCase::FixedShares,
             DistanceCase::Impostor,
             DistanceCase::MeshOfSameCost,
@@ -195,7 +203,7 @@ mod tests {
         let table = walks(&rows).unwrap();
         // (5 x 40 + 10 x 40 + 20 x 20 + 40 x 10) / 75.
         let expected = [
-            "oak", "1000", "5 to 80", "19", "0.0500", "50", "0.0200", "0.37",
+            "oak", "1000", "5 to 80", "19", "0.0500", "", "", "50", "0.0200", "0.37",
         ];
         assert_eq!(table.body, [expected]);
         assert!(walks(&rows[..9]).is_none(), "a distance has no row");
@@ -218,12 +226,12 @@ mod tests {
         assert_eq!(tables.len(), 2);
         let line = &tables[1].1.body[2];
         let expected = [
-            "20", "270", "20", "0.0500", "50", "0.0200", "8", "0.5000", "", "",
+            "20", "270", "20", "0.0500", "", "", "50", "0.0200", "8", "0.5000", "", "",
         ];
         assert_eq!(line[..], expected);
         // A later run of the same name counts.
         rows.push(seen(DistanceCase::Impostor, 20.0, 12, 0.4));
-        assert_eq!(super::tables(&rows)[1].1.body[2][6], "12");
+        assert_eq!(super::tables(&rows)[1].1.body[2][8], "12");
     }
 
     /// What is drawn at a distance is no level of leaves.

@@ -14,7 +14,7 @@ use crate::Document;
 use crate::accessor::{Component, Shape};
 use crate::container::glb_bytes;
 use crate::error::{Fault, Problem};
-use secateur_model::{AlphaMode, Material, Surface, Texture};
+use secateur_model::{AlphaMode, Material, Mips, Surface, Texture};
 
 /// The node of a level that is made of this surface.
 pub(super) fn push_node(draft: &mut Draft, level: &Level, surface: &Surface) -> usize {
@@ -158,9 +158,13 @@ fn push_texture(draft: &mut Draft, texture: &Texture) -> usize {
         json!({"bufferView": view, "mimeType": "image/png"}),
     );
     let [wrap_s, wrap_t] = texture.wrap.map(wrap_code);
+    let far = match texture.filters.mips {
+        Mips::None => LINEAR,
+        Mips::Nearest | Mips::Blended => LINEAR_MIPMAP_LINEAR,
+    };
     let sampler = json!({
         "magFilter": LINEAR,
-        "minFilter": LINEAR_MIPMAP_LINEAR,
+        "minFilter": far,
         "wrapS": wrap_s,
         "wrapT": wrap_t,
     });

@@ -98,9 +98,11 @@ pub(crate) enum ImpostorName {
     None,
     /// Crossed planes
     Crossed,
+    /// Cards, as few as are within `--max-flip`
+    Cards,
     /// Octahedral views
     Octahedral,
-    /// Crossed planes where they look no worse
+    /// Crossed planes where they look no worse, cards where they are lighter
     Auto,
 }
 
@@ -109,6 +111,7 @@ impl From<ImpostorName> for secateur_scene::impostor::Choice {
         match name {
             ImpostorName::None => Self::None,
             ImpostorName::Crossed => Self::Crossed,
+            ImpostorName::Cards => Self::Cards,
             ImpostorName::Octahedral => Self::Octahedral,
             ImpostorName::Auto => Self::Auto,
         }

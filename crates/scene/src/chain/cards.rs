@@ -1,0 +1,100 @@
+//! Cards that take the place of a chain's coarsest meshes.
+
+use secateur_simplify::Observer;
+
+use super::card_cutoffs::Covering;
+use super::impostors::PlacedImpostor;
+use super::level::ImpostorLevel;
+use super::maker::{Made, Maker};
+use super::textures::{Client, end_of};
+use super::which::{MOST_OF_BEFORE, Placed};
+use crate::impostor::fewest_cards::{self, Found, Search, Seen};
+
+impl Maker<'_> {
+    /// Cards from the first of these heights at which some are within the difference, there and at all that
+    /// follow, and save a third of the triangles of the lightest mesh.
+    pub(super) fn cards(
+        &self,
+        made: &[Placed],
+        heights: &[f64],
+        client: &Client<'_>,
+        observer: &mut Observer<'_>,
+    ) -> Option<PlacedImpostor> {
+        let (lightest, ..) = made.last()?;
+        let most = MOST_OF_BEFORE * lightest.triangles() as f64 / 2.0;
+        let most = (most as usize).min(fewest_cards::most());
+        let most_flip = self.options.max_flip;
+        let mut search = Search::new(&self.look.original);
+        for (k, height) in heights.iter().enumerate() {
+            let covering = Covering::new(client, [*height, end_of(*height, None)]);
+            if !search.has_room(*height) {
+                continue;
+            }
+            let finish = |made| covering.of(made);
+            let Some(found) = search.fewest(&self.seen(*height), most_flip, most, finish) else {
+                continue;
+            };
+            let is_within = |height: &f64| self.seen(*height).flip(&found.impostor) <= most_flip;
+            if heights[k + 1..].iter().all(is_within) {
+                return self.beside_mesh(made, found, *height, observer);
+            }
+        }
+        None
+    }
+
+    /// Cards from this height on, whatever they look like beside a mesh: as few as are within the difference, or
+    /// as many as there can be.
+    pub(super) fn demanded_cards(
+        &self,
+        made: &[Placed],
+        height: f64,
+        client: &Client<'_>,
+        observer: &mut Observer<'_>,
+    ) -> Option<PlacedImpostor> {
+        let covering = Covering::new(client, [height, end_of(height, None)]);
+        let finish = |made| covering.of(made);
+        let mut search = Search::new(&self.look.original);
+        let (seen, most) = (self.seen(height), fewest_cards::most());
+        let fewest = search.fewest(&seen, self.options.max_flip, most, finish);
+        let found = fewest.or_else(|| search.finished(most, &seen, f64::INFINITY, finish));
+        found.and_then(|found| self.beside_mesh(made, found, height, observer))
+    }
+
+    /// Cards beside the mesh that would be drawn there.
+    fn beside_mesh(
+        &self,
+        made: &[Placed],
+        found: Found,
+        height: f64,
+        observer: &mut Observer<'_>,
+    ) -> Option<PlacedImpostor> {
+        let is_drawn_there = |(_, begins, _): &&Placed| *begins >= height;
+        let (mesh, ..) = made.iter().rev().find(is_drawn_there).or(made.first())?;
+        let judge = self.look.judge(self.options.screen, height);
+        let original = judge.of_surfaces(&self.look.original);
+        let flip_of = |mesh: &Made| {
+            let pictures = judge.of_surfaces(&mesh.drawn.level.surfaces);
+            judge.flip(&original, &pictures)
+        };
+        let triangles = found.impostor.surface.triangles.len();
+        let mut same_cost = None;
+        // A plant that cannot be made so light has no mesh to hold the cards against.
+        if triangles < mesh.triangles()
+            && let Ok(equal) = self.level(triangles, observer)
+        {
+            same_cost = Some((equal.triangles() as u64, flip_of(&equal)));
+        }
+        let level = ImpostorLevel {
+            mesh_triangles: mesh.triangles() as u64,
+            mesh_flip_mean: flip_of(mesh),
+            impostor: found.impostor,
+            same_cost,
+        };
+        Some((level, height, found.flip))
+    }
+
+    fn seen(&self, height: f64) -> Seen {
+        let judge = self.look.judge(self.options.screen, height);
+        Seen::new(&self.look.original, judge, height)
+    }
+}

@@ -1,0 +1,255 @@
+//! Triangles of a plant sorted into flat layers.
+//!
+//! Billboard clouds (Décoret, Durand, Sillion, Dorsey: Billboard clouds for extreme model simplification, 2003)
+//! show a model by pictures on a few planes. Which triangles lie on which plane is found here as shapes are
+//! approximated by planes (Cohen-Steiner, Alliez, Desbrun: Variational shape approximation, 2004): each
+//! triangle goes to the layer that is nearest, each layer gets the plane of its triangles, and again.
+
+use std::borrow::Borrow;
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+use secateur_model::{Random, Surface};
+
+use super::super::principal_axes::{moment, principal_axes};
+
+/// How much more a distance off a layer's plane counts than one along it, squared: a card shows what lies off its
+/// plane in the wrong place from aside. With less, cards have more FLIP; with three times as much, they are as
+/// much larger as one layer reaches through the whole crown.
+const OFF_PLANE: f64 = 32.0;
+
+/// What a triangle that is square to its layer counts, in squared sizes of the plant: the card shows nothing
+/// of its face.
+const TURNED: f64 = 0.05;
+
+/// Rounds of sorting.
+const ROUNDS: usize = 12;
+
+/// Of plants of more triangles some are sorted in each round, all in the last.
+const MOST_IN_ROUNDS: usize = 40_000;
+
+/// The seed of the first layers' places.
+const SEED: u64 = 1;
+
+/// A triangle that has a face.
+pub(super) struct Facet {
+    /// Which surface, and which triangle of it.
+    pub(super) at: [u32; 2],
+    pub(super) corners: [DVec3; 3],
+    centre: DVec3,
+    normal: DVec3,
+    area: f64,
+}
+
+impl Facet {
+    fn new(at: [u32; 2], corners: [DVec3; 3]) -> Option<Self> {
+        let [a, b, c] = corners;
+        let across = (b - a).cross(c - a);
+        let area = across.length();
+        (area > 0.0 && area.is_finite()).then(|| Self {
+            at,
+            corners,
+            centre: (a + b + c) / 3.0,
+            normal: across / area,
+            area,
+        })
+    }
+}
+
+/// All triangles of surfaces that have a face.
+pub(super) fn facets<S: Borrow<Surface>>(surfaces: &[S]) -> Vec<Facet> {
+    let mut facets = Vec::new();
+    for (s, surface) in surfaces.iter().enumerate() {
+        let surface = surface.borrow();
+        for (t, corners) in surface.triangles.iter().enumerate() {
+            let corners = corners.map(|corner| surface.positions[corner as usize]);
+            facets.extend(Facet::new([s as u32, t as u32], corners));
+        }
+    }
+    facets
+}
+
+/// The largest side of the box about triangles.
+pub(super) fn size(facets: &[Facet]) -> f64 {
+    let corners = facets.iter().flat_map(|facet| facet.corners);
+    let (low, high) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), c| {
+        (low.min(c), high.max(c))
+    });
+    (high - low).max_element()
+}
+
+/// A layer while triangles are sorted.
+#[derive(Clone, Copy)]
+struct Plane {
+    mean: DVec3,
+    normal: DVec3,
+}
+
+impl Plane {
+    fn through(facet: &Facet) -> Self {
+        Self {
+            mean: facet.centre,
+            normal: facet.normal,
+        }
+    }
+
+    /// How far a triangle is from this layer, squared; `size` is the plant's.
+    fn distance(&self, facet: &Facet, size: f64) -> f64 {
+        let away = (facet.centre - self.mean) / size;
+        let off = away.dot(self.normal);
+        let along = facet.normal.dot(self.normal);
+        away.length_squared() + OFF_PLANE * off * off + TURNED * (1.0 - along * along)
+    }
+}
+
+/// A layer of triangles.
+pub(super) struct Layer {
+    /// Which of the triangles lie in it.
+    pub(super) members: Vec<u32>,
+    pub(super) mean: DVec3,
+    /// Square to it, and along it where it is narrow and where it is wide.
+    pub(super) axes: [DVec3; 3],
+}
+
+/// At most so many layers, none of them empty.
+pub(super) fn layers(facets: &[Facet], count: usize) -> Vec<Layer> {
+    let size = size(facets);
+    let step = facets.len().div_ceil(MOST_IN_ROUNDS).max(1);
+    let some: Vec<&Facet> = facets.iter().step_by(step).collect();
+    let mut planes = seeds(&some, count, size);
+    for _ in 0..ROUNDS {
+        let sorted = nearest(&some, &planes, size);
+        let members = members(&sorted, planes.len());
+        planes = members
+            .into_iter()
+            .filter(|members| !members.is_empty())
+            .map(|members| {
+                let layer = layer(members, |k| some[k as usize]);
+                Plane {
+                    mean: layer.mean,
+                    normal: layer.axes[0],
+                }
+            })
+            .collect();
+    }
+    let all: Vec<&Facet> = facets.iter().collect();
+    let sorted = nearest(&all, &planes, size);
+    let of_planes = members(&sorted, planes.len()).into_iter();
+    of_planes
+        .filter(|members| !members.is_empty())
+        .map(|members| layer(members, |k| all[k as usize]))
+        .collect()
+}
+
+/// Where layers begin: on triangles far from the layers before (Arthur, Vassilvitskii: k-means++, 2007).
+fn seeds(facets: &[&Facet], count: usize, size: f64) -> Vec<Plane> {
+    let mut random = Random::new(SEED);
+    let mut planes: Vec<Plane> = facets.iter().take(1).map(|f| Plane::through(f)).collect();
+    let mut left: Vec<f64> = vec![f64::INFINITY; facets.len()];
+    while let Some(last) = planes.last().filter(|_| planes.len() < count) {
+        for (left, facet) in left.iter_mut().zip(facets) {
+            *left = left.min(last.distance(facet, size) * facet.area);
+        }
+        let mut lot = random.unit() * left.iter().sum::<f64>();
+        let drawn = left.iter().position(|left| {
+            lot -= left;
+            *left > 0.0 && lot <= 0.0
+        });
+        // All triangles lie in the layers that there are.
+        let Some(drawn) = drawn else { break };
+        planes.push(Plane::through(facets[drawn]));
+    }
+    planes
+}
+
+/// The nearest plane of each triangle.
+fn nearest(facets: &[&Facet], planes: &[Plane], size: f64) -> Vec<u32> {
+    let of_facet = |facet: &&Facet| {
+        let distances = planes.iter().map(|plane| plane.distance(facet, size));
+        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or(0, |(k, _)| k as u32)
+    };
+    facets.par_iter().map(of_facet).collect()
+}
+
+fn members(sorted: &[u32], planes: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); planes];
+    for (facet, plane) in sorted.iter().enumerate() {
+        members[*plane as usize].push(facet as u32);
+    }
+    members
+}
+
+/// The plane of triangles: that off which they spread least.
+fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
+    let (mut area, mut sum) = (0.0, DVec3::ZERO);
+    for facet in members.iter().map(|k| facet(*k)) {
+        area += facet.area;
+        sum += facet.centre * facet.area;
+    }
+    let mean = sum / area;
+    let mut spread = DMat3::ZERO;
+    for facet in members.iter().map(|k| facet(*k)) {
+        for corner in facet.corners {
+            spread += moment(corner - mean) * facet.area;
+        }
+    }
+    Layer {
+        axes: principal_axes(spread),
+        members,
+        mean,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares of side .1 at places of a plane, each of two triangles.
+    fn sheet(height: f64, normal: DVec3) -> Vec<Facet> {
+        let [u, v] = [
+            normal.any_orthonormal_vector(),
+            normal.cross(normal.any_orthonormal_vector()),
+        ];
+        let square = |k: u32| {
+            let [x, y] = [k % 8, k / 8].map(|k| f64::from(k) / 8.0 - 0.5);
+            let a = normal * height + u * x + v * y;
+            let [b, c, d] = [a + u * 0.1, a + (u + v) * 0.1, a + v * 0.1];
+            [[a, b, c], [a, c, d]]
+        };
+        let triangles = (0..64).flat_map(square).enumerate();
+        triangles
+            .filter_map(|(t, corners)| Facet::new([0, t as u32], corners))
+            .collect()
+    }
+
+    #[test]
+    fn sheets_are_found_as_layers() {
+        let mut facets = sheet(0.0, DVec3::Y);
+        facets.extend(sheet(0.5, DVec3::Y));
+        facets.extend(sheet(2.0, DVec3::X));
+        let found = layers(&facets, 3);
+        let mut of_sheets: Vec<Vec<u32>> = found.iter().map(|l| l.members.clone()).collect();
+        of_sheets.sort();
+        let wanted: Vec<Vec<u32>> = (0..3u32)
+            .map(|k| (128 * k..128 * (k + 1)).collect())
+            .collect();
+        assert_eq!(of_sheets, wanted);
+        for layer in &found {
+            let normal = facets[layer.members[0] as usize].normal;
+            assert!((layer.axes[0].dot(normal).abs() - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn there_are_no_more_layers_than_places_and_each_triangle_lies_in_one() {
+        let facets = sheet(0.0, DVec3::Y);
+        let found = layers(&facets[..2], 9);
+        assert!((1..=2).contains(&found.len()));
+        let found = layers(&facets, 20);
+        let mut all: Vec<u32> = found.iter().flat_map(|l| l.members.clone()).collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..128).collect::<Vec<u32>>());
+        assert!(layers(&[], 5).is_empty());
+    }
+}

@@ -1,0 +1,339 @@
+//! Cards: a plant as pictures of its flat layers.
+//!
+//! Crossed planes show the whole plant on each of a few quads: what lies before or behind moves with them. Cards
+//! show a part each, where it is, so that a few hundred look like a crown from all around. They are ordinary
+//! quads with one cut-out texture, which any client draws.
+
+mod layers;
+mod packing;
+
+use std::borrow::Borrow;
+use std::collections::BTreeMap;
+
+use glam::{DVec2, DVec3, Vec2};
+use rayon::prelude::*;
+use secateur_eval::{ParallelView, SeenTexel, seen_along};
+use secateur_model::{Mips, Surface};
+
+use super::atlas::Atlas;
+use super::cell::{Cell, Place};
+use super::quads::Quads;
+use layers::{Facet, Layer, facets, layers};
+use packing::{Packed, packed};
+
+/// Texels of the atlas on a side, at most: colours and normals take 32 MiB then.
+const MOST_ATLAS: u32 = 2048;
+
+/// The length of a texel in pixels where there is room: leaves that are thinner than a pixel are seen by finer ones.
+const FINEST_PX: f64 = 0.5;
+
+/// What alpha is tested against, 0 to 1: cards that are seen from aside show less of thin leaves than there is.
+pub(super) const CUTOFF: f32 = 0.35;
+
+/// Rays along a side of a texel.
+const SAMPLES: u32 = 2;
+
+/// Clear texels about what a card shows: the outer half of them lies beyond its quad, so that filters find
+/// nothing of its neighbours.
+const RIM: u32 = 2;
+
+/// Texels are made larger by this until the atlas holds all cards.
+const COARSER: f64 = 1.1;
+
+/// Turns of a card within its plane that are tried, over a right angle.
+const TURNS: u32 = 16;
+
+/// A plant in flat layers, of which cards of any size can be baked.
+pub struct Cards {
+    cards: Vec<Card>,
+    /// From the lowest to the highest corner.
+    height: f64,
+}
+
+/// A layer with its rectangle.
+struct Card {
+    /// What lies in it.
+    surfaces: Vec<Surface>,
+    centre: DVec3,
+    /// Right, up and toward who sees its front.
+    axes: [DVec3; 3],
+    /// Half of its width and height.
+    half: DVec2,
+}
+
+/// How cards lie in an atlas.
+struct LaidOut {
+    packed: Packed,
+    /// Width and height of each card in texels.
+    sides: Vec<[u32; 2]>,
+    /// The length of a texel in units of the file, and in pixels.
+    texel: f64,
+    texel_px: f64,
+}
+
+/// Cards with their pictures.
+pub(super) struct Baked {
+    pub(super) surface: Surface,
+    /// How many pixels a texel is long where the screen shows the plant as high as was asked for.
+    pub(super) texel_px: f64,
+}
+
+impl Cards {
+    /// At most so many cards of what is drawn of a plant; none where there is nothing to see.
+    pub fn new<S: Borrow<Surface>>(surfaces: &[S], count: usize) -> Self {
+        let facets = facets(surfaces);
+        let ys = || facets.iter().flat_map(|f| f.corners).map(|c| c.y);
+        let height = ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min);
+        let of_layer = |layer: &Layer| Card::new(surfaces, &facets, layer);
+        Self {
+            cards: layers(&facets, count).iter().map(of_layer).collect(),
+            height,
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.cards.len()
+    }
+
+    /// Whether one atlas holds cards for where the screen shows the plant at this height, with texels of at most so
+    /// many pixels.
+    pub fn fit(&self, pixels_high: f64, coarsest_px: f64) -> bool {
+        self.laid_out(pixels_high, coarsest_px).is_some()
+    }
+
+    /// How cards lie in an atlas with texels of half a pixel, or of as many pixels as it has room for.
+    fn laid_out(&self, pixels_high: f64, coarsest_px: f64) -> Option<LaidOut> {
+        let pixel = self.height / pixels_high;
+        if self.cards.is_empty() || !(pixel > 0.0 && pixel.is_finite()) {
+            return None;
+        }
+        let mut texel_px = FINEST_PX;
+        while texel_px <= coarsest_px {
+            let texel = pixel * texel_px;
+            let sides: Vec<[u32; 2]> = self.cards.iter().map(|card| card.sides(texel)).collect();
+            if let Some(packed) = packed(&sides, MOST_ATLAS) {
+                return Some(LaidOut {
+                    packed,
+                    sides,
+                    texel,
+                    texel_px,
+                });
+            }
+            texel_px *= COARSER;
+        }
+        None
+    }
+
+    /// The cards with their pictures; none if texels would be longer than `coarsest_px` pixels where the screen
+    /// shows the plant at this height.
+    pub(super) fn baked(&self, pixels_high: f64, coarsest_px: f64) -> Option<Baked> {
+        let LaidOut {
+            packed,
+            sides,
+            texel,
+            texel_px,
+        } = self.laid_out(pixels_high, coarsest_px)?;
+        let baked: Vec<Vec<SeenTexel>> = (self.cards.par_iter().zip(&sides))
+            .map(|(card, sides)| seen_along(&card.surfaces, &card.view(texel), *sides, SAMPLES))
+            .collect();
+        let places: Vec<Place> = (packed.places.iter().zip(&sides))
+            .map(|(corner, sides)| Place {
+                corner: *corner,
+                size: *sides,
+            })
+            .collect();
+        let [width, height] = packed.size;
+        let mut seen = vec![SeenTexel::default(); (width * height) as usize];
+        for (texels, place) in baked.into_iter().zip(&places) {
+            let rows = texels.chunks(place.size[0] as usize).enumerate();
+            for (row, texels) in rows {
+                let first = (place.corner[1] as usize + row) * width as usize;
+                seen[first + place.corner[0] as usize..][..texels.len()].copy_from_slice(texels);
+            }
+        }
+        let mut atlas = Atlas::new(packed.size);
+        atlas.put(
+            &Cell::of_texels(seen, packed.size, &places, Mips::None),
+            [0, 0],
+        );
+        let mut quads = Quads::default();
+        for (card, place) in self.cards.iter().zip(&places) {
+            // The texels at the rim are whole.
+            let half = card.half + texel;
+            let in_texels = (half / texel).as_vec2();
+            let [corner, size] =
+                [place.corner, place.size].map(|[x, y]| Vec2::new(x as f32, y as f32));
+            let middle = corner + size / 2.0;
+            let uvs = [-1.0, 1.0].map(|side| atlas.uv(middle + in_texels * side));
+            quads.push(card.centre, card.axes, half, uvs);
+        }
+        Some(Baked {
+            surface: quads.surface(atlas.material(Mips::None)),
+            texel_px,
+        })
+    }
+}
+
+impl Card {
+    fn new<S: Borrow<Surface>>(surfaces: &[S], facets: &[Facet], layer: &Layer) -> Self {
+        let mut of_surfaces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for member in &layer.members {
+            let [surface, triangle] = facets[*member as usize].at;
+            of_surfaces.entry(surface).or_default().push(triangle);
+        }
+        let parts = of_surfaces
+            .iter()
+            .map(|(surface, triangles)| part(surfaces[*surface as usize].borrow(), triangles));
+        let corners: Vec<DVec3> = (layer.members.iter())
+            .flat_map(|member| facets[*member as usize].corners)
+            .collect();
+        let turned = (0..TURNS).map(|turn| turned(layer, &corners, turn));
+        let area = |half: DVec2| half.x * half.y;
+        let smallest = turned.min_by(|a, b| area(a.2).total_cmp(&area(b.2)));
+        let (centre, axes, half) =
+            smallest.unwrap_or_else(|| unreachable!("there is a turn of every card"));
+        Self {
+            surfaces: parts.collect(),
+            centre,
+            axes,
+            half,
+        }
+    }
+
+    fn view(&self, texel: f64) -> ParallelView {
+        let [_, up, toward] = self.axes;
+        ParallelView {
+            centre: self.centre,
+            toward,
+            up,
+            texel,
+        }
+    }
+
+    /// Width and height of its picture in texels.
+    fn sides(&self, texel: f64) -> [u32; 2] {
+        // More than any atlas has is no number of texels.
+        let side = |half: f64| (2.0 * half / texel).ceil().min(f64::from(MOST_ATLAS)) as u32;
+        [side(self.half.x), side(self.half.y)].map(|side| side + 2 * RIM)
+    }
+}
+
+/// The rectangle about corners in the plane of a layer: its middle, axes, and half of its width and height.
+fn turned(layer: &Layer, corners: &[DVec3], turn: u32) -> (DVec3, [DVec3; 3], DVec2) {
+    let [toward, narrow, wide] = layer.axes;
+    let part = f64::from(turn) / f64::from(TURNS);
+    let up = (wide * (1.0 - part) + narrow * part).normalize();
+    let axes = [up.cross(toward), up, toward];
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for corner in corners {
+        let away = *corner - layer.mean;
+        let at = DVec2::new(away.dot(axes[0]), away.dot(axes[1]));
+        (low, high) = (low.min(at), high.max(at));
+    }
+    let middle = (low + high) / 2.0;
+    let centre = layer.mean + axes[0] * middle.x + axes[1] * middle.y;
+    (centre, axes, (high - low) / 2.0)
+}
+
+/// Some triangles of a surface.
+fn part(surface: &Surface, triangles: &[u32]) -> Surface {
+    let corners = || {
+        let corners = triangles.iter().map(|t| surface.triangles[*t as usize]);
+        corners.flatten().map(|corner| corner as usize)
+    };
+    Surface {
+        positions: corners().map(|k| surface.positions[k]).collect(),
+        normals: corners()
+            .filter_map(|k| surface.normals.get(k).copied())
+            .collect(),
+        uvs: corners()
+            .filter_map(|k| surface.uvs.get(k).copied())
+            .collect(),
+        colors: corners()
+            .filter_map(|k| surface.colors.get(k).copied())
+            .collect(),
+        holds: Vec::new(),
+        triangles: (0..triangles.len() as u32)
+            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+            .collect(),
+        material: surface.material.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+    use secateur_model::{AlphaMode, Finish, Material};
+
+    use super::*;
+
+    /// A square of side 1 that faces the eye at +z, from a corner on.
+    fn square(corner: DVec3, base_color: [f32; 4]) -> Surface {
+        let at = |x, y| corner + DVec3::new(x, y, 0.0);
+        Surface {
+            positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+            normals: vec![Vec3::Z; 4],
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material: Arc::new(Material {
+                name: String::new(),
+                base_color,
+                texture: None,
+                alpha_mode: AlphaMode::Opaque,
+                double_sided: true,
+                finish: Finish::default(),
+            }),
+        }
+    }
+
+    /// Two squares, one far behind the other.
+    fn two() -> [Surface; 2] {
+        let red = square(DVec3::ZERO, [1.0, 0.0, 0.0, 1.0]);
+        let green = square(DVec3::new(0.2, 0.0, -5.0), [0.0, 1.0, 0.0, 1.0]);
+        [red, green]
+    }
+
+    #[test]
+    fn each_card_shows_what_lies_in_it_where_it_lies() {
+        let cards = Cards::new(&two(), 2);
+        assert_eq!(cards.count(), 2);
+        let Baked { surface, texel_px } = cards.baked(64.0, f64::INFINITY).unwrap();
+        assert_eq!(texel_px, FINEST_PX);
+        assert_eq!(surface.triangles.len(), 4);
+        let texture = surface.material.texture.as_ref().unwrap();
+        for (card, quad) in surface.positions.chunks(4).enumerate() {
+            let middle = quad.iter().sum::<DVec3>() / 4.0;
+            let uvs = &surface.uvs[4 * card..4 * card + 4];
+            let uv = uvs.iter().sum::<Vec2>() / 4.0;
+            let texel = uv * Vec2::new(texture.width as f32, texture.height as f32);
+            let at = 4 * (texel.y as u32 * texture.width + texel.x as u32) as usize;
+            let wanted: ([f64; 3], [u8; 4]) = match middle.z > -1.0 {
+                true => ([0.5, 0.5, 0.0], [255, 0, 0, 255]),
+                false => ([0.7, 0.5, -5.0], [0, 255, 0, 255]),
+            };
+            assert!(middle.distance(DVec3::from(wanted.0)) < 1e-9, "{middle}");
+            assert_eq!(texture.rgba[at..at + 4], wanted.1);
+            // A rim of a texel is about the square.
+            let side = quad[0].distance(quad[1]);
+            assert!(side > 1.0 && side < 1.0 + 4.0 / 64.0, "{side}");
+        }
+    }
+
+    #[test]
+    fn texels_are_as_fine_as_an_atlas_has_room_for() {
+        let cards = Cards::new(&two(), 2);
+        assert!(cards.fit(256.0, FINEST_PX) && !cards.fit(1e5, 2.0));
+        assert!(cards.baked(1e5, 2.0).is_none());
+        let Baked { surface, texel_px } = cards.baked(1e5, f64::INFINITY).unwrap();
+        assert!(texel_px > 40.0, "{texel_px}");
+        let texture = surface.material.texture.as_ref().unwrap();
+        assert!(texture.width.max(texture.height) <= MOST_ATLAS);
+        // Where there is nothing to see, there are no cards.
+        assert!(Cards::new::<Surface>(&[], 5).baked(64.0, 2.0).is_none());
+    }
+}

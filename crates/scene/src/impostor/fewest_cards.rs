@@ -1,0 +1,338 @@
+//! How many cards it takes to look like a plant.
+
+use std::collections::BTreeMap;
+
+use secateur_eval::Pictures;
+use secateur_model::Surface;
+
+use super::Impostor;
+use super::cards::Cards;
+use super::judge::Judge;
+
+/// The fewest cards that are tried.
+const LEAST: f64 = 8.0;
+
+/// How many times as many each next number has.
+const STEP: f64 = 1.25;
+
+/// How many numbers there are: the largest is 887.
+const STEPS: usize = 22;
+
+/// FLIP falls about as the number of cards to this power, by which the next number to try is guessed.
+const POWER: f64 = 0.2;
+
+/// With FLIP that falls as fast as that there is no hope, if there is none.
+const BEST_POWER: f64 = 0.35;
+
+/// The step that tells whether there is hope: 60 cards.
+const FEW: usize = 9;
+
+/// The height in pixels for which cards of a search are baked, at most: in its pictures of 256 pixels a side their
+/// texels are a pixel long, as finer ones would take four times as long.
+const SEARCH_PX: f64 = 128.0;
+
+/// The most pixels a side of the pictures that what is found is judged by.
+const MOST_PICTURE_PX: f64 = 1024.0;
+
+/// What is this many times what is wanted in one view is so in all.
+const HOPELESS: f64 = 1.2;
+
+/// The most pixels that a texel of cards may be long where they begin to be seen: longer ones look blurred.
+const COARSEST_PX: f64 = 2.0;
+
+/// Cards whose textures do not fit are tried with fewer by so many steps: half of them.
+const FEWER: usize = 3;
+
+/// How often a number of cards that turns out not to be enough at its size is raised.
+const MORE: usize = 3;
+
+/// The most cards there are.
+pub fn most() -> usize {
+    number(STEPS - 1)
+}
+
+/// The numbers that are tried, from few to many.
+fn number(step: usize) -> usize {
+    (LEAST * STEP.powi(step as i32)).round() as usize
+}
+
+/// Cards that were found for a place.
+pub struct Found {
+    /// The cards with their pictures.
+    pub impostor: Impostor,
+    /// Their FLIP there.
+    pub flip: f64,
+}
+
+/// A plant from where cards are looked at.
+pub struct Seen {
+    judge: Judge,
+    /// The plant from there.
+    original: Pictures,
+    /// A judge from the first view alone, and the plant from there.
+    one: (Judge, Pictures),
+    /// The same in larger pictures, where the screen shows it so large.
+    large: Option<(Judge, Pictures)>,
+    /// How high the screen shows the plant, in pixels.
+    pixels_high: f64,
+}
+
+impl Seen {
+    /// What a judge sees of a plant where the screen shows it at this height.
+    pub fn new(surfaces: &[Surface], judge: Judge, pixels_high: f64) -> Self {
+        let one = judge.from_one();
+        let large = judge.from_one().in_pictures_of_at_most(MOST_PICTURE_PX);
+        let with_original = |judge: Judge| {
+            let original = judge.of_surfaces(surfaces);
+            (judge, original)
+        };
+        Self {
+            large: (large.side() > one.side()).then(|| with_original(large)),
+            one: with_original(one),
+            original: judge.of_surfaces(surfaces),
+            judge,
+            pixels_high,
+        }
+    }
+
+    /// FLIP of an impostor in the usual pictures.
+    pub fn flip(&self, impostor: &Impostor) -> f64 {
+        self.judge
+            .flip(&self.original, &self.judge.of_impostor(impostor))
+    }
+
+    /// FLIP in one view.
+    fn flip_of_one((judge, original): &(Judge, Pictures), impostor: &Impostor) -> f64 {
+        judge.flip(original, &judge.of_impostor(impostor))
+    }
+
+    /// FLIP in one view, in pictures as large as the screen shows the plant.
+    fn flip_of_one_at_its_size(&self, impostor: &Impostor) -> f64 {
+        Self::flip_of_one(self.large.as_ref().unwrap_or(&self.one), impostor)
+    }
+
+    /// FLIP as it is in pictures as large as the screen shows the plant.
+    fn flip_at_its_size(&self, impostor: &Impostor) -> f64 {
+        let flip = self.flip(impostor);
+        if self.large.is_none() {
+            return flip;
+        }
+        let usual = Self::flip_of_one(&self.one, impostor);
+        match usual > 0.0 {
+            true => flip * self.flip_of_one_at_its_size(impostor) / usual,
+            false => flip,
+        }
+    }
+}
+
+/// A search for the fewest cards of a plant, at one place after another.
+pub struct Search<'a> {
+    surfaces: &'a [Surface],
+    sorted: BTreeMap<usize, Cards>,
+    /// Cards for the pictures of a search, by their height in pixels and step.
+    rough: BTreeMap<(u64, usize), Impostor>,
+}
+
+impl<'a> Search<'a> {
+    /// A search of cards for what is drawn of a plant.
+    pub fn new(surfaces: &'a [Surface]) -> Self {
+        Self {
+            surfaces,
+            sorted: BTreeMap::new(),
+            rough: BTreeMap::new(),
+        }
+    }
+
+    /// Whether an atlas has room for any cards where the screen shows the plant at this height.
+    pub fn has_room(&mut self, pixels_high: f64) -> bool {
+        self.sorted(number(0)).fit(pixels_high, COARSEST_PX)
+    }
+
+    /// The fewest cards, at most so many, whose FLIP is at most this, with textures as fine as the place asks for,
+    /// and as `finish` makes them; none if there are none.
+    pub fn fewest(
+        &mut self,
+        seen: &Seen,
+        most_flip: f64,
+        most: usize,
+        finish: impl Fn(Impostor) -> Impostor,
+    ) -> Option<Found> {
+        let all = (0..STEPS).take_while(|step| number(*step) <= most).count();
+        // To sort for a few takes a tenth of the time.
+        let few = FEW.min(all.checked_sub(1)?);
+        let best = (number(few) as f64 / number(all - 1) as f64).powf(BEST_POWER);
+        if best * Seen::flip_of_one(&seen.one, self.rough(few, seen)?) > HOPELESS * most_flip {
+            return None;
+        }
+        let last = (0..all).rev().step_by(FEWER).find(|step| {
+            let cards = self.sorted(number(*step));
+            cards.fit(seen.pixels_high, COARSEST_PX)
+        })?;
+        let of_one = Seen::flip_of_one(&seen.one, self.rough(last, seen)?);
+        if of_one > HOPELESS * most_flip {
+            return None;
+        }
+        // What pictures of its size show beyond those of the search is about the same for fewer cards.
+        let of_last = seen.flip(self.rough(last, seen)?);
+        let at_its_size = |made: &Impostor| of_last * seen.flip_of_one_at_its_size(made) / of_one;
+        let fine = Impostor::cards(self.sorted(number(last)), seen.pixels_high, COARSEST_PX)?;
+        if at_its_size(&fine) > HOPELESS * most_flip {
+            return None;
+        }
+        let at_its_size = at_its_size(&finish(fine));
+        if at_its_size > most_flip {
+            return None;
+        }
+        let most_rough = of_last * most_flip / at_its_size;
+        let step = self.fewest_rough(last, of_last, seen, most_rough)?;
+        (step..=last).take(MORE).find_map(|step| {
+            let found = self.finished(number(step), seen, COARSEST_PX, &finish)?;
+            (found.flip <= most_flip).then_some(found)
+        })
+    }
+
+    /// The least step whose FLIP in the pictures of a search is within a bound, as that of the last one is.
+    fn fewest_rough(
+        &mut self,
+        last: usize,
+        of_last: f64,
+        seen: &Seen,
+        most_flip: f64,
+    ) -> Option<usize> {
+        let mut enough = (last, of_last);
+        let mut least = 0;
+        while least < enough.0 {
+            // As many fewer as the bound leaves room for, at least one step.
+            let room = (most_flip / enough.1).ln() / (POWER * STEP.ln());
+            let fewer = (room.floor().max(1.0) as usize).min(enough.0 - least);
+            let step = enough.0 - fewer;
+            let flip = seen.flip(self.rough(step, seen)?);
+            match flip <= most_flip {
+                true => enough = (step, flip),
+                false => least = step + 1,
+            }
+        }
+        Some(enough.0)
+    }
+
+    /// So many cards with textures as fine as the place asks for and an atlas has room for, but not with texels of
+    /// more pixels than these; lit by their normals or flat, whichever looks nearer.
+    pub fn finished(
+        &mut self,
+        count: usize,
+        seen: &Seen,
+        coarsest_px: f64,
+        finish: impl Fn(Impostor) -> Impostor,
+    ) -> Option<Found> {
+        let cards = self.sorted(count);
+        let impostor = finish(Impostor::cards(cards, seen.pixels_high, coarsest_px)?);
+        let flat = impostor.flat();
+        let impostor = match seen.flip(&flat) <= seen.flip(&impostor) {
+            true => flat,
+            false => impostor,
+        };
+        let flip = seen.flip_at_its_size(&impostor);
+        Some(Found { impostor, flip })
+    }
+
+    /// Cards for the pictures of a search.
+    fn rough(&mut self, step: usize, seen: &Seen) -> Option<&Impostor> {
+        let pixels_high = seen.pixels_high.min(SEARCH_PX);
+        let key = (pixels_high.to_bits(), step);
+        if !self.rough.contains_key(&key) {
+            let cards = self.sorted(number(step));
+            let made = Impostor::cards(cards, pixels_high, f64::INFINITY)?;
+            self.rough.insert(key, made);
+        }
+        self.rough.get(&key)
+    }
+
+    fn sorted(&mut self, count: usize) -> &Cards {
+        let surfaces = self.surfaces;
+        let new = || Cards::new(surfaces, count);
+        self.sorted.entry(count).or_insert_with(new)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{DVec3, Vec3};
+    use secateur_model::{AlphaMode, BoundingSphere, Finish, Material, Random};
+    use secateur_raster::ViewSet;
+
+    use super::*;
+    use crate::Screen;
+
+    /// Many small leaves in a ball of radius 1.
+    fn crown() -> Surface {
+        let mut random = Random::new(3);
+        let mut place = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0)));
+        let mut positions = Vec::new();
+        while positions.len() < 3 * 400 {
+            let at = place();
+            if at.length() > 0.9 {
+                continue;
+            }
+            positions.extend([at, at + place() * 0.1, at + place() * 0.1]);
+        }
+        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+        Surface {
+            triangles: triangles.collect(),
+            normals: vec![Vec3::Y; positions.len()],
+            positions,
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            material: Arc::new(Material {
+                name: String::new(),
+                base_color: [0.1, 0.4, 0.1, 1.0],
+                texture: None,
+                alpha_mode: AlphaMode::Opaque,
+                double_sided: true,
+                finish: Finish::default(),
+            }),
+        }
+    }
+
+    fn seen(surfaces: &[Surface]) -> Seen {
+        let sphere = BoundingSphere {
+            centre: DVec3::ZERO,
+            radius: 1.0,
+        };
+        let [views, ..] = ViewSet::held_out(sphere);
+        let judge = Judge::new(&views, sphere, 2.0, Screen::default(), 60.0);
+        Seen::new(surfaces, judge, 60.0)
+    }
+
+    #[test]
+    fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
+        let surfaces = [crown()];
+        let seen = seen(&surfaces);
+        let mut search = Search::new(&surfaces);
+        let mut found = |most_flip: f64| search.fewest(&seen, most_flip, most(), |made| made);
+        let [all, many, few] = [0.037, 0.05, 0.07].map(|most_flip| {
+            let found = found(most_flip);
+            found.map(|found| {
+                assert!(found.flip <= most_flip);
+                found.impostor.surface.triangles.len()
+            })
+        });
+        assert!(
+            all > many && many > few && few.is_some(),
+            "{all:?} {many:?} {few:?}"
+        );
+        // Hardly fewer would do.
+        let fewer = (few.unwrap() as f64 / 2.0 / STEP / STEP).round() as usize;
+        let of_fewer = search
+            .finished(fewer, &seen, f64::INFINITY, |made| made)
+            .unwrap();
+        assert!(of_fewer.flip > 0.07, "{fewer} cards: {}", of_fewer.flip);
+        assert!(search.fewest(&seen, 1e-4, most(), |made| made).is_none());
+        assert!(
+            search.fewest(&seen, 1.0, 7, |made| made).is_none(),
+            "of so few none"
+        );
+    }
+}
