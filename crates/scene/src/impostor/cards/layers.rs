@@ -39,10 +39,12 @@ pub(super) struct Facet {
     centre: DVec3,
     normal: DVec3,
     area: f64,
+    /// Whether it is flat by itself, not a side of a body such as a branch.
+    is_flat: bool,
 }
 
 impl Facet {
-    fn new(at: [u32; 2], corners: [DVec3; 3]) -> Option<Self> {
+    fn new(at: [u32; 2], corners: [DVec3; 3], is_flat: bool) -> Option<Self> {
         let [a, b, c] = corners;
         let across = (b - a).cross(c - a);
         let area = across.length();
@@ -52,6 +54,7 @@ impl Facet {
             centre: (a + b + c) / 3.0,
             normal: across / area,
             area,
+            is_flat,
         })
     }
 }
@@ -63,7 +66,9 @@ pub(super) fn facets<S: Borrow<Surface>>(surfaces: &[S]) -> Vec<Facet> {
         let surface = surface.borrow();
         for (t, corners) in surface.triangles.iter().enumerate() {
             let corners = corners.map(|corner| surface.positions[corner as usize]);
-            facets.extend(Facet::new([s as u32, t as u32], corners));
+            // Bodies have no inner side to be seen.
+            let is_flat = surface.material.double_sided;
+            facets.extend(Facet::new([s as u32, t as u32], corners, is_flat));
         }
     }
     facets
@@ -97,7 +102,11 @@ impl Plane {
     fn distance(&self, facet: &Facet, size: f64) -> f64 {
         let away = (facet.centre - self.mean) / size;
         let off = away.dot(self.normal);
-        let along = facet.normal.dot(self.normal);
+        let along = match facet.is_flat {
+            true => facet.normal.dot(self.normal),
+            // A body shows as much to all sides.
+            false => 1.0,
+        };
         away.length_squared() + OFF_PLANE * off * off + TURNED * (1.0 - along * along)
     }
 }
@@ -219,7 +228,7 @@ mod tests {
         };
         let triangles = (0..64).flat_map(square).enumerate();
         triangles
-            .filter_map(|(t, corners)| Facet::new([0, t as u32], corners))
+            .filter_map(|(t, corners)| Facet::new([0, t as u32], corners, true))
             .collect()
     }
 
