@@ -46,6 +46,29 @@ const AT_A_TENTH: [&str; 6] = [
     "stochastic",
 ];
 
+/// What trades time for accuracy: views that drive, their resolution and field of view, and fits.
+const DRIVEN: [&str; 19] = [
+    "vds fit=none",
+    "vds",
+    "vds field-of-view tight",
+    "vds views turning",
+    "vds preset information views 6",
+    "vds preset information views 8",
+    "vds preset information views 12",
+    "vds preset information views vnc",
+    "vds preset information views dodecahedron",
+    "vds preset information views 32",
+    "vds preset information views 60",
+    "vds preset information",
+    "vds preset information resolution 64",
+    "vds preset information resolution 128",
+    "vds preset information resolution 256",
+    "vds preset information resolution 512",
+    "vds preset information resolution 1024",
+    "vds preset information field-of-view tight resolution 160",
+    "vds preset information field-of-view tight resolution 256",
+];
+
 /// A page with its tables filled anew from the rows of the folders that they name, which are
 /// paths from `root`. The same rows give the same page.
 ///
@@ -97,6 +120,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
     let found = match kind {
         "means" => means(&given, &COMPARED, &[0.5, 0.25, 0.1]),
         "tenth" => means(&given, &AT_A_TENTH, &[0.1]),
+        "driving" => means(&given, &DRIVEN, &[0.25, 0.1]),
         "fsa-time" => fsa_time(&given),
         "beaten" => beaten_as_drawn(rows).map(typed),
         "lost" => match (beaten_as_drawn(rows), lost_cases(rows)) {
@@ -112,7 +136,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, fsa-time, beaten, lost, subject, paper, nearest and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, subject, paper, nearest and walks"
             ));
         }
     };

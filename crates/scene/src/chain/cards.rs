@@ -11,35 +11,40 @@ use super::which::{MOST_OF_BEFORE, Placed};
 use crate::impostor::fewest_cards::{self, Found, Search, Seen};
 
 impl Maker<'_> {
-    /// Cards from the first of these heights at which some are within the difference, there and at all that
-    /// follow, and save a third of the triangles of the lightest mesh.
+    /// Cards from the first of these heights on at which some are within the difference, there and at all that
+    /// follow, and save a third of the triangles of the lightest mesh; and fewer of them from each that follows
+    /// where that saves a third again.
     pub(super) fn cards(
         &self,
         made: &[Placed],
         heights: &[f64],
         client: &Client<'_>,
         observer: &mut Observer<'_>,
-    ) -> Option<PlacedImpostor> {
-        let (lightest, ..) = made.last()?;
-        let most = MOST_OF_BEFORE * lightest.triangles() as f64 / 2.0;
-        let most = (most as usize).min(fewest_cards::most());
+    ) -> Vec<PlacedImpostor> {
+        let mut placed: Vec<PlacedImpostor> = Vec::new();
+        let Some((lightest, ..)) = made.last() else {
+            return placed;
+        };
+        let mut triangles = lightest.triangles();
         let most_flip = self.options.max_flip;
         let mut search = Search::new(&self.look.original);
         for (k, height) in heights.iter().enumerate() {
-            let covering = Covering::new(client, [*height, end_of(*height, None)]);
             if !search.has_room(*height) {
                 continue;
             }
+            let most = (MOST_OF_BEFORE * triangles as f64 / 2.0) as usize;
+            let covering = Covering::new(client, [*height, end_of(*height, None)]);
             let finish = |made| covering.of(made);
             let Some(found) = search.fewest(&self.seen(*height), most_flip, most, finish) else {
                 continue;
             };
             let is_within = |height: &f64| self.seen(*height).flip(&found.impostor) <= most_flip;
             if heights[k + 1..].iter().all(is_within) {
-                return self.beside_mesh(made, found, *height, observer);
+                triangles = found.impostor.surface.triangles.len();
+                placed.extend(self.beside_mesh(made, found, *height, observer));
             }
         }
-        None
+        placed
     }
 
     /// Cards from this height on, whatever they look like beside a mesh: as few as are within the difference, or

@@ -27,7 +27,7 @@ pub(crate) struct Lods {
     pub(crate) triangles: Vec<u64>,
     /// The distances in metres from which levels are seen, the nearest first, such as 5,20,80: for
     /// each the lightest level within `--max-flip` at the height that the screen shows there; for the
-    /// last of several none, if `--impostor` asks for crossed planes or octahedral views.
+    /// last of several none, if `--impostor` asks for crossed planes, cards or octahedral views.
     #[arg(long, value_name = "M,M,...", value_parser = distances, allow_negative_numbers = true, conflicts_with_all = ["triangles", "levels"])]
     pub(crate) distances: Option<Distances>,
     /// How the levels lie in files [default: files in a folder, siblings in one file].
@@ -38,9 +38,10 @@ pub(crate) struct Lods {
     /// where one comes nearer than the level is for.
     #[arg(long, value_name = "F", default_value_t = secateur_scene::chain::MAX_FLIP, value_parser = flip)]
     pub(crate) max_flip: f64,
-    /// The picture that the chain ends in: crossed planes, octahedral views (docs/impostors.md has
+    /// The pictures that the chain ends in: crossed planes, cards, octahedral views (docs/impostors.md has
     /// their sampler; other clients draw two crossed planes), none, or crossed planes where they
-    /// look no worse than the lightest mesh [default: auto, none with --levels and --triangles].
+    /// look no worse than the lightest mesh and, with --distances, cards where they are within --max-flip and
+    /// save a third of its triangles [default: auto, none with --levels and --triangles].
     #[arg(long, value_enum)]
     pub(crate) impostor: Option<ImpostorName>,
     /// How many levels coarser the level that casts a level's shadow is, 0 to 2.
