@@ -7,7 +7,7 @@ use super::level::{ChainLevel, ImpostorLevel, Shape};
 use super::maker::{Made, Maker};
 use super::options::Wanted;
 use super::textures::Client;
-use super::which::Placed;
+use super::which::{Placed, no_level};
 use crate::impostor::crossed::Planes;
 use crate::impostor::judge::{Judge, best_crossed};
 use crate::impostor::{Choice, Impostor};
@@ -51,7 +51,8 @@ impl Maker<'_> {
                 .collect());
         }
         let mut found = Vec::new();
-        let of_last = self.impostor(made, &last, notes, observer)?;
+        let mut own_notes = Vec::new();
+        let of_last = self.impostor(made, &last, &mut own_notes, observer)?;
         // Levels for heights are for any distance, and nearer to the plant than cards can be.
         if choice == Choice::Auto && matches!(self.options.wanted, Wanted::Distances(_)) {
             if of_last.is_none() {
@@ -60,8 +61,33 @@ impl Maker<'_> {
             let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
             found.extend(self.cards(made, &heights, client, observer));
         }
+        // Where crossed planes are none, cards may be.
+        if found.is_empty() {
+            notes.append(&mut own_notes);
+        }
         found.extend(of_last);
+        self.note_impostors(&found, notes);
         Ok(found)
+    }
+
+    /// Takes back notes of places where an impostor stands in the end, and adds those of places for which a mesh
+    /// was made in vain.
+    fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<String>) {
+        for (height, place) in self.heights() {
+            // The last that has begun there.
+            let begun = found.iter().rfind(|(_, begins, _)| *begins >= height);
+            let Some((level, begins, _)) = begun else {
+                continue;
+            };
+            notes.retain(|note| !note.starts_with(&no_level(&place)));
+            if *begins > height {
+                notes.push(format!(
+                    "{} the impostor of {} triangles before is enough",
+                    no_level(&place),
+                    level.impostor.surface.triangles.len()
+                ));
+            }
+        }
     }
 
     /// Crossed planes or octahedral views from a place on.

@@ -17,6 +17,11 @@ const STEP: f64 = 1.7;
 /// A level, at which height it begins, and its FLIP there.
 pub(super) type Placed = (Made, f64, f64);
 
+/// How a note begins that says why there is no level for a place.
+pub(super) fn no_level(place: &str) -> String {
+    format!("no level begins at {place}:")
+}
+
 /// Levels of these numbers of triangles.
 pub(super) fn asked(
     maker: &Maker<'_>,
@@ -79,7 +84,8 @@ pub(super) fn lightest(
             && level.triangles() as f64 > MOST_OF_BEFORE * before.triangles() as f64
         {
             notes.push(format!(
-                "no level begins at {place}: what is within the difference saves less than a third of the {} triangles before",
+                "{} what is within the difference saves less than a third of the {} triangles before",
+                no_level(&place),
                 before.triangles()
             ));
             continue;
@@ -109,7 +115,8 @@ pub(super) fn spread(
                 let triangles = (STEP * next.triangles() as f64).round() as usize;
                 if triangles > maker.all {
                     notes.push(format!(
-                        "no level begins at {place}: with {STEP} times the {} triangles of the next it would have more than the tree",
+                        "{} with {STEP} times the {} triangles of the next it would have more than the tree",
+                        no_level(&place),
                         next.triangles()
                     ));
                     break;

@@ -338,7 +338,11 @@ pub(crate) mod tests {
         assert_eq!(rows.len(), 25);
         let setting = |k: usize| rows[k].label();
         assert_eq!(setting(0), "lods distances 5,10,20,40,80 at 5 m");
-        assert_eq!(setting(9), "lods levels 0.5,0.25,0.1 at 80 m");
+        assert_eq!(
+            setting(9),
+            "lods distances 5,10,20,40,80 impostor none at 80 m"
+        );
+        assert_eq!(setting(14), "lods levels 0.5,0.25,0.1 at 80 m");
     }
 
     #[test]

@@ -118,6 +118,9 @@ pub(super) struct Layer {
     pub(super) mean: DVec3,
     /// Square to it, and along it where it is narrow and where it is wide.
     pub(super) axes: [DVec3; 3],
+    /// The area of its triangles, and of those that are sides of bodies, which show as much to all sides.
+    pub(super) area: f64,
+    pub(super) area_of_bodies: f64,
 }
 
 /// At most so many layers, none of them empty.
@@ -191,10 +194,13 @@ fn members(sorted: &[u32], planes: usize) -> Vec<Vec<u32>> {
 
 /// The plane of triangles: that off which they spread least.
 fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
-    let (mut area, mut sum) = (0.0, DVec3::ZERO);
+    let (mut area, mut area_of_bodies, mut sum) = (0.0, 0.0, DVec3::ZERO);
     for facet in members.iter().map(|k| facet(*k)) {
         area += facet.area;
         sum += facet.centre * facet.area;
+        if !facet.is_flat {
+            area_of_bodies += facet.area;
+        }
     }
     let mean = sum / area;
     let mut spread = DMat3::ZERO;
@@ -205,6 +211,8 @@ fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
     }
     Layer {
         axes: principal_axes(spread),
+        area,
+        area_of_bodies,
         members,
         mean,
     }

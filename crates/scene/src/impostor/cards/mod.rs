@@ -40,6 +40,9 @@ const RIM: u32 = 2;
 /// Texels are made larger by this until the atlas holds all cards.
 const COARSER: f64 = 1.1;
 
+/// A layer is of a trunk if its branches have this many times the area of a layer in the mean.
+const TRUNK: f64 = 2.0;
+
 /// Turns of a card within its plane that are tried, over a right angle.
 const TURNS: u32 = 16;
 
@@ -79,14 +82,19 @@ pub(super) struct Baked {
 }
 
 impl Cards {
-    /// At most so many cards of what is drawn of a plant; none where there is nothing to see.
+    /// Cards of at most so many layers of what is drawn of a plant, one for each and two that cross for a
+    /// part of a trunk; none where there is nothing to see.
     pub fn new<S: Borrow<Surface>>(surfaces: &[S], count: usize) -> Self {
         let facets = facets(surfaces);
         let ys = || facets.iter().flat_map(|f| f.corners).map(|c| c.y);
         let height = ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min);
-        let of_layer = |layer: &Layer| Card::new(surfaces, &facets, layer);
+        let layers = layers(&facets, count);
+        let area: f64 = layers.iter().map(|layer| layer.area).sum();
+        let much = TRUNK * area / layers.len() as f64;
+        let of_layer =
+            |layer: &Layer| Card::of_layer(surfaces, &facets, layer, layer.area_of_bodies > much);
         Self {
-            cards: layers(&facets, count).iter().map(of_layer).collect(),
+            cards: layers.iter().flat_map(of_layer).collect(),
             height,
         }
     }
@@ -176,7 +184,13 @@ impl Cards {
 }
 
 impl Card {
-    fn new<S: Borrow<Surface>>(surfaces: &[S], facets: &[Facet], layer: &Layer) -> Self {
+    /// The card of a layer; of a trunk two, which would be gone where one is seen from the edge.
+    fn of_layer<S: Borrow<Surface>>(
+        surfaces: &[S],
+        facets: &[Facet],
+        layer: &Layer,
+        is_trunk: bool,
+    ) -> Vec<Self> {
         let mut of_surfaces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for member in &layer.members {
             let [surface, triangle] = facets[*member as usize].at;
@@ -188,13 +202,27 @@ impl Card {
         let corners: Vec<DVec3> = (layer.members.iter())
             .flat_map(|member| facets[*member as usize].corners)
             .collect();
-        let turned = (0..TURNS).map(|turn| turned(layer, &corners, turn));
+        let parts: Vec<Surface> = parts.collect();
+        let [off, narrow, wide] = layer.axes;
+        let faced = match is_trunk {
+            true => vec![[off, narrow, wide], [narrow, off, wide]],
+            false => vec![[off, narrow, wide]],
+        };
+        faced
+            .into_iter()
+            .map(|axes| Self::facing(axes, layer.mean, &corners, parts.clone()))
+            .collect()
+    }
+
+    /// A card that faces the first of these axes, turned such that it is as small as can be.
+    fn facing(axes: [DVec3; 3], mean: DVec3, corners: &[DVec3], surfaces: Vec<Surface>) -> Self {
+        let turned = (0..TURNS).map(|turn| turned(axes, mean, corners, turn));
         let area = |half: DVec2| half.x * half.y;
         let smallest = turned.min_by(|a, b| area(a.2).total_cmp(&area(b.2)));
         let (centre, axes, half) =
             smallest.unwrap_or_else(|| unreachable!("there is a turn of every card"));
         Self {
-            surfaces: parts.collect(),
+            surfaces,
             centre,
             axes,
             half,
@@ -219,20 +247,24 @@ impl Card {
     }
 }
 
-/// The rectangle about corners in the plane of a layer: its middle, axes, and half of its width and height.
-fn turned(layer: &Layer, corners: &[DVec3], turn: u32) -> (DVec3, [DVec3; 3], DVec2) {
-    let [toward, narrow, wide] = layer.axes;
+/// The rectangle about corners in a plane: its middle, axes, and half of its width and height.
+fn turned(
+    [toward, narrow, wide]: [DVec3; 3],
+    mean: DVec3,
+    corners: &[DVec3],
+    turn: u32,
+) -> (DVec3, [DVec3; 3], DVec2) {
     let part = f64::from(turn) / f64::from(TURNS);
     let up = (wide * (1.0 - part) + narrow * part).normalize();
     let axes = [up.cross(toward), up, toward];
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for corner in corners {
-        let away = *corner - layer.mean;
+        let away = *corner - mean;
         let at = DVec2::new(away.dot(axes[0]), away.dot(axes[1]));
         (low, high) = (low.min(at), high.max(at));
     }
     let middle = (low + high) / 2.0;
-    let centre = layer.mean + axes[0] * middle.x + axes[1] * middle.y;
+    let centre = mean + axes[0] * middle.x + axes[1] * middle.y;
     (centre, axes, (high - low) / 2.0)
 }
 
