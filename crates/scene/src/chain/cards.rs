@@ -12,8 +12,8 @@ use crate::impostor::fewest_cards::{self, Found, Search, Seen};
 
 impl Maker<'_> {
     /// Cards from the first of these heights on at which some are within the difference, there and at all that
-    /// follow, and save a third of the triangles of the lightest mesh; and fewer of them from each that follows
-    /// where that saves a third again.
+    /// follow, save a third of the triangles of the mesh there and have no more than the lightest; and fewer of
+    /// them from each that follows where that saves a third again.
     pub(super) fn cards(
         &self,
         made: &[Placed],
@@ -25,14 +25,20 @@ impl Maker<'_> {
         let Some((lightest, ..)) = made.last() else {
             return placed;
         };
-        let mut triangles = lightest.triangles();
+        let lightest = lightest.triangles() as f64;
+        let mut before: Option<usize> = None;
         let most_flip = self.options.max_flip;
         let mut search = Search::new(&self.look.original);
         for (k, height) in heights.iter().enumerate() {
             if !search.has_room(*height) {
                 continue;
             }
-            let most = (MOST_OF_BEFORE * triangles as f64 / 2.0) as usize;
+            let most_triangles = match (before, drawn_at(made, *height)) {
+                (Some(cards), _) => MOST_OF_BEFORE * cards as f64,
+                (None, Some(mesh)) => lightest.min(MOST_OF_BEFORE * mesh.triangles() as f64),
+                (None, None) => continue,
+            };
+            let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
             let finish = |made| covering.of(made);
             let Some(found) = search.fewest(&self.seen(*height), most_flip, most, finish) else {
@@ -40,7 +46,7 @@ impl Maker<'_> {
             };
             let is_within = |height: &f64| self.seen(*height).flip(&found.impostor) <= most_flip;
             if heights[k + 1..].iter().all(is_within) {
-                triangles = found.impostor.surface.triangles.len();
+                before = Some(found.impostor.surface.triangles.len());
                 placed.extend(self.beside_mesh(made, found, *height, observer));
             }
         }
@@ -73,8 +79,7 @@ impl Maker<'_> {
         height: f64,
         observer: &mut Observer<'_>,
     ) -> Option<PlacedImpostor> {
-        let is_drawn_there = |(_, begins, _): &&Placed| *begins >= height;
-        let (mesh, ..) = made.iter().rev().find(is_drawn_there).or(made.first())?;
+        let mesh = drawn_at(made, height)?;
         let judge = self.look.judge(self.options.screen, height);
         let original = judge.of_surfaces(&self.look.original);
         let flip_of = |mesh: &Made| {
@@ -102,4 +107,11 @@ impl Maker<'_> {
         let judge = self.look.judge(self.options.screen, height);
         Seen::new(&self.look.original, judge, height)
     }
+}
+
+/// The mesh that is drawn where the screen shows the plant at this height.
+fn drawn_at(made: &[Placed], height: f64) -> Option<&Made> {
+    let has_begun = |(_, begins, _): &&Placed| *begins >= height;
+    let placed = made.iter().rev().find(has_begun).or(made.first())?;
+    Some(&placed.0)
 }

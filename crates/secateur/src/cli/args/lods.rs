@@ -41,7 +41,7 @@ pub(crate) struct Lods {
     /// The pictures that the chain ends in: crossed planes, cards, octahedral views (docs/impostors.md has
     /// their sampler; other clients draw two crossed planes), none, or crossed planes where they
     /// look no worse than the lightest mesh and, with --distances, cards where they are within --max-flip and
-    /// save a third of its triangles [default: auto, none with --levels and --triangles].
+    /// save a third of the triangles of the mesh there [default: auto, none with --levels and --triangles].
     #[arg(long, value_enum)]
     pub(crate) impostor: Option<ImpostorName>,
     /// How many levels coarser the level that casts a level's shadow is, 0 to 2.
