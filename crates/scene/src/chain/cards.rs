@@ -8,6 +8,7 @@ use super::level::ImpostorLevel;
 use super::maker::{Made, Maker};
 use super::textures::{Client, end_of};
 use super::which::{MOST_OF_BEFORE, Placed};
+use crate::impostor::Impostor;
 use crate::impostor::fewest_cards::{self, Found, Search, Seen};
 
 impl Maker<'_> {
@@ -29,7 +30,9 @@ impl Maker<'_> {
         let mut before: Option<usize> = None;
         let most_flip = self.options.max_flip;
         let mut search = Search::new(&self.look.original);
-        for (k, height) in heights.iter().enumerate() {
+        // Beside the plant stands a mesh, if there is more than one place.
+        let near = usize::from(self.heights().len() > 1);
+        for (k, height) in heights.iter().enumerate().skip(near) {
             if !search.has_room(*height) {
                 continue;
             }
@@ -44,13 +47,36 @@ impl Maker<'_> {
             let Some(found) = search.fewest(&self.seen(*height), most_flip, most, finish) else {
                 continue;
             };
-            let is_within = |height: &f64| self.seen(*height).flip(&found.impostor) <= most_flip;
-            if heights[k + 1..].iter().all(is_within) {
+            let is_within =
+                |height: &f64| self.seen(*height).flip_at_its_size(&found.impostor) <= most_flip;
+            let is_hidden = self.hides_switch(made, &placed, &found.impostor, *height);
+            if is_hidden && heights[k + 1..].iter().all(is_within) {
                 before = Some(found.impostor.surface.triangles.len());
                 placed.extend(self.beside_mesh(made, found, *height, observer));
             }
         }
         placed
+    }
+
+    /// Whether a switch to cards shows no more than it may.
+    fn hides_switch(
+        &self,
+        made: &[Placed],
+        placed: &[PlacedImpostor],
+        cards: &Impostor,
+        height: f64,
+    ) -> bool {
+        let Some(most) = self.options.max_pop else {
+            return true;
+        };
+        let judge = self.look.judge_of_switches(self.options.screen, height);
+        let nearer = made.iter().rev().find(|(_, begins, _)| *begins > height);
+        let before = match (placed.last(), nearer) {
+            (Some((before, ..)), _) => judge.of_impostor(&before.impostor),
+            (None, Some((mesh, ..))) => judge.of_surfaces(&mesh.drawn.level.surfaces),
+            (None, None) => return true,
+        };
+        judge.largest_flip(&before, &judge.of_impostor(cards)) <= most
     }
 
     /// Cards from this height on, whatever they look like beside a mesh: as few as are within the difference, or

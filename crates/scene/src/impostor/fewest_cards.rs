@@ -15,7 +15,7 @@ const LEAST: f64 = 8.0;
 /// How many times as many each next number has.
 const STEP: f64 = 1.25;
 
-/// How many numbers there are: the largest is 887.
+/// How many numbers there are: the largest is 867.
 const STEPS: usize = 22;
 
 /// FLIP falls about as the number of cards to this power, by which the next number to try is guessed.
@@ -96,7 +96,7 @@ impl Seen {
     }
 
     /// FLIP of an impostor in the usual pictures.
-    pub fn flip(&self, impostor: &Impostor) -> f64 {
+    fn flip(&self, impostor: &Impostor) -> f64 {
         self.judge
             .flip(&self.original, &self.judge.of_impostor(impostor))
     }
@@ -112,7 +112,7 @@ impl Seen {
     }
 
     /// FLIP as it is in pictures as large as the screen shows the plant.
-    fn flip_at_its_size(&self, impostor: &Impostor) -> f64 {
+    pub fn flip_at_its_size(&self, impostor: &Impostor) -> f64 {
         let flip = self.flip(impostor);
         if self.large.is_none() {
             return flip;
@@ -128,7 +128,7 @@ impl Seen {
 /// A search for the fewest cards of a plant, at one place after another.
 pub struct Search<'a> {
     surfaces: &'a [Surface],
-    sorted: BTreeMap<usize, Cards>,
+    sorted: BTreeMap<usize, Cards<'a, Surface>>,
     /// Cards for the pictures of a search, by their height in pixels and step.
     rough: BTreeMap<(u64, usize), Impostor>,
 }
@@ -164,9 +164,10 @@ impl<'a> Search<'a> {
         if best * Seen::flip_of_one(&seen.one, self.rough(few, seen)?) > HOPELESS * most_flip {
             return None;
         }
-        let last = (0..all).rev().step_by(FEWER).find(|step| {
+        // Trunks have more cards than layers.
+        let last = (0..all).rev().step_by(FEWER).chain([0]).find(|step| {
             let cards = self.sorted(number(*step));
-            cards.fit(seen.pixels_high, COARSEST_PX)
+            cards.count() <= most && cards.fit(seen.pixels_high, COARSEST_PX)
         })?;
         let of_one = Seen::flip_of_one(&seen.one, self.rough(last, seen)?);
         if of_one > HOPELESS * most_flip {
@@ -174,7 +175,11 @@ impl<'a> Search<'a> {
         }
         // What pictures of its size show beyond those of the search is about the same for fewer cards.
         let of_last = seen.flip(self.rough(last, seen)?);
-        let at_its_size = |made: &Impostor| of_last * seen.flip_of_one_at_its_size(made) / of_one;
+        let at_its_size = |made: &Impostor| match of_one > 0.0 {
+            true => of_last * seen.flip_of_one_at_its_size(made) / of_one,
+            // Something stands before the plant in that view.
+            false => of_last,
+        };
         let fine = Impostor::cards(self.sorted(number(last)), seen.pixels_high, COARSEST_PX)?;
         if at_its_size(&fine) > HOPELESS * most_flip {
             return None;
@@ -185,7 +190,8 @@ impl<'a> Search<'a> {
         }
         let most_rough = of_last * most_flip / at_its_size;
         let step = self.fewest_rough(last, of_last, seen, most_rough)?;
-        (step..=last).take(MORE).find_map(|step| {
+        let some = (step..last).take(MORE).chain([last]);
+        some.into_iter().find_map(|step| {
             let found = self.finished(number(step), seen, COARSEST_PX, &finish)?;
             (found.flip <= most_flip).then_some(found)
         })
@@ -247,7 +253,7 @@ impl<'a> Search<'a> {
         self.rough.get(&key)
     }
 
-    fn sorted(&mut self, count: usize) -> &Cards {
+    fn sorted(&mut self, count: usize) -> &Cards<'a, Surface> {
         let surfaces = self.surfaces;
         let new = || Cards::new(surfaces, count);
         self.sorted.entry(count).or_insert_with(new)

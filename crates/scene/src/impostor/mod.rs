@@ -113,9 +113,13 @@ impl Impostor {
         })
     }
 
-    /// Cards for a height on the screen. Their texels are a pixel long there, or as much longer as it takes for one
-    /// texture to hold them; `None` if that is more than `coarsest_px` pixels, or there is nothing to see.
-    pub fn cards(cards: &Cards, pixels_high: f64, coarsest_px: f64) -> Option<Self> {
+    /// Cards for a height on the screen. Their texels are half a pixel long there, or as much longer as it takes for
+    /// one texture to hold them; `None` if that is more than `coarsest_px` pixels, or there is nothing to see.
+    pub fn cards<S: Borrow<Surface> + Sync>(
+        cards: &Cards<'_, S>,
+        pixels_high: f64,
+        coarsest_px: f64,
+    ) -> Option<Self> {
         let Baked { surface, texel_px } = cards.baked(pixels_high, coarsest_px)?;
         let made = Self {
             surface,

@@ -195,11 +195,13 @@ fn members(sorted: &[u32], planes: usize) -> Vec<Vec<u32>> {
 /// The plane of triangles: that off which they spread least.
 fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
     let (mut area, mut area_of_bodies, mut sum) = (0.0, 0.0, DVec3::ZERO);
+    let mut faced = DVec3::ZERO;
     for facet in members.iter().map(|k| facet(*k)) {
         area += facet.area;
         sum += facet.centre * facet.area;
         if !facet.is_flat {
             area_of_bodies += facet.area;
+            faced += facet.normal * facet.area;
         }
     }
     let mean = sum / area;
@@ -210,7 +212,11 @@ fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
         }
     }
     Layer {
-        axes: principal_axes(spread),
+        // What has one side is seen from there.
+        axes: principal_axes(spread).map(|axis| match axis.dot(faced) < 0.0 {
+            true => -axis,
+            false => axis,
+        }),
         area,
         area_of_bodies,
         members,

@@ -34,7 +34,7 @@ pub(super) const CUTOFF: f32 = 0.35;
 const SAMPLES: u32 = 2;
 
 /// Clear texels about what a card shows: the outer half of them lies beyond its quad, so that filters find
-/// nothing of its neighbours.
+/// nothing of its neighbours in the texture itself and its first mip.
 const RIM: u32 = 2;
 
 /// Texels are made larger by this until the atlas holds all cards.
@@ -47,7 +47,8 @@ const TRUNK: f64 = 2.0;
 const TURNS: u32 = 16;
 
 /// A plant in flat layers, of which cards of any size can be baked.
-pub struct Cards {
+pub struct Cards<'a, S> {
+    surfaces: &'a [S],
     cards: Vec<Card>,
     /// From the lowest to the highest corner.
     height: f64,
@@ -55,8 +56,8 @@ pub struct Cards {
 
 /// A layer with its rectangle.
 struct Card {
-    /// What lies in it.
-    surfaces: Vec<Surface>,
+    /// What lies in it: triangles by surface.
+    triangles: BTreeMap<u32, Vec<u32>>,
     centre: DVec3,
     /// Right, up and toward who sees its front.
     axes: [DVec3; 3],
@@ -81,19 +82,19 @@ pub(super) struct Baked {
     pub(super) texel_px: f64,
 }
 
-impl Cards {
+impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
     /// Cards of at most so many layers of what is drawn of a plant, one for each and two that cross for a
     /// part of a trunk; none where there is nothing to see.
-    pub fn new<S: Borrow<Surface>>(surfaces: &[S], count: usize) -> Self {
+    pub fn new(surfaces: &'a [S], count: usize) -> Self {
         let facets = facets(surfaces);
         let ys = || facets.iter().flat_map(|f| f.corners).map(|c| c.y);
         let height = ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min);
         let layers = layers(&facets, count);
         let area: f64 = layers.iter().map(|layer| layer.area).sum();
         let much = TRUNK * area / layers.len() as f64;
-        let of_layer =
-            |layer: &Layer| Card::of_layer(surfaces, &facets, layer, layer.area_of_bodies > much);
+        let of_layer = |layer: &Layer| Card::of_layer(&facets, layer, layer.area_of_bodies > much);
         Self {
+            surfaces,
             cards: layers.iter().flat_map(of_layer).collect(),
             height,
         }
@@ -143,7 +144,10 @@ impl Cards {
             texel_px,
         } = self.laid_out(pixels_high, coarsest_px)?;
         let baked: Vec<Vec<SeenTexel>> = (self.cards.par_iter().zip(&sides))
-            .map(|(card, sides)| seen_along(&card.surfaces, &card.view(texel), *sides, SAMPLES))
+            .map(|(card, sides)| {
+                let parts = card.parts(self.surfaces);
+                seen_along(&parts, &card.view(texel), *sides, SAMPLES)
+            })
             .collect();
         let places: Vec<Place> = (packed.places.iter().zip(&sides))
             .map(|(corner, sides)| Place {
@@ -185,24 +189,15 @@ impl Cards {
 
 impl Card {
     /// The card of a layer; of a trunk two, which would be gone where one is seen from the edge.
-    fn of_layer<S: Borrow<Surface>>(
-        surfaces: &[S],
-        facets: &[Facet],
-        layer: &Layer,
-        is_trunk: bool,
-    ) -> Vec<Self> {
-        let mut of_surfaces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    fn of_layer(facets: &[Facet], layer: &Layer, is_trunk: bool) -> Vec<Self> {
+        let mut triangles: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for member in &layer.members {
             let [surface, triangle] = facets[*member as usize].at;
-            of_surfaces.entry(surface).or_default().push(triangle);
+            triangles.entry(surface).or_default().push(triangle);
         }
-        let parts = of_surfaces
-            .iter()
-            .map(|(surface, triangles)| part(surfaces[*surface as usize].borrow(), triangles));
         let corners: Vec<DVec3> = (layer.members.iter())
             .flat_map(|member| facets[*member as usize].corners)
             .collect();
-        let parts: Vec<Surface> = parts.collect();
         let [off, narrow, wide] = layer.axes;
         let faced = match is_trunk {
             true => vec![[off, narrow, wide], [narrow, off, wide]],
@@ -210,19 +205,32 @@ impl Card {
         };
         faced
             .into_iter()
-            .map(|axes| Self::facing(axes, layer.mean, &corners, parts.clone()))
+            .map(|axes| Self::facing(axes, layer.mean, &corners, triangles.clone()))
             .collect()
     }
 
+    /// What lies in it.
+    fn parts<S: Borrow<Surface>>(&self, surfaces: &[S]) -> Vec<Surface> {
+        let of_surface = |(surface, triangles): (&u32, &Vec<u32>)| {
+            part(surfaces[*surface as usize].borrow(), triangles)
+        };
+        self.triangles.iter().map(of_surface).collect()
+    }
+
     /// A card that faces the first of these axes, turned such that it is as small as can be.
-    fn facing(axes: [DVec3; 3], mean: DVec3, corners: &[DVec3], surfaces: Vec<Surface>) -> Self {
+    fn facing(
+        axes: [DVec3; 3],
+        mean: DVec3,
+        corners: &[DVec3],
+        triangles: BTreeMap<u32, Vec<u32>>,
+    ) -> Self {
         let turned = (0..TURNS).map(|turn| turned(axes, mean, corners, turn));
         let area = |half: DVec2| half.x * half.y;
         let smallest = turned.min_by(|a, b| area(a.2).total_cmp(&area(b.2)));
         let (centre, axes, half) =
             smallest.unwrap_or_else(|| unreachable!("there is a turn of every card"));
         Self {
-            surfaces,
+            triangles,
             centre,
             axes,
             half,
@@ -332,7 +340,8 @@ mod tests {
 
     #[test]
     fn each_card_shows_what_lies_in_it_where_it_lies() {
-        let cards = Cards::new(&two(), 2);
+        let surfaces = two();
+        let cards = Cards::new(&surfaces, 2);
         assert_eq!(cards.count(), 2);
         let Baked { surface, texel_px } = cards.baked(64.0, f64::INFINITY).unwrap();
         assert_eq!(texel_px, FINEST_PX);
@@ -356,9 +365,29 @@ mod tests {
         }
     }
 
+    /// What has one side is seen from that side, whichever way it faces.
+    #[test]
+    fn what_has_one_side_is_baked_from_there() {
+        for corners in [[0, 1, 2], [0, 2, 1]] {
+            let mut surface = square(DVec3::ZERO, [1.0, 0.0, 0.0, 1.0]);
+            Arc::make_mut(&mut surface.material).double_sided = false;
+            surface.triangles = vec![corners];
+            let surfaces = [surface];
+            let Baked { surface, .. } = Cards::new(&surfaces, 1).baked(64.0, 2.0).unwrap();
+            let texture = surface.material.texture.as_ref().unwrap();
+            let is_there = texture
+                .rgba
+                .chunks(4)
+                .filter(|texel| texel[3] > 128)
+                .count();
+            assert!(is_there > 128 * 128 / 3, "{corners:?}: {is_there} texels");
+        }
+    }
+
     #[test]
     fn texels_are_as_fine_as_an_atlas_has_room_for() {
-        let cards = Cards::new(&two(), 2);
+        let surfaces = two();
+        let cards = Cards::new(&surfaces, 2);
         assert!(cards.fit(256.0, FINEST_PX) && !cards.fit(1e5, 2.0));
         assert!(cards.baked(1e5, 2.0).is_none());
         let Baked { surface, texel_px } = cards.baked(1e5, f64::INFINITY).unwrap();
@@ -366,6 +395,6 @@ mod tests {
         let texture = surface.material.texture.as_ref().unwrap();
         assert!(texture.width.max(texture.height) <= MOST_ATLAS);
         // Where there is nothing to see, there are no cards.
-        assert!(Cards::new::<Surface>(&[], 5).baked(64.0, 2.0).is_none());
+        assert!(Cards::<Surface>::new(&[], 5).baked(64.0, 2.0).is_none());
     }
 }
