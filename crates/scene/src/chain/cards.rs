@@ -80,7 +80,7 @@ impl Maker<'_> {
     }
 
     /// Cards from this height on, whatever they look like beside a mesh: as few as are within the difference, or
-    /// as many as there can be.
+    /// the largest number that is ever tried where no number is.
     pub(super) fn demanded_cards(
         &self,
         made: &[Placed],

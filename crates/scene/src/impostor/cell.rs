@@ -17,7 +17,7 @@ const SAMPLES: u32 = 384;
 pub(super) struct Place {
     /// The upper left one.
     pub(super) corner: [u32; 2],
-    /// Width and height.
+    /// Width and height in texels.
     pub(super) size: [u32; 2],
 }
 

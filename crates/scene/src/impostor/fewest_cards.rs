@@ -40,7 +40,7 @@ const HOPELESS: f64 = 1.2;
 /// The most pixels that a texel of cards may be long where they begin to be seen: longer ones look blurred.
 const COARSEST_PX: f64 = 2.0;
 
-/// Cards whose textures do not fit are tried with fewer by so many steps: half of them.
+/// Where an atlas has no room for a number of cards, the number three steps below is tried: about half.
 const FEWER: usize = 3;
 
 /// How often a number of cards that turns out not to be enough at its size is raised.
@@ -60,7 +60,7 @@ fn number(step: usize) -> usize {
 pub struct Found {
     /// The cards with their pictures.
     pub impostor: Impostor,
-    /// Their FLIP there.
+    /// Mean FLIP against the plant at that place, 0 to 1.
     pub flip: f64,
 }
 
@@ -148,7 +148,7 @@ impl<'a> Search<'a> {
         self.sorted(number(0)).fit(pixels_high, COARSEST_PX)
     }
 
-    /// The fewest cards, at most so many, whose FLIP is at most this, with textures as fine as the place asks for,
+    /// The fewest cards, at most `most`, whose FLIP is at most `most_flip`, with textures as fine as the place asks for,
     /// and as `finish` makes them; none if there are none.
     pub fn fewest(
         &mut self,

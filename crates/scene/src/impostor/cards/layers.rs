@@ -22,7 +22,7 @@ const OFF_PLANE: f64 = 32.0;
 /// of its face.
 const TURNED: f64 = 0.05;
 
-/// Rounds of sorting.
+/// How often triangles are sorted into layers and planes fitted to them.
 const ROUNDS: usize = 12;
 
 /// Of plants of more triangles some are sorted in each round, all in the last.
@@ -123,7 +123,7 @@ pub(super) struct Layer {
     pub(super) area_of_bodies: f64,
 }
 
-/// At most so many layers, none of them empty.
+/// Sorts triangles into `count` layers, or fewer where some would be empty.
 pub(super) fn layers(facets: &[Facet], count: usize) -> Vec<Layer> {
     let size = size(facets);
     let step = facets.len().div_ceil(MOST_IN_ROUNDS).max(1);

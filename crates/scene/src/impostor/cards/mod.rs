@@ -83,8 +83,8 @@ pub(super) struct Baked {
 }
 
 impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
-    /// Cards of at most so many layers of what is drawn of a plant, one for each and two that cross for a
-    /// part of a trunk; none where there is nothing to see.
+    /// Sorts what is drawn of a plant into at most `count` layers. A layer has one card, a part of a trunk two
+    /// that cross. There are no cards where there is nothing to see.
     pub fn new(surfaces: &'a [S], count: usize) -> Self {
         let facets = facets(surfaces);
         let ys = || facets.iter().flat_map(|f| f.corners).map(|c| c.y);
@@ -382,6 +382,32 @@ mod tests {
                 .count();
             assert!(is_there > 128 * 128 / 3, "{corners:?}: {is_there} texels");
         }
+    }
+
+    /// From wherever a trunk is seen, one of its cards does not stand on edge.
+    #[test]
+    fn a_trunk_has_two_cards_that_cross() {
+        let mut trunk = square(DVec3::ZERO, [0.3, 0.2, 0.1, 1.0]);
+        Arc::make_mut(&mut trunk.material).double_sided = false;
+        let leaf = |z: f64| {
+            let mut leaf = square(DVec3::new(9.0, 9.0, z), [0.0, 1.0, 0.0, 1.0]);
+            for position in &mut leaf.positions {
+                *position = (*position - DVec3::new(9.0, 9.0, z)) * 0.1 + DVec3::new(9.0, 9.0, z);
+            }
+            leaf
+        };
+        let surfaces = [trunk, leaf(0.0), leaf(9.0)];
+        let cards = Cards::new(&surfaces, 3);
+        let of_trunk = cards
+            .cards
+            .iter()
+            .filter(|card| card.triangles.contains_key(&0));
+        let toward: Vec<DVec3> = of_trunk.map(|card| card.axes[2]).collect();
+        let [one, other] = toward[..] else {
+            panic!("{} cards of the trunk", toward.len())
+        };
+        assert!(one.dot(other).abs() < 1e-9, "{one} and {other}");
+        assert_eq!(cards.count(), 4, "a leaf has one");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Rectangles side by side in a texture.
 
-/// Rectangles begin at multiples of so many texels: compressed textures have blocks of 4 x 4.
+/// Rectangles begin at multiples of four texels, as compressed textures have blocks of 4 x 4.
 const GRID: u32 = 4;
 
 /// Where rectangles lie in a texture.
