@@ -55,6 +55,9 @@ pub enum Progress {
         /// Steps to do at most.
         at_most: usize,
     },
+    /// An impostor is about to be baked or looked at, while a chain of levels is made; how many more there will be
+    /// is not known.
+    Impostor,
 }
 
 /// Sees all progress of a run, and may break it off.

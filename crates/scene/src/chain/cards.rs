@@ -3,13 +3,14 @@
 use secateur_simplify::Observer;
 
 use super::card_cutoffs::Covering;
+use super::error::ChainError;
 use super::impostors::PlacedImpostor;
 use super::level::ImpostorLevel;
 use super::maker::{Made, Maker};
 use super::textures::{Client, end_of};
 use super::which::{MOST_OF_BEFORE, Placed};
-use crate::impostor::Impostor;
 use crate::impostor::fewest_cards::{self, Found, Search, Seen};
+use crate::impostor::{Impostor, poll};
 
 impl Maker<'_> {
     /// Cards from the first of these heights on at which some are within the difference, there and at all that
@@ -21,10 +22,10 @@ impl Maker<'_> {
         heights: &[f64],
         client: &Client<'_>,
         observer: &mut Observer<'_>,
-    ) -> Vec<PlacedImpostor> {
+    ) -> Result<Vec<PlacedImpostor>, ChainError> {
         let mut placed: Vec<PlacedImpostor> = Vec::new();
         let Some((lightest, ..)) = made.last() else {
-            return placed;
+            return Ok(placed);
         };
         let lightest = lightest.triangles() as f64;
         let mut before: Option<usize> = None;
@@ -33,6 +34,7 @@ impl Maker<'_> {
         // Beside the plant stands a mesh, if there is more than one place.
         let near = usize::from(self.heights().len() > 1);
         for (k, height) in heights.iter().enumerate().skip(near) {
+            poll(observer)?;
             if !search.has_room(*height) {
                 continue;
             }
@@ -44,18 +46,35 @@ impl Maker<'_> {
             let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
             let finish = |made| covering.of(made);
-            let Some(found) = search.fewest(&self.seen(*height), most_flip, most, finish) else {
+            let seen = self.seen(*height);
+            let found = search.fewest(&seen, most_flip, most, finish, observer)?;
+            let Some(found) = found else {
                 continue;
             };
-            let is_within =
-                |height: &f64| self.seen(*height).flip_at_its_size(&found.impostor) <= most_flip;
+            poll(observer)?;
             let is_hidden = self.hides_switch(made, &placed, &found.impostor, *height);
-            if is_hidden && heights[k + 1..].iter().all(is_within) {
+            if is_hidden && self.is_within(&found.impostor, &heights[k + 1..], observer)? {
                 before = Some(found.impostor.surface.triangles.len());
-                placed.extend(self.beside_mesh(made, found, *height, observer));
+                placed.extend(self.beside_mesh(made, found, *height, observer)?);
             }
         }
-        placed
+        Ok(placed)
+    }
+
+    /// Whether an impostor is within the difference at all of these heights.
+    fn is_within(
+        &self,
+        impostor: &Impostor,
+        heights: &[f64],
+        observer: &mut Observer<'_>,
+    ) -> Result<bool, ChainError> {
+        for height in heights {
+            poll(observer)?;
+            if self.seen(*height).flip_at_its_size(impostor) > self.options.max_flip {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Whether a switch to cards shows no more than it may.
@@ -87,14 +106,20 @@ impl Maker<'_> {
         height: f64,
         client: &Client<'_>,
         observer: &mut Observer<'_>,
-    ) -> Option<PlacedImpostor> {
+    ) -> Result<Option<PlacedImpostor>, ChainError> {
         let covering = Covering::new(client, [height, end_of(height, None)]);
         let finish = |made| covering.of(made);
         let mut search = Search::new(&self.look.original);
         let (seen, most) = (self.seen(height), fewest_cards::most());
-        let fewest = search.fewest(&seen, self.options.max_flip, most, finish);
-        let found = fewest.or_else(|| search.finished(most, &seen, f64::INFINITY, finish));
-        found.and_then(|found| self.beside_mesh(made, found, height, observer))
+        let fewest = search.fewest(&seen, self.options.max_flip, most, finish, observer)?;
+        let found = match fewest {
+            Some(fewest) => Some(fewest),
+            None => search.finished(most, &seen, f64::INFINITY, finish, observer)?,
+        };
+        match found {
+            Some(found) => self.beside_mesh(made, found, height, observer),
+            None => Ok(None),
+        }
     }
 
     /// Cards beside the mesh that would be drawn there.
@@ -104,8 +129,11 @@ impl Maker<'_> {
         found: Found,
         height: f64,
         observer: &mut Observer<'_>,
-    ) -> Option<PlacedImpostor> {
-        let mesh = drawn_at(made, height)?;
+    ) -> Result<Option<PlacedImpostor>, ChainError> {
+        let Some(mesh) = drawn_at(made, height) else {
+            return Ok(None);
+        };
+        poll(observer)?;
         let judge = self.look.judge(self.options.screen, height);
         let original = judge.of_surfaces(&self.look.original);
         let flip_of = |mesh: &Made| {
@@ -114,9 +142,8 @@ impl Maker<'_> {
         };
         let triangles = found.impostor.surface.triangles.len();
         let mut same_cost = None;
-        // A plant that cannot be made so light has no mesh to hold the cards against.
         if triangles < mesh.triangles()
-            && let Ok(equal) = self.level(triangles, observer)
+            && let Some(equal) = self.level_if_any(triangles, observer)?
         {
             same_cost = Some((equal.triangles() as u64, flip_of(&equal)));
         }
@@ -126,7 +153,7 @@ impl Maker<'_> {
             impostor: found.impostor,
             same_cost,
         };
-        Some((level, height, found.flip))
+        Ok(Some((level, height, found.flip)))
     }
 
     fn seen(&self, height: f64) -> Seen {

@@ -10,7 +10,7 @@ use super::textures::Client;
 use super::which::{Placed, no_level};
 use crate::impostor::crossed::Planes;
 use crate::impostor::judge::{Judge, best_crossed};
-use crate::impostor::{Choice, Impostor};
+use crate::impostor::{Choice, Impostor, poll};
 
 /// Two crossed planes whose FLIP is this many times what is wanted are given up: to bake more of them
 /// takes as long as to make a level.
@@ -45,10 +45,8 @@ impl Maker<'_> {
             (height, format!("{height} pixels"))
         });
         if choice == Choice::Cards {
-            return Ok(self
-                .demanded_cards(made, last.0, client, observer)
-                .into_iter()
-                .collect());
+            let cards = self.demanded_cards(made, last.0, client, observer)?;
+            return Ok(cards.into_iter().collect());
         }
         let mut found = Vec::new();
         let mut own_notes = Vec::new();
@@ -59,7 +57,7 @@ impl Maker<'_> {
                 places.push(last);
             }
             let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
-            found.extend(self.cards(made, &heights, client, observer));
+            found.extend(self.cards(made, &heights, client, observer)?);
         }
         // Where crossed planes are none, cards may be.
         if found.is_empty() {
@@ -102,6 +100,7 @@ impl Maker<'_> {
         let Some((mesh, ..)) = made.last() else {
             return Ok(None);
         };
+        poll(observer)?;
         let judge = self.look.judge(self.options.screen, height);
         if choice == Choice::Auto
             && let Some([flip, of_mesh]) = self.hopeless(mesh, &judge, height)
@@ -109,6 +108,7 @@ impl Maker<'_> {
             notes.push(no_impostor(place, flip, mesh.triangles(), of_mesh));
             return Ok(None);
         }
+        poll(observer)?;
         let original = judge.of_surfaces(&self.look.original);
         let of_mesh = judge.flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
         let found = match choice {
@@ -125,10 +125,9 @@ impl Maker<'_> {
         let is_lighter = triangles < mesh.triangles();
         let is_near = flip <= self.options.max_flip || flip <= of_mesh;
         let mut same_cost = None;
-        // A plant that cannot be made so light has no mesh to hold the impostor against.
         if is_lighter
             && (is_near || choice != Choice::Auto)
-            && let Ok(equal) = self.level(triangles, observer)
+            && let Some(equal) = self.level_if_any(triangles, observer)?
         {
             let pictures = judge.of_surfaces(&equal.drawn.level.surfaces);
             same_cost = Some((equal.triangles() as u64, judge.flip(&original, &pictures)));

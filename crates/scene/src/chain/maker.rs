@@ -7,7 +7,7 @@ use secateur_gltf::WholeTree;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood_sharing};
-use secateur_simplify::{Observer, Options, Shared, Target};
+use secateur_simplify::{Error, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
@@ -129,6 +129,22 @@ impl<'a> Maker<'a> {
             level,
             lod,
         })
+    }
+
+    /// A mesh to hold an impostor of so many triangles against; a plant that cannot be made so light has none.
+    ///
+    /// # Errors
+    /// [`ChainError`] if the observer breaks it off.
+    pub(super) fn level_if_any(
+        &self,
+        triangles: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Made>, ChainError> {
+        match self.level(triangles, observer) {
+            Ok(made) => Ok(Some(made)),
+            Err(stopped @ ChainError::Simplify(Error::Stopped)) => Err(stopped),
+            Err(_) => Ok(None),
+        }
     }
 
     /// Of how many triangles a level has more: all of the wood, where it stays as it is.

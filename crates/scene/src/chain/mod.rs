@@ -14,6 +14,8 @@ mod maker;
 mod opaque;
 mod options;
 mod scene_look;
+#[cfg(test)]
+mod tests;
 mod texture_bytes;
 mod textures;
 mod which;

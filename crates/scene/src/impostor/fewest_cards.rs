@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use secateur_eval::Pictures;
 use secateur_model::Surface;
+use secateur_simplify::{Error, Observer};
 
-use super::Impostor;
 use super::cards::Cards;
 use super::judge::Judge;
+use super::{Impostor, poll};
 
 /// The fewest cards that are tried.
 const LEAST: f64 = 8.0;
@@ -149,52 +150,93 @@ impl<'a> Search<'a> {
     }
 
     /// The fewest cards, at most `most`, whose FLIP is at most `most_flip`, with textures as fine as the place asks for,
-    /// and as `finish` makes them; none if there are none.
+    /// and as `finish` makes them; none if there are none. The observer is asked at each number of cards that is sorted
+    /// for, baked or looked at.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] if the observer breaks it off.
     pub fn fewest(
         &mut self,
         seen: &Seen,
         most_flip: f64,
         most: usize,
         finish: impl Fn(Impostor) -> Impostor,
-    ) -> Option<Found> {
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Found>, Error> {
         let all = (0..STEPS).take_while(|step| number(*step) <= most).count();
-        // To sort for a few takes a tenth of the time.
-        let few = FEW.min(all.checked_sub(1)?);
-        let best = (number(few) as f64 / number(all - 1) as f64).powf(BEST_POWER);
-        if best * Seen::flip_of_one(&seen.one, self.rough(few, seen)?) > HOPELESS * most_flip {
-            return None;
+        if all == 0 {
+            return Ok(None);
         }
-        // Trunks have more cards than layers.
-        let last = (0..all).rev().step_by(FEWER).chain([0]).find(|step| {
-            let cards = self.sorted(number(*step));
-            cards.count() <= most && cards.fit(seen.pixels_high, COARSEST_PX)
-        })?;
-        let of_one = Seen::flip_of_one(&seen.one, self.rough(last, seen)?);
+        // To sort for a few takes a tenth of the time.
+        let few = FEW.min(all - 1);
+        let best = (number(few) as f64 / number(all - 1) as f64).powf(BEST_POWER);
+        let Some(of_few) = self.rough(few, seen, observer)? else {
+            return Ok(None);
+        };
+        if best * Seen::flip_of_one(&seen.one, of_few) > HOPELESS * most_flip {
+            return Ok(None);
+        }
+        let Some(last) = self.last(all, most, seen, observer)? else {
+            return Ok(None);
+        };
+        let Some(rough) = self.rough(last, seen, observer)? else {
+            return Ok(None);
+        };
+        let of_one = Seen::flip_of_one(&seen.one, rough);
         if of_one > HOPELESS * most_flip {
-            return None;
+            return Ok(None);
         }
         // What pictures of its size show beyond those of the search is about the same for fewer cards.
-        let of_last = seen.flip(self.rough(last, seen)?);
+        let of_last = seen.flip(rough);
         let at_its_size = |made: &Impostor| match of_one > 0.0 {
             true => of_last * seen.flip_of_one_at_its_size(made) / of_one,
             // Something stands before the plant in that view.
             false => of_last,
         };
-        let fine = Impostor::cards(self.sorted(number(last)), seen.pixels_high, COARSEST_PX)?;
+        poll(observer)?;
+        let cards = self.sorted(number(last));
+        let Some(fine) = Impostor::cards(cards, seen.pixels_high, COARSEST_PX) else {
+            return Ok(None);
+        };
         if at_its_size(&fine) > HOPELESS * most_flip {
-            return None;
+            return Ok(None);
         }
+        poll(observer)?;
         let at_its_size = at_its_size(&finish(fine));
         if at_its_size > most_flip {
-            return None;
+            return Ok(None);
         }
         let most_rough = of_last * most_flip / at_its_size;
-        let step = self.fewest_rough(last, of_last, seen, most_rough)?;
-        let some = (step..last).take(MORE).chain([last]);
-        some.into_iter().find_map(|step| {
-            let found = self.finished(number(step), seen, COARSEST_PX, &finish)?;
-            (found.flip <= most_flip).then_some(found)
-        })
+        let Some(step) = self.fewest_rough(last, of_last, seen, most_rough, observer)? else {
+            return Ok(None);
+        };
+        for step in (step..last).take(MORE).chain([last]) {
+            let found = self.finished(number(step), seen, COARSEST_PX, &finish, observer)?;
+            if let Some(found) = found.filter(|found| found.flip <= most_flip) {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Of the first so many steps the last one that an atlas has room for with no more than `most` cards, or a few
+    /// before it.
+    fn last(
+        &mut self,
+        all: usize,
+        most: usize,
+        seen: &Seen,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<usize>, Error> {
+        for step in (0..all).rev().step_by(FEWER).chain([0]) {
+            poll(observer)?;
+            let cards = self.sorted(number(step));
+            // Trunks have more cards than layers.
+            if cards.count() <= most && cards.fit(seen.pixels_high, COARSEST_PX) {
+                return Ok(Some(step));
+            }
+        }
+        Ok(None)
     }
 
     /// The least step whose FLIP in the pictures of a search is within a bound, as that of the last one is.
@@ -204,7 +246,8 @@ impl<'a> Search<'a> {
         of_last: f64,
         seen: &Seen,
         most_flip: f64,
-    ) -> Option<usize> {
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<usize>, Error> {
         let mut enough = (last, of_last);
         let mut least = 0;
         while least < enough.0 {
@@ -212,45 +255,66 @@ impl<'a> Search<'a> {
             let room = (most_flip / enough.1).ln() / (POWER * STEP.ln());
             let fewer = (room.floor().max(1.0) as usize).min(enough.0 - least);
             let step = enough.0 - fewer;
-            let flip = seen.flip(self.rough(step, seen)?);
+            let Some(rough) = self.rough(step, seen, observer)? else {
+                return Ok(None);
+            };
+            let flip = seen.flip(rough);
             match flip <= most_flip {
                 true => enough = (step, flip),
                 false => least = step + 1,
             }
         }
-        Some(enough.0)
+        Ok(Some(enough.0))
     }
 
     /// So many cards with textures as fine as the place asks for and an atlas has room for, but not with texels of
     /// more pixels than these; lit by their normals or flat, whichever looks nearer.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] if the observer breaks it off.
     pub fn finished(
         &mut self,
         count: usize,
         seen: &Seen,
         coarsest_px: f64,
         finish: impl Fn(Impostor) -> Impostor,
-    ) -> Option<Found> {
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Found>, Error> {
+        poll(observer)?;
         let cards = self.sorted(count);
-        let impostor = finish(Impostor::cards(cards, seen.pixels_high, coarsest_px)?);
+        let Some(baked) = Impostor::cards(cards, seen.pixels_high, coarsest_px) else {
+            return Ok(None);
+        };
+        poll(observer)?;
+        let impostor = finish(baked);
+        poll(observer)?;
         let flat = impostor.flat();
         let impostor = match seen.flip(&flat) <= seen.flip(&impostor) {
             true => flat,
             false => impostor,
         };
         let flip = seen.flip_at_its_size(&impostor);
-        Some(Found { impostor, flip })
+        Ok(Some(Found { impostor, flip }))
     }
 
     /// Cards for the pictures of a search.
-    fn rough(&mut self, step: usize, seen: &Seen) -> Option<&Impostor> {
+    fn rough(
+        &mut self,
+        step: usize,
+        seen: &Seen,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<&Impostor>, Error> {
+        poll(observer)?;
         let pixels_high = seen.pixels_high.min(SEARCH_PX);
         let key = (pixels_high.to_bits(), step);
         if !self.rough.contains_key(&key) {
             let cards = self.sorted(number(step));
-            let made = Impostor::cards(cards, pixels_high, f64::INFINITY)?;
+            let Some(made) = Impostor::cards(cards, pixels_high, f64::INFINITY) else {
+                return Ok(None);
+            };
             self.rough.insert(key, made);
         }
-        self.rough.get(&key)
+        Ok(self.rough.get(&key))
     }
 
     fn sorted(&mut self, count: usize) -> &Cards<'a, Surface> {
@@ -262,11 +326,14 @@ impl<'a> Search<'a> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+    use std::ops::ControlFlow;
     use std::sync::Arc;
 
     use glam::{DVec3, Vec3};
     use secateur_model::{AlphaMode, BoundingSphere, Finish, Material, Random};
     use secateur_raster::ViewSet;
+    use secateur_simplify::Progress;
 
     use super::*;
     use crate::Screen;
@@ -312,12 +379,19 @@ mod tests {
         Seen::new(surfaces, judge, 60.0)
     }
 
+    fn go_on(_: Progress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
     #[test]
     fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
         let surfaces = [crown()];
         let seen = seen(&surfaces);
         let mut search = Search::new(&surfaces);
-        let mut found = |most_flip: f64| search.fewest(&seen, most_flip, most(), |made| made);
+        let mut found = |most_flip: f64| {
+            let found = search.fewest(&seen, most_flip, most(), |made| made, &mut go_on);
+            found.unwrap()
+        };
         let [all, many, few] = [0.037, 0.05, 0.07].map(|most_flip| {
             let found = found(most_flip);
             found.map(|found| {
@@ -332,13 +406,49 @@ mod tests {
         // Hardly fewer would do.
         let fewer = (few.unwrap() as f64 / 2.0 / STEP / STEP).round() as usize;
         let of_fewer = search
-            .finished(fewer, &seen, f64::INFINITY, |made| made)
+            .finished(fewer, &seen, f64::INFINITY, |made| made, &mut go_on)
+            .unwrap()
             .unwrap();
         assert!(of_fewer.flip > 0.07, "{fewer} cards: {}", of_fewer.flip);
-        assert!(search.fewest(&seen, 1e-4, most(), |made| made).is_none());
-        assert!(
-            search.fewest(&seen, 1.0, 7, |made| made).is_none(),
-            "of so few none"
-        );
+        for (most_flip, most) in [(1e-4, most()), (1.0, 7)] {
+            let found = search.fewest(&seen, most_flip, most, |made| made, &mut go_on);
+            let found = found.unwrap();
+            assert!(found.is_none(), "within {most_flip} of at most {most}");
+        }
+    }
+
+    /// However far it is, a search that is to stop neither bakes nor looks at another number of cards.
+    #[test]
+    fn a_search_stops_wherever_it_is_told_to() {
+        let surfaces = [crown()];
+        let seen = seen(&surfaces);
+        // What one run has made the next goes on from.
+        let mut search = Search::new(&surfaces);
+        for last in 1.. {
+            let before = search.sorted.len() + search.rough.len();
+            let (mut asked, finished) = (0, Cell::new(0));
+            let finish = |made| {
+                finished.set(finished.get() + 1);
+                made
+            };
+            let observer = &mut |_| {
+                asked += 1;
+                match asked < last {
+                    true => ControlFlow::Continue(()),
+                    false => ControlFlow::Break(()),
+                }
+            };
+            let found = search.fewest(&seen, 0.05, most(), finish, observer);
+            if let Ok(found) = found {
+                // Eight numbers of cards, and three questions about each of those with fine textures.
+                assert!(found.is_some() && last > 10, "asked {asked} times");
+                assert_eq!(finished.get(), 2);
+                return;
+            }
+            assert!(matches!(found, Err(Error::Stopped)), "at question {last}");
+            assert_eq!(asked, last, "it is not asked again");
+            let more = search.sorted.len() + search.rough.len() - before;
+            assert!(more <= 2, "{more} sorted or baked up to question {last}");
+        }
     }
 }

@@ -18,10 +18,12 @@ mod principal_axes;
 mod quads;
 
 use std::borrow::Borrow;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::DVec3;
 use secateur_model::{AlphaMode, Mips, Surface};
+use secateur_simplify::{Error, Observer, Progress};
 use serde_json::{Value, json};
 
 pub(crate) use atlas::srgb_byte;
@@ -209,6 +211,17 @@ impl Impostor {
                 "radius": views.radius,
             }),
         }
+    }
+}
+
+/// Says that another impostor is about to be baked or looked at, and asks whether to go on.
+///
+/// # Errors
+/// [`Error::Stopped`] if not.
+pub(crate) fn poll(observer: &mut Observer<'_>) -> Result<(), Error> {
+    match observer(Progress::Impostor) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::Stopped),
     }
 }
 

@@ -38,6 +38,7 @@ impl RunProgress {
                 self.bar.set_length(at_most as u64);
                 self.bar.set_position(done as u64);
             }
+            Progress::Impostor => self.bar.set_message("impostor"),
             _ => {}
         }
         interrupt::flow()
