@@ -3,11 +3,13 @@
 use secateur_eval::Pictures;
 
 use super::error::ChainError;
-use super::level::ChainLevel;
+use super::impostors::PlacedImpostor;
+use super::level::{ChainLevel, Shape};
 use super::level_surfaces::LevelSurfaces;
 use super::maker::Maker;
 use super::texture_bytes::{bytes_of, texture_bytes};
 use super::textures::{Chosen, Client, end_of};
+use super::which::Placed;
 use crate::impostor::Impostor;
 use crate::impostor::judge::Judge;
 
@@ -18,7 +20,7 @@ pub(super) enum Pictured {
 }
 
 impl Pictured {
-    fn pictures(&self, judge: &Judge) -> Pictures {
+    pub(super) fn pictures(&self, judge: &Judge) -> Pictures {
         match self {
             Self::Mesh(level) => judge.of_surfaces(&level.surfaces),
             Self::Impostor(impostor) => judge.of_impostor(impostor),
@@ -26,38 +28,99 @@ impl Pictured {
     }
 }
 
+/// A level, and what of it a picture is drawn of.
+pub(super) type Ended = (Pictured, ChainLevel);
+
+/// Levels that are left out, and why, a sentence each.
+type LeftOut = Vec<(ChainLevel, String)>;
+
 impl Maker<'_> {
-    /// The levels with what switching to each shows, but for those that show more than is wanted.
-    pub(super) fn without_pops(
+    /// The meshes from before the first impostor and the impostors, with what switching to each shows, but for those
+    /// that show more than is wanted. Where an impostor goes for that, the meshes in whose place it stood are back.
+    pub(super) fn ending(
         &self,
-        levels: Vec<(Pictured, ChainLevel)>,
+        mut made: Vec<Placed>,
+        mut impostors: Vec<PlacedImpostor>,
+        client: &Client<'_>,
         notes: &mut Vec<String>,
-    ) -> Result<Vec<(Pictured, ChainLevel)>, ChainError> {
-        let mut kept: Vec<(Pictured, ChainLevel)> = Vec::new();
+    ) -> Result<Vec<Ended>, ChainError> {
+        let mut of_switches = Vec::new();
+        loop {
+            let is_bounded = self.options.max_pop.is_some() && !impostors.is_empty();
+            let meshes = match is_bounded {
+                true => made.clone(),
+                false => std::mem::take(&mut made),
+            };
+            let levels = self.levels(meshes, &impostors, client)?;
+            let (kept, left_out) = self.without_pops(levels);
+            let is_impostor = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
+            // What comes after it may be kept beside a mesh in its place, or left out.
+            let first = left_out.iter().find(|(level, _)| is_impostor(level));
+            if let Some((level, why)) = first {
+                of_switches.push(why.clone());
+                impostors.retain(|(_, begins, _)| *begins != level.pixels_high);
+                continue;
+            }
+            self.note_impostors(&impostors, notes);
+            notes.append(&mut of_switches);
+            notes.extend(left_out.into_iter().map(|(_, why)| why));
+            return Ok(kept);
+        }
+    }
+
+    /// The meshes from before the first impostor, and the impostors.
+    fn levels(
+        &self,
+        mut made: Vec<Placed>,
+        impostors: &[PlacedImpostor],
+        client: &Client<'_>,
+    ) -> Result<Vec<Ended>, ChainError> {
+        let followed_at = impostors.first().map(|(_, height, _)| *height);
+        if let Some(height) = followed_at {
+            made.retain(|(_, begins, _)| *begins > height);
+        }
+        let mut levels = Vec::new();
+        for (level, height, flip) in self.covering(made, followed_at, client)? {
+            let pictured = Pictured::Mesh(level.drawn.level.clone());
+            levels.push((pictured, self.finished(level, height, flip)?));
+        }
+        for (level, height, flip) in impostors {
+            let pictured = Pictured::Impostor(level.impostor.clone());
+            let level = self.finished_impostor(level.clone(), *height, *flip);
+            levels.push((pictured, level));
+        }
+        Ok(levels)
+    }
+
+    /// The levels with what switching to each shows, and those that show more than is wanted.
+    fn without_pops(&self, levels: Vec<Ended>) -> (Vec<Ended>, LeftOut) {
+        let mut kept: Vec<Ended> = Vec::new();
+        let mut left_out = LeftOut::new();
         for (pictured, mut level) in levels {
             if let Some((before, _)) = kept.last() {
                 let screen = self.options.screen;
                 let judge = self.look.judge_of_switches(screen, level.pixels_high);
                 let pop = judge.largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
                 if self.options.max_pop.is_some_and(|most| pop > most) {
-                    notes.push(format!(
+                    let why = format!(
                         "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a FLIP of {pop:.3}",
                         level.triangles(),
                         level.pixels_high
-                    ));
+                    );
+                    left_out.push((level, why));
                     continue;
                 }
                 level.pop_flip = Some(pop);
             }
             kept.push((pictured, level));
         }
-        Ok(kept)
+        (kept, left_out)
     }
 
     /// The levels with textures for where they are seen.
     pub(super) fn with_textures(
         &self,
-        levels: Vec<(Pictured, ChainLevel)>,
+        levels: Vec<Ended>,
         client: &Client<'_>,
     ) -> Result<Vec<ChainLevel>, ChainError> {
         let items = self.tree.items();

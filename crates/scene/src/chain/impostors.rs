@@ -64,13 +64,12 @@ impl Maker<'_> {
             notes.append(&mut own_notes);
         }
         found.extend(of_last);
-        self.note_impostors(&found, notes);
         Ok(found)
     }
 
     /// Takes back notes of places where an impostor stands in the end, and adds those of places for which a mesh
     /// was made in vain.
-    fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<String>) {
+    pub(super) fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<String>) {
         for (height, place) in self.heights() {
             // The last that has begun there.
             let begun = found.iter().rfind(|(_, begins, _)| *begins >= height);

@@ -24,7 +24,6 @@ use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
 use secateur_simplify::Observer;
 
-use ending::Pictured;
 pub use error::ChainError;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_surfaces::show;
@@ -50,27 +49,13 @@ pub fn chain(
     let maker = Maker::new(tree, options, engine)?;
     let client = maker.client();
     let mut notes = Vec::new();
-    let mut made = match &options.wanted {
+    let made = match &options.wanted {
         Wanted::Triangles(amounts) => asked(&maker, amounts, &mut notes, observer)?,
         Wanted::Heights(_) => spread(&maker, &mut notes, observer)?,
         Wanted::Distances(_) => lightest(&maker, &mut notes, observer)?,
     };
     let impostors = maker.impostors(&made, &client, &mut notes, observer)?;
-    let followed_at = impostors.first().map(|(_, height, _)| *height);
-    if let Some(height) = followed_at {
-        made.retain(|(_, begins, _)| *begins > height);
-    }
-    let made = maker.covering(made, followed_at, &client)?;
-    let mut levels = Vec::new();
-    for (level, height, flip) in made {
-        let pictured = Pictured::Mesh(level.drawn.level.clone());
-        levels.push((pictured, maker.finished(level, height, flip)?));
-    }
-    for (level, height, flip) in impostors {
-        let pictured = Pictured::Impostor(level.impostor.clone());
-        levels.push((pictured, maker.finished_impostor(level, height, flip)));
-    }
-    let levels = maker.without_pops(levels, &mut notes)?;
+    let levels = maker.ending(made, impostors, &client, &mut notes)?;
     let mut levels = maker.with_textures(levels, &client)?;
     let ends: Vec<f64> = levels
         .iter()

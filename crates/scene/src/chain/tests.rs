@@ -8,9 +8,14 @@ use secateur_raster::{Engine, OpenEngine};
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Error, Options, Preset, Progress, Target};
 
+use super::ending::Pictured;
+use super::impostors::PlacedImpostor;
+use super::look::Drawn;
+use super::which::Placed;
 use super::*;
 use crate::Screen;
-use crate::impostor::Choice;
+use crate::impostor::cards::Cards;
+use crate::impostor::{Choice, Impostor};
 
 /// A small oak.
 fn oak() -> WholeTree {
@@ -46,6 +51,10 @@ fn options(distances: &[f64]) -> ChainOptions {
     }
 }
 
+fn go_on(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
 /// What is asked to stop, once, while cards are sought or a mesh is made beside them, stops the chain.
 #[test]
 fn a_chain_stops_while_it_looks_for_cards() {
@@ -66,5 +75,149 @@ fn a_chain_stops_while_it_looks_for_cards() {
         let made = chain(&tree, &options(&[20.0, 60.0]), &engine, observer);
         let is_stopped = matches!(made, Err(ChainError::Simplify(Error::Stopped)));
         assert!(is_stopped && is_over);
+    }
+}
+
+/// A mesh of so many triangles, from this height on.
+fn mesh(maker: &Maker<'_>, triangles: usize, height: f64) -> Placed {
+    (maker.level(triangles, &mut go_on).unwrap(), height, 0.0)
+}
+
+/// So many cards, from this height on.
+fn cards(maker: &Maker<'_>, count: usize, height: f64) -> PlacedImpostor {
+    let cards = Cards::new(&maker.look.original, count);
+    let level = ImpostorLevel {
+        impostor: Impostor::cards(&cards, height, f64::INFINITY).unwrap(),
+        mesh_triangles: 0,
+        mesh_flip_mean: 0.0,
+        same_cost: None,
+    };
+    (level, height, 0.0)
+}
+
+fn of_mesh((made, ..): &Placed) -> Pictured {
+    Pictured::Mesh(made.drawn.level.clone())
+}
+
+fn of_cards((level, ..): &PlacedImpostor) -> Pictured {
+    Pictured::Impostor(level.impostor.clone())
+}
+
+/// The largest FLIP that is seen where one gives way to the other at this height.
+fn pop(maker: &Maker<'_>, before: &Pictured, after: &Pictured, height: f64) -> f64 {
+    let judge = maker.look.judge_of_switches(maker.options.screen, height);
+    let [before, after] = [before, after].map(|level| level.pictures(&judge));
+    judge.largest_flip(&before, &after)
+}
+
+fn heights(maker: &Maker<'_>) -> Vec<f64> {
+    maker.heights().iter().map(|(height, _)| *height).collect()
+}
+
+fn bounded(max_pop: f64) -> ChainOptions {
+    ChainOptions {
+        max_pop: Some(max_pop),
+        ..options(&DISTANCES)
+    }
+}
+
+const DISTANCES: [f64; 3] = [20.0, 60.0, 200.0];
+
+#[test]
+fn cards_whose_switch_shows_too_much_are_not_chosen() {
+    let (tree, engine) = (oak(), engine());
+    let free = options(&DISTANCES);
+    let maker = Maker::new(&tree, &free, &engine).unwrap();
+    let heights = heights(&maker);
+    let made = [mesh(&maker, 200, heights[0])];
+    let found = |maker: &Maker<'_>| {
+        let client = maker.client();
+        maker.cards(&made, &heights, &client, &mut go_on).unwrap()
+    };
+    let pop_after_mesh =
+        |cards: &PlacedImpostor| pop(&maker, &of_mesh(&made[0]), &of_cards(cards), cards.1);
+    let all = found(&maker);
+    assert_eq!(all[0].1, heights[1], "the first cards stand there");
+    // A bound hardly below what the switch to these shows.
+    let most = 0.97 * pop_after_mesh(&all[0]);
+    let bounded = bounded(most);
+    let [later] = &found(&Maker::new(&tree, &bounded, &engine).unwrap())[..] else {
+        panic!("farther off cards are within the bound");
+    };
+    assert_eq!(later.1, heights[2]);
+    assert!(pop_after_mesh(later) <= most);
+}
+
+/// Cards that go because of the bound leave the meshes in whose place they stood, and others may follow these.
+#[test]
+fn where_cards_go_for_what_their_switch_shows_the_meshes_stay() {
+    let (tree, engine) = (oak(), engine());
+    let free = options(&DISTANCES);
+    let maker = Maker::new(&tree, &free, &engine).unwrap();
+    let heights = heights(&maker);
+    let made = [mesh(&maker, 400, heights[0]), mesh(&maker, 250, heights[1])];
+    let impostors = [cards(&maker, 8, heights[1]), cards(&maker, 200, heights[2])];
+    let [fine, coarse] = [0, 1].map(|k| of_mesh(&made[k]));
+    let [few, many] = [0, 1].map(|k| of_cards(&impostors[k]));
+    let [to_mesh, to_few] = [&coarse, &few].map(|next| pop(&maker, &fine, next, heights[1]));
+    let [to_many, few_to_many] =
+        [&coarse, &few].map(|before| pop(&maker, before, &many, heights[2]));
+    let ending = |options: &ChainOptions| {
+        let maker = Maker::new(&tree, options, &engine).unwrap();
+        let mut notes = Vec::new();
+        let (made, impostors) = (made.to_vec(), impostors.to_vec());
+        let levels = maker.ending(made, impostors, &maker.client(), &mut notes);
+        let levels = levels.unwrap();
+        for (_, level) in &levels[1..] {
+            assert!(level.pop_flip.unwrap() <= options.max_pop.unwrap_or(1.0));
+        }
+        let triangles: Vec<u64> = levels.iter().map(|(_, l)| l.triangles()).collect();
+        (triangles, notes)
+    };
+    let [of_few, of_many] = [0, 1].map(|k| impostors[k].0.impostor.surface.triangles.len() as u64);
+    assert_eq!(ending(&free).0, [400, of_few, of_many]);
+    let left_out = |triangles: u64| format!("a level of {triangles} triangles is left out");
+    // The few cards show more than the mesh, and the many cards less than the few, but no less than the mesh.
+    assert!(to_mesh < to_many && to_many < to_few && to_few < few_to_many);
+    let (levels, notes) = ending(&bounded((to_few + few_to_many) / 2.0));
+    assert_eq!(levels, [400, of_few]);
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.starts_with(&left_out(of_many))),
+        "{notes:?}"
+    );
+    let (levels, notes) = ending(&bounded((to_many + to_few) / 2.0));
+    assert_eq!(levels, [400, 250, of_many]);
+    assert!(
+        notes[0].starts_with(&left_out(of_few)) && notes.len() == 1,
+        "{notes:?}"
+    );
+    let (levels, notes) = ending(&bounded((to_mesh + to_many) / 2.0));
+    assert_eq!(levels, [400, 250]);
+    assert_eq!(notes.len(), 2, "{notes:?}");
+}
+
+/// What is seen where a level of a whole chain gives way to the next, cards among them, is no more than may be.
+#[test]
+fn a_chain_with_cards_keeps_the_bound() {
+    let (tree, engine) = (oak(), engine());
+    let bounded = bounded(0.055);
+    let made = chain(&tree, &bounded, &engine, &mut go_on).unwrap();
+    let maker = Maker::new(&tree, &bounded, &engine).unwrap();
+    let pictured = |level: &ChainLevel| match &level.shape {
+        Shape::Mesh(lod) => {
+            let document = tree.items().lod_document(lod).unwrap();
+            Pictured::Mesh(Drawn::of(&document).unwrap().level)
+        }
+        Shape::Impostor(level) => Pictured::Impostor(level.impostor.clone()),
+    };
+    let last = made.levels.last().unwrap();
+    assert!(matches!(last.shape, Shape::Impostor(_)), "{:?}", made.notes);
+    for pair in made.levels.windows(2) {
+        let [before, after] = [0, 1].map(|k| pictured(&pair[k]));
+        let shown = pop(&maker, &before, &after, pair[1].pixels_high);
+        assert!(shown > 0.0 && shown <= 0.055, "{shown}");
+        assert_eq!(pair[1].pop_flip, Some(shown));
     }
 }
