@@ -1,10 +1,13 @@
 //! Chains that end in cards.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
+use glam::{DQuat, DVec3, Vec3};
 use secateur_gltf::{Document, WholeTree, plant_to_glb};
+use secateur_model::{AlphaMode, BoundingSphere, Material, Surface};
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_raster::{Engine, OpenEngine};
+use secateur_raster::{Engine, OpenEngine, View, ViewSet};
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Error, Options, Preset, Progress, Target};
 
@@ -219,5 +222,73 @@ fn a_chain_with_cards_keeps_the_bound() {
         let shown = pop(&maker, &before, &after, pair[1].pixels_high);
         assert!(shown > 0.0 && shown <= 0.055, "{shown}");
         assert_eq!(pair[1].pop_flip, Some(shown));
+    }
+}
+
+/// Four walls about a plant, so far from its middle and so high that nothing is seen over them.
+fn courtyard(maker: &Maker<'_>, distance: f64) -> Surface {
+    let material = Material {
+        texture: None,
+        alpha_mode: AlphaMode::Opaque,
+        double_sided: true,
+        ..(*maker.look.original[0].material).clone()
+    };
+    let corners = [[-1.0, -9.0], [1.0, -9.0], [1.0, 9.0], [-1.0, 9.0]];
+    let wall = |k: u32| {
+        let turn = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2 * f64::from(k));
+        corners.map(|[x, y]| maker.look.sphere.centre + turn * DVec3::new(x, y, 1.0) * distance)
+    };
+    let positions: Vec<DVec3> = (0..4).flat_map(wall).collect();
+    Surface {
+        normals: vec![Vec3::Y; positions.len()],
+        uvs: Vec::new(),
+        colors: Vec::new(),
+        holds: Vec::new(),
+        triangles: (0..4)
+            .flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|corner| 4 * k + corner)))
+            .collect(),
+        positions,
+        material: Arc::new(material),
+    }
+}
+
+/// A camera in a courtyard sees a plant that no eye beyond the walls does; one that looks away is none, and eyes all
+/// around stand behind the walls too.
+#[test]
+fn the_fewest_cards_stand_where_nothing_is_seen_of_a_plant() {
+    let (tree, engine) = (oak(), engine());
+    let free = options(&DISTANCES);
+    let maker = Maker::new(&tree, &free, &engine).unwrap();
+    let BoundingSphere { centre, radius } = maker.look.sphere;
+    let eye = centre + DVec3::Z * 1.5 * radius;
+    let away = centre + DVec3::Z * 9.0 * radius;
+    for (target, impostor) in [(centre, Choice::Auto), (away, Choice::Cards)] {
+        let camera = View::look_at(eye, target, DVec3::Y, 0.5, 0.1).unwrap();
+        let options = ChainOptions {
+            scene: Some(SceneLook {
+                cameras: Some(ViewSet::new(vec![camera])),
+                obstacles: vec![courtyard(&maker, 2.0 * radius)],
+            }),
+            max_pop: Some(0.1),
+            impostor,
+            ..free.clone()
+        };
+        let made = chain(&tree, &options, &engine, &mut go_on).unwrap();
+        let is_cards = |level: &&ChainLevel| match &level.shape {
+            Shape::Mesh(_) => false,
+            Shape::Impostor(level) => level.impostor.facts()["layout"] == "cards",
+        };
+        let cards = made.levels.iter().find(is_cards).unwrap();
+        assert_eq!((cards.triangles(), cards.flip_mean), (16, 0.0));
+        for level in &made.levels {
+            let drawn = level.as_drawn.unwrap();
+            let all = [
+                level.flip_mean,
+                level.pop_flip.unwrap_or(0.0),
+                drawn.begin.coverage_over_truth,
+                drawn.end.coverage_over_truth,
+            ];
+            assert!(all.iter().all(|figure| figure.is_finite()), "{all:?}");
+        }
     }
 }

@@ -70,7 +70,7 @@ pub struct Seen {
     judge: Judge,
     /// The plant from there.
     original: Pictures,
-    /// A judge from the first view alone, and the plant from there.
+    /// A judge from one view alone in which the plant is seen, and the plant from there.
     one: (Judge, Pictures),
     /// The same in larger pictures, where the screen shows it so large.
     large: Option<(Judge, Pictures)>,
@@ -81,8 +81,9 @@ pub struct Seen {
 impl Seen {
     /// What a judge sees of a plant where the screen shows it at this height.
     pub fn new(surfaces: &[Surface], judge: Judge, pixels_high: f64) -> Self {
-        let one = judge.from_one();
-        let large = judge.from_one().in_pictures_of_at_most(MOST_PICTURE_PX);
+        let original = judge.of_surfaces(surfaces);
+        let one = judge.from_one_that_sees(&original);
+        let large = one.from_one().in_pictures_of_at_most(MOST_PICTURE_PX);
         let with_original = |judge: Judge| {
             let original = judge.of_surfaces(surfaces);
             (judge, original)
@@ -90,7 +91,7 @@ impl Seen {
         Self {
             large: (large.side() > one.side()).then(|| with_original(large)),
             one: with_original(one),
-            original: judge.of_surfaces(surfaces),
+            original,
             judge,
             pixels_high,
         }
@@ -190,7 +191,7 @@ impl<'a> Search<'a> {
         let of_last = seen.flip(rough);
         let at_its_size = |made: &Impostor| match of_one > 0.0 {
             true => of_last * seen.flip_of_one_at_its_size(made) / of_one,
-            // Something stands before the plant in that view.
+            // Nothing is seen of the plant, or no difference.
             false => of_last,
         };
         poll(observer)?;
@@ -206,7 +207,10 @@ impl<'a> Search<'a> {
         if at_its_size > most_flip {
             return Ok(None);
         }
-        let most_rough = of_last * most_flip / at_its_size;
+        let most_rough = match at_its_size > 0.0 {
+            true => of_last * most_flip / at_its_size,
+            false => most_flip,
+        };
         let Some(step) = self.fewest_rough(last, of_last, seen, most_rough, observer)? else {
             return Ok(None);
         };
@@ -325,130 +329,4 @@ impl<'a> Search<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::cell::Cell;
-    use std::ops::ControlFlow;
-    use std::sync::Arc;
-
-    use glam::{DVec3, Vec3};
-    use secateur_model::{AlphaMode, BoundingSphere, Finish, Material, Random};
-    use secateur_raster::ViewSet;
-    use secateur_simplify::Progress;
-
-    use super::*;
-    use crate::Screen;
-
-    /// Many small leaves in a ball of radius 1.
-    fn crown() -> Surface {
-        let mut random = Random::new(3);
-        let mut place = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0)));
-        let mut positions = Vec::new();
-        while positions.len() < 3 * 400 {
-            let at = place();
-            if at.length() > 0.9 {
-                continue;
-            }
-            positions.extend([at, at + place() * 0.1, at + place() * 0.1]);
-        }
-        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-        Surface {
-            triangles: triangles.collect(),
-            normals: vec![Vec3::Y; positions.len()],
-            positions,
-            uvs: Vec::new(),
-            colors: Vec::new(),
-            holds: Vec::new(),
-            material: Arc::new(Material {
-                name: String::new(),
-                base_color: [0.1, 0.4, 0.1, 1.0],
-                texture: None,
-                alpha_mode: AlphaMode::Opaque,
-                double_sided: true,
-                finish: Finish::default(),
-            }),
-        }
-    }
-
-    fn seen(surfaces: &[Surface]) -> Seen {
-        let sphere = BoundingSphere {
-            centre: DVec3::ZERO,
-            radius: 1.0,
-        };
-        let [views, ..] = ViewSet::held_out(sphere);
-        let judge = Judge::new(&views, sphere, 2.0, Screen::default(), 60.0);
-        Seen::new(surfaces, judge, 60.0)
-    }
-
-    fn go_on(_: Progress) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    #[test]
-    fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
-        let surfaces = [crown()];
-        let seen = seen(&surfaces);
-        let mut search = Search::new(&surfaces);
-        let mut found = |most_flip: f64| {
-            let found = search.fewest(&seen, most_flip, most(), |made| made, &mut go_on);
-            found.unwrap()
-        };
-        let [all, many, few] = [0.037, 0.05, 0.07].map(|most_flip| {
-            let found = found(most_flip);
-            found.map(|found| {
-                assert!(found.flip <= most_flip);
-                found.impostor.surface.triangles.len()
-            })
-        });
-        assert!(
-            all > many && many > few && few.is_some(),
-            "{all:?} {many:?} {few:?}"
-        );
-        // Hardly fewer would do.
-        let fewer = (few.unwrap() as f64 / 2.0 / STEP / STEP).round() as usize;
-        let of_fewer = search
-            .finished(fewer, &seen, f64::INFINITY, |made| made, &mut go_on)
-            .unwrap()
-            .unwrap();
-        assert!(of_fewer.flip > 0.07, "{fewer} cards: {}", of_fewer.flip);
-        for (most_flip, most) in [(1e-4, most()), (1.0, 7)] {
-            let found = search.fewest(&seen, most_flip, most, |made| made, &mut go_on);
-            let found = found.unwrap();
-            assert!(found.is_none(), "within {most_flip} of at most {most}");
-        }
-    }
-
-    /// However far it is, a search that is to stop neither bakes nor looks at another number of cards.
-    #[test]
-    fn a_search_stops_wherever_it_is_told_to() {
-        let surfaces = [crown()];
-        let seen = seen(&surfaces);
-        // What one run has made the next goes on from.
-        let mut search = Search::new(&surfaces);
-        for last in 1.. {
-            let before = search.sorted.len() + search.rough.len();
-            let (mut asked, finished) = (0, Cell::new(0));
-            let finish = |made| {
-                finished.set(finished.get() + 1);
-                made
-            };
-            let observer = &mut |_| {
-                asked += 1;
-                match asked < last {
-                    true => ControlFlow::Continue(()),
-                    false => ControlFlow::Break(()),
-                }
-            };
-            let found = search.fewest(&seen, 0.05, most(), finish, observer);
-            if let Ok(found) = found {
-                // Eight numbers of cards, and three questions about each of those with fine textures.
-                assert!(found.is_some() && last > 10, "asked {asked} times");
-                assert_eq!(finished.get(), 2);
-                return;
-            }
-            assert!(matches!(found, Err(Error::Stopped)), "at question {last}");
-            assert_eq!(asked, last, "it is not asked again");
-            let more = search.sorted.len() + search.rough.len() - before;
-            assert!(more <= 2, "{more} sorted or baked up to question {last}");
-        }
-    }
-}
+mod tests;

@@ -78,7 +78,24 @@ impl Judge {
 
     /// The same from the first view, for what is seen at a glance.
     pub fn from_one(&self) -> Self {
-        let views = self.views.views().iter().take(1).copied().collect();
+        self.only_view(0)
+    }
+
+    /// The same from the view in which obstacles leave the most to be seen of a plant, of which these are the
+    /// pictures; the first where there are none, or where nothing is seen of it.
+    pub fn from_one_that_sees(&self, plant: &Pictures) -> Self {
+        if self.obstacles.is_empty() {
+            return self.from_one();
+        }
+        let seen = self.flips(&self.of_surfaces(&[]), plant);
+        let views = (0..seen.len()).rev();
+        let most = views.max_by(|a, b| seen[*a].total_cmp(&seen[*b]));
+        self.only_view(most.unwrap_or(0))
+    }
+
+    fn only_view(&self, view: usize) -> Self {
+        let views = self.views.views().iter().skip(view).take(1);
+        let views = views.copied().collect();
         Self {
             views: ViewSet::new(views),
             whole_px: self.whole_px,
