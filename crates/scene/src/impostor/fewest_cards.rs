@@ -115,7 +115,11 @@ impl Seen {
 
     /// FLIP as it is in pictures as large as the screen shows the plant.
     pub fn flip_at_its_size(&self, impostor: &Impostor) -> f64 {
-        let flip = self.flip(impostor);
+        self.at_its_size(self.flip(impostor), impostor)
+    }
+
+    /// The same of an impostor with this FLIP in the usual pictures.
+    fn at_its_size(&self, flip: f64, impostor: &Impostor) -> f64 {
         if self.large.is_none() {
             return flip;
         }
@@ -293,11 +297,12 @@ impl<'a> Search<'a> {
         let impostor = finish(baked);
         poll(observer)?;
         let flat = impostor.flat();
-        let impostor = match seen.flip(&flat) <= seen.flip(&impostor) {
-            true => flat,
-            false => impostor,
+        let [of_flat, of_bent] = [&flat, &impostor].map(|impostor| seen.flip(impostor));
+        let (impostor, flip) = match of_flat <= of_bent {
+            true => (flat, of_flat),
+            false => (impostor, of_bent),
         };
-        let flip = seen.flip_at_its_size(&impostor);
+        let flip = seen.at_its_size(flip, &impostor);
         Ok(Some(Found { impostor, flip }))
     }
 

@@ -28,6 +28,9 @@ const ROUNDS: usize = 12;
 /// Of plants of more triangles some are sorted in each round, all in the last.
 const MOST_IN_ROUNDS: usize = 40_000;
 
+/// More than is lost in rounding of distances, as a share of them and of the square of the plant's size.
+const ROUNDING: f64 = 1e-9;
+
 /// The seed of the first layers' places.
 const SEED: u64 = 1;
 
@@ -174,12 +177,23 @@ fn seeds(facets: &[&Facet], count: usize, size: f64) -> Vec<Plane> {
     planes
 }
 
-/// The nearest plane of each triangle.
+/// The nearest plane of each triangle, the first of several.
 fn nearest(facets: &[&Facet], planes: &[Plane], size: f64) -> Vec<u32> {
     let of_facet = |facet: &&Facet| {
-        let distances = planes.iter().map(|plane| plane.distance(facet, size));
-        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map_or(0, |(k, _)| k as u32)
+        let (mut nearest, mut least) = (0, f64::INFINITY);
+        // No layer is nearer than its middle is, but for what is lost in rounding.
+        let mut most_away = f64::INFINITY;
+        for (k, plane) in planes.iter().enumerate() {
+            if (facet.centre - plane.mean).length_squared() > most_away {
+                continue;
+            }
+            let distance = plane.distance(facet, size);
+            if distance < least {
+                (nearest, least) = (k as u32, distance);
+                most_away = (least * (1.0 + ROUNDING) + ROUNDING) * size * size;
+            }
+        }
+        nearest
     };
     facets.par_iter().map(of_facet).collect()
 }
@@ -261,6 +275,26 @@ mod tests {
         for layer in &found {
             let normal = facets[layer.members[0] as usize].normal;
             assert!((layer.axes[0].dot(normal).abs() - 1.0).abs() < 1e-9);
+        }
+    }
+
+    /// Planes that are left out since their middle is far are none that is nearest.
+    #[test]
+    fn the_nearest_plane_is_the_least_of_all_distances() {
+        let mut random = Random::new(5);
+        let mut place = |size: f64| DVec3::from([0; 3].map(|_| random.between(-size, size)));
+        let mut facets = Vec::new();
+        for t in 0..300 {
+            let at = place(1.0);
+            let corners = [at, at + place(0.1), at + place(0.1)];
+            facets.extend(Facet::new([0, t], corners, t % 3 > 0));
+        }
+        let all: Vec<&Facet> = facets.iter().collect();
+        let planes: Vec<Plane> = all.iter().step_by(4).map(|f| Plane::through(f)).collect();
+        for (facet, found) in all.iter().zip(nearest(&all, &planes, 2.0)) {
+            let distances = planes.iter().map(|plane| plane.distance(facet, 2.0));
+            let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            assert_eq!(Some(found as usize), least.map(|(k, _)| k));
         }
     }
 
