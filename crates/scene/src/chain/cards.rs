@@ -15,7 +15,8 @@ use crate::impostor::{Impostor, poll};
 impl Maker<'_> {
     /// Cards from the first of these heights on at which some are within the difference, there and at all that
     /// follow, save a third of the triangles of the mesh there and have no more than the lightest; and fewer of
-    /// them from each that follows where that saves a third again.
+    /// them from each that follows where that saves a third again. Their normals have half as many texels a side where
+    /// these do as well.
     pub(super) fn cards(
         &self,
         made: &[Placed],
@@ -51,12 +52,20 @@ impl Maker<'_> {
             let Some(found) = found else {
                 continue;
             };
-            poll(observer)?;
-            let is_hidden = self.hides_switch(made, &placed, &found.impostor, *height);
-            if is_hidden && self.is_within(&found.impostor, &heights[k + 1..], observer)? {
-                before = Some(found.impostor.surface.triangles.len());
-                placed.extend(self.beside_mesh(made, found, *height, observer)?);
+            let mut does = |found: &Found| -> Result<bool, ChainError> {
+                poll(observer)?;
+                Ok(self.hides_switch(made, &placed, &found.impostor, *height)
+                    && self.is_within(&found.impostor, &heights[k + 1..], observer)?)
+            };
+            if !does(&found)? {
+                continue;
             }
+            let found = match seen.with_half_normals(&found) {
+                Some(half) if half.flip <= most_flip && does(&half)? => half,
+                _ => found,
+            };
+            before = Some(found.impostor.surface.triangles.len());
+            placed.extend(self.beside_mesh(made, found, *height, observer)?);
         }
         Ok(placed)
     }
@@ -116,10 +125,14 @@ impl Maker<'_> {
             Some(fewest) => Some(fewest),
             None => search.finished(most, &seen, f64::INFINITY, finish, observer)?,
         };
-        match found {
-            Some(found) => self.beside_mesh(made, found, height, observer),
-            None => Ok(None),
-        }
+        let Some(found) = found else {
+            return Ok(None);
+        };
+        poll(observer)?;
+        let most_flip = self.options.max_flip.max(found.flip);
+        let half = seen.with_half_normals(&found);
+        let found = half.filter(|half| half.flip <= most_flip).unwrap_or(found);
+        self.beside_mesh(made, found, height, observer)
     }
 
     /// Cards beside the mesh that would be drawn there.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use secateur_model::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Texture, Wrap};
 
 use super::cell::Cell;
@@ -57,6 +57,30 @@ impl Atlas {
     }
 }
 
+/// A texture of normals with half as many texels a side, each the mean direction of four; the width and height of
+/// what is halved are even.
+pub(super) fn halved_normals(texture: &Texture) -> Texture {
+    let [width, height] = [texture.width / 2, texture.height / 2];
+    let direction = |x: u32, y: u32| {
+        let texel = 4 * (y as usize * texture.width as usize + x as usize);
+        let part = |byte: usize| f32::from(texture.rgba[texel + byte]) / 127.5 - 1.0;
+        Vec3::from([0, 1, 2].map(part)).normalize_or_zero()
+    };
+    let mean = |at: u32| {
+        let (x, y) = (2 * (at % width), 2 * (at / width));
+        let four = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+        let sum: Vec3 = four.map(|(x, y)| direction(x, y)).iter().sum();
+        let [x, y, z] = sum.normalize_or(Vec3::Z).to_array().map(direction_byte);
+        [x, y, z, 255]
+    };
+    Texture {
+        width,
+        height,
+        rgba: (0..width * height).flat_map(mean).collect(),
+        ..texture.clone()
+    }
+}
+
 /// What draws a texture of colours and one of normals: cut out, both sides, lit.
 pub(super) fn material(
     [width, height]: [u32; 2],
@@ -105,4 +129,31 @@ pub(crate) fn srgb_byte(linear: f32) -> u8 {
 /// -1 to 1 as 0 to 255.
 pub(super) fn direction_byte(x: f32) -> u8 {
     ((x.clamp(-1.0, 1.0) + 1.0) * 127.5).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_the_normals_are_means_of_four() {
+        // Four that lean to the right and left in turn, and four that lean up.
+        let [right, left, up] = [
+            [255, 128, 128, 255],
+            [0, 128, 128, 255],
+            [128, 255, 128, 255],
+        ];
+        let toward = [128, 128, 255, 255];
+        let rows = [[right, toward, up, up], [left, toward, up, up]];
+        let texture = Texture {
+            width: 4,
+            height: 2,
+            rgba: rows.concat().concat(),
+            wrap: [Wrap::ClampToEdge; 2],
+            filters: Filters::default(),
+        };
+        let half = halved_normals(&texture);
+        assert_eq!((half.width, half.height), (2, 1));
+        assert_eq!(half.rgba, [[128, 128, 255, 255], up].concat());
+    }
 }

@@ -44,6 +44,9 @@ const COARSEST_PX: f64 = 2.0;
 /// Where an atlas has no room for a number of cards, the number three steps below is tried: about half.
 const FEWER: usize = 3;
 
+/// Normals of half the size do if FLIP is at most this many times what it is with all.
+const AS_NEAR: f64 = 1.01;
+
 /// How often a number of cards that turns out not to be enough at its size is raised.
 const MORE: usize = 3;
 
@@ -116,6 +119,14 @@ impl Seen {
     /// FLIP as it is in pictures as large as the screen shows the plant.
     pub fn flip_at_its_size(&self, impostor: &Impostor) -> f64 {
         self.at_its_size(self.flip(impostor), impostor)
+    }
+
+    /// The same cards with a normal map of half as many texels a side; none if they look farther from the plant, or
+    /// have no normal map.
+    pub fn with_half_normals(&self, found: &Found) -> Option<Found> {
+        let impostor = found.impostor.with_half_normals()?;
+        let flip = self.flip_at_its_size(&impostor);
+        (flip <= AS_NEAR * found.flip).then_some(Found { impostor, flip })
     }
 
     /// The same of an impostor with this FLIP in the usual pictures.

@@ -27,7 +27,7 @@ use secateur_simplify::{Error, Observer, Progress};
 use serde_json::{Value, json};
 
 pub(crate) use atlas::srgb_byte;
-use atlas::{Atlas, BORDER};
+use atlas::{Atlas, BORDER, halved_normals};
 use cards::{Baked, Cards};
 use crossed::Planes;
 use octahedral::{CELLS, FRAMES, Octahedral};
@@ -135,6 +135,15 @@ impl Impostor {
         let mut flat = self.clone();
         Arc::make_mut(&mut flat.surface.material).finish.normal_map = None;
         flat
+    }
+
+    /// The same with a normal map of half as many texels a side; none without a normal map.
+    pub fn with_half_normals(&self) -> Option<Self> {
+        let mut half = self.clone();
+        let material = Arc::make_mut(&mut half.surface.material);
+        let map = material.finish.normal_map.as_mut()?;
+        map.texture = Arc::new(halved_normals(&map.texture));
+        Some(half)
     }
 
     /// The same, tested against this alpha.

@@ -184,3 +184,36 @@ fn large_pictures_are_of_a_view_in_which_the_plant_is_seen() {
         "{beyond} {beyond_behind}"
     );
 }
+
+#[test]
+fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
+    let surfaces = [crown()];
+    let seen = seen(&surfaces);
+    let cards = Cards::new(&surfaces, 60);
+    let impostor = Impostor::cards(&cards, 60.0, f64::INFINITY).unwrap();
+    let flip = seen.flip_at_its_size(&impostor);
+    let with_flip = |flip: f64| Found {
+        impostor: impostor.clone(),
+        flip,
+    };
+    let half = seen.with_half_normals(&with_flip(flip)).unwrap();
+    assert!(half.flip <= AS_NEAR * flip);
+    let sizes = |impostor: &Impostor| {
+        let material = &impostor.surface.material;
+        let normals = &material.finish.normal_map.as_ref().unwrap().texture;
+        let colors = material.texture.as_ref().unwrap();
+        [colors, normals].map(|texture| [texture.width, texture.height])
+    };
+    let [colors, normals] = sizes(&impostor);
+    assert_eq!(colors, normals);
+    assert_eq!(
+        sizes(&half.impostor),
+        [colors, normals.map(|side| side / 2)]
+    );
+    // They are no nearer than this.
+    let nearer = with_flip(0.9 * half.flip);
+    assert!(seen.with_half_normals(&nearer).is_none());
+    let impostor = impostor.flat();
+    let flat = Found { impostor, flip };
+    assert!(seen.with_half_normals(&flat).is_none());
+}
