@@ -135,9 +135,9 @@ pub use secateur_simplify::stochastic::StochasticOptions;
 pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};
 pub use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood};
 pub use secateur_simplify::{
-    Alpha, Amount, Error as SimplifyError, FieldOfView, Fitting, LeafTriangles, Method, Observer,
-    Options, Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped, Target,
-    Views, Warning, as_seen, observe, simplify, simplify_on, simplify_with, sphere_of,
+    Alpha, Amount, Error as SimplifyError, FieldOfView, Fitting, LeafTriangles, Method, Needles,
+    Observer, Options, Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped,
+    Target, Views, Warning, as_seen, observe, simplify, simplify_on, simplify_with, sphere_of,
 };
 
 /// The vectors of this interface.

@@ -25,6 +25,7 @@ mod last_look;
 mod memory;
 pub mod meshopt;
 mod method;
+mod needles;
 mod observe;
 mod option_values;
 mod options;
@@ -48,8 +49,11 @@ pub mod wood;
 
 pub use error::Error;
 pub use method::Method;
+pub use needles::Needle;
 pub use observe::{Shown, observe};
-pub use option_values::{Alpha, FieldOfView, Fitting, LeafTriangles, Resolution, Sides, as_seen};
+pub use option_values::{
+    Alpha, FieldOfView, Fitting, LeafTriangles, Needles, Resolution, Sides, as_seen,
+};
 pub use options::Options;
 pub use passes::Passes;
 pub use preset::Preset;

@@ -50,6 +50,17 @@ pub enum LeafTriangles {
     AtMost(u32),
 }
 
+/// How needles grow: leaves without a cut-out that are more than four times as long as wide.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Needles {
+    /// Across: one that has grown is no longer than 17 twentieths of the original, and as much wider.
+    Widen,
+    /// As every leaf does.
+    #[default]
+    Scale,
+}
+
 /// Whether the sizes of what is left are fitted to the original at the end, whatever
 /// the method made of them: see [`mod@crate::fit`]. Spelled `auto`, `none`, `coverage` or as the
 /// weight.

@@ -11,8 +11,8 @@ use crate::rest::HeldBy;
 use crate::select::refuse;
 use crate::vds::ViewPlan;
 use crate::{
-    Alpha, Error, FieldOfView, Fitting, LeafTriangles, Method, Preset, Resolution, Sides, Target,
-    Views,
+    Alpha, Error, FieldOfView, Fitting, LeafTriangles, Method, Needles, Preset, Resolution, Sides,
+    Target, Views,
 };
 
 /// What a run is to do; [`Options::to`] has the defaults of the command line.
@@ -41,6 +41,8 @@ pub struct Options {
     /// For VDS: leaves of fewer triangles, made before any leaf goes. They are
     /// then what costs and coverage are measured against.
     pub leaf_triangles: LeafTriangles,
+    /// For VDS to a number of triangles, unless leaves keep all of theirs: how needles grow.
+    pub needles: Needles,
     /// Whether the sizes of what is left are fitted to the original at the end.
     pub fit: Fitting,
     /// What the foliage has grown on, as a glTF file tells or a plant that was grown; for methods
@@ -94,6 +96,7 @@ impl Options {
             alpha: preset.alpha(),
             sides: preset.sides(),
             leaf_triangles: preset.leaf_triangles(),
+            needles: preset.needles(),
             fit: Fitting::default(),
             skeleton: None,
             memory: Memory::Auto,
@@ -170,6 +173,14 @@ impl Options {
     /// Whether VDS chooses leaves for pictures.
     pub(crate) fn is_for_the_look(&self) -> bool {
         self.preset == Preset::Look && self.method.vds().is_some()
+    }
+
+    /// Whether needles grow across.
+    pub(crate) fn widens_needles(&self) -> bool {
+        self.needles == Needles::Widen
+            && self.method.vds().is_some()
+            && matches!(self.target, Target::Triangles(_))
+            && self.leaf_triangles != LeafTriangles::Keep
     }
 
     fn grows_as_its_preset_has_it(&self) -> bool {

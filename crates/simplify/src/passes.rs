@@ -1,10 +1,11 @@
 //! What the passes of a run did, one after the other: leaves became coarser, leaves went and
-//! others grew for them, what is left took other sizes.
+//! others grew for them, needles got wider, what is left took other sizes.
 
 use rustc_hash::FxHashSet;
 use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
 
 use crate::coarsen::Coarse;
+use crate::needles::Needle;
 use crate::rest::{HeldBy, push_removals};
 
 /// The outcome of each pass; together they make a LOD.
@@ -15,6 +16,8 @@ pub struct Passes {
     /// Which leaves went, in order, and which grew for them; of the coarser leaves where there
     /// are such. Every prefix of it is a LOD: [`Self::lod_after`].
     pub order: RemovalOrder,
+    /// What took the place of needles that grow across.
+    pub needles: Vec<Needle>,
     /// By what the area of each leaf that is left was multiplied at the end, in the order of
     /// [`Lod::all_leaves`], where that was done.
     pub sizes: Option<Vec<f64>>,
@@ -38,8 +41,9 @@ impl Passes {
     }
 
     /// All that was done as the steps of one order over the original leaves: where leaves became
-    /// coarser a first step that puts these in their place, then the removals, and where sizes
-    /// were fitted a last step in which no leaf goes. This is what is hashed and written.
+    /// coarser a first step that puts these in their place, then the removals, where needles got
+    /// wider two steps, which put those in their place and let them grow, and where sizes were fitted a last step in which
+    /// no leaf goes. This is what is hashed and written.
     pub fn in_one_order(&self) -> RemovalOrder {
         let mut order = self.unsized_order();
         if let Some(factors) = &self.sizes {
@@ -50,10 +54,14 @@ impl Passes {
     }
 
     fn unsized_order(&self) -> RemovalOrder {
-        match &self.coarse {
+        let mut order = match &self.coarse {
             Some(coarse) => coarse.order(&self.order),
             None => self.order.clone(),
+        };
+        if !self.needles.is_empty() {
+            push_needles(&mut order, &self.needles);
         }
+        order
     }
 
     /// Takes away the leaves that hang in the air at their sizes, with what these were multiplied by.
@@ -63,22 +71,57 @@ impl Passes {
         if hanging.is_empty() {
             return;
         }
-        let is_hanging: FxHashSet<LeafId> = hanging.iter().copied().collect();
+        let mut is_hanging: FxHashSet<LeafId> = hanging.iter().copied().collect();
         if let Some(factors) = &mut self.sizes {
             let of_left = lod.all_leaves().zip(factors.iter());
             let of_left = of_left.filter(|((leaf, _), _)| !is_hanging.contains(leaf));
             *factors = of_left.map(|(_, factor)| *factor).collect();
         }
-        match &self.coarse {
-            None => push_removals(&mut self.order, &hanging),
-            Some(coarse) => {
-                let names = coarse.names().into_iter().enumerate();
-                let own = names.filter(|(_, name)| is_hanging.contains(name));
-                let own: Vec<LeafId> = own.map(|(leaf, _)| LeafId::from_index(leaf)).collect();
-                push_removals(&mut self.order, &own);
+        // The needles that hang go as what they were before they got wider.
+        let mut next = self.unsized_order().name_count() - self.needles.len();
+        self.needles.retain(|needle| {
+            let name = LeafId::from_index(next);
+            next += 1;
+            let hangs = is_hanging.remove(&name);
+            if hangs {
+                is_hanging.insert(needle.removed);
             }
-        }
+            !hangs
+        });
+        let names = match &self.coarse {
+            None => (0..self.order.leaf_count() as usize)
+                .map(LeafId::from_index)
+                .collect(),
+            Some(coarse) => coarse.names(),
+        };
+        let names = names.into_iter().enumerate();
+        let own = names.filter(|(_, name)| is_hanging.contains(name));
+        let own: Vec<LeafId> = own.map(|(leaf, _)| LeafId::from_index(leaf)).collect();
+        push_removals(&mut self.order, &own);
     }
+}
+
+/// Two steps more: leaves take the place of needles, and get their sizes, as what a step makes cannot
+/// grow in it.
+fn push_needles(order: &mut RemovalOrder, needles: &[Needle]) {
+    let first = order.name_count();
+    let grown = needles.iter().enumerate().map(|(index, needle)| Growth {
+        leaf: LeafId::from_index(first + index),
+        area_scale: needle.area_scale,
+    });
+    let survivors_area_scale = order.survivors_area_scale_after(order.len());
+    order.push_step(Step {
+        removed: &needles.iter().map(|n| n.removed).collect::<Vec<_>>(),
+        grown: &[],
+        made: &needles.iter().map(|n| n.made.clone()).collect::<Vec<_>>(),
+        survivors_area_scale,
+    });
+    order.push_step(Step {
+        removed: &[],
+        grown: &grown.filter(|g| g.area_scale != 1.0).collect::<Vec<_>>(),
+        made: &[],
+        survivors_area_scale,
+    });
 }
 
 /// A step more, after which the areas of what is left are multiplied by these factors.

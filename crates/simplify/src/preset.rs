@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::vds::{Reference, Resize, VdsOptions};
-use crate::{Alpha, FieldOfView, LeafTriangles, Resolution, Sides, Views};
+use crate::{Alpha, FieldOfView, LeafTriangles, Needles, Resolution, Sides, Views};
 
 /// What a result is for. Each option can be changed afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -131,6 +131,14 @@ impl Preset {
         match self.is_paper() {
             true => LeafTriangles::Keep,
             false => LeafTriangles::Auto,
+        }
+    }
+
+    /// How needles grow.
+    pub fn needles(self) -> Needles {
+        match self {
+            Self::Look => Needles::Widen,
+            _ => Needles::Scale,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A foliage and options in, a LOD and what led to it out: coarsen, select, size.
+//! A foliage and options in, a LOD and what led to it out: coarsen, select, widen, size.
 
 use std::ops::ControlFlow;
 
@@ -12,6 +12,7 @@ use crate::audit::audit;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::last_look::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
+use crate::needles::widened;
 use crate::observe::observe;
 use crate::passes::Passes;
 use crate::resolution::{LOOK_RESOLUTION, LOOK_RESOLUTION_REASON, resolution_for};
@@ -316,8 +317,13 @@ impl PassContext<'_> {
         let mut passes = Passes {
             coarse,
             order,
+            needles: Vec::new(),
             sizes: None,
         };
+        if self.options.widens_needles() {
+            passes.needles = widened(self.foliage, &passes.lod());
+        }
+        let is_as_found = is_as_found && passes.needles.is_empty();
         let mut stopped = match self.target {
             Target::Triangles(_) => Stopped::AtTriangles,
             Target::MaxErrorPercent(_) if is_at_max_error => Stopped::AtMaxError,

@@ -1,7 +1,7 @@
 //! Labels of rows as one types them: `vds triangles preset look` is `vds --triangles --preset look`.
 
 /// The first words of options in settings; all others are values.
-const OPTIONS: [&str; 21] = [
+const OPTIONS: [&str; 22] = [
     "alpha",
     "area-weight",
     "branch-metric",
@@ -14,6 +14,7 @@ const OPTIONS: [&str; 21] = [
     "leaf-triangles",
     "max-coverage",
     "meshopt-mode",
+    "needles",
     "neighbours",
     "preserve-area",
     "preset",

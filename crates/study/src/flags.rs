@@ -67,6 +67,7 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
     if options.leaf_triangles != options.preset.leaf_triangles() {
         flags.push(format!("leaf-triangles {}", options.leaf_triangles));
     }
+    flags.differing("needles", options.needles, options.preset.needles());
     match cameras {
         Some(name) => flags.push(format!("views {name}")),
         None if options.views != options.preset.views() => {

@@ -14,7 +14,6 @@ pub mod crossed;
 pub mod fewest_cards;
 pub mod judge;
 pub mod octahedral;
-mod principal_axes;
 mod quads;
 
 use std::borrow::Borrow;

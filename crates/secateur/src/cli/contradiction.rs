@@ -3,7 +3,9 @@
 use secateur::{FieldOfView, Fitting, LeafTriangles, Preset, Resolution, Views};
 
 use super::args::{MaxCoverage, Simplify};
-use super::names::{AlphaName, CutoffsName, MethodName, ReferenceName, TiesName, text};
+use super::names::{
+    AlphaName, CutoffsName, MethodName, NeedlesName, ReferenceName, TiesName, text,
+};
 
 /// Why a paper's preset can't be what it says, a sentence; nothing where all agrees. Other presets
 /// are where options begin, and may be changed.
@@ -54,6 +56,7 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
             args.leaf_triangles
                 .is_some_and(|t| t != LeafTriangles::Keep),
         ),
+        ("--needles", args.needles == Some(NeedlesName::Widen)),
         (
             "--cutoffs",
             args.cutoffs.is_some_and(|name| name != CutoffsName::Keep),

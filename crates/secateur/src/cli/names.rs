@@ -1,7 +1,9 @@
 //! Names on the command line for values of the library.
 
 use clap::ValueEnum;
-use secateur::{Alpha, Engine, JudgingViews, Preset, Reference, Resize, Sides, Ties, WoodMode};
+use secateur::{
+    Alpha, Engine, JudgingViews, Needles, Preset, Reference, Resize, Sides, Ties, WoodMode,
+};
 use secateur_plant::{ClusterSize, Metric};
 use secateur_simplify::fsa::{Corners, Hausdorff};
 use secateur_simplify::meshopt::Mode;
@@ -181,6 +183,7 @@ names!(ClusterSizeName => ClusterSize {
     /// The radius at which cluster leaves have as much area as the leaves that they stand for
     Area,
 });
+names!(NeedlesName => Needles { Widen, Scale });
 names!(TiesName => Ties { Order, Spread });
 names!(SidesName => Sides {
     /// As the material says: clients cull back faces where it is not doubleSided

@@ -125,6 +125,7 @@ fn settings(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "target": options.target,
         "wood": run.subject.mode(),
         "leaf_triangles": options.leaf_triangles,
+        "needles": options.needles,
         "fit": options.objective().map(fitted_to),
         "alpha": options.alpha,
         "sides": options.sides,

@@ -158,6 +158,7 @@ pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
         alpha: args.alpha.map_or(options.alpha, Into::into),
         sides: args.sides.map_or(options.sides, Into::into),
         leaf_triangles: args.leaf_triangles.unwrap_or(options.leaf_triangles),
+        needles: args.needles.map_or(options.needles, Into::into),
         fit: args.fit,
         audit: args.audit || (options.audit && !args.no_audit),
         ..options

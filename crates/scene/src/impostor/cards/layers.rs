@@ -9,9 +9,7 @@ use std::borrow::Borrow;
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use secateur_model::{Random, Surface};
-
-use super::super::principal_axes::{moment, principal_axes};
+use secateur_model::{Random, Surface, moment, principal_axes};
 
 /// How much more a distance off a layer's plane counts than one along it, squared: a card shows what lies off its
 /// plane in the wrong place from aside. With less, cards have more FLIP; with three times as much, they are as

@@ -7,8 +7,8 @@ use secateur::{FieldOfView, Fitting, LeafTriangles, Resolution, Target};
 
 use super::super::names::{
     AlphaName, ClusterSizeName, CornersName, CutoffsName, EngineName, HausdorffName,
-    MeshoptModeName, MethodName, MetricName, PresetName, ReferenceName, ResizeName, SidesName,
-    TiesName, WoodName,
+    MeshoptModeName, MethodName, MetricName, NeedlesName, PresetName, ReferenceName, ResizeName,
+    SidesName, TiesName, WoodName,
 };
 use super::{
     Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, above_zero, from_zero, leaves,
@@ -111,6 +111,10 @@ pub(crate) struct Simplify {
     /// else all [default: auto; keep for the paper's presets].
     #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N")]
     pub(crate) leaf_triangles: Option<LeafTriangles>,
+    /// With `--triangles`: whether leaves more than four times as long as wide, without a cut-out,
+    /// grow across only, or as every leaf does [default: widen for the look, else scale].
+    #[arg(long, help_heading = OF_VDS, value_enum)]
+    pub(crate) needles: Option<NeedlesName>,
     /// The seed of methods that choose at random.
     #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,

@@ -6,12 +6,12 @@ use glam::{DMat3, DVec3};
 const SWEEPS: usize = 12;
 
 /// What a vector adds to a matrix of second moments.
-pub(super) fn moment(v: DVec3) -> DMat3 {
+pub fn moment(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
 /// The eigenvectors of a symmetric matrix, unit, that of the smallest eigenvalue first (Jacobi's rotations).
-pub(super) fn principal_axes(symmetric: DMat3) -> [DVec3; 3] {
+pub fn principal_axes(symmetric: DMat3) -> [DVec3; 3] {
     let (mut left, mut axes) = (symmetric, DMat3::IDENTITY);
     for _ in 0..SWEEPS {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
