@@ -24,8 +24,9 @@ mod support;
 mod thickness;
 mod vmi;
 mod welded;
+mod widening;
 
-use secateur_model::{Foliage, LeafId, Lod, NewLeaf};
+use secateur_model::{Foliage, LeafId, Lod, NewCorner, NewLeaf};
 use secateur_raster::{Rasteriser, ViewSet};
 
 use crate::Error;
@@ -37,6 +38,7 @@ pub use parts::Parts;
 pub use spend::WoodBudget;
 use standing::{Carrier, carriers};
 pub use support::supports;
+use widening::Widening;
 
 /// A plant's wood, ready for any number of budgets.
 #[derive(Clone, Debug)]
@@ -44,6 +46,9 @@ pub struct Wood {
     parts: Parts,
     /// By part.
     pieces: Vec<Piece>,
+    widening: Widening,
+    /// Whether thin wood is widened for thin wood that is gone.
+    makes_up: bool,
     /// What carries the crown to the ground, what carries most first.
     carriers: Vec<Carrier>,
     leaf_gap: f64,
@@ -106,6 +111,7 @@ impl Wood {
     }
 
     fn of_levels(parts: Parts, seen_px: &[f64], levels: Vec<Vec<Level>>) -> Self {
+        let widening = Widening::of(&parts, &joints(&parts));
         let wood = parts.foliage();
         assert_eq!(seen_px.len(), wood.leaves().len());
         let all: Vec<&[Level]> = levels.iter().map(Vec::as_slice).collect();
@@ -127,13 +133,16 @@ impl Wood {
         Self {
             parts,
             pieces,
+            widening,
+            makes_up: false,
             carriers: Vec::new(),
             leaf_gap: f64::INFINITY,
         }
     }
 
-    /// The wood with these leaves on it, so that it may be chosen to bear some of them, and so that what
-    /// carries many of them to the ground stays. `seen_px`: how many pixels the views show of each leaf.
+    /// The wood with these leaves on it, so that it may be chosen to bear some of them, so that what
+    /// carries many of them to the ground stays, and so that thin wood makes up for thin wood that is gone unless some
+    /// leaf is cut out: then alpha cutoffs do. `seen_px`: how many pixels the views show of each leaf.
     ///
     /// # Panics
     /// If there is not one number for each leaf.
@@ -148,6 +157,8 @@ impl Wood {
             piece.bears = bears;
         }
         self.leaf_gap = largest_gap;
+        let is_cut_out = leaves.leaves().iter().any(|leaf| leaf.cutout().is_some());
+        self.makes_up = !is_cut_out;
         self.carriers = carriers(&self.pieces, &nearest, seen_px);
         for carrier in &self.carriers {
             self.pieces[carrier.piece].carries = true;
@@ -215,8 +226,18 @@ impl Wood {
         chosen
     }
 
-    /// What is left of each piece: all of it where all its parts are as they are.
+    /// What is left of each piece: all of it where all its parts are as they are. Thin parts are as wide as they were.
     fn lod(&self, chosen: &[Option<usize>]) -> Lod {
+        let seen_px = |part: usize| self.pieces[part].seen_px;
+        let for_others = match self.makes_up {
+            true => self
+                .widening
+                .for_others(seen_px, |part| chosen[part].is_some()),
+            false => 1.0,
+        };
+        let widened = |part: usize, level: &[[u32; 3]]| {
+            self.widening.made(&self.parts, part, level, for_others)
+        };
         let mut lod = Lod::original(self.parts.piece_count());
         for piece in (0..self.parts.piece_count()).map(LeafId::from_index) {
             let of_piece = &chosen[self.parts.of_piece(piece)];
@@ -225,14 +246,20 @@ impl Wood {
             }
             lod.remove(piece);
             if of_piece.iter().any(Option::is_some) {
-                lod.make(self.made(piece, chosen));
+                lod.make(self.made(piece, chosen, widened));
             }
         }
         lod
     }
 
-    /// What is left of a piece of which a part is left, as a leaf of the wood.
-    fn made(&self, piece: LeafId, chosen: &[Option<usize>]) -> NewLeaf {
+    /// What is left of a piece of which a part is left, as a leaf of the wood. `made` is what triangles of a
+    /// part become.
+    fn made(
+        &self,
+        piece: LeafId,
+        chosen: &[Option<usize>],
+        made: impl Fn(usize, &[[u32; 3]]) -> Vec<[NewCorner; 3]>,
+    ) -> NewLeaf {
         let mut triangles = Vec::new();
         for part in self.parts.of_piece(piece) {
             match chosen[part] {
@@ -240,7 +267,7 @@ impl Wood {
                 Some(0) => triangles.extend(self.parts.whole(part)),
                 Some(level) => {
                     let level = &self.pieces[part].levels[level - 1].triangles;
-                    triangles.extend(self.parts.made(part, level));
+                    triangles.extend(made(part, level));
                 }
             }
         }

@@ -41,7 +41,10 @@ impl Wood {
                 continue;
             }
             shown[piece.index()] = (LeafId::from_index(order.name_count()), left);
-            let made: Option<NewLeaf> = (left > 0).then(|| self.made(piece, &levels));
+            let made: Option<NewLeaf> = (left > 0).then(|| {
+                let made = |part: usize, level: &[[u32; 3]]| self.parts.made(part, level);
+                self.made(piece, &levels, made)
+            });
             order.push_step(Step {
                 removed: &[name],
                 grown: &[],

@@ -45,6 +45,16 @@ struct Place {
     corners: Vec<u32>,
 }
 
+/// The rings of a piece.
+struct Rings {
+    /// From one end to the other.
+    rings: Vec<Ring>,
+    /// By corner, the number of its ring.
+    of_corners: Vec<usize>,
+    /// Whether its triangles face inward.
+    is_inward: bool,
+}
+
 struct Ring {
     places: Vec<Place>,
     centre: DVec3,
@@ -57,7 +67,10 @@ pub(super) fn tubes(
     triangles: &[LeafTriangle],
     is_seen_from_both_sides: bool,
 ) -> Vec<Vec<[u32; 3]>> {
-    let Some((rings, is_inward)) = rings(triangles) else {
+    let Some(Rings {
+        rings, is_inward, ..
+    }) = rings(triangles)
+    else {
         return Vec::new();
     };
     let mut levels = Vec::new();
@@ -84,8 +97,15 @@ pub(super) fn tubes(
     levels
 }
 
-/// The rings of a piece from one end to the other, and whether its triangles face inward.
-fn rings(triangles: &[LeafTriangle]) -> Option<(Vec<Ring>, bool)> {
+/// By corner of a piece the centre of its ring; none of a piece without rings.
+pub(super) fn ring_centres(triangles: &[LeafTriangle]) -> Option<Vec<DVec3>> {
+    let found = rings(triangles)?;
+    let centre = |ring: &usize| found.rings[*ring].centre;
+    Some(found.of_corners.iter().map(centre).collect())
+}
+
+/// The rings of a piece, if it is longer than it is wide.
+fn rings(triangles: &[LeafTriangle]) -> Option<Rings> {
     let mesh = Welded::of(triangles);
     let place = |at: &DVec3| Place {
         at: *at,
@@ -128,7 +148,12 @@ fn rings(triangles: &[LeafTriangle]) -> Option<(Vec<Ring>, bool)> {
         let outward = a + b + c - centre.iter().sum::<DVec3>();
         facing += (b - a).cross(c - a).dot(outward);
     }
-    Some((rings, facing < 0.0))
+    let of_corners = mesh.triangles.iter().flatten().map(|place| hops[*place]);
+    Some(Rings {
+        of_corners: of_corners.collect(),
+        rings,
+        is_inward: facing < 0.0,
+    })
 }
 
 /// The places of one end: of the border that reaches furthest from the middle; of a piece without
@@ -445,9 +470,9 @@ mod tests {
         for triangle in &mut all {
             triangle.corners = triangle.corners.map(bend);
         }
-        let (rings, is_inward) = rings(&all).unwrap();
-        assert_eq!((rings.len(), is_inward), (5, false));
-        assert_eq!(cuts(&rings)[..2], [vec![0, 4], vec![0, 2, 4]]);
+        let found = rings(&all).unwrap();
+        assert_eq!((found.rings.len(), found.is_inward), (5, false));
+        assert_eq!(cuts(&found.rings)[..2], [vec![0, 4], vec![0, 2, 4]]);
     }
 
     #[test]

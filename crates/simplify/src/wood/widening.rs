@@ -1,0 +1,197 @@
+//! Thin wood is as wide as it was.
+//!
+//! The corners of a coarser level lie on the tube that the part was, so one of three sides is narrower than
+//! one of six, and one that ends in a point narrower still. A trunk that is somewhat narrower is hardly
+//! seen; a twig of less than a pixel breaks up into dots, and leaves beside it are islands. So thin parts
+//! are widened about their axis until they have the area that they had: seen from all around, what has as
+//! much area shows as much. Where thin wood is gone, the rest of it may be widened further, to show as much.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use secateur_model::{LeafId, LeafTriangle, NewCorner, Place};
+
+use super::parts::{Parts, of_corners};
+use super::rings::ring_centres;
+use super::thickness::thickness;
+
+/// A part is thin if its thickness is at most this share of the radius of all wood: a pixel where pictures of
+/// the judge are 256 pixels wide.
+const THIN: f64 = 1.0 / 75.0;
+
+/// The most that a part is widened for what its level is narrower by: a flat strip that ends in a point has a
+/// third of the area of a tube.
+const MOST_FOR_ITSELF: f64 = 3.0;
+
+/// The most that it is widened besides for thin parts that are gone.
+const MOST_FOR_OTHERS: f64 = 1.5;
+
+/// The axes of thin parts.
+#[derive(Clone, Debug)]
+pub(super) struct Widening {
+    /// By part, and by its corner what that moves away from: the centre of its ring; nothing for parts that
+    /// are thick or no tubes.
+    axes: Vec<Option<Vec<DVec3>>>,
+}
+
+impl Widening {
+    /// Finds the axes. Joints stay where they are, as parts meet there.
+    pub(super) fn of(parts: &Parts, is_joint: &(dyn Fn(DVec3) -> bool + Sync)) -> Self {
+        let wood = parts.foliage();
+        let radius = wood.bounding_sphere().map_or(0.0, |sphere| sphere.radius);
+        let axis = |part: usize| {
+            let part = LeafId::from_index(part);
+            if thickness(wood, part) > THIN * radius {
+                return None;
+            }
+            let triangles = wood.triangles_of(part);
+            let mut axis = ring_centres(triangles)?;
+            let corners = triangles.iter().flat_map(|t| t.corners);
+            for (from, corner) in axis.iter_mut().zip(corners) {
+                if is_joint(corner) {
+                    *from = corner;
+                }
+            }
+            Some(axis)
+        };
+        let parts = (0..wood.leaves().len()).into_par_iter();
+        Self {
+            axes: parts.map(axis).collect(),
+        }
+    }
+
+    /// How much further thin parts are widened for those that are gone, from 1. `seen_px`: the pixels that
+    /// show each part; `is_left`: whether it is left.
+    pub(super) fn for_others(
+        &self,
+        seen_px: impl Fn(usize) -> f64,
+        is_left: impl Fn(usize) -> bool,
+    ) -> f64 {
+        let thin = || (0..self.axes.len()).filter(|part| self.axes[*part].is_some());
+        let all: f64 = thin().map(&seen_px).sum();
+        let left: f64 = thin().filter(|part| is_left(*part)).map(&seen_px).sum();
+        match left > 0.0 {
+            true => (all / left).min(MOST_FOR_OTHERS),
+            false => 1.0,
+        }
+    }
+
+    /// A level of a part: its corners as those of its piece, moved where the part is thin.
+    pub(super) fn made(
+        &self,
+        parts: &Parts,
+        part: usize,
+        level: &[[u32; 3]],
+        for_others: f64,
+    ) -> Vec<[NewCorner; 3]> {
+        let mut made = parts.made(part, level);
+        let Some(axis) = &self.axes[part] else {
+            return made;
+        };
+        let all = parts.foliage().triangles_of(LeafId::from_index(part));
+        let left = of_corners(all, level);
+        let for_itself = (area(all) / area(&left)).clamp(1.0, MOST_FOR_ITSELF);
+        let factor = for_itself * for_others;
+        if factor == 1.0 || !factor.is_finite() {
+            return made;
+        }
+        let corners = made.as_flattened_mut().iter_mut();
+        let places = left.iter().flat_map(|t| t.corners);
+        for ((made, number), at) in corners.zip(level.as_flattened()).zip(places) {
+            let from = axis[*number as usize];
+            if from != at {
+                made.place = Place::At(from + (at - from) * factor);
+            }
+        }
+        made
+    }
+}
+
+fn area(triangles: &[LeafTriangle]) -> f64 {
+    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+    triangles.iter().map(|t| area(t.corners)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use secateur_model::{Foliage, NewLeaf};
+
+    use super::super::rings::tubes;
+    use super::super::tests::tube;
+    use super::*;
+
+    const NO_JOINT: fn(DVec3) -> bool = |_| false;
+
+    /// A trunk of radius .4, and twigs of radius .02.
+    fn wood(twigs: usize) -> Foliage {
+        let mut wood = Foliage::default();
+        wood.push_leaf(&tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.4, 12), None)
+            .unwrap();
+        for k in 0..twigs {
+            let from = DVec3::new(0.4, 1.0 + k as f64, 0.0);
+            let twig = tube(from, from + DVec3::new(2.0, 0.5, 0.0), 0.02, 4);
+            wood.push_leaf(&twig, None).unwrap();
+        }
+        wood
+    }
+
+    /// The area of a part, of a level of this many triangles, and of that level as it is made.
+    fn areas(wood: &Foliage, part: usize, count: usize, for_others: f64) -> [f64; 3] {
+        let parts = Parts::of(wood);
+        let widening = Widening::of(&parts, &NO_JOINT);
+        let all = wood.triangles_of(LeafId::from_index(part));
+        let levels = tubes(all, false);
+        let level = levels.iter().find(|level| level.len() == count).unwrap();
+        let made = NewLeaf {
+            donor: LeafId::from_index(part),
+            triangles: widening.made(&parts, part, level, for_others),
+        };
+        let left = of_corners(all, level);
+        [area(all), area(&left), area(&made.triangles_in(wood, 1.0))]
+    }
+
+    #[test]
+    fn a_twig_of_fewer_sides_has_the_area_that_it_had_and_a_trunk_what_is_left() {
+        let wood = wood(1);
+        // Three sides, and a strip with a back.
+        for count in [6, 4] {
+            let [all, left, made] = areas(&wood, 1, count, 1.0);
+            assert!(left < 0.9 * all, "{left} of {all}");
+            assert!((made / all - 1.0).abs() < 0.01, "{made} of {all}");
+        }
+        let [all, left, made] = areas(&wood, 0, 6, 1.3);
+        assert!(left < 0.9 * all && made == left, "{left}, {made}");
+    }
+
+    #[test]
+    fn it_is_wider_where_others_are_gone() {
+        let wood = wood(4);
+        let [all, _, made] = areas(&wood, 1, 6, 1.3);
+        assert!((made / all - 1.3).abs() < 0.01, "{made} of {all}");
+        let widening = Widening::of(&Parts::of(&wood), &NO_JOINT);
+        let for_others = |left: &[usize]| {
+            // The trunk shows the most, and counts for nothing.
+            let seen_px = |part: usize| [900.0, 40.0, 10.0, 20.0, 10.0][part];
+            widening.for_others(seen_px, |part| left.contains(&part))
+        };
+        assert_eq!(for_others(&[0, 1, 2, 3, 4]), 1.0);
+        assert_eq!(for_others(&[1, 3, 4]), 80.0 / 70.0);
+        assert_eq!(for_others(&[0, 4]), MOST_FOR_OTHERS);
+        assert_eq!(for_others(&[0]), 1.0);
+    }
+
+    #[test]
+    fn joints_stay_where_they_are() {
+        let wood = wood(1);
+        let parts = Parts::of(&wood);
+        let all = wood.triangles_of(LeafId::from_index(1));
+        let is_joint = |place: DVec3| place.x < 1.0;
+        let widening = Widening::of(&parts, &is_joint);
+        let level = &tubes(all, false)[0];
+        let made = widening.made(&parts, 1, level, 1.0);
+        let places = of_corners(all, level).into_iter().flat_map(|t| t.corners);
+        for (corner, at) in made.as_flattened().iter().zip(places) {
+            assert_eq!(matches!(corner.place, Place::Of(_)), is_joint(at), "{at}");
+        }
+    }
+}
