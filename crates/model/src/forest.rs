@@ -18,7 +18,7 @@
 
 use std::ops::Range;
 
-use crate::{LeafId, RemovalOrder, Step};
+use crate::{LeafId, NewLeaf, RemovalOrder, Step};
 
 /// A version of a leaf, or the place of one that went without a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +133,7 @@ impl Forest {
             },
             node_of: (0..leaf_count).map(NodeIndex::from_index).collect(),
             own_scales: vec![1.0; leaf_count],
+            donors: Vec::new(),
             heirs,
         };
         for step in order.steps() {
@@ -219,10 +220,18 @@ struct Builder<'a> {
     /// By names: the node that a leaf is now, and its own scale.
     node_of: Vec<NodeIndex>,
     own_scales: Vec<f64>,
+    /// By names after those of original leaves: what a leaf was made of.
+    donors: Vec<LeafId>,
     heirs: &'a mut dyn Heirs,
 }
 
 impl Builder<'_> {
+    /// The original leaf that one is, or was made of.
+    fn donor(&self, leaf: LeafId) -> LeafId {
+        let made = leaf.index().checked_sub(self.forest.leaf_count as usize);
+        made.map_or(leaf, |made| self.donors[made])
+    }
+
     fn step(&mut self, step: &Step<'_>) {
         let first = self.node_of.len();
         let made: Vec<LeafId> = (first..first + step.made.len())
@@ -231,6 +240,7 @@ impl Builder<'_> {
         // Their nodes come with the collapse that makes them.
         self.node_of.resize(first + made.len(), NodeIndex(NONE));
         self.own_scales.resize(first + made.len(), 1.0);
+        self.donors.extend(step.made.iter().map(|m| m.donor));
         step.removed.iter().for_each(|leaf| self.heirs.take(*leaf));
         made.iter().for_each(|leaf| self.heirs.add(*leaf));
         let common = step.survivors_area_scale;
@@ -245,7 +255,7 @@ impl Builder<'_> {
             for leaf in grown {
                 self.collapse(&[leaf], &[leaf], common);
             }
-        } else if let Some(pairs) = replaced_one_by_one(step, &made) {
+        } else if let Some(pairs) = replaced_one_by_one(step, &made, |leaf| self.donor(leaf)) {
             for &(removed, made) in &pairs {
                 self.collapse(&[removed], &[made], common);
             }
@@ -308,23 +318,38 @@ impl Builder<'_> {
     }
 }
 
-/// The leaves of a step that makes several, each in place of its donor; where it is such a step.
-fn replaced_one_by_one(step: &Step<'_>, made: &[LeafId]) -> Option<Vec<(LeafId, LeafId)>> {
+/// The leaves that a step takes and makes, where it makes several, each in place of one of its donor; in the order of
+/// those that it takes. `donor`: the original leaf that one is, or was made of.
+fn replaced_one_by_one(
+    step: &Step<'_>,
+    made: &[LeafId],
+    donor: impl Fn(LeafId) -> LeafId,
+) -> Option<Vec<(LeafId, LeafId)>> {
     if made.len() < 2 || !step.grown.is_empty() {
         return None;
     }
-    let mut removed = step.removed.to_vec();
+    let mut removed: Vec<(LeafId, LeafId)> = step
+        .removed
+        .iter()
+        .map(|&leaf| (donor(leaf), leaf))
+        .collect();
     removed.sort_unstable();
+    let are_different = |of: &[(LeafId, LeafId)]| of.is_sorted_by(|a, b| a.0 < b.0);
+    if !are_different(&removed) {
+        return None;
+    }
+    let pair = |(new, made): (&NewLeaf, &LeafId)| {
+        let found = removed.binary_search_by_key(&new.donor, |of| of.0).ok()?;
+        Some((removed[found].1, *made))
+    };
     let mut pairs: Vec<(LeafId, LeafId)> = step
         .made
         .iter()
-        .map(|m| m.donor)
-        .zip(made.iter().copied())
-        .collect();
-    let is_removed = |pair: &(LeafId, LeafId)| removed.binary_search(&pair.0).is_ok();
+        .zip(made)
+        .map(pair)
+        .collect::<Option<_>>()?;
     pairs.sort_unstable();
-    let are_different = pairs.is_sorted_by(|a, b| a.0 < b.0);
-    (are_different && pairs.iter().all(is_removed)).then_some(pairs)
+    are_different(&pairs).then_some(pairs)
 }
 
 #[cfg(test)]

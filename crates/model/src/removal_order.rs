@@ -26,7 +26,6 @@ pub struct Growth {
 /// | FSA | two | none | one | as they were |
 /// | stochastic | one | none | none | all of one scale |
 /// | VDS, needles that grow across, before sizes | those | none | as many | as they were |
-/// | and the step after | none | what has grown of these | none | as they were |
 /// | fitted sizes, last step | none | any, or less than they were | none | as they were |
 /// | meshoptimizer, in one step | any | none | any | as they were |
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,18 +13,25 @@ use secateur_model::{
 /// No needle becomes wider than a quarter of its length.
 const LEAST_ASPECT: f64 = 4.0;
 
-/// The length of a needle that grew, as a share of the original's. A pointed one as long as that would have a
-/// tip that is thinner than the original anywhere is.
+/// The length of a needle that became coarser, as a share of the original's. As long as that, one that ends in a point
+/// has a tip that is thinner than the original anywhere is.
 const LENGTH_SHARE: f64 = 0.85;
+
+/// The vector sum of a needle's triangle areas is at least this share of their sum: it is flat, so that what it gains
+/// in width it loses in length.
+const LEAST_FLAT: f64 = 0.95;
+
+/// One that is longer than wanted by no more than this factor stays as it is.
+const HARDLY_LONGER: f64 = 1.001;
 
 /// A leaf that takes the place of a needle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Needle {
     /// The name of the one that goes.
     pub removed: LeafId,
-    /// The one that comes, of the same area before it grows.
+    /// The one that comes, of the size to which the other has grown.
     pub made: NewLeaf,
-    /// By what its area is multiplied.
+    /// By what the area of the other was multiplied.
     pub area_scale: f64,
 }
 
@@ -40,55 +47,63 @@ pub(crate) fn widened(foliage: &Foliage, lod: &Lod) -> Vec<Needle> {
             return None;
         }
         let original = foliage.triangles_of(donor);
-        let made = match made {
+        let (now, like, share) = match made {
             Some(made) => {
                 let like = made.triangles.iter().map(|t| t.map(|corner| corner.like));
-                wider(
-                    donor,
-                    original,
-                    &made.triangles_in(foliage, 1.0),
-                    like,
-                    area_scale,
+                (
+                    made.triangles_in(foliage, 1.0),
+                    like.collect(),
+                    LENGTH_SHARE,
                 )
             }
             None => {
                 let like = (0..original.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-                wider(donor, original, original, like, area_scale)
+                (original.to_vec(), like.collect(), 1.0)
             }
-        }?;
+        };
         Some(Needle {
             removed,
-            made,
+            made: NewLeaf {
+                donor,
+                triangles: wider(original, &now, like, area_scale, share)?,
+            },
             area_scale,
         })
     };
     all.into_par_iter().filter_map(needle).collect()
 }
 
-/// A leaf that is made of `now` instead, as wide as it takes to be no longer than the original
-/// after its area was multiplied; none if it is long enough as it is, or no needle.
+/// Triangles in the place of `now`, of this many times its area and as wide as it takes to be no longer than this share
+/// of the original; none if it is so anyway, or no needle. Their corners are like these.
 fn wider(
-    donor: LeafId,
     original: &[LeafTriangle],
     now: &[LeafTriangle],
-    like: impl Iterator<Item = [u32; 3]>,
+    like: Vec<[u32; 3]>,
     area_scale: f64,
-) -> Option<NewLeaf> {
+    share: f64,
+) -> Option<Vec<[NewCorner; 3]>> {
     let (_, spread) = centre_and_spread(original);
-    let [_, across, along] = principal_axes(spread);
-    let (length, width) = (extent(now, along), extent(now, across));
-    let longest = LENGTH_SHARE * extent(original, along);
-    let too_long = length * area_scale.sqrt() / longest;
+    let [.., along] = principal_axes(spread);
+    let (centre, _) = centre_and_spread(now);
+    let facing: DVec3 = now.iter().map(|t| facing(t.corners)).sum();
+    let total: f64 = now.iter().map(|t| area(t.corners)).sum();
+    let normal = facing.try_normalize()?;
+    let in_plane = along.reject_from_normalized(normal).try_normalize()?;
+    let across = normal.cross(in_plane);
+    let (length, width) = (extent(now, in_plane), extent(now, across));
+    let linear_scale = area_scale.sqrt();
+    let too_long = length * linear_scale / (share * extent(original, along));
     let factor = too_long.min((length / width / LEAST_ASPECT).sqrt());
-    if !(factor > 1.0 && factor.is_finite()) {
+    let is_flat = facing.length() >= LEAST_FLAT * total;
+    if !(is_flat && factor > HARDLY_LONGER && factor.is_finite()) {
         return None;
     }
-    let (centre, _) = centre_and_spread(now);
     let placed = |corner: DVec3| {
         let from_centre = corner - centre;
-        let along = along * along.dot(from_centre);
+        let along = in_plane * in_plane.dot(from_centre);
         let across = across * across.dot(from_centre);
-        corner + along * (1.0 / factor - 1.0) + across * (factor - 1.0)
+        let moved = from_centre + along * (1.0 / factor - 1.0) + across * (factor - 1.0);
+        centre + moved * linear_scale
     };
     let triangles = now.iter().zip(like).map(|(triangle, like)| {
         [0, 1, 2].map(|k| NewCorner {
@@ -96,10 +111,16 @@ fn wider(
             like: like[k],
         })
     });
-    Some(NewLeaf {
-        donor,
-        triangles: triangles.collect(),
-    })
+    Some(triangles.collect())
+}
+
+/// The area of a triangle along its normal.
+fn facing([a, b, c]: [DVec3; 3]) -> DVec3 {
+    0.5 * (b - a).cross(c - a)
+}
+
+fn area(corners: [DVec3; 3]) -> f64 {
+    facing(corners).length()
 }
 
 /// How far triangles reach along an axis.
@@ -116,7 +137,6 @@ fn extent(triangles: &[LeafTriangle], axis: DVec3) -> f64 {
 
 /// The centre of the area of triangles, and its second moments about that.
 fn centre_and_spread(triangles: &[LeafTriangle]) -> (DVec3, DMat3) {
-    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let centre_of = |[a, b, c]: [DVec3; 3]| (a + b + c) / 3.0;
     let parts = || triangles.iter().map(|t| t.corners);
     let total: f64 = parts().map(area).sum();
@@ -133,7 +153,7 @@ mod tests {
     use std::sync::Arc;
 
     use glam::DQuat;
-    use secateur_model::{Cutout, Random, RemovalOrder, Wrap};
+    use secateur_model::{Cutout, Random, RemovalOrder, Step, Wrap};
 
     use super::*;
     use crate::rest::HeldBy;
@@ -191,10 +211,10 @@ mod tests {
         };
         assert_eq!(of_it.removed, LeafId::from_index(0));
         assert_eq!(of_it.area_scale, 9.0);
-        let (length, width, area, centre) = shape(&of_it.made.triangles_in(&foliage, 9.0));
+        let (length, width, area, centre) = shape(&of_it.made.triangles_in(&foliage, 1.0));
         let (.., centre_before) = shape(&needle);
-        assert!((length - LENGTH_SHARE).abs() < 1e-9, "{length}");
-        assert!((width * LENGTH_SHARE - 0.09).abs() < 1e-9, "{width}");
+        assert!((length - 1.0).abs() < 1e-9, "{length}");
+        assert!((width - 0.09).abs() < 1e-9, "{width}");
         assert!((area - 0.09).abs() < 1e-9, "{area}");
         assert!(centre.distance(centre_before) < 1e-9);
         // Texture and normals are those of its own corners.
@@ -205,15 +225,17 @@ mod tests {
     #[test]
     fn it_is_never_wider_than_a_quarter_of_its_length() {
         let foliage = foliage(&[&quad(1.0, 0.2), &quad(1.0, 0.3), &quad(1.0, 0.01)]);
-        // As large as it was, and as long as it may be: nothing needs to be done.
-        let found = widened(&foliage, &grown(3, 0.5));
-        assert!(found.is_empty(), "{found:?}");
+        // As large as they were, or smaller: nothing needs to be done.
+        for area_scale in [0.5, 1.0] {
+            let found = widened(&foliage, &grown(3, area_scale));
+            assert!(found.is_empty(), "{found:?}");
+        }
         let found = widened(&foliage, &grown(3, 100.0));
         assert_eq!(found.len(), 2, "{found:?}");
         for needle in found {
-            let triangles = needle.made.triangles_in(&foliage, 100.0);
+            let triangles = needle.made.triangles_in(&foliage, 1.0);
             let (length, width, ..) = shape(&triangles);
-            assert!((length / width - 4.0).abs() < 1e-9 || length <= LENGTH_SHARE + 1e-9);
+            assert!((length / width - 4.0).abs() < 1e-9 || length <= 1.0 + 1e-9);
             assert!(length / width > 4.0 - 1e-9);
         }
     }
@@ -233,7 +255,7 @@ mod tests {
             })],
         };
         let mut order = RemovalOrder::new(1);
-        order.push_step(secateur_model::Step {
+        order.push_step(Step {
             removed: &[leaf],
             grown: &[],
             made: &[made],
@@ -250,6 +272,60 @@ mod tests {
         assert!((extent(&triangles, along) - LENGTH_SHARE).abs() < 1e-9);
         let like = of_it.made.triangles.iter().flatten().map(|c| c.like);
         assert!(like.eq(0..3));
+    }
+
+    /// Strips of three quads that sag more than they are wide: as many quads, and one triangle.
+    #[test]
+    fn one_that_sags_gains_in_width_what_it_loses_in_length_or_stays() {
+        let strip = |sag: f64| -> Vec<LeafTriangle> {
+            let at = |k: usize, side: f64| {
+                let x = k as f64 / 3.0;
+                DVec3::new(x, -4.0 * sag * x * (1.0 - x), 0.01 * side)
+            };
+            let quad = |k: usize| {
+                let [a, b, c, d] = [at(k, 0.0), at(k + 1, 0.0), at(k + 1, 1.0), at(k, 1.0)];
+                [[a, b, c], [a, c, d]].map(LeafTriangle::plain)
+            };
+            (0..3).flat_map(quad).collect()
+        };
+        let area_of = |triangles: &[LeafTriangle]| shape(triangles).2;
+        let slight = strip(0.05);
+        let foliage_of_slight = foliage(&[&slight]);
+        let found = widened(&foliage_of_slight, &grown(1, 4.0));
+        let triangles = found[0].made.triangles_in(&foliage_of_slight, 1.0);
+        let ratio = area_of(&triangles) / area_of(&slight);
+        assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
+        assert!(extent(&triangles, DVec3::Z) > 0.035);
+        // A half circle is not flat.
+        let deep = foliage(&[&strip(0.5)]);
+        assert!(widened(&deep, &grown(1, 4.0)).is_empty());
+        // Its chord as one triangle is, whatever the strip's own second axis was.
+        let donor = LeafId::from_index(0);
+        let like = [0, 8, 5];
+        let corner = |like: u32| {
+            let triangle = deep.triangles_of(donor)[like as usize / 3];
+            NewCorner {
+                place: Place::At(triangle.corners[like as usize % 3]),
+                like,
+            }
+        };
+        let mut order = RemovalOrder::new(1);
+        order.push_step(Step {
+            removed: &[donor],
+            grown: &[],
+            made: &[NewLeaf {
+                donor,
+                triangles: vec![like.map(corner)],
+            }],
+            survivors_area_scale: 1.0,
+        });
+        let mut lod = Lod::after(&order, 1);
+        let before = lod.foliage(&deep).leaves()[0].area();
+        lod.resize(LeafId::from_index(1), 4.0);
+        for needle in widened(&deep, &lod) {
+            let after = area_of(&needle.made.triangles_in(&deep, 1.0));
+            assert!((after / before - 4.0).abs() < 1e-6, "{after}, {before}");
+        }
     }
 
     #[test]

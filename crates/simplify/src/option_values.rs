@@ -50,11 +50,12 @@ pub enum LeafTriangles {
     AtMost(u32),
 }
 
-/// How needles grow: leaves without a cut-out that are more than four times as long as wide.
+/// How needles grow: flat leaves without a cut-out that are more than four times as long as wide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Needles {
-    /// Across: one that has grown is no longer than 17 twentieths of the original, and as much wider.
+    /// Across: before sizes are fitted one is no longer than the original was, or than .85 of that if it became coarser,
+    /// and as much wider.
     Widen,
     /// As every leaf does.
     #[default]

@@ -30,19 +30,27 @@ impl Passes {
         Lod::after(&steps, steps.len())
     }
 
-    /// The LOD in which the first `removals` steps of the order were made, before sizes were
-    /// fitted to another.
-    ///
-    /// # Panics
-    /// If there are fewer.
+    /// The LOD in which the first `removals` steps of the order were made (all of them if it has fewer), before needles
+    /// got wider and sizes were fitted to another.
     pub fn lod_after(&self, removals: usize) -> Lod {
-        let order = self.unsized_order();
+        let order = self.removals();
         Lod::after(&order, removals + usize::from(self.coarse.is_some()))
+    }
+
+    /// The largest multiple of its area that a leaf has grown to, 1 where none has grown: of the original's,
+    /// or of that of the leaf which was made of it.
+    pub fn max_area_scale(&self) -> f64 {
+        let first_needle = self.removals().name_count();
+        let grown = |(leaf, area_scale): (LeafId, f64)| {
+            let needle = leaf.index().checked_sub(first_needle);
+            area_scale * needle.map_or(1.0, |needle| self.needles[needle].area_scale)
+        };
+        self.lod().all_leaves().map(grown).fold(1.0, f64::max)
     }
 
     /// All that was done as the steps of one order over the original leaves: where leaves became
     /// coarser a first step that puts these in their place, then the removals, where needles got
-    /// wider two steps, which put those in their place and let them grow, and where sizes were fitted a last step in which
+    /// wider a step that puts those in their place, and where sizes were fitted a last step in which
     /// no leaf goes. This is what is hashed and written.
     pub fn in_one_order(&self) -> RemovalOrder {
         let mut order = self.unsized_order();
@@ -53,11 +61,16 @@ impl Passes {
         order
     }
 
-    fn unsized_order(&self) -> RemovalOrder {
-        let mut order = match &self.coarse {
+    /// All but needles and sizes.
+    fn removals(&self) -> RemovalOrder {
+        match &self.coarse {
             Some(coarse) => coarse.order(&self.order),
             None => self.order.clone(),
-        };
+        }
+    }
+
+    fn unsized_order(&self) -> RemovalOrder {
+        let mut order = self.removals();
         if !self.needles.is_empty() {
             push_needles(&mut order, &self.needles);
         }
@@ -71,55 +84,41 @@ impl Passes {
         if hanging.is_empty() {
             return;
         }
-        let mut is_hanging: FxHashSet<LeafId> = hanging.iter().copied().collect();
+        let is_hanging: FxHashSet<LeafId> = hanging.iter().copied().collect();
         if let Some(factors) = &mut self.sizes {
             let of_left = lod.all_leaves().zip(factors.iter());
             let of_left = of_left.filter(|((leaf, _), _)| !is_hanging.contains(leaf));
             *factors = of_left.map(|(_, factor)| *factor).collect();
         }
         // The needles that hang go as what they were before they got wider.
-        let mut next = self.unsized_order().name_count() - self.needles.len();
-        self.needles.retain(|needle| {
-            let name = LeafId::from_index(next);
-            next += 1;
-            let hangs = is_hanging.remove(&name);
-            if hangs {
-                is_hanging.insert(needle.removed);
+        let first_needle = self.removals().name_count();
+        let mut going: Vec<LeafId> = Vec::new();
+        for leaf in hanging {
+            let needle = leaf.index().checked_sub(first_needle);
+            going.push(needle.map_or(leaf, |needle| self.needles[needle].removed));
+        }
+        let is_going: FxHashSet<LeafId> = going.iter().copied().collect();
+        self.needles
+            .retain(|needle| !is_going.contains(&needle.removed));
+        let own: Vec<LeafId> = match &self.coarse {
+            None => going,
+            Some(coarse) => {
+                let names = coarse.names().into_iter().enumerate();
+                let own = names.filter(|(_, name)| is_going.contains(name));
+                own.map(|(leaf, _)| LeafId::from_index(leaf)).collect()
             }
-            !hangs
-        });
-        let names = match &self.coarse {
-            None => (0..self.order.leaf_count() as usize)
-                .map(LeafId::from_index)
-                .collect(),
-            Some(coarse) => coarse.names(),
         };
-        let names = names.into_iter().enumerate();
-        let own = names.filter(|(_, name)| is_hanging.contains(name));
-        let own: Vec<LeafId> = own.map(|(leaf, _)| LeafId::from_index(leaf)).collect();
         push_removals(&mut self.order, &own);
     }
 }
 
-/// Two steps more: leaves take the place of needles, and get their sizes, as what a step makes cannot
-/// grow in it.
+/// A step more, in which leaves take the place of needles.
 fn push_needles(order: &mut RemovalOrder, needles: &[Needle]) {
-    let first = order.name_count();
-    let grown = needles.iter().enumerate().map(|(index, needle)| Growth {
-        leaf: LeafId::from_index(first + index),
-        area_scale: needle.area_scale,
-    });
     let survivors_area_scale = order.survivors_area_scale_after(order.len());
     order.push_step(Step {
         removed: &needles.iter().map(|n| n.removed).collect::<Vec<_>>(),
         grown: &[],
         made: &needles.iter().map(|n| n.made.clone()).collect::<Vec<_>>(),
-        survivors_area_scale,
-    });
-    order.push_step(Step {
-        removed: &[],
-        grown: &grown.filter(|g| g.area_scale != 1.0).collect::<Vec<_>>(),
-        made: &[],
         survivors_area_scale,
     });
 }
@@ -150,4 +149,50 @@ fn push_sizes(order: &mut RemovalOrder, lod: &Lod, factors: &[f64]) {
         made: &[],
         survivors_area_scale,
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use secateur_model::LeafTriangle;
+    use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+
+    use super::*;
+    use crate::fsa::FsaOptions;
+    use crate::{Fitting, Method, Options, Resolution, Target, simplify};
+
+    /// Leaves that were made hang as original ones do, and go with their sizes.
+    #[test]
+    fn made_leaves_that_hang_go() {
+        let crown = ellipsoid_crown(200, 11, &EllipsoidCrown::default()).unwrap();
+        let middle = crown.bounding_sphere().unwrap();
+        let floor = [(-9.0, -9.0), (30.0, -9.0), (-9.0, 30.0)]
+            .map(|(x, z)| middle.centre + middle.radius * DVec3::new(x, -0.8, z));
+        let mut wood = Foliage::default();
+        wood.push_leaf(&[LeafTriangle::plain(floor)], None).unwrap();
+        let held_by = HeldBy {
+            wood,
+            largest_gap: 0.12 * middle.radius,
+        };
+        let options = Options {
+            method: Method::Fsa(FsaOptions::default()),
+            resolution: Resolution::Pixels(32),
+            fit: Fitting::Coverage,
+            ..Options::to(Target::leaf_share(0.25))
+        };
+        let mut passes = simplify(&crown, &options).unwrap().passes;
+        let before = passes.lod();
+        let hanging = held_by.hanging(&crown, &before);
+        let is_made = |leaf: &LeafId| leaf.index() >= 200;
+        let (count, left) = (hanging.len(), before.leaf_count());
+        assert!(
+            hanging.iter().any(is_made) && count < left,
+            "{count} of {left}"
+        );
+        let stays = |(leaf, _): &(LeafId, f64)| !hanging.contains(leaf);
+        let left: Vec<(LeafId, f64)> = before.all_leaves().filter(stays).collect();
+        passes.take_hanging(&crown, &held_by);
+        assert_eq!(passes.sizes.as_ref().unwrap().len(), left.len());
+        assert_eq!(passes.lod().all_leaves().collect::<Vec<_>>(), left);
+    }
 }

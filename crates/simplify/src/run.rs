@@ -322,6 +322,9 @@ impl PassContext<'_> {
         };
         if self.options.widens_needles() {
             passes.needles = widened(self.foliage, &passes.lod());
+            if let (Some(held_by), false) = (held_by, passes.needles.is_empty()) {
+                passes.take_hanging(self.foliage, held_by);
+            }
         }
         let is_as_found = is_as_found && passes.needles.is_empty();
         let mut stopped = match self.target {
@@ -344,7 +347,10 @@ impl PassContext<'_> {
         let are_all_left = passes.lod().leaf_count() == self.foliage.leaves().len();
         let is_coarse_the_same = passes.coarse.as_ref().is_none_or(Coarse::shows_the_same);
         Ok(Draft {
-            shows_the_same: is_driven && are_all_left && is_coarse_the_same,
+            shows_the_same: is_driven
+                && passes.needles.is_empty()
+                && are_all_left
+                && is_coarse_the_same,
             costs: costs
                 .into_iter()
                 .take(passes.order.len().min(chosen))

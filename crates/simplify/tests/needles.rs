@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use secateur_model::{Foliage, LeafTriangle, Lod, Random};
+use secateur_model::{CollapseIndex, Foliage, Forest, LeafTriangle, Lod, NoHeirs, Random};
 use secateur_raster::OpenEngine;
 use secateur_simplify::{
     Fitting, LeafTriangles, Method, Needles, Options, Resolution, Shared, Simplified, Target,
@@ -72,7 +72,9 @@ fn no_needle_gets_longer_and_as_many_of_the_same_area_are_left() {
         assert!(most(&long) > 1.3 * LENGTH, "{}", most(&long));
         assert!((area(&crown, &wide) / area(&crown, &long) - 1.0).abs() < 1e-9);
         assert_eq!(wide.lod.leaf_count(), long.lod.leaf_count());
-        assert_eq!(wide.lod.max_area_scale(), long.lod.max_area_scale());
+        let scales = [&wide, &long].map(|result| result.passes.max_area_scale());
+        assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
+        assert_eq!(scales[1], long.lod.max_area_scale());
         // The same were chosen, in the same order.
         assert_eq!(wide.passes.order, long.passes.order);
         assert_eq!(wide.costs, long.costs);
@@ -100,6 +102,31 @@ fn leaves_that_keep_their_triangles_and_other_targets_stay_as_they_are() {
         let result = simplify(&crown, &options).unwrap();
         assert!(result.passes.needles.is_empty());
     }
+}
+
+/// All triangles may stay: no needle has grown, and nothing is done.
+#[test]
+fn a_crown_that_keeps_all_is_as_it_was() {
+    let crown = crown(40);
+    let result = simplify(&crown, &options(1.0, Needles::Widen)).unwrap();
+    assert_eq!(result.lod, Lod::original(40));
+}
+
+/// In the forest each needle is a collapse of its own.
+#[test]
+fn each_needle_takes_the_place_of_one() {
+    let crown = crown(60);
+    let result = simplify(&crown, &options(0.3, Needles::Widen)).unwrap();
+    let order = result.passes.in_one_order();
+    let step = order
+        .steps()
+        .find(|step| !step.made.is_empty() && step.made.len() < 60);
+    let needles = step.unwrap().made.len();
+    assert_eq!(needles, result.passes.needles.len());
+    let forest = Forest::new(&order, &mut NoHeirs);
+    let of_one = |collapse: &CollapseIndex| forest.sources(*collapse).len() == 1;
+    let collapses = (0..forest.collapse_count()).map(CollapseIndex::from_index);
+    assert!(collapses.filter(of_one).count() >= 60 + needles);
 }
 
 #[test]

@@ -138,7 +138,7 @@ impl<'a> LevelJudge<'a> {
             resolution: ran.resolution,
             kept_overlap,
             overlap_with,
-            max_area_scale: Some(ran.lod.max_area_scale()),
+            max_area_scale: Some(ran.max_area_scale),
             values: joined(&measured.overall, &pictured.overall),
             worst: joined(&measured.worst, &pictured.worst),
             rigs: (measured.rigs.iter().zip(&pictured.rigs))

@@ -16,6 +16,8 @@ use crate::{Error, Host};
 pub(crate) struct Ran {
     pub(crate) level: f64,
     pub(crate) lod: Lod,
+    /// The largest multiple of its area that a leaf has grown to.
+    pub(crate) max_area_scale: f64,
     /// Wall time of the method alone, without observing and judging.
     pub(crate) seconds: f64,
     /// The largest resident set of the process while the method ran.
@@ -120,9 +122,14 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
     let fitting_peak = fitting.and(whole.peak_rss_bytes);
     let ran = |(level, (steps, reached)): (&f64, (&usize, Option<Reached>))| {
         let reached = reached.or(end).unwrap_or(whole);
+        let lod = Lod::after(&order, (*steps).min(order.len()));
         Ran {
             level: *level,
-            lod: Lod::after(&order, (*steps).min(order.len())),
+            max_area_scale: match result.passes.needles.is_empty() {
+                true => lod.max_area_scale(),
+                false => result.passes.max_area_scale(),
+            },
+            lod,
             seconds: choosing + reached.seconds + fitted,
             peak_rss_bytes: reached.peak_rss_bytes.max(fitting_peak),
             resolution: if sees_pixels { result.resolution } else { 0 },

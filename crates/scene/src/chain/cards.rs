@@ -130,8 +130,10 @@ impl Maker<'_> {
         };
         poll(observer)?;
         let most_flip = self.options.max_flip.max(found.flip);
+        let hides = |found: &Found| self.hides_switch(made, &[], &found.impostor, height);
         let half = seen.with_half_normals(&found);
-        let found = half.filter(|half| half.flip <= most_flip).unwrap_or(found);
+        let half = half.filter(|half| half.flip <= most_flip && (hides(half) || !hides(&found)));
+        let found = half.unwrap_or(found);
         self.beside_mesh(made, found, height, observer)
     }
 

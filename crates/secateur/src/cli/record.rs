@@ -91,7 +91,7 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "areas_sha256": result.areas.as_ref().map(AreaTable::sha256),
         "seconds": seconds(run.stages, run.total_seconds),
         "peak_rss_bytes": machine::peak_rss_bytes(),
-        "max_area_scale": result.lod.max_area_scale(),
+        "max_area_scale": result.passes.max_area_scale(),
         "vmi_bits": result.vmi_final.as_ref().map(Vmi::bits),
         "vmi_bits_original": result.vmi_original.bits(),
         "driving_vmi_error_percent": result.driving_error_percent(),

@@ -439,7 +439,7 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
         "growth",
         format!(
             "the largest leaf has {:.1} times its original area",
-            result.lod.max_area_scale()
+            result.passes.max_area_scale()
         ),
     );
     let memory = machine::peak_rss_bytes().map(|bytes| format!(", {} of memory", size(bytes)));

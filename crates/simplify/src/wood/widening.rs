@@ -3,12 +3,12 @@
 //! The corners of a coarser level lie on the tube that the part was, so one of three sides is narrower than
 //! one of six, and one that ends in a point narrower still. A trunk that is somewhat narrower is hardly
 //! seen; a twig of less than a pixel breaks up into dots, and leaves beside it are islands. So thin parts
-//! are widened about their axis until they have the area that they had: seen from all around, what has as
-//! much area shows as much. Where thin wood is gone, the rest of it may be widened further, to show as much.
+//! are widened about their axis until they have the area that they had: seen from all around, closed shapes of
+//! as much area show about as much. Where thin wood is gone, the rest of it may be widened further, to show as much.
 
 use glam::DVec3;
 use rayon::prelude::*;
-use secateur_model::{LeafId, LeafTriangle, NewCorner, Place};
+use secateur_model::{Facing, LeafId, LeafTriangle, NewCorner, Place};
 
 use super::parts::{Parts, of_corners};
 use super::rings::ring_centres;
@@ -18,9 +18,13 @@ use super::thickness::thickness;
 /// the judge are 256 pixels wide.
 const THIN: f64 = 1.0 / 75.0;
 
-/// The most that a part is widened for what its level is narrower by: a flat strip that ends in a point has a
-/// third of the area of a tube.
+/// The most that a part is widened for what its level is narrower by: a strip with a back has two thirds of the
+/// area of a tube, one that ends in a point a third.
 const MOST_FOR_ITSELF: f64 = 3.0;
+
+/// A part of which a ring has a radius of more than this many times the thickness is no single tube: at a fork a ring
+/// has places of both prongs.
+const MOST_SPREAD: f64 = 1.5;
 
 /// The most that it is widened besides for thin parts that are gone.
 const MOST_FOR_OTHERS: f64 = 1.5;
@@ -40,13 +44,19 @@ impl Widening {
         let radius = wood.bounding_sphere().map_or(0.0, |sphere| sphere.radius);
         let axis = |part: usize| {
             let part = LeafId::from_index(part);
-            if thickness(wood, part) > THIN * radius {
+            let thickness = thickness(wood, part);
+            if thickness > THIN * radius {
                 return None;
             }
             let triangles = wood.triangles_of(part);
             let mut axis = ring_centres(triangles)?;
-            let corners = triangles.iter().flat_map(|t| t.corners);
-            for (from, corner) in axis.iter_mut().zip(corners) {
+            let corners = || triangles.iter().flat_map(|t| t.corners);
+            let is_far =
+                |(from, corner): (&DVec3, DVec3)| from.distance(corner) > MOST_SPREAD * thickness;
+            if axis.iter().zip(corners()).any(is_far) {
+                return None;
+            }
+            for (from, corner) in axis.iter_mut().zip(corners()) {
                 if is_joint(corner) {
                     *from = corner;
                 }
@@ -87,9 +97,12 @@ impl Widening {
         let Some(axis) = &self.axes[part] else {
             return made;
         };
-        let all = parts.foliage().triangles_of(LeafId::from_index(part));
+        let part = LeafId::from_index(part);
+        let all = parts.foliage().triangles_of(part);
         let left = of_corners(all, level);
-        let for_itself = (area(all) / area(&left)).clamp(1.0, MOST_FOR_ITSELF);
+        let facing = parts.foliage().leaf(part).facing();
+        let before_over_after = shown_area(all, facing) / shown_area(&left, facing);
+        let for_itself = before_over_after.clamp(1.0, MOST_FOR_ITSELF);
         let factor = for_itself * for_others;
         if factor == 1.0 || !factor.is_finite() {
             return made;
@@ -106,9 +119,16 @@ impl Widening {
     }
 }
 
-fn area(triangles: &[LeafTriangle]) -> f64 {
-    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
-    triangles.iter().map(|t| area(t.corners)).sum()
+/// What views from all around see of triangles, but for a factor. Where both sides are seen, what lies open counts
+/// twice: the areas along the normals of a tube make up for each other, those of a strip do not.
+fn shown_area(triangles: &[LeafTriangle], facing: Facing) -> f64 {
+    let along_normal = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a);
+    let all = || triangles.iter().map(|t| along_normal(t.corners));
+    let area: f64 = all().map(DVec3::length).sum();
+    match facing {
+        Facing::Both => area + all().sum::<DVec3>().length(),
+        _ => area,
+    }
 }
 
 #[cfg(test)]
@@ -147,7 +167,8 @@ mod tests {
             triangles: widening.made(&parts, part, level, for_others),
         };
         let left = of_corners(all, level);
-        [area(all), area(&left), area(&made.triangles_in(wood, 1.0))]
+        let made = made.triangles_in(wood, 1.0);
+        [all, &left, &made].map(|triangles| shown_area(triangles, Facing::Both))
     }
 
     #[test]
@@ -178,6 +199,26 @@ mod tests {
         assert_eq!(for_others(&[1, 3, 4]), 80.0 / 70.0);
         assert_eq!(for_others(&[0, 4]), MOST_FOR_OTHERS);
         assert_eq!(for_others(&[0]), 1.0);
+    }
+
+    /// A strip without a back is seen from both sides: it needs half the area of a tube.
+    #[test]
+    fn a_strip_that_is_seen_from_both_sides_counts_twice() {
+        let tube = tube(DVec3::ZERO, 2.0 * DVec3::X, 0.02, 4);
+        let strip = |count: usize| {
+            let levels = tubes(&tube, true);
+            let level = levels.iter().find(|level| level.len() == count);
+            of_corners(&tube, level.unwrap())
+        };
+        // Flat, and two that cross.
+        for (count, times) in [(2, 2.0), (4, 1.0 + 0.5f64.sqrt())] {
+            let strip = strip(count);
+            let front = shown_area(&strip, Facing::Counterclockwise);
+            let both = shown_area(&strip, Facing::Both);
+            assert!((both / front - times).abs() < 0.01, "{}", both / front);
+        }
+        let [front, both] = [Facing::Clockwise, Facing::Both].map(|f| shown_area(&tube, f));
+        assert!((both / front - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -111,7 +111,7 @@ pub(crate) struct Simplify {
     /// else all [default: auto; keep for the paper's presets].
     #[arg(long, help_heading = OF_VDS, value_name = "auto|keep|N")]
     pub(crate) leaf_triangles: Option<LeafTriangles>,
-    /// With `--triangles`: whether leaves more than four times as long as wide, without a cut-out,
+    /// With `--triangles`: whether flat leaves more than four times as long as wide, without a cut-out,
     /// grow across only, or as every leaf does [default: widen for the look, else scale].
     #[arg(long, help_heading = OF_VDS, value_enum)]
     pub(crate) needles: Option<NeedlesName>,
