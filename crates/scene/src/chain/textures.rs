@@ -23,6 +23,9 @@ const NEAR_ENOUGH: f64 = 0.04;
 /// As many specks a view as a level may show more than the original does by the same client.
 const MOST_MORE_SPECKS: f64 = 2.0;
 
+/// What coverage out of its bounds counts besides: as much as a hundred specks.
+const OUT_OF_BOUNDS: f64 = 1.0;
+
 /// How often more or less of the leaves is cut out, until as much is seen as should be: leaves that
 /// hide each other answer less than in proportion.
 const TRIES: usize = 4;
@@ -89,9 +92,12 @@ impl LevelAsDrawn {
     }
 
     /// The share by which coverage is off where it is off most; a speck too many counts as much
-    /// as a hundredth.
+    /// as a hundredth, and coverage out of its bounds besides.
     pub(super) fn error(&self) -> f64 {
-        self.coverage_error() + 0.01 * self.specks_too_many()
+        let shown = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
+        let is_within = shown.iter().all(|of| (WITHIN[0]..=WITHIN[1]).contains(of));
+        let out = if is_within { 0.0 } else { OUT_OF_BOUNDS };
+        self.coverage_error() + 0.01 * self.specks_too_many() + out
     }
 
     fn specks_too_many(&self) -> f64 {
@@ -364,6 +370,27 @@ mod tests {
     use super::*;
     use glam::{DVec3, Vec2};
     use secateur_model::{Filters, Finish, Material, Texture, Wrap};
+
+    #[test]
+    fn coverage_within_its_bounds_is_worth_some_specks() {
+        let drawn = |coverage: [f64; 2], more_specks_per_view: f64| {
+            let [begin, end] = coverage.map(|coverage_over_truth| Shown {
+                coverage_over_truth,
+                specks_per_view: 0.0,
+            });
+            let drawn = LevelAsDrawn {
+                begin,
+                end,
+                more_specks_per_view,
+            };
+            drawn.error()
+        };
+        let faded = drawn([0.96, 0.51], 55.0);
+        assert!(drawn([0.96, 0.98], 179.0) < faded);
+        assert!(drawn([0.96, 0.98], 400.0) > faded);
+        // Within their bounds, specks count as they did.
+        assert!(drawn([0.96, 0.91], 20.0) < drawn([0.97, 0.99], 80.0));
+    }
 
     /// A card of 1 x 1 whose mask is a quarter of all texels, here and there.
     fn sparse_card() -> Surface {
