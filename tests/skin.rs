@@ -130,6 +130,16 @@ fn wood_of_few_sides_moves_with_its_joints_as_before() {
     assert!(before.iter().any(is_bent));
     let count = before.len();
     let before: HashMap<Key, Vec3> = before.into_iter().collect();
+    let place = |key: &Key| Vec3::from(key.map(f32::from_bits));
+    // Vertices of thin twigs are moved away from their axis, and move with the joints of those that they were.
+    let of_nearest = |at: Vec3| {
+        let nearest = before.iter().min_by(|a, b| {
+            let distance = |of: &(&Key, &Vec3)| place(of.0).distance_squared(at);
+            distance(a).total_cmp(&distance(b))
+        });
+        let (key, now) = nearest.expect("a vertex");
+        (place(key).distance(at), *now)
+    };
     for wood in ["geometry", "vmi"] {
         let files = ["skinned.glb", "-o", "out.glb", "--wood", wood];
         let options = ["--triangles", "0.1"];
@@ -137,9 +147,18 @@ fn wood_of_few_sides_moves_with_its_joints_as_before() {
         let left = posed(&bench.read("out.glb"));
         assert!(!left.is_empty() && 5 * left.len() < count, "{}", left.len());
         assert!(left.iter().any(is_bent));
-        for (key, now) in left {
-            assert_eq!(Some(&now), before.get(&key), "{wood}");
+        let mut own = 0;
+        for (key, now) in &left {
+            if let Some(was) = before.get(key) {
+                own += 1;
+                assert_eq!(now, was, "{wood}");
+                continue;
+            }
+            let (distance, was) = of_nearest(place(key));
+            assert!(distance < 0.05, "{wood}: {distance} from all vertices");
+            assert!(now.distance(was) < 0.05, "{wood}: {now}, {was}");
         }
+        assert!(5 * own > left.len(), "{own} of {}", left.len());
     }
     crate::validator::assert_valid(&[bench.path("out.glb")]);
 }
