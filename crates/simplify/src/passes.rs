@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
 
 use crate::coarsen::Coarse;
-use crate::needles::Needle;
+use crate::needles::{Needle, widened};
 use crate::rest::{HeldBy, push_removals};
 
 /// The outcome of each pass; together they make a LOD.
@@ -75,6 +75,14 @@ impl Passes {
             push_needles(&mut order, &self.needles);
         }
         order
+    }
+
+    /// Has needles grow across, and takes away those that then hang in the air.
+    pub(crate) fn widen_needles(&mut self, foliage: &Foliage, held_by: Option<&HeldBy>) {
+        self.needles = widened(foliage, &self.lod());
+        if let (Some(held_by), false) = (held_by, self.needles.is_empty()) {
+            self.take_hanging(foliage, held_by);
+        }
     }
 
     /// Takes away the leaves that hang in the air at their sizes, with what these were multiplied by.

@@ -134,7 +134,7 @@ impl Preset {
         }
     }
 
-    /// How needles grow.
+    /// Whether long thin leaves get wider where they grow, or longer and wider alike.
     pub fn needles(self) -> Needles {
         match self {
             Self::Look => Needles::Widen,

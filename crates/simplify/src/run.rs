@@ -12,7 +12,6 @@ use crate::audit::audit;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::last_look::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
-use crate::needles::widened;
 use crate::observe::observe;
 use crate::passes::Passes;
 use crate::resolution::{LOOK_RESOLUTION, LOOK_RESOLUTION_REASON, resolution_for};
@@ -321,10 +320,7 @@ impl PassContext<'_> {
             sizes: None,
         };
         if self.options.widens_needles() {
-            passes.needles = widened(self.foliage, &passes.lod());
-            if let (Some(held_by), false) = (held_by, passes.needles.is_empty()) {
-                passes.take_hanging(self.foliage, held_by);
-            }
+            passes.widen_needles(self.foliage, held_by);
         }
         let is_as_found = is_as_found && passes.needles.is_empty();
         let mut stopped = match self.target {

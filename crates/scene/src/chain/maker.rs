@@ -131,7 +131,8 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// A mesh to hold an impostor of so many triangles against; a plant that cannot be made so light has none.
+    /// The mesh of at most this many triangles that an impostor is compared with; none if the plant cannot be made so
+    /// light.
     ///
     /// # Errors
     /// [`ChainError`] if the observer breaks it off.

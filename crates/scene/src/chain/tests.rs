@@ -20,7 +20,7 @@ use crate::Screen;
 use crate::impostor::cards::Cards;
 use crate::impostor::{Choice, Impostor};
 
-/// A small oak.
+/// A grown oak that is quick to simplify.
 fn oak() -> WholeTree {
     let options = GrowOptions {
         leaves: 120,
@@ -81,12 +81,12 @@ fn a_chain_stops_while_it_looks_for_cards() {
     }
 }
 
-/// A mesh of so many triangles, from this height on.
+/// A mesh of this many triangles, drawn where the plant is at most this many pixels high.
 fn mesh(maker: &Maker<'_>, triangles: usize, height: f64) -> Placed {
     (maker.level(triangles, &mut go_on).unwrap(), height, 0.0)
 }
 
-/// So many cards, from this height on.
+/// This number of cards, drawn where the plant is at most this many pixels high.
 fn cards(maker: &Maker<'_>, count: usize, height: f64) -> PlacedImpostor {
     let cards = Cards::new(&maker.look.original, count);
     let level = ImpostorLevel {

@@ -238,8 +238,8 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// Of the first so many steps the last one that an atlas has room for with no more than `most` cards, or a few
-    /// before it.
+    /// The last of the first `all` steps whose cards an atlas has room for and are no more than `most`, or one of the
+    /// few before it.
     fn last(
         &mut self,
         all: usize,
@@ -286,7 +286,7 @@ impl<'a> Search<'a> {
         Ok(Some(enough.0))
     }
 
-    /// So many cards with textures as fine as the place asks for and an atlas has room for, but not with texels of
+    /// This number of cards with textures as fine as the place asks for and an atlas has room for, but not with texels of
     /// more pixels than these; lit by their normals or flat, whichever looks nearer.
     ///
     /// # Errors

@@ -6,6 +6,7 @@
 //! and nothing. What a level loses is the part of the piece's visible pixels that it shows no longer or
 //! elsewhere. Triangles of a budget go one piece and level at a time
 //! to where they save the most pixels each, those of leaves counted in that would hang in the air.
+//! Thin parts of a level are then widened to the area that they had.
 //! A piece is left only if the one that it grows on is, at a level that still meets it.
 
 mod bearing;
