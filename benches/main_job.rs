@@ -15,6 +15,7 @@ use rows::{Rows, Wanted, exponent, shared_tree};
 use secateur_gltf::plant_to_glb;
 use secateur_model::{AlphaMode, Material, Plant, Surface};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
+use secateur_raster::gpu::{Device, Preference};
 
 fn main() {
     let wanted = Wanted::from_command_line();
@@ -54,6 +55,9 @@ fn main() {
     if wanted.has("growth") {
         bench.growth();
     }
+    if wanted.has("engines") {
+        bench.engines();
+    }
 }
 
 struct Bench {
@@ -64,8 +68,12 @@ struct Bench {
 impl Bench {
     /// Runs the command on a tree and notes its figures; least seconds.
     fn case(&mut self, case: &str, tree: &Path, target: &[&str]) -> f64 {
+        self.case_on("cpu", case, tree, target)
+    }
+
+    fn case_on(&mut self, engine: &str, case: &str, tree: &Path, target: &[&str]) -> f64 {
         let line = format!(
-            "secateur simplify {} {} --engine cpu",
+            "secateur simplify {} {} --engine {engine}",
             tree.file_name().unwrap_or_default().to_string_lossy(),
             target.join(" ")
         );
@@ -73,7 +81,7 @@ impl Bench {
         let mut arguments = vec![OsStr::new("simplify"), tree.as_os_str()];
         arguments.extend([OsStr::new("-o"), output.as_os_str()]);
         arguments.extend(target.iter().map(OsStr::new));
-        arguments.extend(["--engine", "cpu"].map(OsStr::new));
+        arguments.extend(["--engine", engine].map(OsStr::new));
         let run = TimedRun {
             case,
             line: &line,
@@ -81,6 +89,32 @@ impl Bench {
             stages: &[],
         };
         run.note(&mut self.rows, &self.folder)
+    }
+
+    /// The CPU and a GPU that is no software driver, by cores at work.
+    fn engines(&mut self) {
+        if let Err(reason) = Device::find(Preference::Hardware) {
+            eprintln!("SKIPPED: engines: {reason}");
+            return;
+        }
+        let mut trees = vec![(self.crown(100_000), "256")];
+        if let Some(oak) = shared_tree("ez_oak_20k.glb") {
+            trees.extend(["256", "1024"].map(|resolution| (oak.clone(), resolution)));
+        }
+        let all = std::thread::available_parallelism().map_or(1, usize::from);
+        for (tree, resolution) in &trees {
+            for threads in [2.min(all), all].map(|threads| threads.to_string()) {
+                for engine in ["cpu", "gpu"] {
+                    let name = tree.file_stem().unwrap_or_default().to_string_lossy();
+                    let case = format!(
+                        "engines: {name} to 10 % at {resolution}, {threads} threads, {engine}"
+                    );
+                    let target = ["--ratio", "0.1", "--resolution", resolution];
+                    let target = [&target[..], &["--threads", &threads]].concat();
+                    self.case_on(engine, &case, tree, &target);
+                }
+            }
+        }
     }
 
     /// A crown of small quads in a file.

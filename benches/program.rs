@@ -33,6 +33,7 @@ impl TimedRun<'_> {
             assert!(status.success(), "{} failed", self.case);
             let text = std::fs::read_to_string(&report).expect("a report");
             let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+            let adapter = report["adapter"].as_str().unwrap_or("cpu");
             let mut add = |quantity: &str, unit: &str, value: Option<f64>| {
                 rows.add(&Row {
                     case: self.case,
@@ -40,7 +41,7 @@ impl TimedRun<'_> {
                     unit,
                     value: value.unwrap_or(f64::NAN),
                     repeat,
-                    adapter: "cpu",
+                    adapter,
                     command: self.line,
                 });
             };

@@ -1,10 +1,15 @@
 //! Lists of fragments from the GPU, window by window, put together view by view.
 
+use rayon::prelude::*;
+
 use super::chunk::Window;
 use crate::{Fragment, ViewFragments};
 
 /// Bytes of a fragment on the GPU: its depth and its leaf, 32 bits each.
 pub(super) const FRAGMENT_BYTES: u64 = 8;
+
+/// Fragments that a core copies at the least.
+const LEAST_COPY: usize = 1 << 14;
 
 /// The lists of fragments that have come back from the GPU, in the order of their pixels.
 pub(super) struct Lists {
@@ -43,47 +48,82 @@ impl Lists {
         let list_bytes = FRAGMENT_BYTES as usize * window.fragment_count as usize;
         let lists: &[Fragment] = bytemuck::cast_slice(&parts[3][..list_bytes]);
         let kept = (dropped[0] > 0).then_some(kept);
+        // A window may begin and end within a view, and go on over several.
+        let mut runs = Vec::new();
         let mut pixel = 0;
         while pixel < pixels {
-            // A window may end within a view, and go on over several.
-            let end = pixels.min(pixel + self.pixels_per_view - self.starts.len());
-            let first = (starts[pixel] - window.first_fragment) as usize;
-            let size = (starts[end] - starts[pixel]) as usize;
-            let kept = kept.map(|kept| &kept[pixel..end]);
-            self.append_to_view(&starts[pixel..end], kept, &lists[first..first + size]);
+            let filled = if pixel == 0 { self.starts.len() } else { 0 };
+            let end = pixels.min(pixel + self.pixels_per_view - filled);
+            runs.push(pixel..end);
             pixel = end;
+        }
+        let runs: Vec<Run> = runs
+            .into_par_iter()
+            .map(|run| {
+                let [first, end] =
+                    [run.start, run.end].map(|at| starts[at] - window.first_fragment);
+                let kept = kept.map(|kept| &kept[run.clone()]);
+                Run::new(&starts[run], kept, &lists[first as usize..end as usize])
+            })
+            .collect();
+        for run in runs {
+            self.append_to_view(run);
         }
         self.area_px
             .extend_from_slice(bytemuck::cast_slice(&parts[4][..table_bytes]));
     }
 
-    /// Lists of pixels that follow each other; of each `kept` fragments, or all.
-    fn append_to_view(&mut self, starts: &[u32], kept: Option<&[u32]>, lists: &[Fragment]) {
-        let before = self.fragments.len();
-        // And for the end of the last.
-        self.starts.reserve(starts.len() + 1);
-        self.fragments.reserve(lists.len());
-        match kept {
-            None => {
-                let own = starts.iter().map(|s| s - starts[0] + before as u32);
-                self.starts.extend(own);
-                self.fragments.extend_from_slice(lists);
-            }
-            Some(kept) => {
-                for (start, kept) in starts.iter().zip(kept) {
-                    self.starts.push(self.fragments.len() as u32);
-                    let list = &lists[(start - starts[0]) as usize..][..*kept as usize];
-                    self.fragments.extend_from_slice(list);
-                }
-            }
+    fn append_to_view(&mut self, run: Run) {
+        let Run { starts, fragments } = run;
+        self.len += fragments.len() as u64;
+        if self.starts.is_empty() {
+            self.starts = starts;
+            self.fragments = fragments;
+        } else {
+            let before = self.fragments.len() as u32;
+            self.starts
+                .extend(starts.iter().map(|start| before + start));
+            self.fragments.extend_from_slice(&fragments);
         }
-        self.len += (self.fragments.len() - before) as u64;
         if self.starts.len() == self.pixels_per_view {
             self.starts.push(self.fragments.len() as u32);
             self.views.push(ViewFragments::from_lists(
                 std::mem::take(&mut self.starts),
                 std::mem::take(&mut self.fragments),
             ));
+        }
+    }
+}
+
+/// The lists of pixels of one view that follow each other.
+struct Run {
+    /// Where each pixel's list begins among the fragments of the run.
+    starts: Vec<u32>,
+    fragments: Vec<Fragment>,
+}
+
+impl Run {
+    /// Of each list `kept` fragments, or all. `starts` count from anywhere.
+    fn new(starts: &[u32], kept: Option<&[u32]>, lists: &[Fragment]) -> Self {
+        // One more, for the end of the view's last list.
+        let mut own = Vec::with_capacity(starts.len() + 1);
+        let from_first = starts.iter().map(|start| start - starts[0]);
+        let Some(kept) = kept else {
+            own.extend(from_first);
+            return Self {
+                starts: own,
+                // Most of a copy's time goes to memory that is new: each core takes some.
+                fragments: lists.par_iter().with_min_len(LEAST_COPY).copied().collect(),
+            };
+        };
+        let mut fragments = Vec::with_capacity(lists.len());
+        for (start, kept) in from_first.zip(kept) {
+            own.push(fragments.len() as u32);
+            fragments.extend_from_slice(&lists[start as usize..][..*kept as usize]);
+        }
+        Self {
+            starts: own,
+            fragments,
         }
     }
 }

@@ -20,10 +20,11 @@ const HEADER_BYTES: u64 = 8;
 /// Bytes for the pixels of a block of a triangle's box.
 const MASK_BYTES: u64 = 8;
 
-/// The most triangles of a piece: a few megabytes, a short dispatch.
-const MAX_PIECE_TRIANGLES: u64 = 1 << 15;
+/// The most triangles of a piece: a megabyte or two, a short dispatch, and work for many cores.
+const MAX_PIECE_TRIANGLES: u64 = 1 << 14;
 
-/// Bytes of triangles to have on the GPU at a time, roughly.
+/// Bytes of triangles to have on the GPU at a time, roughly. With more, a GPU with memory of its own
+/// takes longer: what the CPU writes to is slow to come by, and is used again from chunk to chunk.
 const CHUNK_BYTES: u64 = 32 << 20;
 
 /// Triangles of one view; its layout is `Piece` of `rasterise.wgsl`.
@@ -106,9 +107,9 @@ impl<'a> PiecePool<'a> {
             .into_par_iter()
             .map(|task| {
                 let (view, block) = (task / blocks, task % blocks);
-                let first = block * self.leaves_per_piece;
-                let end = (first + self.leaves_per_piece).min(leaf_count);
-                self.snap_leaves(views.start + view, view, first..end)
+                // Blocks of one size: the last is no stub.
+                let leaves = block * leaf_count / blocks..(block + 1) * leaf_count / blocks;
+                self.snap_leaves(views.start + view, view, leaves)
             })
             .collect();
         Ok(pieces?.into_iter().flatten().collect())

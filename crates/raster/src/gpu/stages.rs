@@ -1,5 +1,7 @@
 //! The shaders as pipelines, with the constants they take from here.
 
+use rayon::prelude::*;
+
 use super::Device;
 
 /// Lanes of a workgroup where an invocation takes a triangle, or the histogram
@@ -115,35 +117,62 @@ impl Stages {
         let blocks = ("KNOWN_BLOCKS", KNOWN_BLOCKS);
         let pixel_lanes = ("WORKGROUP", PIXEL_WORKGROUP);
         let block = ("BLOCK", SCAN_BLOCK);
-        let stage =
-            |module, entry, constants: &[(&str, u32)]| stage(device, module, entry, constants);
+        let insertion = ("INSERTION_MAX", INSERTION_MAX);
+        let heap = ("HEAP_MAX", HEAP_MAX);
+        let run = ("PIXELS_PER_WORKGROUP", PIXELS_PER_WORKGROUP);
+        let wanted: [(&wgpu::ShaderModule, &str, &[(&str, u32)]); 14] = [
+            (&probe, "count_up", &[]),
+            (&rasterise, "count", &[lanes, blocks]),
+            (&rasterise, "emit", &[lanes, blocks]),
+            (&rasterise, "nearest_depth", &[lanes]),
+            (&rasterise, "nearest_leaf", &[lanes]),
+            (&rasterise, "uncover", &[pixel_lanes]),
+            (&scan, "sum_blocks", &[pixel_lanes, block]),
+            (&scan, "scan_blocks", &[block]),
+            (&scan, "write_starts", &[pixel_lanes, block]),
+            (&sort, "sort_lists", &[pixel_lanes, insertion, heap]),
+            (&sort_long, "exchange", &[pixel_lanes]),
+            (&sort_long, "mark", &[pixel_lanes]),
+            (&leaf_ids, "leaf_ids", &[pixel_lanes]),
+            (&histogram, "histogram", &[lanes, run]),
+        ];
+        // Compiling them is most of what opening a device takes.
+        let stages: Vec<ComputeStage> = wanted
+            .into_par_iter()
+            .map(|(module, entry, constants)| stage(device, module, entry, constants))
+            .collect();
+        let stages: Result<[ComputeStage; 14], _> = stages.try_into();
+        let [
+            probe,
+            count,
+            emit,
+            nearest_depth,
+            nearest_leaf,
+            uncover,
+            sum_blocks,
+            scan_blocks,
+            write_starts,
+            sort_lists,
+            exchange,
+            mark,
+            leaf_ids,
+            histogram,
+        ] = stages.expect("one for each");
         Self {
-            probe: stage(&probe, "count_up", &[]),
-            count: stage(&rasterise, "count", &[lanes, blocks]),
-            emit: stage(&rasterise, "emit", &[lanes, blocks]),
-            nearest_depth: stage(&rasterise, "nearest_depth", &[lanes]),
-            nearest_leaf: stage(&rasterise, "nearest_leaf", &[lanes]),
-            uncover: stage(&rasterise, "uncover", &[pixel_lanes]),
-            sum_blocks: stage(&scan, "sum_blocks", &[pixel_lanes, block]),
-            scan_blocks: stage(&scan, "scan_blocks", &[block]),
-            write_starts: stage(&scan, "write_starts", &[pixel_lanes, block]),
-            sort_lists: stage(
-                &sort,
-                "sort_lists",
-                &[
-                    pixel_lanes,
-                    ("INSERTION_MAX", INSERTION_MAX),
-                    ("HEAP_MAX", HEAP_MAX),
-                ],
-            ),
-            exchange: stage(&sort_long, "exchange", &[pixel_lanes]),
-            mark: stage(&sort_long, "mark", &[pixel_lanes]),
-            leaf_ids: stage(&leaf_ids, "leaf_ids", &[pixel_lanes]),
-            histogram: stage(
-                &histogram,
-                "histogram",
-                &[lanes, ("PIXELS_PER_WORKGROUP", PIXELS_PER_WORKGROUP)],
-            ),
+            probe,
+            count,
+            emit,
+            nearest_depth,
+            nearest_leaf,
+            uncover,
+            sum_blocks,
+            scan_blocks,
+            write_starts,
+            sort_lists,
+            exchange,
+            mark,
+            leaf_ids,
+            histogram,
         }
     }
 }

@@ -132,7 +132,10 @@ impl<'a> Figures<'a> {
             full.core_ms() / frames.core_ms(),
         );
         self.note(case, "frame rate over full geometry's", "x", wall);
-        self.note(case, "the same by core time", "x", core);
+        // A GPU leaves the cores too little for a clock of 100 ticks a second.
+        if frames.core_s.min(full.core_s) >= 0.2 {
+            self.note(case, "the same by core time", "x", core);
+        }
     }
 
     /// Bytes on the GPU.

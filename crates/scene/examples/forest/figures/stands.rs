@@ -12,9 +12,13 @@ use crate::placing;
 /// Trees in the large picture.
 const TREES: usize = 2000;
 
-/// Frames of each method that count, behind a first one that makes what later ones find. Full geometry,
-/// whose frames take up to a hundred times as long, has one, in the first of these rounds.
-const FRAMES: usize = 1;
+/// Frames of each method that count, behind a first one that makes what later ones find: as many as the
+/// environment's `FRAMES` says. Full geometry, whose frames take up to a hundred times as long, has one, in the
+/// first of these rounds.
+fn frames_that_count() -> usize {
+    let asked = std::env::var("FRAMES").ok().and_then(|n| n.parse().ok());
+    asked.unwrap_or(1).max(1)
+}
 
 /// What [`RULE`] could be instead, in leaves for each pixel of a square as high as the tree.
 const OTHER_RULES: [f64; 3] = [0.25, 0.5, 0.8];
@@ -92,7 +96,7 @@ impl Figures<'_> {
         let instances = self.instances(TREES);
         let mut stand = stand(self, &instances);
         let renderer = self.renderer(LARGE);
-        for round in 0..=FRAMES {
+        for round in 0..=frames_that_count() {
             for shown in &mut *all {
                 if shown.method == Method::Full && round != 1 {
                     continue;
