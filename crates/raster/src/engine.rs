@@ -10,17 +10,13 @@ use crate::{
     AreaTable, CpuRasteriser, Fragments, RasterError, Rasteriser, Scene, TooManyFragments,
 };
 
-/// From how many triangles times views on a hardware GPU is worth opening: it
-/// takes some tenths of a second, in which two CPU cores rasterise about as many.
-#[cfg(feature = "gpu")]
-const WORTH_A_GPU: u64 = 2_000_000;
-
 /// Where leaves are rasterised; the results are the same, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// A hardware GPU if there is one and the foliage is large enough to gain
-    /// by it, else the CPU. Never a software driver.
+    /// The one that whole commands were found to be faster with: the CPU. To open
+    /// a GPU takes some tenths of a second, which what it draws faster seldom
+    /// makes good (`docs/benchmarks.md`).
     #[default]
     Auto,
     /// A GPU, or an error; software drivers are allowed.
@@ -48,17 +44,14 @@ impl OpenEngine {
         Self::default()
     }
 
-    /// The engine that is asked for. `triangle_views`, the number of leaf
-    /// triangles times that of views, decides whether [`Engine::Auto`] looks for
-    /// a GPU.
+    /// The engine that is asked for.
     ///
     /// # Errors
     /// [`RasterError`] if [`Engine::Gpu`] is asked for and there is none.
-    pub fn open(engine: Engine, triangle_views: u64) -> Result<Self, RasterError> {
+    pub fn open(engine: Engine) -> Result<Self, RasterError> {
         match engine {
-            Engine::Cpu => Ok(Self::cpu()),
+            Engine::Auto | Engine::Cpu => Ok(Self::cpu()),
             Engine::Gpu => Self::open_gpu(),
-            Engine::Auto => Ok(Self::open_best(triangle_views)),
         }
     }
 
@@ -72,25 +65,6 @@ impl OpenEngine {
         Err("this secateur was built without the feature `gpu`; run on the CPU".into())
     }
 
-    #[cfg(feature = "gpu")]
-    fn open_best(triangle_views: u64) -> Self {
-        if triangle_views < WORTH_A_GPU {
-            return Self::cpu();
-        }
-        match Device::find(Preference::Hardware) {
-            Ok(device) => Self::on_device(device).falling_back(),
-            Err(reason) => {
-                tracing::debug!("no GPU for `auto`: {reason}");
-                Self::cpu()
-            }
-        }
-    }
-
-    #[cfg(not(feature = "gpu"))]
-    fn open_best(_: u64) -> Self {
-        Self::cpu()
-    }
-
     /// A GPU that was opened before, such as one's own
     /// ([`Device::from_wgpu`]).
     #[cfg(feature = "gpu")]
@@ -102,7 +76,7 @@ impl OpenEngine {
     }
 
     /// The same, but where the GPU fails (lost, out of memory) the CPU takes
-    /// over and [`failure`](Self::failure) says why, as under [`Engine::Auto`].
+    /// over and [`failure`](Self::failure) says why.
     pub fn falling_back(self) -> Self {
         Self {
             falls_back: true,

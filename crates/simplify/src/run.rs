@@ -61,10 +61,7 @@ pub fn simplify_with(
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Simplified, Error> {
-    let sphere = sphere_of(foliage)?;
-    let views = options.first_views(sphere).len() as u64;
-    let triangle_views = foliage.triangles().len() as u64 * views;
-    let engine = OpenEngine::open(options.engine, triangle_views);
+    let engine = OpenEngine::open(options.engine);
     let engine = engine.map_err(|reason| Error::Gpu(reason.to_string()))?;
     simplify_on(&engine, foliage, options, observer)
 }

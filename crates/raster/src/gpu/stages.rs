@@ -120,7 +120,7 @@ impl Stages {
         let insertion = ("INSERTION_MAX", INSERTION_MAX);
         let heap = ("HEAP_MAX", HEAP_MAX);
         let run = ("PIXELS_PER_WORKGROUP", PIXELS_PER_WORKGROUP);
-        let wanted: [(&wgpu::ShaderModule, &str, &[(&str, u32)]); 14] = [
+        let wanted: [EntryPoint<'_>; 14] = [
             (&probe, "count_up", &[]),
             (&rasterise, "count", &[lanes, blocks]),
             (&rasterise, "emit", &[lanes, blocks]),
@@ -136,7 +136,7 @@ impl Stages {
             (&leaf_ids, "leaf_ids", &[pixel_lanes]),
             (&histogram, "histogram", &[lanes, run]),
         ];
-        // Compiling them is most of what opening a device takes.
+        // Compiling them is most of what opening a device takes for the first time.
         let stages: Vec<ComputeStage> = wanted
             .into_par_iter()
             .map(|(module, entry, constants)| stage(device, module, entry, constants))
@@ -176,6 +176,9 @@ impl Stages {
         }
     }
 }
+
+/// A shader, the name of one of its entry points, and the constants that this takes.
+type EntryPoint<'a> = (&'a wgpu::ShaderModule, &'a str, &'a [(&'a str, u32)]);
 
 /// A shader, compiled; `stage` is what errors call it.
 fn module(device: &wgpu::Device, stage: &str, wgsl: &str) -> wgpu::ShaderModule {

@@ -75,8 +75,7 @@ impl Species {
             ..Options::with_preset(Preset::Look, Target::leaf_share(COARSEST))
         };
         let simplified = simplify(tree.leaves(), &options)?;
-        let engine =
-            OpenEngine::open(secateur_raster::Engine::Cpu, 0).map_err(|e| e.to_string())?;
+        let engine = OpenEngine::cpu();
         let whole = WholePlant::new(tree.items().foliage(), tree.leaves(), tree.wood(), &engine)?;
         let leaf_model = LodModel::new(simplified.passes.in_one_order(), tree.leaves())?;
         let wood_model = LodModel::new(whole.wood_order(), tree.wood())?;

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3, Vec3};
 use secateur_gltf::{Document, WholeTree, plant_to_glb};
 use secateur_model::{AlphaMode, BoundingSphere, Material, Surface};
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_raster::{Engine, OpenEngine, View, ViewSet};
+use secateur_raster::{OpenEngine, View, ViewSet};
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Error, Options, Preset, Progress, Target};
 
@@ -32,7 +32,7 @@ fn oak() -> WholeTree {
 }
 
 fn engine() -> OpenEngine {
-    OpenEngine::open(Engine::Cpu, 0).unwrap()
+    OpenEngine::cpu()
 }
 
 /// Levels for distances, with whatever impostor is lighter.

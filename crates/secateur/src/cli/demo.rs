@@ -46,9 +46,8 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     interrupt::check()?;
 
     let options = chain_options(args);
-    let triangle_views = tree.items().foliage().triangles().len() as u64 * 20;
-    let engine = OpenEngine::open(options.leaves.engine, triangle_views)
-        .map_err(|reason| Failure(reason.to_string()))?;
+    let engine =
+        OpenEngine::open(options.leaves.engine).map_err(|reason| Failure(reason.to_string()))?;
     let progress_bar = RunProgress::new(common);
     let made = timed(&mut stages, "levels", || {
         chain(&tree, &options, &engine, &mut |p| progress_bar.show(p))

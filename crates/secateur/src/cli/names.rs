@@ -144,7 +144,7 @@ names!(MetricName => Metric {
     BranchingLength,
 });
 names!(EngineName => Engine {
-    /// A hardware GPU if there is one and the tree is large, else the CPU
+    /// The one that whole commands were found to be faster with: the CPU
     Auto,
     /// A GPU, software drivers included
     Gpu,

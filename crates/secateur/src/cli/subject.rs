@@ -11,9 +11,6 @@ use secateur::{
 
 use super::failure::Failure;
 
-/// Driving views look this often at each triangle, for the choice of an engine.
-const VIEWS: u64 = 20;
-
 /// A tree, and what becomes of its wood.
 pub(crate) enum Subject {
     /// The leaves alone are simplified; wood is ignored.
@@ -126,8 +123,7 @@ impl Subject {
             }
             Self::Whole(tree, mode) => (tree, *mode),
         };
-        let triangle_views = self.triangles() * VIEWS;
-        let engine = OpenEngine::open(options.engine, triangle_views)
+        let engine = OpenEngine::open(options.engine)
             .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
         let (leaves, wood) = (tree.leaves(), tree.wood());
         let level = match mode {

@@ -19,9 +19,6 @@ use super::{DistanceCase, Drawn, MOST_FLIP, joined};
 use crate::judge::surfaces_of;
 use crate::{Error, Host};
 
-/// Driving views look this often at each triangle, for the choice of an engine.
-const VIEWS: u64 = 20;
-
 /// How chains are made, and their leaves.
 fn chain_options(wanted: Wanted, impostor: Choice, leaves: &Options) -> ChainOptions {
     ChainOptions {
@@ -99,8 +96,7 @@ impl<'a> Maker<'a> {
             memory: tree.items().memory_left(),
             ..Options::with_preset(Preset::default(), Target::triangle_share(1.0))
         };
-        let triangles = (tree.leaves().triangles().len() + tree.wood().triangles().len()) as u64;
-        let engine = OpenEngine::open(leaf_options.engine, triangles * VIEWS)
+        let engine = OpenEngine::open(leaf_options.engine)
             .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
         Ok(Self {
             tree,

@@ -14,9 +14,6 @@ use super::{PlantOutcome, WholeCase};
 use crate::judge::surfaces_of;
 use crate::{Error, Host};
 
-/// Driving views look this often at each triangle, for the choice of an engine.
-const VIEWS: u64 = 20;
-
 /// The level; nothing if the wood that is kept has more triangles than may be left.
 pub(super) fn made(
     tree: &WholeTree,
@@ -31,8 +28,7 @@ pub(super) fn made(
         ..Options::with_preset(Preset::default(), Target::triangle_share(level))
     };
     let (leaves, wood) = (tree.leaves(), tree.wood());
-    let triangles = (leaves.triangles().len() + wood.triangles().len()) as u64;
-    let engine = OpenEngine::open(options.engine, triangles * VIEWS)
+    let engine = OpenEngine::open(options.engine)
         .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
     let mut observer = |_: Progress| match host.is_stop_asked() {
         false => ControlFlow::Continue(()),

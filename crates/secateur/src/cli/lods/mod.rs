@@ -144,9 +144,8 @@ fn make(
     let warnings = tree.items().inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
-    let triangle_views = tree.items().foliage().triangles().len() as u64 * 20;
-    let engine = OpenEngine::open(options.leaves.engine, triangle_views)
-        .map_err(|reason| Failure(reason.to_string()))?;
+    let engine =
+        OpenEngine::open(options.leaves.engine).map_err(|reason| Failure(reason.to_string()))?;
     let progress_bar = RunProgress::new(common);
     let made = chain(&tree, &options, &engine, &mut |progress| {
         progress_bar.show(progress)
