@@ -94,18 +94,20 @@ impl Bench {
     /// What three.js shows of levels from where they begin and from where they end.
     fn coverage(&mut self) {
         for (name, tree) in self.trees("coverage", &TREES[..3]) {
-            for chain in [&["--levels", "0.5,0.25,0.1"][..], &[]] {
-                let (record, _) = self.lods(&tree, chain);
+            let distances = distances_of(&tree, &[540.0, 270.0, 135.0, 64.0]);
+            let cards = ["--distances", &distances, "--impostor", "cards"];
+            let chains: [(&str, &[&str]); 3] = [
+                ("50, 25, 10 %", &["--levels", "0.5,0.25,0.1"]),
+                ("by heights", &[]),
+                ("with cards", &cards),
+            ];
+            for (chain, options) in chains {
+                let (record, _) = self.lods(&tree, options);
                 std::fs::copy(&tree, self.folder.join("original.glb")).expect("a copy");
                 let jobs = self.folder.join("jobs.json");
                 std::fs::write(&jobs, coverage_job(&record).to_string()).expect("a file");
                 let Some(seen) = clients::show("coverage.js", &jobs) else {
                     return;
-                };
-                let chain = if chain.is_empty() {
-                    "by heights"
-                } else {
-                    "50, 25, 10 %"
                 };
                 for level in seen {
                     let number = |key: &str| level[key].as_f64().unwrap_or(f64::NAN);
@@ -173,11 +175,7 @@ impl Bench {
     /// A chain by distances beside one simplification to its coarsest mesh.
     fn chain(&mut self) {
         for (name, tree) in self.trees("chain", &TREES[..1]) {
-            let plant = height_of(&tree);
-            let screen = secateur_scene::Screen::default();
-            let heights = [1080.0, 540.0, 270.0, 135.0, 64.0];
-            let distances = heights.map(|height| screen.distance(plant, height).to_string());
-            let distances = distances.join(",");
+            let distances = distances_of(&tree, &[1080.0, 540.0, 270.0, 135.0, 64.0]);
             let options = ["--distances", &distances, "--impostor", "crossed"];
             let (record, seconds) = self.lods(&tree, &options);
             let levels = record["levels"].as_array().expect("levels");
@@ -220,6 +218,14 @@ fn height_of(tree: &Path) -> f64 {
             .flat_map(|s| s.positions.iter().map(|p| p.y))
     };
     ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min)
+}
+
+/// From how far off the screen shows a plant these many pixels high, as the program takes them.
+fn distances_of(tree: &Path, heights_px: &[f64]) -> String {
+    let (plant, screen) = (height_of(tree), secateur_scene::Screen::default());
+    let distance = |height: &f64| screen.distance(plant, *height).to_string();
+    let distances: Vec<String> = heights_px.iter().map(distance).collect();
+    distances.join(",")
 }
 
 fn coverage_job(record: &Value) -> Value {

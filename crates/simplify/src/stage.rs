@@ -58,6 +58,21 @@ pub enum Progress {
     /// An impostor is about to be baked or looked at, while a chain of levels is made; how many more there will be
     /// is not known.
     Impostor,
+    /// A level of a chain is about to be finished: the switch to it is looked at, or its textures are chosen.
+    Finish,
+}
+
+impl Progress {
+    /// Tells the observer.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] if it breaks the run off.
+    pub fn tell(self, observer: &mut Observer<'_>) -> Result<(), Error> {
+        match observer(self) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Stopped),
+        }
+    }
 }
 
 /// Sees all progress of a run, and may break it off.
@@ -82,10 +97,7 @@ impl<'a> Clock<'a> {
     pub(crate) fn begin(&mut self, stage: Stage) -> Result<(), Error> {
         self.end();
         self.started = Some((stage, Instant::now()));
-        match (self.observer)(Progress::Stage(stage)) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Error::Stopped),
-        }
+        Progress::Stage(stage).tell(self.observer)
     }
 
     pub(crate) fn step(&mut self, done: usize, at_most: usize) -> ControlFlow<()> {

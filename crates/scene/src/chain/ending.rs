@@ -1,6 +1,7 @@
 //! How a chain ends: what switches show, and the textures of its levels.
 
 use secateur_eval::Pictures;
+use secateur_simplify::{Observer, Progress};
 
 use super::error::ChainError;
 use super::impostors::PlacedImpostor;
@@ -43,6 +44,7 @@ impl Maker<'_> {
         mut impostors: Vec<PlacedImpostor>,
         client: &Client<'_>,
         notes: &mut Vec<String>,
+        observer: &mut Observer<'_>,
     ) -> Result<Vec<Ended>, ChainError> {
         let mut of_switches = Vec::new();
         loop {
@@ -51,8 +53,8 @@ impl Maker<'_> {
                 true => made.clone(),
                 false => std::mem::take(&mut made),
             };
-            let levels = self.levels(meshes, &impostors, client)?;
-            let (kept, left_out) = self.without_pops(levels);
+            let levels = self.levels(meshes, &impostors, client, observer)?;
+            let (kept, left_out) = self.without_pops(levels, observer)?;
             let is_impostor = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
             // What comes after it may be kept beside a mesh in its place, or left out.
             let first = left_out.iter().find(|(level, _)| is_impostor(level));
@@ -74,6 +76,7 @@ impl Maker<'_> {
         mut made: Vec<Placed>,
         impostors: &[PlacedImpostor],
         client: &Client<'_>,
+        observer: &mut Observer<'_>,
     ) -> Result<Vec<Ended>, ChainError> {
         let followed_at = impostors.first().map(|(_, height, _)| *height);
         if let Some(height) = followed_at {
@@ -81,6 +84,7 @@ impl Maker<'_> {
         }
         let mut levels = Vec::new();
         for (level, height, flip) in self.covering(made, followed_at, client)? {
+            Progress::Finish.tell(observer)?;
             let pictured = Pictured::Mesh(level.drawn.level.clone());
             levels.push((pictured, self.finished(level, height, flip)?));
         }
@@ -93,10 +97,15 @@ impl Maker<'_> {
     }
 
     /// The levels with what switching to each shows, and those that show more than is wanted.
-    fn without_pops(&self, levels: Vec<Ended>) -> (Vec<Ended>, LeftOut) {
+    fn without_pops(
+        &self,
+        levels: Vec<Ended>,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Ended>, LeftOut), ChainError> {
         let mut kept: Vec<Ended> = Vec::new();
         let mut left_out = LeftOut::new();
         for (pictured, mut level) in levels {
+            Progress::Finish.tell(observer)?;
             if let Some((before, _)) = kept.last() {
                 let screen = self.options.screen;
                 let judge = self.look.judge_of_switches(screen, level.pixels_high);
@@ -114,7 +123,7 @@ impl Maker<'_> {
             }
             kept.push((pictured, level));
         }
-        (kept, left_out)
+        Ok((kept, left_out))
     }
 
     /// The levels with textures for where they are seen.
@@ -122,11 +131,13 @@ impl Maker<'_> {
         &self,
         levels: Vec<Ended>,
         client: &Client<'_>,
+        observer: &mut Observer<'_>,
     ) -> Result<Vec<ChainLevel>, ChainError> {
         let items = self.tree.items();
         let begins: Vec<f64> = levels.iter().map(|(_, level)| level.pixels_high).collect();
         let mut finished = Vec::new();
         for (number, (pictured, mut level)) in levels.into_iter().enumerate() {
+            Progress::Finish.tell(observer)?;
             let begin = level.pixels_high;
             let range = [begin, end_of(begin, begins.get(number + 1).copied())];
             match pictured {

@@ -55,8 +55,8 @@ pub fn chain(
         Wanted::Distances(_) => lightest(&maker, &mut notes, observer)?,
     };
     let impostors = maker.impostors(&made, &client, &mut notes, observer)?;
-    let levels = maker.ending(made, impostors, &client, &mut notes)?;
-    let mut levels = maker.with_textures(levels, &client)?;
+    let levels = maker.ending(made, impostors, &client, &mut notes, observer)?;
+    let mut levels = maker.with_textures(levels, &client, observer)?;
     let ends: Vec<f64> = levels
         .iter()
         .skip(1)

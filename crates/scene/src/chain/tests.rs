@@ -58,13 +58,15 @@ fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// What is asked to stop, once, while cards are sought or a mesh is made beside them, stops the chain.
+/// What is asked to stop, once, while cards are sought, a mesh is made beside them, or a level is finished, stops the
+/// chain.
 #[test]
 fn a_chain_stops_while_it_looks_for_cards() {
     let (tree, engine) = (oak(), engine());
     let is_impostor = |progress| progress == Progress::Impostor;
     let is_stage = |progress| matches!(progress, Progress::Stage(_));
-    for is_last in [is_impostor, is_stage] {
+    let is_end = |progress| progress == Progress::Finish;
+    for is_last in [is_impostor, is_stage, is_end] {
         let (mut has_impostor, mut is_over) = (false, false);
         let observer = &mut |progress| {
             assert!(!is_over, "it went on");
@@ -169,7 +171,7 @@ fn where_cards_go_for_what_their_switch_shows_the_meshes_stay() {
         let maker = Maker::new(&tree, options, &engine).unwrap();
         let mut notes = Vec::new();
         let (made, impostors) = (made.to_vec(), impostors.to_vec());
-        let levels = maker.ending(made, impostors, &maker.client(), &mut notes);
+        let levels = maker.ending(made, impostors, &maker.client(), &mut notes, &mut go_on);
         let levels = levels.unwrap();
         for (_, level) in &levels[1..] {
             assert!(level.pop_flip.unwrap() <= options.max_pop.unwrap_or(1.0));

@@ -26,6 +26,10 @@ const MOST_MORE_SPECKS: f64 = 2.0;
 /// What coverage out of its bounds counts besides: as much as a hundred specks.
 const OUT_OF_BOUNDS: f64 = 1.0;
 
+/// An error for which textures that are less sharp are tried: coverage out of its bounds, or about 20 specks
+/// too many.
+const POOR: f64 = 0.2;
+
 /// How often more or less of the leaves is cut out, until as much is seen as should be: leaves that
 /// hide each other answer less than in proportion.
 const TRIES: usize = 4;
@@ -215,9 +219,16 @@ impl<'a> Client<'a> {
             }
             best = Some(kept);
         }
-        let fits = Fits::of(level, range[0] / self.plant_height);
+        let middle = (range[0] * range[1]).sqrt();
         // Mips are smoother where they keep the coverage.
-        for mips in [Mips::Blended, Mips::None] {
+        let ways = [range[0], middle].map(|height| [(height, Mips::Blended), (height, Mips::None)]);
+        for (height, mips) in ways.into_iter().flatten() {
+            // Textures for the middle of the range are less sharp, and change less from its beginning to its end.
+            let is_poor = |best: &Chosen| best.as_drawn.error() > POOR;
+            if height < range[0] && !best.as_ref().is_some_and(is_poor) {
+                break;
+            }
+            let fits = Fits::of(level, height / self.plant_height);
             let mut tried: Option<Chosen> = None;
             let mut gain = 1.0;
             for _ in 0..TRIES {

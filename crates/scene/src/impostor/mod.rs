@@ -17,7 +17,6 @@ pub mod octahedral;
 mod quads;
 
 use std::borrow::Borrow;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -227,10 +226,7 @@ impl Impostor {
 /// # Errors
 /// [`Error::Stopped`] if not.
 pub(crate) fn poll(observer: &mut Observer<'_>) -> Result<(), Error> {
-    match observer(Progress::Impostor) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(Error::Stopped),
-    }
+    Progress::Impostor.tell(observer)
 }
 
 /// Texels a side: as many as pixels show the plant, up to a power of two.

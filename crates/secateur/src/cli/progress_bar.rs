@@ -39,6 +39,7 @@ impl RunProgress {
                 self.bar.set_position(done as u64);
             }
             Progress::Impostor => self.bar.set_message("impostor"),
+            Progress::Finish => self.bar.set_message("finish"),
             _ => {}
         }
         interrupt::flow()
