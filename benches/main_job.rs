@@ -103,7 +103,9 @@ impl Bench {
         }
         let all = std::thread::available_parallelism().map_or(1, usize::from);
         for (tree, resolution) in &trees {
-            for threads in [2.min(all), all].map(|threads| threads.to_string()) {
+            let mut cores = vec![2.min(all), all];
+            cores.dedup();
+            for threads in cores.iter().map(usize::to_string) {
                 for engine in ["cpu", "gpu"] {
                     let name = tree.file_stem().unwrap_or_default().to_string_lossy();
                     let case = format!(

@@ -220,7 +220,7 @@ fn height_of(tree: &Path) -> f64 {
     ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min)
 }
 
-/// From how far off the screen shows a plant these many pixels high, as the program takes them.
+/// From how many metres off the screen shows a plant as many pixels high as each of these, with commas between.
 fn distances_of(tree: &Path, heights_px: &[f64]) -> String {
     let (plant, screen) = (height_of(tree), secateur_scene::Screen::default());
     let distance = |height: &f64| screen.distance(plant, *height).to_string();

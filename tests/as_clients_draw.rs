@@ -54,6 +54,26 @@ fn levels_cover_what_the_original_truly_does_at_each_switch() {
     assert!(original < 0.7, "{original}");
 }
 
+/// Textures for where this level begins twinkle where it ends, at an eighth of that height: 179 specks a view more
+/// than the original has.
+#[test]
+fn a_level_of_a_wide_range_does_not_twinkle_at_its_end() {
+    let Some(tree) = shared_tree("ez_bush2.glb") else {
+        return;
+    };
+    let bench = Bench::new();
+    bench.put("bush.glb", &std::fs::read(&tree).unwrap());
+    let wanted = ["lods", "bush.glb", "-o", ".", "--levels", "0.5,0.25,0.1"];
+    let run = bench.run(&[&wanted[..], &["--report", "r.json"]].concat());
+    run.succeeded();
+    let quarter = &bench.json("r.json")["levels"][1];
+    let [begins, ends] = [quarter, &bench.json("r.json")["levels"][2]]
+        .map(|level| level["pixels_high"].as_f64().unwrap());
+    assert!(ends < begins / 7.0);
+    let more_specks = quarter["more_specks_as_drawn"].as_f64().unwrap();
+    assert!(more_specks < 20.0, "{more_specks}");
+}
+
 /// Twigs that are gone from a level are missing from its outline. Leaves without holes have no texture that
 /// could make up for them: they grow. As their sizes are fitted this pine would cover .81 to .85.
 #[test]

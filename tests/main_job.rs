@@ -62,10 +62,7 @@ fn reports_have_their_keys() {
         assert!(number(&report, key) > 0.0, "{key}");
     }
     assert_eq!(report["method"], "vds");
-    assert_eq!(
-        report["engine"], "cpu",
-        "auto stays on the CPU for so little"
-    );
+    assert_eq!(report["engine"], "cpu", "what auto is");
     assert_eq!(report["adapter"], Value::Null);
     for key in ["order_sha256", "areas_sha256"] {
         let text = report[key].as_str().unwrap();

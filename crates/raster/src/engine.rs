@@ -14,9 +14,8 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// The one that whole commands were found to be faster with: the CPU. To open
-    /// a GPU takes some tenths of a second, which what it draws faster seldom
-    /// makes good (`docs/benchmarks.md`).
+    /// The CPU: whole commands were seldom faster on a GPU, since opening one
+    /// takes some tenths of a second (`docs/benchmarks.md`).
     #[default]
     Auto,
     /// A GPU, or an error; software drivers are allowed.
@@ -76,7 +75,8 @@ impl OpenEngine {
     }
 
     /// The same, but where the GPU fails (lost, out of memory) the CPU takes
-    /// over and [`failure`](Self::failure) says why.
+    /// over and [`failure`](Self::failure) says why. For programs that bring a
+    /// device of their own; [`open`](Self::open) fails with the GPU.
     pub fn falling_back(self) -> Self {
         Self {
             falls_back: true,

@@ -58,7 +58,8 @@ pub enum Progress {
     /// An impostor is about to be baked or looked at, while a chain of levels is made; how many more there will be
     /// is not known.
     Impostor,
-    /// A level of a chain is about to be finished: the switch to it is looked at, or its textures are chosen.
+    /// A level of a chain is about to be finished: its sizes, its figures, the switch to it or its textures. Told
+    /// several times a level.
     Finish,
 }
 

@@ -36,7 +36,7 @@ impl Device {
     /// Opens the best adapter: discrete, integrated, virtual, and then software
     /// ones. One that fails the soundness probe is passed over.
     ///
-    /// Takes some tens of milliseconds: keep the device.
+    /// Takes some tenths of a second: keep the device.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] if there is none of that kind; otherwise what

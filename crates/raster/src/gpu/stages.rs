@@ -119,7 +119,7 @@ impl Stages {
         let block = ("BLOCK", SCAN_BLOCK);
         let insertion = ("INSERTION_MAX", INSERTION_MAX);
         let heap = ("HEAP_MAX", HEAP_MAX);
-        let run = ("PIXELS_PER_WORKGROUP", PIXELS_PER_WORKGROUP);
+        let pixels = ("PIXELS_PER_WORKGROUP", PIXELS_PER_WORKGROUP);
         let wanted: [EntryPoint<'_>; 14] = [
             (&probe, "count_up", &[]),
             (&rasterise, "count", &[lanes, blocks]),
@@ -134,7 +134,7 @@ impl Stages {
             (&sort_long, "exchange", &[pixel_lanes]),
             (&sort_long, "mark", &[pixel_lanes]),
             (&leaf_ids, "leaf_ids", &[pixel_lanes]),
-            (&histogram, "histogram", &[lanes, run]),
+            (&histogram, "histogram", &[lanes, pixels]),
         ];
         // Compiling them is most of what opening a device takes for the first time.
         let stages: Vec<ComputeStage> = wanted

@@ -5,6 +5,8 @@
 //! cargo run --release --package secateur-scene --example forest -- figures [PART]
 //! ```
 //!
+//! The environment's `FRAMES` is the number of frames of a method that figures count, one where it says nothing.
+//!
 //! METHOD: full, chain, continuous, fading, spheres, boxes or mix, which is the default. The plant is an oak
 //! of 20,000 leaves where no other is named. Figures go to `benches/results`; pictures of what was
 //! compared to the folder for temporary files.

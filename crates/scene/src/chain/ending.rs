@@ -83,7 +83,7 @@ impl Maker<'_> {
             made.retain(|(_, begins, _)| *begins > height);
         }
         let mut levels = Vec::new();
-        for (level, height, flip) in self.covering(made, followed_at, client)? {
+        for (level, height, flip) in self.covering(made, followed_at, client, observer)? {
             Progress::Finish.tell(observer)?;
             let pictured = Pictured::Mesh(level.drawn.level.clone());
             levels.push((pictured, self.finished(level, height, flip)?));

@@ -5,6 +5,7 @@
 //! level is missing from it. Seen as small as a level is, it counts for a tenth of a birch.
 
 use secateur_model::AlphaMode;
+use secateur_simplify::{Observer, Progress};
 
 use super::error::ChainError;
 use super::look::Drawn;
@@ -33,6 +34,7 @@ impl Maker<'_> {
         placed: Vec<Placed>,
         followed_at: Option<f64>,
         client: &Client<'_>,
+        observer: &mut Observer<'_>,
     ) -> Result<Vec<Placed>, ChainError> {
         if self
             .look
@@ -47,6 +49,7 @@ impl Maker<'_> {
         let levels = placed.into_iter().zip(ends);
         levels
             .map(|((made, height, flip), end)| {
+                Progress::Finish.tell(observer)?;
                 let (made, flip) = self.in_other_sizes(client, (made, flip), height, end)?;
                 Ok((made, height, flip))
             })

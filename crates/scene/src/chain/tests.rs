@@ -58,20 +58,37 @@ fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// What is asked to stop, once, while cards are sought, a mesh is made beside them, or a level is finished, stops the
-/// chain.
+/// What is asked to stop, once, stops the chain: while cards are sought or a mesh is made beside them, and whenever
+/// a level is finished.
 #[test]
-fn a_chain_stops_while_it_looks_for_cards() {
+fn a_chain_stops_when_it_is_asked_to() {
     let (tree, engine) = (oak(), engine());
     let is_impostor = |progress| progress == Progress::Impostor;
     let is_stage = |progress| matches!(progress, Progress::Stage(_));
     let is_end = |progress| progress == Progress::Finish;
-    for is_last in [is_impostor, is_stage, is_end] {
+    let mut ends = 0;
+    let observer = &mut |progress| {
+        ends += usize::from(is_end(progress));
+        ControlFlow::Continue(())
+    };
+    let made = chain(&tree, &options(&[20.0, 60.0]), &engine, observer).unwrap();
+    let levels = made.levels.len();
+    let is_mesh = |level: &&ChainLevel| matches!(level.shape, Shape::Mesh(_));
+    let meshes = made.levels.iter().filter(is_mesh).count();
+    // Before the figures of a mesh, the switch to a level and its textures; the oak's leaves are cut out, so that no
+    // other sizes are tried.
+    assert_eq!(ends, meshes + 2 * levels);
+    let of_cards = [is_impostor, is_stage].map(|is_last: fn(Progress) -> bool| (is_last, 0));
+    let of_ends = (0..ends).map(|before| (is_end as fn(Progress) -> bool, before));
+    for (is_last, mut before) in of_cards.into_iter().chain(of_ends) {
         let (mut has_impostor, mut is_over) = (false, false);
         let observer = &mut |progress| {
             assert!(!is_over, "it went on");
-            is_over = (has_impostor || is_impostor(progress)) && is_last(progress);
             has_impostor |= is_impostor(progress);
+            if has_impostor && is_last(progress) {
+                is_over = before == 0;
+                before = before.saturating_sub(1);
+            }
             match is_over {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),

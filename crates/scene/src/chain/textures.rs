@@ -26,8 +26,8 @@ const MOST_MORE_SPECKS: f64 = 2.0;
 /// What coverage out of its bounds counts besides: as much as a hundred specks.
 const OUT_OF_BOUNDS: f64 = 1.0;
 
-/// An error for which textures that are less sharp are tried: coverage out of its bounds, or about 20 specks
-/// too many.
+/// Above this error textures that are less sharp are tried: coverage is out of its bounds, or shows about 20
+/// specks more than it may.
 const POOR: f64 = 0.2;
 
 /// How often more or less of the leaves is cut out, until as much is seen as should be: leaves that
@@ -222,10 +222,10 @@ impl<'a> Client<'a> {
         let middle = (range[0] * range[1]).sqrt();
         // Mips are smoother where they keep the coverage.
         let ways = [range[0], middle].map(|height| [(height, Mips::Blended), (height, Mips::None)]);
-        for (height, mips) in ways.into_iter().flatten() {
+        for (way, &(height, mips)) in ways.as_flattened().iter().enumerate() {
             // Textures for the middle of the range are less sharp, and change less from its beginning to its end.
             let is_poor = |best: &Chosen| best.as_drawn.error() > POOR;
-            if height < range[0] && !best.as_ref().is_some_and(is_poor) {
+            if way == 2 && !best.as_ref().is_some_and(is_poor) {
                 break;
             }
             let fits = Fits::of(level, height / self.plant_height);

@@ -144,7 +144,7 @@ names!(MetricName => Metric {
     BranchingLength,
 });
 names!(EngineName => Engine {
-    /// The one that whole commands were found to be faster with: the CPU
+    /// The CPU, which whole commands are seldom slower with
     Auto,
     /// A GPU, software drivers included
     Gpu,
