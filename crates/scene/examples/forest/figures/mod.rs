@@ -103,6 +103,8 @@ impl<'a> Figures<'a> {
     }
 
     fn note(&mut self, case: &str, quantity: &str, unit: &str, value: f64) {
+        let frames = std::env::var("FRAMES").map_or(String::new(), |n| format!("FRAMES={n} "));
+        let command = format!("{frames}cargo run -p secateur-scene --example forest -- figures");
         self.rows.add(&Row {
             case,
             quantity,
@@ -110,7 +112,7 @@ impl<'a> Figures<'a> {
             value,
             repeat: 0,
             adapter: &self.gpu.adapter,
-            command: "cargo run -p secateur-scene --example forest -- figures",
+            command: &command,
         });
     }
 
