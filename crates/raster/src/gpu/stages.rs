@@ -141,38 +141,24 @@ impl Stages {
             .into_par_iter()
             .map(|(module, entry, constants)| stage(device, module, entry, constants))
             .collect();
-        let stages: Result<[ComputeStage; 14], _> = stages.try_into();
-        let [
-            probe,
-            count,
-            emit,
-            nearest_depth,
-            nearest_leaf,
-            uncover,
-            sum_blocks,
-            scan_blocks,
-            write_starts,
-            sort_lists,
-            exchange,
-            mark,
-            leaf_ids,
-            histogram,
-        ] = stages.expect("one for each");
+        let mut stages = stages.into_iter();
+        // In the order in which they are wanted.
+        let mut next = || stages.next().expect("a stage for each");
         Self {
-            probe,
-            count,
-            emit,
-            nearest_depth,
-            nearest_leaf,
-            uncover,
-            sum_blocks,
-            scan_blocks,
-            write_starts,
-            sort_lists,
-            exchange,
-            mark,
-            leaf_ids,
-            histogram,
+            probe: next(),
+            count: next(),
+            emit: next(),
+            nearest_depth: next(),
+            nearest_leaf: next(),
+            uncover: next(),
+            sum_blocks: next(),
+            scan_blocks: next(),
+            write_starts: next(),
+            sort_lists: next(),
+            exchange: next(),
+            mark: next(),
+            leaf_ids: next(),
+            histogram: next(),
         }
     }
 }
