@@ -10,21 +10,27 @@ use serde_json::{Value, json};
 use crate::clients;
 use crate::program::{Bench, shared_tree};
 
+/// Makes these levels of the bush beside a copy of it, `original.glb`; what the program says of them. None where the
+/// bush is not there.
+fn levels_of_bush(bench: &Bench, levels: &str) -> Option<Value> {
+    let tree = shared_tree("ez_bush2.glb")?;
+    bench.put("original.glb", &std::fs::read(&tree).unwrap());
+    let wanted = ["lods", "original.glb", "-o", ".", "--levels", levels];
+    let run = bench.run(&[&wanted[..], &["--report", "r.json"]].concat());
+    run.succeeded();
+    Some(bench.json("r.json"))
+}
+
 /// From one and from the other side of each switch, a level covers what the original truly does.
 ///
 /// The bush's own cut-outs fade away in a client: without textures made for the distance its
 /// levels would cover a tenth and less of that.
 #[test]
 fn levels_cover_what_the_original_truly_does_at_each_switch() {
-    let Some(tree) = shared_tree("ez_bush2.glb") else {
+    let bench = Bench::new();
+    let Some(record) = levels_of_bush(&bench, "0.25,0.1") else {
         return;
     };
-    let bench = Bench::new();
-    bench.put("original.glb", &std::fs::read(&tree).unwrap());
-    let wanted = ["lods", "original.glb", "-o", ".", "--levels", "0.25,0.1"];
-    let run = bench.run(&[&wanted[..], &["--report", "r.json"]].concat());
-    run.succeeded();
-    let record = bench.json("r.json");
     let levels = record["levels"].as_array().unwrap();
     let distance = |level: &Value| level["distance"].as_f64().unwrap();
     let shown = |(k, level): (usize, &Value)| {
@@ -58,19 +64,14 @@ fn levels_cover_what_the_original_truly_does_at_each_switch() {
 /// than the original has.
 #[test]
 fn a_level_of_a_wide_range_does_not_twinkle_at_its_end() {
-    let Some(tree) = shared_tree("ez_bush2.glb") else {
+    let bench = Bench::new();
+    let Some(record) = levels_of_bush(&bench, "0.5,0.25,0.1") else {
         return;
     };
-    let bench = Bench::new();
-    bench.put("bush.glb", &std::fs::read(&tree).unwrap());
-    let wanted = ["lods", "bush.glb", "-o", ".", "--levels", "0.5,0.25,0.1"];
-    let run = bench.run(&[&wanted[..], &["--report", "r.json"]].concat());
-    run.succeeded();
-    let quarter = &bench.json("r.json")["levels"][1];
-    let [begins, ends] = [quarter, &bench.json("r.json")["levels"][2]]
-        .map(|level| level["pixels_high"].as_f64().unwrap());
+    let levels = &record["levels"];
+    let [begins, ends] = [1, 2].map(|level| levels[level]["pixels_high"].as_f64().unwrap());
     assert!(ends < begins / 7.0);
-    let more_specks = quarter["more_specks_as_drawn"].as_f64().unwrap();
+    let more_specks = levels[1]["more_specks_as_drawn"].as_f64().unwrap();
     assert!(more_specks < 20.0, "{more_specks}");
 }
 

@@ -14,8 +14,8 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// The CPU: whole commands were seldom faster on a GPU, since opening one
-    /// takes some tenths of a second (`docs/benchmarks.md`).
+    /// The CPU. The one GPU that was measured made some whole commands up to an
+    /// eighth faster and others up to a half slower (`docs/benchmarks.md`).
     #[default]
     Auto,
     /// A GPU, or an error; software drivers are allowed.

@@ -64,10 +64,10 @@ pub enum Progress {
 }
 
 impl Progress {
-    /// Tells the observer.
+    /// Hands this to the observer, which may break the run off.
     ///
     /// # Errors
-    /// [`Error::Stopped`] if it breaks the run off.
+    /// [`Error::Stopped`] if it does.
     pub fn tell(self, observer: &mut Observer<'_>) -> Result<(), Error> {
         match observer(self) {
             ControlFlow::Continue(()) => Ok(()),

@@ -8,7 +8,7 @@ use crate::{Fragment, ViewFragments};
 /// Bytes of a fragment on the GPU: its depth and its leaf, 32 bits each.
 pub(super) const FRAGMENT_BYTES: u64 = 8;
 
-/// Fragments that a core copies at the least.
+/// The fewest fragments for which a copy is shared by another core.
 const LEAST_COPY: usize = 1 << 14;
 
 /// The lists of fragments that have come back from the GPU, in the order of their pixels.
@@ -112,7 +112,7 @@ impl Run {
             own.extend(from_first);
             return Self {
                 starts: own,
-                // Most of a copy's time goes to memory that is new: each core takes some.
+                // New memory is what takes the time of a copy: each core gets a part of it.
                 fragments: lists.par_iter().with_min_len(LEAST_COPY).copied().collect(),
             };
         };

@@ -24,7 +24,7 @@ const MASK_BYTES: u64 = 8;
 const MAX_PIECE_TRIANGLES: u64 = 1 << 14;
 
 /// Bytes of triangles to have on the GPU at a time, roughly. With more, a GPU with memory of its own
-/// takes longer: what the CPU writes to is slow to come by, and is used again from chunk to chunk.
+/// takes longer: memory that the CPU writes for it takes long to get, and each chunk uses that of the one before.
 const CHUNK_BYTES: u64 = 32 << 20;
 
 /// Triangles of one view; its layout is `Piece` of `rasterise.wgsl`.

@@ -136,7 +136,7 @@ impl Stages {
             (&leaf_ids, "leaf_ids", &[pixel_lanes]),
             (&histogram, "histogram", &[lanes, pixels]),
         ];
-        // Compiling them is most of what opening a device takes for the first time.
+        // One after the other they take some tenths of a second where the driver has not kept them.
         let stages: Vec<ComputeStage> = wanted
             .into_par_iter()
             .map(|(module, entry, constants)| stage(device, module, entry, constants))

@@ -4,6 +4,7 @@ mod card_cutoffs;
 mod cards;
 mod ending;
 mod error;
+mod fitted_textures;
 mod impostors;
 mod ladder;
 mod leaf_texture;

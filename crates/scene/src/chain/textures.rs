@@ -1,16 +1,15 @@
 //! Which textures the leaves of a level have, so that a client shows as much of them as there is.
 
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 
 use glam::DQuat;
 use secateur_eval::{AsDrawnCoverage, MipMaps, Shown};
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{AlphaMode, BoundingSphere, Mips, Surface};
+use secateur_model::{BoundingSphere, Mips, Surface};
 use secateur_raster::{View, ViewSet};
 
-use super::leaf_texture::{LeafTextures, Seen};
+use super::fitted_textures::FittedTextures;
 use super::level_surfaces::{LevelSurfaces, retextured};
 use crate::Screen;
 
@@ -219,45 +218,28 @@ impl<'a> Client<'a> {
             }
             best = Some(kept);
         }
+        // Textures for the middle of the range are less sharp, and change less from its beginning to its end.
         let middle = (range[0] * range[1]).sqrt();
-        // Mips are smoother where they keep the coverage.
-        let ways = [range[0], middle].map(|height| [(height, Mips::Blended), (height, Mips::None)]);
-        for (way, &(height, mips)) in ways.as_flattened().iter().enumerate() {
-            // Textures for the middle of the range are less sharp, and change less from its beginning to its end.
-            let is_poor = |best: &Chosen| best.as_drawn.error() > POOR;
-            if way == 2 && !best.as_ref().is_some_and(is_poor) {
+        for height in [range[0], middle] {
+            let fits = FittedTextures::of(level, height / self.plant_height);
+            // Mips are smoother where they keep the coverage.
+            for mips in [Mips::Blended, Mips::None] {
+                let Some(tried) = with_least_error(&fits, mips, of) else {
+                    continue;
+                };
+                if tried.as_drawn.is_within() {
+                    return tried;
+                }
+                let is_better = |best: &Chosen| tried.as_drawn.error() < best.as_drawn.error();
+                if best.as_ref().is_none_or(is_better) {
+                    best = Some(tried);
+                }
+            }
+            if best
+                .as_ref()
+                .is_none_or(|best| best.as_drawn.error() <= POOR)
+            {
                 break;
-            }
-            let fits = Fits::of(level, height / self.plant_height);
-            let mut tried: Option<Chosen> = None;
-            let mut gain = 1.0;
-            for _ in 0..TRIES {
-                if fits.0.is_empty() {
-                    break;
-                }
-                let next = of(fits.textures(mips, gain));
-                gain *= next.as_drawn.wanted_gain();
-                let error = next.as_drawn.error();
-                // A gain is found for the coverage: specks hardly answer to it.
-                let is_near = next.as_drawn.coverage_error() <= NEAR_ENOUGH;
-                let is_enough = is_near || next.as_drawn.is_hopeless();
-                if tried
-                    .as_ref()
-                    .is_none_or(|tried| error < tried.as_drawn.error())
-                {
-                    tried = Some(next);
-                }
-                if is_enough || !gain.is_finite() {
-                    break;
-                }
-            }
-            let Some(tried) = tried else { continue };
-            if tried.as_drawn.is_within() {
-                return tried;
-            }
-            let is_better = |best: &Chosen| tried.as_drawn.error() < best.as_drawn.error();
-            if best.as_ref().is_none_or(is_better) {
-                best = Some(tried);
             }
         }
         let best_error = best.as_ref().map(|best| best.as_drawn.error());
@@ -340,47 +322,45 @@ fn turns_for(side: f64) -> Vec<DQuat> {
     (0..count).map(turn).collect()
 }
 
-/// The textures that a level may have, for each of its materials with a mask.
-struct Fits(Vec<(usize, LeafTextures)>);
-
-impl Fits {
-    /// Where a unit of length is `pixels` pixels.
-    fn of(level: &LevelSurfaces, pixels: f64) -> Self {
-        let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
-        let textures = |material: usize| {
-            let pairs = level.surfaces.iter().zip(&level.materials);
-            let own = pairs.filter(|(_, other)| **other == Some(material));
-            let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
-            let look = &surfaces.first()?.material;
-            let AlphaMode::Mask(cutoff) = look.alpha_mode else {
-                return None;
-            };
-            let original = look.texture.as_ref()?;
-            let seen = Seen::of(&surfaces)?;
-            let side = (f64::from(original.width) * f64::from(original.height)).sqrt();
-            let texels = seen.density * side / pixels;
-            // The factor's alpha is tested with the texture's.
-            let cutoff = cutoff / look.base_color[3];
-            LeafTextures::new(original, cutoff, &seen, texels).map(|of| (material, of))
-        };
-        Self(materials.into_iter().filter_map(textures).collect())
+/// Of textures that cover more or less those with the least error; `of` shows them to a client. None where there are no
+/// textures to make.
+fn with_least_error(
+    fits: &FittedTextures,
+    mips: Mips,
+    of: impl Fn(Vec<LevelTexture>) -> Chosen,
+) -> Option<Chosen> {
+    if fits.is_empty() {
+        return None;
     }
-
-    /// Those that cover `gain` times what the tree's own do.
-    fn textures(&self, mips: Mips, gain: f64) -> Vec<LevelTexture> {
-        let texture = |(material, textures): &(usize, LeafTextures)| LevelTexture {
-            material: *material,
-            texture: Arc::new(textures.with_gain(mips, gain)),
-        };
-        self.0.iter().map(texture).collect()
+    let mut best: Option<Chosen> = None;
+    let mut gain = 1.0;
+    for _ in 0..TRIES {
+        let next = of(fits.textures(mips, gain));
+        gain *= next.as_drawn.wanted_gain();
+        let error = next.as_drawn.error();
+        // A gain is found for the coverage: specks hardly answer to it.
+        let is_near = next.as_drawn.coverage_error() <= NEAR_ENOUGH;
+        let is_enough = is_near || next.as_drawn.is_hopeless();
+        if best
+            .as_ref()
+            .is_none_or(|best| error < best.as_drawn.error())
+        {
+            best = Some(next);
+        }
+        if is_enough || !gain.is_finite() {
+            break;
+        }
     }
+    best
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use glam::{DVec3, Vec2};
-    use secateur_model::{Filters, Finish, Material, Texture, Wrap};
+    use secateur_model::{AlphaMode, Filters, Finish, Material, Texture, Wrap};
 
     #[test]
     fn coverage_within_its_bounds_is_worth_some_specks() {

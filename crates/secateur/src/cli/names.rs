@@ -144,7 +144,7 @@ names!(MetricName => Metric {
     BranchingLength,
 });
 names!(EngineName => Engine {
-    /// The CPU, which whole commands are seldom slower with
+    /// The CPU; most whole commands gain nothing by a GPU
     Auto,
     /// A GPU, software drivers included
     Gpu,

@@ -12,9 +12,8 @@ use crate::placing;
 /// Trees in the large picture.
 const TREES: usize = 2000;
 
-/// Frames of each method that count, behind a first one that makes what later ones find: as many as the
-/// environment's `FRAMES` says. Full geometry, whose frames take up to a hundred times as long, has one, in the
-/// first of these rounds.
+/// How many frames of each method count: the number in the environment's `FRAMES`, 1 without. One more before them
+/// makes what they find ready. Full geometry, whose frames take up to a hundred times as long, has one.
 fn frames_that_count() -> usize {
     let asked = std::env::var("FRAMES").map(|n| n.parse().expect("FRAMES is a number"));
     asked.unwrap_or(1).max(1)

@@ -1,0 +1,51 @@
+//! The textures that the materials of a level may have.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use secateur_gltf::chain::LevelTexture;
+use secateur_model::{AlphaMode, Mips, Surface};
+
+use super::leaf_texture::{LeafTextures, Seen};
+use super::level_surfaces::LevelSurfaces;
+
+/// The textures that a level may have, for each of its materials with a mask.
+pub(super) struct FittedTextures(Vec<(usize, LeafTextures)>);
+
+impl FittedTextures {
+    /// Where a unit of length is `pixels` pixels.
+    pub(super) fn of(level: &LevelSurfaces, pixels: f64) -> Self {
+        let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
+        let textures = |material: usize| {
+            let pairs = level.surfaces.iter().zip(&level.materials);
+            let own = pairs.filter(|(_, other)| **other == Some(material));
+            let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
+            let look = &surfaces.first()?.material;
+            let AlphaMode::Mask(cutoff) = look.alpha_mode else {
+                return None;
+            };
+            let original = look.texture.as_ref()?;
+            let seen = Seen::of(&surfaces)?;
+            let side = (f64::from(original.width) * f64::from(original.height)).sqrt();
+            let texels = seen.density * side / pixels;
+            // The factor's alpha is tested with the texture's.
+            let cutoff = cutoff / look.base_color[3];
+            LeafTextures::new(original, cutoff, &seen, texels).map(|of| (material, of))
+        };
+        Self(materials.into_iter().filter_map(textures).collect())
+    }
+
+    /// Whether no material has a texture to make another of.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Those that cover `gain` times what the tree's own do.
+    pub(super) fn textures(&self, mips: Mips, gain: f64) -> Vec<LevelTexture> {
+        let texture = |(material, textures): &(usize, LeafTextures)| LevelTexture {
+            material: *material,
+            texture: Arc::new(textures.with_gain(mips, gain)),
+        };
+        self.0.iter().map(texture).collect()
+    }
+}
