@@ -134,6 +134,7 @@ fn any_crown() -> impl Strategy<Value = Crown> {
 fn any_resize() -> impl Strategy<Value = Resize> {
     prop_oneof![
         2 => Just(Resize::Normalised),
+        2 => Just(Resize::Steady),
         1 => Just(Resize::Literal),
         1 => Just(Resize::Full),
         1 => Just(Resize::Deficit),

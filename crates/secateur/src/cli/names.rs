@@ -160,6 +160,8 @@ names!(ReferenceName => Reference {
 names!(ResizeName => Resize {
     /// The cost over the largest cost of the step
     Normalised,
+    /// The same, scaled so that it hardly depends on the number of views
+    Steady,
     /// The cost in bits, at most 1
     Literal,
     /// 1: neighbours take over the whole area

@@ -25,6 +25,11 @@ pub enum Resize {
     /// The cost over the largest cost of any leaf in this step.
     #[default]
     Normalised,
+    /// [`Self::Normalised`], whatever the number of views: 1 less (1 - cost / largest cost) times the
+    /// root of a 20th of the views, not below 0. A cost is a sum over the views, so the more there are, the
+    /// less costs differ in proportion, by the root of their number, and the nearer to 1 is their ratio.
+    /// With 20 views it is the same.
+    Steady,
     /// The cost in bits, at most 1.
     Literal,
     /// Always 1: neighbours gain all the area that goes.

@@ -12,7 +12,7 @@ use secateur_raster::{AreaTable, CpuRasteriser, Rasteriser, Scene};
 
 use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{final_phase, phases};
-use super::resize::{Pruned, covered_px, distance_squared, growths};
+use super::resize::{Pruned, Sights, covered_px, distance_squared, growths};
 use super::{Reference, VdsOptions, VdsRun};
 use crate::lg::LgTable;
 use crate::vmi::{Vmi, error_percent};
@@ -66,12 +66,12 @@ pub fn simplify_drawn_by(
         let original = look(&Lod::original(leaf_count));
         while lod.leaf_count() > phase.leaves_at_end {
             let choice = choose(options, &lod, &original.vmi, &look);
-            let share = options.share(
-                choice.pruned,
-                resolution * resolution,
-                original.covered_px,
-                || choice.largest_cost,
-            );
+            let sights = Sights {
+                views: phase.views.views().len(),
+                pixels_per_view: resolution * resolution,
+                covered_original_px: original.covered_px,
+            };
+            let share = options.share(choice.pruned, sights, || choice.largest_cost);
             let nearest = nearest(foliage, &lod, choice.pruned.leaf, options.neighbours);
             let grown = growths(foliage, &lod, choice.pruned.leaf, share, &nearest);
             let before = lod.clone();

@@ -10,6 +10,20 @@ use crate::vmi::scaled_to_bits;
 /// leaf beside a large one would otherwise leave the range of numbers.
 const MAX_AREA_SCALE: f64 = 1e6;
 
+/// As many views as [`Resize::Steady`] grows for: the paper's.
+const STEADY_VIEWS: f64 = 20.0;
+
+/// What views see, as far as shares depend on it.
+#[derive(Clone, Copy)]
+pub(crate) struct Sights {
+    /// How many views there are.
+    pub views: usize,
+    /// Pixels of each.
+    pub pixels_per_view: u32,
+    /// Pixels over all views that show foliage of the original.
+    pub covered_original_px: u64,
+}
+
 /// What decides the share of a pruned leaf's area that is handed on.
 #[derive(Clone, Copy)]
 pub(crate) struct Pruned {
@@ -25,20 +39,18 @@ pub(crate) struct Pruned {
 }
 
 impl VdsOptions {
-    /// The share of a pruned leaf's area that is handed on, 0 to 1; of the
-    /// original foliage the views show `covered_original_px`. `largest_cost` is
+    /// The share of a pruned leaf's area that is handed on, 0 to 1. `largest_cost` is
     /// only called where it matters.
     pub(crate) fn share(
         &self,
         pruned: Pruned,
-        pixels_per_view: u32,
-        covered_original_px: u64,
+        sights: Sights,
         largest_cost: impl FnOnce() -> i64,
     ) -> f64 {
-        let most_px = |max: f64| max * covered_original_px as f64;
+        let most_px = |max: f64| max * sights.covered_original_px as f64;
         match self.max_coverage.map(most_px) {
             Some(most) if pruned.covered_px as f64 >= most => 0.0,
-            _ => self.resize.share(pruned, pixels_per_view, largest_cost),
+            _ => self.resize.share(pruned, sights, largest_cost),
         }
     }
 }
@@ -50,21 +62,26 @@ pub(crate) fn covered_px(areas: &AreaTable) -> u64 {
 }
 
 impl Resize {
+    /// Whether the share depends on the largest cost of the step.
+    pub(crate) fn needs_largest_cost(self) -> bool {
+        matches!(self, Resize::Normalised | Resize::Steady)
+    }
+
     /// The share, 0 to 1. `largest_cost` is only called where it matters.
-    fn share(
-        self,
-        pruned: Pruned,
-        pixels_per_view: u32,
-        largest_cost: impl FnOnce() -> i64,
-    ) -> f64 {
+    fn share(self, pruned: Pruned, sights: Sights, largest_cost: impl FnOnce() -> i64) -> f64 {
         match self {
             Resize::None => 0.0,
             Resize::Full => 1.0,
             Resize::Deficit => f64::from(u8::from(pruned.deviation < 0)),
-            Resize::Literal => scaled_to_bits(pruned.cost, pixels_per_view).min(1.0),
+            Resize::Literal => scaled_to_bits(pruned.cost, sights.pixels_per_view).min(1.0),
             // 0 of 0, where no leaf costs anything, is 0 too.
-            Resize::Normalised if pruned.cost == 0 => 0.0,
+            Resize::Normalised | Resize::Steady if pruned.cost == 0 => 0.0,
             Resize::Normalised => pruned.cost as f64 / largest_cost() as f64,
+            Resize::Steady => {
+                let ratio = pruned.cost as f64 / largest_cost() as f64;
+                let spread = (sights.views as f64 / STEADY_VIEWS).sqrt();
+                (1.0 - (1.0 - ratio) * spread).max(0.0)
+            }
         }
     }
 }
@@ -99,4 +116,40 @@ pub(crate) fn growths(
 pub(crate) fn distance_squared(foliage: &Foliage, a: LeafId, b: LeafId) -> f64 {
     let d = foliage.leaf(a).centre() - foliage.leaf(b).centre();
     d.x * d.x + d.y * d.y + d.z * d.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn share(resize: Resize, views: usize, cost: i64) -> f64 {
+        let pruned = Pruned {
+            leaf: LeafId::new(1).unwrap(),
+            cost,
+            deviation: 0,
+            covered_px: 0,
+        };
+        let sights = Sights {
+            views,
+            pixels_per_view: 1,
+            covered_original_px: 0,
+        };
+        resize.share(pruned, sights, || 1000)
+    }
+
+    #[test]
+    fn steady_growth_is_normalised_growth_with_20_views() {
+        for cost in [0, 1, 400, 999, 1000] {
+            let [steady, normalised] =
+                [Resize::Steady, Resize::Normalised].map(|resize| share(resize, 20, cost));
+            assert!((steady - normalised).abs() < 1e-12, "{cost}");
+        }
+        // Four times as many views bring costs twice as near to each other.
+        let [few, many] = [(20, 600), (80, 800)].map(|(n, cost)| share(Resize::Steady, n, cost));
+        assert!((few - many).abs() < 1e-12);
+        // Where so many hardly differ in cost at all, the cheapest need not be near.
+        assert_eq!(share(Resize::Steady, 80, 400), 0.0);
+        assert_eq!(share(Resize::Steady, 5, 1000), 1.0);
+        assert_eq!(share(Resize::Steady, 5, 0), 0.0);
+    }
 }

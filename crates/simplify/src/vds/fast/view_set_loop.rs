@@ -13,7 +13,7 @@ use super::split::Split;
 use super::view_slice::ViewSlice;
 use super::{Ended, FastRun, leaf_id};
 use crate::vds::outcome::{Progress, VdsError};
-use crate::vds::resize::{Pruned, covered_px, growths};
+use crate::vds::resize::{Pruned, Sights, covered_px, growths};
 use crate::vds::{Reference, Resize, VdsOptions};
 use crate::vmi::{Vmi, error_percent};
 
@@ -32,8 +32,7 @@ pub(super) struct ViewSetLoop<'a> {
 
 /// What one core does alone.
 struct Lead {
-    /// Pixels over all views in which the original foliage is seen.
-    covered_original_px: u64,
+    sights: Sights,
     neighbours: Neighbours,
     /// The leaf that the last step pruned.
     pruned: Option<u32>,
@@ -61,7 +60,11 @@ impl<'a> ViewSetLoop<'a> {
             false => run.areas(&Lod::original(leaf_count), views)?,
         };
         let vmi_original = Vmi::of(&areas_original, run.table);
-        let covered_original_px = covered_px(&areas_original);
+        let sights = Sights {
+            views: views.views().len(),
+            pixels_per_view: run.resolution * run.resolution,
+            covered_original_px: covered_px(&areas_original),
+        };
         // With many leaves a table of areas is large, and what follows takes more.
         drop(areas_original);
         counts.measure_from(&vmi_original);
@@ -87,7 +90,7 @@ impl<'a> ViewSetLoop<'a> {
             pool: SpinPool::new(cores, shared.most_parts()),
             shared,
             lead: Lead {
-                covered_original_px,
+                sights,
                 neighbours: Neighbours::new(foliage, &run.lod),
                 pruned: None,
             },
@@ -163,7 +166,7 @@ impl Lead {
     fn pick(&mut self, options: &VdsOptions, shared: &Shared<'_>, pool: &SpinPool) -> Finds {
         let job = Job::Search {
             pruned: self.pruned.take(),
-            wants_largest: options.resize == Resize::Normalised,
+            wants_largest: options.resize.needs_largest_cost(),
         };
         shared.do_together(pool, job);
         let finds = shared.finds();
@@ -187,12 +190,7 @@ impl Lead {
                 None => 0,
             },
         };
-        let original_px = self.covered_original_px;
-        let share = run
-            .options
-            .share(pruned, run.resolution * run.resolution, original_px, || {
-                finds.largest
-            });
+        let share = run.options.share(pruned, self.sights, || finds.largest);
         self.neighbours.remove(leaf);
         if share == 0.0 {
             return Vec::new();
