@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{AlphaMode, Mips, Surface};
+use secateur_model::{AlphaMode, Surface};
 
-use super::leaf_texture::{LeafTextures, Seen};
+use super::leaf_texture::{LeafTextures, Make, Seen};
 use super::level_surfaces::LevelSurfaces;
 
 /// The textures that a level may have, for each of its materials with a mask.
@@ -40,11 +40,11 @@ impl FittedTextures {
         self.0.is_empty()
     }
 
-    /// Those that cover `gain` times what the tree's own do.
-    pub(super) fn textures(&self, mips: Mips, gain: f64) -> Vec<LevelTexture> {
+    /// One for each of the materials.
+    pub(super) fn textures(&self, make: Make) -> Vec<LevelTexture> {
         let texture = |(material, textures): &(usize, LeafTextures)| LevelTexture {
             material: *material,
-            texture: Arc::new(textures.with_gain(mips, gain)),
+            texture: Arc::new(textures.made(make)),
         };
         self.0.iter().map(texture).collect()
     }

@@ -6,6 +6,8 @@
 //! Computing Alpha Mipmaps, 2010, but counted over the level's own triangles: they know which parts
 //! of a texture are seen, and which lie beyond its rim).
 
+use std::borrow::Cow;
+
 use glam::{Vec2, Vec3};
 use secateur_eval::{FourTexels, color_of, sample_alpha};
 use secateur_model::{Filters, Mips, Surface, Texture, Wrap};
@@ -22,8 +24,22 @@ const LEAST_SIDE: u32 = 8;
 /// The factors of alpha that are tried, as binary logarithms.
 const FACTORS: [f32; 2] = [-6.0, 6.0];
 
+/// How often masks are smoothed for [`Outline::Smooth`]: each time each texel becomes a mean of it and its
+/// neighbours, 1 to 2 to 1, along rows and columns. Two times are about a Gaussian whose standard deviation
+/// is a texel.
+const SMOOTHINGS: usize = 2;
+
 /// Halvings of that range: beyond them no byte of alpha changes but those next to 255.
 const HALVINGS: usize = 14;
+
+/// How exactly a texture keeps the outline of what it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outline {
+    /// As exactly as its texels can.
+    Exact,
+    /// Without what is thinner than a texel or two, which shows as specks where pixels are smaller.
+    Smooth,
+}
 
 /// What a level draws of a material.
 pub(super) struct Seen {
@@ -112,6 +128,15 @@ pub(super) struct LeafTextures {
     wraps: Vec<([Wrap; 2], Vec<FourTexels>)>,
 }
 
+/// How a texture is made of one for which masks were compared.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Make {
+    pub(super) mips: Mips,
+    pub(super) outline: Outline,
+    /// How many times as much passes the test as of the original.
+    pub(super) gain: f64,
+}
+
 impl LeafTextures {
     /// Those that show `texels` of the original's on a pixel. `None` where nothing of the original passes
     /// the test, or where alpha cannot be made to keep what does.
@@ -144,29 +169,33 @@ impl LeafTextures {
         })
     }
 
-    /// One of which `gain` times as much passes the test as of the original.
-    pub(super) fn with_gain(&self, mips: Mips, gain: f64) -> Texture {
-        let wanted = (self.share * gain).min(1.0);
+    /// The texture.
+    pub(super) fn made(&self, make: Make) -> Texture {
+        let wanted = (self.share * make.gain).min(1.0);
         let made = self.wraps.iter().map(|(wrap, read)| {
-            let factor = self.factor_for(wanted, read);
-            let alphas = self.reduced.alphas(factor);
+            let shares = match make.outline {
+                Outline::Exact => Cow::Borrowed(&self.reduced.shares),
+                Outline::Smooth => Cow::Owned(self.reduced.smooth_shares(*wrap)),
+            };
+            let factor = self.factor_for(wanted, read, &shares);
+            let alphas = alphas(&shares, factor);
             let passes = read.iter().map(|four| self.passes(four, &alphas));
             let pairs = passes.zip(&self.is_original);
             let difference = share_of(pairs.map(|(is, was)| is != *was));
-            (difference, *wrap, factor)
+            (difference, *wrap, alphas)
         });
-        let (_, wrap, factor) = made
+        let (_, wrap, alphas) = made
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .expect("at least one way to wrap");
-        self.reduced.texture(factor, wrap, mips)
+        self.reduced.texture(&alphas, wrap, make.mips)
     }
 
     /// The factor of alpha at which this share of the points passes the test.
-    fn factor_for(&self, wanted: f64, read: &[FourTexels]) -> f32 {
+    fn factor_for(&self, wanted: f64, read: &[FourTexels], shares: &[f32]) -> f32 {
         let [mut low, mut high] = FACTORS;
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
-            let alphas = self.reduced.alphas(middle.exp2());
+            let alphas = alphas(shares, middle.exp2());
             let share = share_of(read.iter().map(|four| self.passes(four, &alphas)));
             match share < wanted {
                 true => low = middle,
@@ -237,16 +266,29 @@ impl Reduced {
         }
     }
 
-    /// Alpha times a factor, texel by texel, as bytes that are read as 0 to 1.
-    fn alphas(&self, factor: f32) -> Vec<f32> {
-        let alpha = |share: &f32| alpha_byte(*share, factor) / 255.0;
-        self.shares.iter().map(alpha).collect()
+    /// The shares without what is thinner than a texel or two.
+    fn smooth_shares(&self, wrap: [Wrap; 2]) -> Vec<f32> {
+        let size = Vec2::new(self.size[0] as f32, self.size[1] as f32);
+        let mut shares = self.shares.clone();
+        for _ in 0..SMOOTHINGS {
+            // The mean of what is read at its four corners is 1 to 2 to 1 of it and its neighbours.
+            let smooth = |k: usize| {
+                let first = [k as u32 % self.size[0], k as u32 / self.size[0]];
+                let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| {
+                    let at = Vec2::new((first[0] + dx) as f32, (first[1] + dy) as f32);
+                    FourTexels::at(self.size, wrap, at / size).blended(|k| shares[k as usize])
+                });
+                corners.iter().sum::<f32>() / 4.0
+            };
+            shares = (0..shares.len()).map(smooth).collect();
+        }
+        shares
     }
 
-    fn texture(&self, factor: f32, wrap: [Wrap; 2], mips: Mips) -> Texture {
+    fn texture(&self, alphas: &[f32], wrap: [Wrap; 2], mips: Mips) -> Texture {
         let texel =
-            |([r, g, b], share): (&[u8; 3], &f32)| [*r, *g, *b, alpha_byte(*share, factor) as u8];
-        let texels = self.colors.iter().zip(&self.shares);
+            |([r, g, b], alpha): (&[u8; 3], &f32)| [*r, *g, *b, (alpha * 255.0).round() as u8];
+        let texels = self.colors.iter().zip(alphas);
         Texture {
             width: self.size[0],
             height: self.size[1],
@@ -258,6 +300,12 @@ impl Reduced {
             },
         }
     }
+}
+
+/// Shares times a factor, as bytes that are read as 0 to 1.
+fn alphas(shares: &[f32], factor: f32) -> Vec<f32> {
+    let alpha = |share: &f32| alpha_byte(*share, factor) / 255.0;
+    shares.iter().map(alpha).collect()
 }
 
 /// A whole number from 0 to 255.
@@ -322,7 +370,11 @@ mod tests {
 
     fn fitted(original: &Texture, seen: &Seen, texels: f64) -> Option<Texture> {
         let textures = LeafTextures::new(original, 0.5, seen, texels)?;
-        Some(textures.with_gain(Mips::None, 1.0))
+        Some(textures.made(Make {
+            mips: Mips::None,
+            outline: Outline::Exact,
+            gain: 1.0,
+        }))
     }
 
     #[test]
@@ -361,6 +413,50 @@ mod tests {
         let seen = Seen::of(&[&surface]).unwrap();
         let small = fitted(&half, &seen, 4.0).unwrap();
         assert_eq!(small.wrap, [Wrap::Repeat; 2]);
+    }
+
+    #[test]
+    fn a_smooth_outline_has_no_thread_and_covers_as_much() {
+        // A disc, and above it a thread that is a texel wide.
+        let disc = |x: u32, y: u32| (x as i32 - 32).pow(2) + (y as i32 - 32).pow(2) < 256;
+        let leaf = mask(|x, y| disc(x, y) || y == 8);
+        let surface = card(0.0, 1.0);
+        let seen = Seen::of(&[&surface]).unwrap();
+        let textures = LeafTextures::new(&leaf, 0.5, &seen, 2.0).unwrap();
+        let made = |outline: Outline| {
+            textures.made(Make {
+                mips: Mips::None,
+                outline,
+                gain: 1.0,
+            })
+        };
+        let [exact, smooth] = [Outline::Exact, Outline::Smooth].map(made);
+        let passes = |texture: &Texture| seen.passes(texture, 0.5);
+        let share = |texture: &Texture| share_of(passes(texture).into_iter());
+        let is_beside = |uv: &Vec2| (uv.x - 0.5).abs() > 0.4;
+        let beside = |texture: &Texture| {
+            let pairs = seen.points.iter().zip(passes(texture));
+            let count = pairs
+                .filter(|(uv, passes)| is_beside(uv) && *passes)
+                .count();
+            count as f64 / SAMPLES as f64
+        };
+        assert!(beside(&exact) > 0.001, "{}", beside(&exact));
+        assert_eq!(beside(&smooth), 0.0);
+        assert!((share(&smooth) / share(&leaf) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_tile_stays_whole_when_it_is_smoothed() {
+        let all = mask(|_, _| true);
+        for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
+            let smooth = Reduced::of(&all, 0.5, [16, 8]).smooth_shares([wrap; 2]);
+            assert!(smooth.iter().all(|share| (share - 1.0).abs() < 1e-6));
+        }
+        // What leaves a tile on one side comes in on the other.
+        let first = mask(|x, _| x < 4);
+        let of = |wrap: Wrap| Reduced::of(&first, 0.5, [16, 16]).smooth_shares([wrap; 2]);
+        assert!(of(Wrap::Repeat)[15] > 0.2 && of(Wrap::ClampToEdge)[15] == 0.0);
     }
 
     #[test]

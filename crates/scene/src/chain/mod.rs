@@ -12,6 +12,7 @@ mod level;
 mod level_surfaces;
 mod look;
 mod maker;
+mod nearer;
 mod opaque;
 mod options;
 mod scene_look;

@@ -10,6 +10,7 @@ use secateur_model::{BoundingSphere, Mips, Surface};
 use secateur_raster::{View, ViewSet};
 
 use super::fitted_textures::FittedTextures;
+use super::leaf_texture::{Make, Outline};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use crate::Screen;
 
@@ -20,7 +21,7 @@ const WITHIN: [f64; 2] = [0.9, 1.1];
 const NEAR_ENOUGH: f64 = 0.04;
 
 /// As many specks a view as a level may show more than the original does by the same client.
-const MOST_MORE_SPECKS: f64 = 2.0;
+pub(super) const MOST_MORE_SPECKS: f64 = 2.0;
 
 /// What coverage out of its bounds counts besides: as much as a hundred specks.
 const OUT_OF_BOUNDS: f64 = 1.0;
@@ -181,17 +182,18 @@ impl<'a> Client<'a> {
         mips: &MipMaps,
         range: [f64; 2],
     ) -> LevelAsDrawn {
-        let [(begin, of_begin), (end, of_end)] = range.map(|h| self.shown(surfaces, mips, h));
-        let more = |shown: Shown, original: Shown| {
-            let is_whole = original.coverage_over_truth >= WITHIN[0];
-            is_whole.then_some(shown.specks_per_view - original.specks_per_view)
-        };
-        let more = [more(begin, of_begin), more(end, of_end)];
+        let [begin, end] = range.map(|h| self.shown(surfaces, mips, h));
+        let more = [begin, end].into_iter().filter_map(more_specks);
         LevelAsDrawn {
-            begin,
-            end,
-            more_specks_per_view: more.into_iter().flatten().reduce(f64::max).unwrap_or(0.0),
+            begin: begin.0,
+            end: end.0,
+            more_specks_per_view: more.reduce(f64::max).unwrap_or(0.0),
         }
+    }
+
+    /// Specks in a view of a level at this height, beyond those of the original; none where a client fades that.
+    pub(super) fn more_specks_at(&self, surfaces: &[Surface], pixels_high: f64) -> f64 {
+        more_specks(self.shown(surfaces, &self.mips, pixels_high)).unwrap_or(0.0)
     }
 
     /// The textures with which a level covers what it should from one height to another. The first
@@ -224,11 +226,12 @@ impl<'a> Client<'a> {
             let fits = FittedTextures::of(level, height / self.plant_height);
             // Mips are smoother where they keep the coverage.
             for mips in [Mips::Blended, Mips::None] {
-                let Some(tried) = with_least_error(&fits, mips, of) else {
+                let with = |outline: Outline| with_least_error(&fits, mips, outline, of);
+                let Some(tried) = with(Outline::Exact) else {
                     continue;
                 };
                 if tried.as_drawn.is_within() {
-                    return tried;
+                    return self.calmer(level, range[0], tried, || with(Outline::Smooth));
                 }
                 let is_better = |best: &Chosen| tried.as_drawn.error() < best.as_drawn.error();
                 if best.as_ref().is_none_or(is_better) {
@@ -312,6 +315,13 @@ impl<'a> Client<'a> {
     }
 }
 
+/// Specks in a view of what is shown of a level, beyond those of the original. None where a client does not
+/// show as much of that as there is: what fades away has no specks.
+fn more_specks((level, original): (Shown, Shown)) -> Option<f64> {
+    let is_whole = original.coverage_over_truth >= WITHIN[0];
+    is_whole.then_some(level.specks_per_view - original.specks_per_view)
+}
+
 /// Turns about the vertical from which pictures of `side` pixels are taken, more where they are small;
 /// the first leaves the plant as it stands.
 fn turns_for(side: f64) -> Vec<DQuat> {
@@ -327,6 +337,7 @@ fn turns_for(side: f64) -> Vec<DQuat> {
 fn with_least_error(
     fits: &FittedTextures,
     mips: Mips,
+    outline: Outline,
     of: impl Fn(Vec<LevelTexture>) -> Chosen,
 ) -> Option<Chosen> {
     if fits.is_empty() {
@@ -335,7 +346,11 @@ fn with_least_error(
     let mut best: Option<Chosen> = None;
     let mut gain = 1.0;
     for _ in 0..TRIES {
-        let next = of(fits.textures(mips, gain));
+        let next = of(fits.textures(Make {
+            mips,
+            outline,
+            gain,
+        }));
         gain *= next.as_drawn.wanted_gain();
         let error = next.as_drawn.error();
         // A gain is found for the coverage: specks hardly answer to it.
