@@ -266,19 +266,28 @@ impl Reduced {
         }
     }
 
-    /// The shares without what is thinner than a texel or two.
+    /// The shares without what is thinner than a texel or two. Beyond the rim of a texture that does not
+    /// repeat there is nothing: what touches the rim would else reach on from there as far as a card does.
     fn smooth_shares(&self, wrap: [Wrap; 2]) -> Vec<f32> {
-        let size = Vec2::new(self.size[0] as f32, self.size[1] as f32);
+        let size = self.size;
+        let near = |axis: usize, texel: i32| {
+            let is_beyond = !(0..size[axis] as i32).contains(&texel);
+            let is_nothing = is_beyond && wrap[axis] == Wrap::ClampToEdge;
+            (!is_nothing).then(|| wrap[axis].texel(texel, size[axis]))
+        };
         let mut shares = self.shares.clone();
-        for _ in 0..SMOOTHINGS {
-            // The mean of what is read at its four corners is 1 to 2 to 1 of it and its neighbours.
+        for axis in (0..2).cycle().take(2 * SMOOTHINGS) {
             let smooth = |k: usize| {
-                let first = [k as u32 % self.size[0], k as u32 / self.size[0]];
-                let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| {
-                    let at = Vec2::new((first[0] + dx) as f32, (first[1] + dy) as f32);
-                    FourTexels::at(self.size, wrap, at / size).blended(|k| shares[k as usize])
-                });
-                corners.iter().sum::<f32>() / 4.0
+                let at = [k as u32 % size[0], k as u32 / size[0]];
+                let share = |step: i32| {
+                    let mut of = at;
+                    match near(axis, at[axis] as i32 + step) {
+                        Some(texel) => of[axis] = texel,
+                        None => return 0.0,
+                    }
+                    shares[(of[1] * size[0] + of[0]) as usize]
+                };
+                (share(-1) + 2.0 * share(0) + share(1)) / 4.0
             };
             shares = (0..shares.len()).map(smooth).collect();
         }
@@ -449,10 +458,14 @@ mod tests {
     #[test]
     fn a_tile_stays_whole_when_it_is_smoothed() {
         let all = mask(|_, _| true);
-        for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
+        for wrap in [Wrap::Repeat, Wrap::MirroredRepeat] {
             let smooth = Reduced::of(&all, 0.5, [16, 8]).smooth_shares([wrap; 2]);
             assert!(smooth.iter().all(|share| (share - 1.0).abs() < 1e-6));
         }
+        // Beyond a rim that does not repeat there is nothing.
+        let smooth = Reduced::of(&all, 0.5, [16, 8]).smooth_shares([Wrap::ClampToEdge; 2]);
+        let row: Vec<f32> = smooth[4 * 16..][..4].to_vec();
+        assert_eq!(row, [0.625, 0.9375, 1.0, 1.0]);
         // What leaves a tile on one side comes in on the other.
         let first = mask(|x, _| x < 4);
         let of = |wrap: Wrap| Reduced::of(&first, 0.5, [16, 16]).smooth_shares([wrap; 2]);
