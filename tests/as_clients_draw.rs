@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::clients;
 use crate::program::{Bench, shared_tree};
 
-/// [`levels_of`] the bush.
+/// Makes levels of the bush as [`levels_of`] does.
 fn levels_of_bush(bench: &Bench, levels: &str) -> Option<Value> {
     levels_of(bench, "ez_bush2.glb", levels)
 }
@@ -80,8 +80,8 @@ fn a_level_of_a_wide_range_does_not_twinkle_at_its_end() {
     assert!(more_specks < 20.0, "{more_specks}");
 }
 
-/// A tenth of the oak is made for pictures of it 68 pixels high, by textures of 8 x 8 texels. In one of 300 it has up
-/// to two specks a view more than the original; with the exact outlines of such textures it would have seven.
+/// A tenth of the oak is made for pictures of it 68 pixels high, by textures of 8 x 8 texels. Where it is 300 pixels high it has up
+/// to two specks a view more than the original; with the exact outlines of such textures it would have seven more.
 #[test]
 fn a_level_seen_from_nearer_than_it_is_for_shows_no_specks() {
     let bench = Bench::new();

@@ -37,7 +37,7 @@ const HALVINGS: usize = 14;
 pub(super) enum Outline {
     /// As exactly as its texels can.
     Exact,
-    /// Without what is thinner than a texel or two, which shows as specks where pixels are smaller.
+    /// Without what is thinner than a texel or two, which breaks up into specks where the level is shown larger.
     Smooth,
 }
 
@@ -169,7 +169,7 @@ impl LeafTextures {
         })
     }
 
-    /// The texture.
+    /// The texture that is asked for, by the way to wrap with which it shows most nearly what the original does.
     pub(super) fn made(&self, make: Make) -> Texture {
         let wanted = (self.share * make.gain).min(1.0);
         let made = self.wraps.iter().map(|(wrap, read)| {

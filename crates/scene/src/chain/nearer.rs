@@ -7,8 +7,9 @@ use super::textures::{Chosen, Client, MOST_MORE_SPECKS};
 const NEARER_PX: f64 = 300.0;
 
 impl Client<'_> {
-    /// Textures that suit a level that begins at the height `begin_px`, or those with smooth outlines if they
-    /// suit it too and the others show specks where it is seen larger.
+    /// Keeps the `exact` textures of a level that begins at this height in pixels, or takes the `smooth` ones if
+    /// they suit the level too and show fewer specks where the plant is 300 pixels high. Those are made with the
+    /// same mip maps or none, as the exact ones are.
     pub(super) fn calmer(
         &self,
         level: &LevelSurfaces,

@@ -160,7 +160,7 @@ names!(ReferenceName => Reference {
 names!(ResizeName => Resize {
     /// The cost over the largest cost of the step
     Normalised,
-    /// The same, scaled so that it hardly depends on the number of views
+    /// Like `normalised`, scaled so that more than 20 views grow little more than 20 do
     Steady,
     /// The cost in bits, at most 1
     Literal,

@@ -25,10 +25,10 @@ pub enum Resize {
     /// The cost over the largest cost of any leaf in this step.
     #[default]
     Normalised,
-    /// [`Self::Normalised`], whatever the number of views: 1 less (1 - cost / largest cost) times the
-    /// root of a 20th of the views, not below 0. A cost is a sum over the views, so the more there are, the
-    /// less costs differ in proportion, by the root of their number, and the nearer to 1 is their ratio.
-    /// With 20 views it is the same.
+    /// `max(0, 1 - (1 - cost / largest cost) sqrt(V / 20))` with V views, 0 where the cost is 0: as
+    /// [`Self::Normalised`] with 20 views. A cost is a sum over the views, so costs differ the less in proportion
+    /// the more views there are, and their ratio comes nearer to 1; this undoes that. Meant for 20 views and more:
+    /// with fewer, even the cheapest leaf hands a part on.
     Steady,
     /// The cost in bits, at most 1.
     Literal,

@@ -10,7 +10,7 @@ use crate::vmi::scaled_to_bits;
 /// leaf beside a large one would otherwise leave the range of numbers.
 const MAX_AREA_SCALE: f64 = 1e6;
 
-/// As many views as [`Resize::Steady`] grows for: the paper's.
+/// The number of views with which [`Resize::Steady`] is [`Resize::Normalised`]: the paper's.
 const STEADY_VIEWS: f64 = 20.0;
 
 /// What views see, as far as shares depend on it.
@@ -18,7 +18,7 @@ const STEADY_VIEWS: f64 = 20.0;
 pub(crate) struct Sights {
     /// How many views there are.
     pub views: usize,
-    /// Pixels of each.
+    /// Width times height of each view's image, in pixels.
     pub pixels_per_view: u32,
     /// Pixels over all views that show foliage of the original.
     pub covered_original_px: u64,
@@ -147,7 +147,7 @@ mod tests {
         // Four times as many views bring costs twice as near to each other.
         let [few, many] = [(20, 600), (80, 800)].map(|(n, cost)| share(Resize::Steady, n, cost));
         assert!((few - many).abs() < 1e-12);
-        // Where so many hardly differ in cost at all, the cheapest need not be near.
+        // A leaf that is much cheaper than 80 views make likely hands nothing on.
         assert_eq!(share(Resize::Steady, 80, 400), 0.0);
         assert_eq!(share(Resize::Steady, 5, 1000), 1.0);
         assert_eq!(share(Resize::Steady, 5, 0), 0.0);
