@@ -160,7 +160,7 @@ names!(ReferenceName => Reference {
 names!(ResizeName => Resize {
     /// The cost over the largest cost of the step
     Normalised,
-    /// Like `normalised`, scaled so that more than 20 views grow little more than 20 do
+    /// Like `normalised`, scaled so that other numbers of views grow about as much as 20 do
     Steady,
     /// The cost in bits, at most 1
     Literal,

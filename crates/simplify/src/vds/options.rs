@@ -25,10 +25,10 @@ pub enum Resize {
     /// The cost over the largest cost of any leaf in this step.
     #[default]
     Normalised,
-    /// `max(0, 1 - (1 - cost / largest cost) sqrt(V / 20))` with V views, 0 where the cost is 0: as
+    /// `max(0, 1 - (1 - cost / largest cost) sqrt(V / 20))` with V views, 20 or more, and
+    /// `(cost / largest cost) ^ sqrt(V / 20)` with fewer; 0 where the cost is 0. As
     /// [`Self::Normalised`] with 20 views. A cost is a sum over the views, so costs differ the less in proportion
-    /// the more views there are, and their ratio comes nearer to 1; this undoes that. Meant for 20 views and more:
-    /// with fewer, even the cheapest leaf hands a part on.
+    /// the more views there are, and their ratio comes nearer to 1; this undoes that.
     Steady,
     /// The cost in bits, at most 1.
     Literal,

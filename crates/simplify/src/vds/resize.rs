@@ -79,8 +79,12 @@ impl Resize {
             Resize::Normalised => pruned.cost as f64 / largest_cost() as f64,
             Resize::Steady => {
                 let ratio = pruned.cost as f64 / largest_cost() as f64;
-                let spread = (sights.views as f64 / STEADY_VIEWS).sqrt();
-                (1.0 - (1.0 - ratio) * spread).max(0.0)
+                // Costs of fewer views differ more in proportion, and the share has to rise faster below 20.
+                let slope = (sights.views as f64 / STEADY_VIEWS).sqrt();
+                match slope < 1.0 {
+                    true => libm::pow(ratio, slope),
+                    false => (1.0 - (1.0 - ratio) * slope).max(0.0),
+                }
             }
         }
     }
@@ -149,7 +153,10 @@ mod tests {
         assert!((few - many).abs() < 1e-12);
         // A leaf that is much cheaper than 80 views make likely hands nothing on.
         assert_eq!(share(Resize::Steady, 80, 400), 0.0);
-        assert_eq!(share(Resize::Steady, 5, 1000), 1.0);
-        assert_eq!(share(Resize::Steady, 5, 0), 0.0);
+        // Of a quarter of the views the share is the root of what it is of 20, and falls to nothing with the cost.
+        for (cost, of_five) in [(0, 0.0), (1, 0.0316), (250, 0.5), (810, 0.9), (1000, 1.0)] {
+            let found = share(Resize::Steady, 5, cost);
+            assert!((found - of_five).abs() < 1e-4, "{cost}: {found}");
+        }
     }
 }
