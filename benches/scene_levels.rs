@@ -124,29 +124,40 @@ impl Bench {
         }
     }
 
-    /// Islands of up to 3 pixels beyond the original's, in simplified trees and in levels.
+    /// Islands of up to 3 pixels beyond the original's, in simplified trees, in levels of a chain, and in
+    /// chains of one level, which that level alone has to serve.
     fn specks(&mut self) {
         let all = [&TREES[..], &["sap_pine_needles_48k"]].concat();
         for (name, tree) in self.trees("specks", &all) {
+            let file = |record: &Value, number: usize| -> String {
+                let file = record["levels"][number]["file"].as_str();
+                file.expect("levels have files").to_owned()
+            };
+            let (chain, _) = self.lods(&tree, &["--levels", "0.5,0.25,0.1"]);
+            for (number, share) in [(0, "0.5"), (2, "0.1")] {
+                let kind = "lods of 50, 25, 10 %";
+                self.specks_of(name, &tree, share, kind, &file(&chain, number));
+            }
             for share in ["0.5", "0.1"] {
                 let from = tree.to_str().expect("a path in UTF-8");
                 let command = ["simplify", from, "-o", "simplified.glb", "--overwrite"];
                 self.run(&[&command[..], &["--triangles", share]].concat());
-                let (record, _) = self.lods(&tree, &["--levels", share]);
-                let level = record["levels"][0]["file"].as_str().unwrap_or_default();
-                for (kind, file) in [("simplify", "simplified.glb"), ("lods", level)] {
-                    for width in ["512", "128"] {
-                        let options = ["measure", from, file, "--as-drawn", width];
-                        let (record, _) = self.run(&options);
-                        let drawn = &record["as_drawn"];
-                        let drawn = drawn.get(0).unwrap_or(drawn);
-                        let number = |key: &str| drawn[key].as_f64().unwrap_or(f64::NAN);
-                        let more = number("specks_per_view") - number("original_specks_per_view");
-                        let what = format!("{name} to {share} by {kind}, {width} pixels");
-                        self.note("specks", &what, "specks_beyond_original", "a view", more);
-                    }
-                }
+                self.specks_of(name, &tree, share, "simplify", "simplified.glb");
+                let (alone, _) = self.lods(&tree, &["--levels", share]);
+                self.specks_of(name, &tree, share, "lods alone", &file(&alone, 0));
             }
+        }
+    }
+
+    fn specks_of(&mut self, name: &str, tree: &Path, share: &str, kind: &str, file: &str) {
+        let from = tree.to_str().expect("a path in UTF-8");
+        for width in ["512", "128"] {
+            let (record, _) = self.run(&["measure", from, file, "--as-drawn", width]);
+            let drawn = &record["as_drawn"];
+            let number = |key: &str| drawn[key].as_f64().unwrap_or(f64::NAN);
+            let more = number("specks_per_view") - number("original_specks_per_view");
+            let what = format!("{name} to {share} by {kind}, {width} pixels");
+            self.note("specks", &what, "specks_beyond_original", "a view", more);
         }
     }
 

@@ -221,11 +221,16 @@ fn what_a_client_draws_is_held_against_what_is_there() {
             number("original_specks_per_view")
         );
         assert_eq!(number("silhouette_iou"), 1.0);
-        number("coverage_over_truth")
+        assert_eq!(number("truth_iou"), number("original_truth_iou"));
+        let without = &record["as_drawn"]["original_without_mips"];
+        let without = without["coverage_over_truth"].as_f64().unwrap();
+        (number("coverage_over_truth"), without)
     };
-    let (near, far) = (drawn("512"), drawn("32"));
+    let ((near, _), (far, without)) = (drawn("512"), drawn("32"));
     assert!((0.9..1.1).contains(&near), "{near}");
     assert!(far < near, "{far} of {near}");
+    // Each pixel shows what is at its middle: all together as much as there is.
+    assert!((0.9..1.1).contains(&without), "{without}");
     let wrong = bench.run(&["measure", "oak.glb", "oak.glb", "--as-drawn", "4"]);
     assert_eq!(wrong.code, Some(2));
 }

@@ -32,7 +32,8 @@ pub struct AsDrawn {
     width_px: u32,
     truth: Vec<Truth>,
     original: ViewPictures,
-    original_flip_mean: f64,
+    original_shown: OriginalAsDrawn,
+    original_without_mips: OriginalAsDrawn,
 }
 
 #[derive(Debug)]
@@ -78,6 +79,24 @@ pub struct AsDrawnMeasurement {
     pub flip_mean: f64,
     /// FLIP of the original as drawn against the truth, 0 to 1.
     pub original_flip_mean: f64,
+    /// Overlap of the original as drawn with what it truly covers, 0 to 1.
+    pub original_truth_iou: f64,
+    /// The original as the same client would draw it if it read its textures without mip maps: the error of
+    /// one sample a pixel alone, which a simplified tree has besides its own.
+    pub original_without_mips: OriginalAsDrawn,
+}
+
+/// How a client's picture of an original compares with what it truly looks like; means over the views.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OriginalAsDrawn {
+    /// Pixels that it covers over those that it truly covers.
+    pub coverage_over_truth: f64,
+    /// Overlap with what it truly covers, 0 to 1.
+    pub truth_iou: f64,
+    /// Islands of up to 3 pixels in a view.
+    pub specks_per_view: f64,
+    /// FLIP against the truth, 0 to 1.
+    pub flip_mean: f64,
 }
 
 impl AsDrawn {
@@ -100,10 +119,19 @@ impl AsDrawn {
         };
         // One after another: of all samples of a view there is a list.
         let truth: Vec<Truth> = views.views().iter().map(truth).collect();
-        let original = ViewPictures::of(original, views, width_px);
+        let mips = MipChains::of(original);
+        let drawn = |mips| ViewPictures::of(original, views, width_px, AlphaFrom::mips(mips));
+        let [with_mips, without_mips] = [Some(&mips), None].map(drawn);
+        let shown = |drawn: &ViewPictures| OriginalAsDrawn {
+            coverage_over_truth: drawn.covered_px() / covered_px(&truth),
+            truth_iou: truth_iou(&truth, drawn),
+            specks_per_view: drawn.specks_per_view(width_px as usize),
+            flip_mean: flip(&truth, drawn),
+        };
         Self {
-            original_flip_mean: flip(&truth, &original),
-            original,
+            original_shown: shown(&with_mips),
+            original_without_mips: shown(&without_mips),
+            original: with_mips,
             truth,
             views: views.clone(),
             width_px,
@@ -112,8 +140,9 @@ impl AsDrawn {
 
     /// Draws a simplified tree from the same views, and compares.
     pub fn measure<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> AsDrawnMeasurement {
-        let drawn = ViewPictures::of(simplified, &self.views, self.width_px);
-        let truth_px: f64 = self.truth.iter().map(Truth::covered_px).sum();
+        let mips = MipChains::of(simplified);
+        let alpha = AlphaFrom::mips(Some(&mips));
+        let drawn = ViewPictures::of(simplified, &self.views, self.width_px, alpha);
         let (mut both, mut any) = (0, 0);
         for ((_, a), (_, b)) in self.original.0.iter().zip(&drawn.0) {
             for (a, b) in a.iter().zip(b) {
@@ -123,32 +152,40 @@ impl AsDrawn {
         }
         AsDrawnMeasurement {
             width_px: self.width_px,
-            coverage_over_truth: drawn.covered_px() / truth_px,
-            original_coverage_over_truth: self.original.covered_px() / truth_px,
+            coverage_over_truth: drawn.covered_px() / covered_px(&self.truth),
+            original_coverage_over_truth: self.original_shown.coverage_over_truth,
             silhouette_iou: if any == 0 {
                 1.0
             } else {
                 both as f64 / any as f64
             },
-            truth_iou: self.truth_iou(&drawn),
+            truth_iou: truth_iou(&self.truth, &drawn),
             specks_per_view: drawn.specks_per_view(self.width_px as usize),
-            original_specks_per_view: self.original.specks_per_view(self.width_px as usize),
+            original_specks_per_view: self.original_shown.specks_per_view,
             flip_mean: flip(&self.truth, &drawn),
-            original_flip_mean: self.original_flip_mean,
+            original_flip_mean: self.original_shown.flip_mean,
+            original_truth_iou: self.original_shown.truth_iou,
+            original_without_mips: self.original_without_mips,
         }
     }
+}
 
-    fn truth_iou(&self, drawn: &ViewPictures) -> f64 {
-        let (mut both, mut any) = (0.0, 0.0);
-        for (truth, (_, is_covered)) in self.truth.iter().zip(&drawn.0) {
-            for (share, is_covered) in truth.shares.iter().zip(is_covered) {
-                let drawn = f32::from(u8::from(*is_covered));
-                both += f64::from(share.min(drawn));
-                any += f64::from(share.max(drawn));
-            }
+/// Pixels that show the plant, over all views, parts of pixels counted.
+fn covered_px(truth: &[Truth]) -> f64 {
+    truth.iter().map(Truth::covered_px).sum()
+}
+
+/// Of each pixel the smaller share that one of the two covers, over the larger, summed over all pixels.
+fn truth_iou(truth: &[Truth], drawn: &ViewPictures) -> f64 {
+    let (mut both, mut any) = (0.0, 0.0);
+    for (truth, (_, is_covered)) in truth.iter().zip(&drawn.0) {
+        for (share, is_covered) in truth.shares.iter().zip(is_covered) {
+            let drawn = f32::from(u8::from(*is_covered));
+            both += f64::from(share.min(drawn));
+            any += f64::from(share.max(drawn));
         }
-        if any == 0.0 { 1.0 } else { both / any }
     }
+    if any == 0.0 { 1.0 } else { both / any }
 }
 
 /// The mean over the views.
@@ -178,9 +215,12 @@ pub fn measure_as_drawn<S: Borrow<Surface> + Sync>(
 }
 
 impl ViewPictures {
-    fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], views: &ViewSet, width_px: u32) -> Self {
-        let mips = MipChains::of(surfaces);
-        let alpha = AlphaFrom::mips(Some(&mips));
+    fn of<S: Borrow<Surface> + Sync>(
+        surfaces: &[S],
+        views: &ViewSet,
+        width_px: u32,
+        alpha: AlphaFrom<'_>,
+    ) -> Self {
         let drawn = |view: &View| {
             let DrawnPicture { image, is_covered } =
                 draw(surfaces, &camera_of(view), &options(width_px, 1), alpha);
@@ -341,6 +381,25 @@ pub(crate) mod tests {
         // The original has faded alike, so that nothing differs, but for the truth.
         assert_eq!((far.silhouette_iou, far.truth_iou), (1.0, 0.0));
         assert!(far.flip_mean > near.flip_mean);
+    }
+
+    #[test]
+    fn an_original_without_mips_is_what_a_sampler_without_them_shows() {
+        // Pixels of 2.67 texels: their middles meet stripes, and what is between them.
+        let measured =
+            |mips: Mips| measure_as_drawn(&[striped(mips)], &[striped(mips)], &card_view(), 24);
+        let [with, without] = [Mips::Blended, Mips::None].map(measured);
+        assert_ne!(with.original_without_mips.flip_mean, with.flip_mean);
+        assert_eq!(with.original_without_mips, without.original_without_mips);
+        let of_level = OriginalAsDrawn {
+            coverage_over_truth: without.coverage_over_truth,
+            truth_iou: without.truth_iou,
+            specks_per_view: without.specks_per_view,
+            flip_mean: without.flip_mean,
+        };
+        assert_eq!(with.original_without_mips, of_level);
+        assert!(of_level.coverage_over_truth > 0.0);
+        assert_eq!(with.original_truth_iou, with.truth_iou);
     }
 
     /// Of each pixel of four texels a quarter is truly covered: an opaque card has four times that.

@@ -36,7 +36,7 @@ mod strengths;
 mod texel;
 mod visibility;
 
-pub use as_drawn::{AsDrawn, AsDrawnMeasurement, measure_as_drawn};
+pub use as_drawn::{AsDrawn, AsDrawnMeasurement, OriginalAsDrawn, measure_as_drawn};
 pub use as_drawn_coverage::{AsDrawnCoverage, Shown};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};

@@ -103,7 +103,8 @@ pub use scene::scene_views;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
-    AsDrawnMeasurement, Judging, JudgingViews, MeasureError, Measurement, PictureMeasurement,
+    AsDrawnMeasurement, Judging, JudgingViews, MeasureError, Measurement, OriginalAsDrawn,
+    PictureMeasurement,
 };
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,

@@ -147,6 +147,7 @@ impl Column {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use secateur_eval::OriginalAsDrawn;
 
     #[test]
     fn every_width_as_drawn_has_its_columns() {
@@ -161,6 +162,13 @@ mod tests {
                 original_specks_per_view: 0.0,
                 flip_mean: f64::NAN,
                 original_flip_mean: 0.0,
+                original_truth_iou: 1.0,
+                original_without_mips: OriginalAsDrawn {
+                    coverage_over_truth: 1.0,
+                    truth_iou: 1.0,
+                    specks_per_view: 0.0,
+                    flip_mean: 0.0,
+                },
             })
         });
         let all: Vec<&str> = keys.iter().flatten().map(|(key, _)| key.as_str()).collect();

@@ -140,36 +140,51 @@ fn pretty(
     ];
     if let Some(drawn) = drawn {
         let at = format!("as clients draw it {} pixels wide", drawn.width_px);
+        let without = drawn.original_without_mips;
         let mut row = |name: &str, value: String, what: String| {
             lines.push(line(name, [value, String::new()], &what));
         };
+        let original = |with: String, without: String| {
+            format!("the original itself: {with}, without mip maps {without}")
+        };
+        let four = |value: f64| format!("{value:.4}");
+        let one = |value: f64| format!("{value:.1}");
         row(
             "drawn coverage",
-            format!("{:.4}", drawn.coverage_over_truth),
+            four(drawn.coverage_over_truth),
             format!(
-                "{at}, over the original's true coverage; the original itself: {:.4}",
-                drawn.original_coverage_over_truth
+                "{at}, over the original's true coverage; {}",
+                original(
+                    four(drawn.original_coverage_over_truth),
+                    four(without.coverage_over_truth)
+                )
             ),
         );
         row(
             "drawn IoU",
-            format!("{:.4}", drawn.truth_iou),
-            format!("overlap {at} with what the original truly covers, 1 is best"),
+            four(drawn.truth_iou),
+            format!(
+                "overlap {at} with what the original truly covers, 1 is best; {}",
+                original(four(drawn.original_truth_iou), four(without.truth_iou))
+            ),
         );
         row(
             "specks",
-            format!("{:.1}", drawn.specks_per_view),
+            one(drawn.specks_per_view),
             format!(
-                "islands of up to 3 pixels in a view {at}; the original: {:.1}",
-                drawn.original_specks_per_view
+                "islands of up to 3 pixels in a view {at}; {}",
+                original(
+                    one(drawn.original_specks_per_view),
+                    one(without.specks_per_view)
+                )
             ),
         );
         row(
             "drawn FLIP",
-            format!("{:.4}", drawn.flip_mean),
+            four(drawn.flip_mean),
             format!(
-                "visible difference {at} from the truth; the original: {:.4}",
-                drawn.original_flip_mean
+                "visible difference {at} from the truth; {}",
+                original(four(drawn.original_flip_mean), four(without.flip_mean))
             ),
         );
     }
