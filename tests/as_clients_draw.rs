@@ -285,6 +285,81 @@ fn a_simplified_crown_does_not_fade() {
     assert!(!bench.path("p.glb").exists());
 }
 
+/// Over black, mip maps darken leaves from afar: their clear texels get the colours of leaves, and that is said.
+#[test]
+fn leaves_over_black_do_not_darken_from_afar() {
+    let bench = Bench::new();
+    let mut plant = crown(0.5, |x, y| x < 45 && y < 45);
+    let material = Arc::make_mut(&mut plant.leaves.material);
+    let texture = Arc::make_mut(material.texture.as_mut().unwrap());
+    for texel in texture.rgba.chunks_exact_mut(4).filter(|t| t[3] == 0) {
+        texel[..3].fill(0);
+    }
+    bench.put("black.glb", &plant_to_glb(&plant));
+    let made = |name: &str, more: &[&str]| {
+        let files = ["simplify", "black.glb", "-o", name, "--report", "r.json"];
+        let few = ["--ratio", "0.5", "--views", "6", "--resolution", "64"];
+        let run = bench.run(&[&files[..], &few, more].concat());
+        run.succeeded();
+        let measure = ["measure", "black.glb", name, "--as-drawn", "64"];
+        let measure = bench.run(&[&measure[..], &["--format", "json"]].concat());
+        let seen: Value = serde_json::from_str(&measure.succeeded().stdout).unwrap();
+        (bench.json("r.json"), seen["as_drawn"].clone())
+    };
+    let with_mips = ["--cutoffs", "fit-with-mips"];
+    let (record, dilated) = made("dilated.glb", &with_mips);
+    let [one] = &record["colors"].as_array().unwrap()[..] else {
+        panic!("one texture: {record}");
+    };
+    assert_eq!(one["material"], 1);
+    assert!(one["difference"].as_f64().unwrap() > 5.0, "{one}");
+    let notes = record["notes"].to_string();
+    assert!(notes.contains("clear texels"), "{notes}");
+
+    let keep = [&with_mips[..], &["--colors", "keep"]].concat();
+    let (record, kept) = made("kept.glb", &keep);
+    assert_eq!(record["colors"], Value::Null);
+    // Nothing but colours differs.
+    assert_eq!(dilated["coverage_over_truth"], kept["coverage_over_truth"]);
+    let flip = |seen: &Value| seen["flip_mean"].as_f64().unwrap();
+    assert!(flip(&dilated) < 0.95 * flip(&kept), "{dilated} {kept}");
+
+    // Where cutoffs stay so do colours, if nobody asks for them; and a tree of which nothing is gone stays.
+    let (record, _) = made("both_kept.glb", &["--cutoffs", "keep"]);
+    assert_eq!(record["colors"], Value::Null);
+    let (record, _) = made("asked.glb", &["--cutoffs", "keep", "--colors", "dilate"]);
+    assert_eq!(record["colors"].as_array().unwrap().len(), 1);
+    let all = ["simplify", "black.glb", "-o", "all.glb", "--ratio", "1"];
+    bench
+        .run(&[&all[..], &["--report", "all.json"]].concat())
+        .succeeded();
+    assert_eq!(bench.json("all.json")["colors"], Value::Null);
+    let papers = ["simplify", "black.glb", "-o", "p.glb", "--preset", "paper"];
+    let run = bench.run(&[&papers[..], &["--ratio", "0.5", "--colors", "dilate"]].concat());
+    run.misused_saying(&["--colors", "contradicts", "--preset paper"]);
+
+    // Levels of a chain that keep the tree's texture do so too.
+    let lods = ["lods", "black.glb", "-o", "chain", "--distances", "8,16"];
+    let report = ["--max-flip", "0.3", "--report", "chain.json"];
+    bench.run(&[&lods[..], &report].concat()).succeeded();
+    let level = bench.json("chain.json")["levels"][0].clone();
+    assert_eq!(
+        [&level["textures"], &level["colors"]],
+        ["keep", "dilate"],
+        "{level}"
+    );
+    let texels = |file: &str| {
+        let document = secateur::Document::open(&bench.path(file)).unwrap();
+        let mut drawn = document.surfaces(&[]).unwrap().into_iter();
+        let texture = drawn.find_map(|(surface, _)| surface.material.texture.clone());
+        texture.unwrap()
+    };
+    let level = texels("chain/black_LOD0.glb");
+    let is_black = |texel: &[u8]| texel[..3] == [0; 3];
+    assert!(texels("black.glb").rgba.chunks(4).any(is_black));
+    assert!(!level.rgba.chunks(4).any(is_black));
+}
+
 /// Where coarse mip maps have the same alpha all over, any cutoff shows cards whole or not at all: the look
 /// reads no mip maps then, and says so.
 #[test]

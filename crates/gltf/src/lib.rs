@@ -176,7 +176,7 @@ pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
 pub use whole_tree::WholeTree;
 pub use write::{
-    CommitError, Cutoffs, PreparedLod, StagedFiles, WriteOptions, Written, plant_into_glb,
-    plant_to_glb, surfaces_to_glb,
+    CommitError, CutOutTexture, Cutoffs, PreparedLod, StagedFiles, WriteOptions, Written,
+    plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use write_problem::WriteProblem;

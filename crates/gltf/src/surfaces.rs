@@ -326,7 +326,7 @@ impl Document {
     }
 }
 
-fn texture_of(
+pub(crate) fn texture_of(
     texture: TextureUse,
     pictures: &mut Pictures<'_>,
 ) -> Result<Option<Arc<Texture>>, Fault> {

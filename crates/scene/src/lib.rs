@@ -3,6 +3,7 @@
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
 //! - [`choose_cutoffs`]: alpha cutoffs with which clients show as much of a level as there is, or whether
 //!   they had better read no mip maps.
+//! - [`dilated_textures`]: leaf textures whose clear texels have the colours of what is near.
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`impostor`]: pictures that stand for a plant far off.
 //! - [`leaf_boxes`]: boxes about the leaves of branches, and pictures on their diagonal planes.
@@ -15,6 +16,7 @@
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
 pub mod chain;
+mod clear_texels;
 mod cutoffs;
 mod dilate;
 #[cfg(test)]
@@ -30,5 +32,6 @@ pub mod stream;
 pub mod view_dependent;
 pub mod wind;
 
+pub use clear_texels::{Dilated, dilated_textures};
 pub use cutoffs::{ChosenCutoffs, MaterialChange, choose_cutoffs};
 pub use screen::Screen;

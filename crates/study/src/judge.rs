@@ -10,7 +10,7 @@ use secateur_eval::pictures::{PictureScores, Pictures, difference};
 use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
 use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_model::{Lod, Surface};
-use secateur_scene::{MaterialChange, choose_cutoffs};
+use secateur_scene::{MaterialChange, choose_cutoffs, dilated_textures};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
@@ -100,7 +100,10 @@ impl<'a> LevelJudge<'a> {
                 .map(|chosen| chosen.cutoffs),
             false => None,
         };
-        let cutoffs = cutoffs.unwrap_or_default();
+        let mut cutoffs = cutoffs.unwrap_or_default();
+        if ran.chooses_cutoffs && ran.lod != Lod::original(foliage.leaves().len()) {
+            cutoffs = with_dilated_textures(self.tree, cutoffs)?;
+        }
         let surfaces = surfaces_of(self.tree, self.path, &ran.lod, &cutoffs)?;
         let judging = self.original.judging();
         let pictured = self
@@ -198,6 +201,13 @@ pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
     let folder = format!("{}/", folder.display());
     let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
     command.split(' ').map(within).collect::<Vec<_>>().join(" ")
+}
+
+/// What was chosen for materials of a level, and the colours of leaves in clear texels of their textures, as
+/// `simplify` has them.
+pub(crate) fn with_dilated_textures(tree: &Tree, cutoffs: Cutoffs) -> Result<Cutoffs, Error> {
+    let texels = dilated_textures(tree)?.into_iter();
+    Ok(cutoffs.with_texels(texels.map(|one| (one.material, one.texture))))
 }
 
 /// All that is drawn of a level of the tree in this file, with these alpha cutoffs.

@@ -3,9 +3,25 @@
 use serde_json::{Value, json};
 
 use super::draft::Draft;
+use super::drop_unreferenced::drop_extension;
+use super::plant::png_bytes;
 use super::references::as_index;
 use crate::material::base_color_texture;
 use crate::surfaces::for_each_texture;
+use secateur_model::Texture;
+
+/// Whether the JSON of an object is of a format.
+type IsFormat = fn(&Value) -> bool;
+
+/// Formats of images that no texture here is written in.
+const FORMATS: [(&str, IsFormat); 2] = [
+    ("EXT_texture_webp", |root| {
+        uses_format(root, "EXT_texture_webp")
+    }),
+    ("KHR_texture_basisu", |root| {
+        uses_format(root, "KHR_texture_basisu")
+    }),
+];
 
 pub(super) fn textures_of(root: &Value) -> impl Iterator<Item = &Value> {
     let textures = root.get("textures").and_then(Value::as_array);
@@ -19,6 +35,47 @@ pub(super) fn base_color_texture_mut(material: &mut Value) -> Option<&mut Value>
     ];
     let place = usize::from(material.get("pbrMetallicRoughness").is_none());
     material.pointer_mut(PLACES[place])
+}
+
+/// The images of a texture, in whatever format.
+pub(super) fn sources(texture: &Value) -> Vec<usize> {
+    let extensions = texture.get("extensions").and_then(Value::as_object);
+    let extensions = extensions.into_iter().flat_map(|all| all.values());
+    let holders = std::iter::once(texture).chain(extensions);
+    holders
+        .filter_map(|holder| holder.get("source").and_then(as_index))
+        .collect()
+}
+
+/// The number of a new PNG image; that of `instead_of`, whose place and name it then takes, where there is one.
+pub(super) fn png_image(draft: &mut Draft, texture: &Texture, instead_of: Option<usize>) -> usize {
+    let view = draft.push_image(png_bytes(texture));
+    let mut image = json!({"bufferView": view, "mimeType": "image/png"});
+    let Some(old) = instead_of else {
+        return draft.push("images", image);
+    };
+    let before = &draft.root["images"][old];
+    for kept in ["name", "extras"] {
+        if let Some(value) = before.get(kept) {
+            image[kept] = value.clone();
+        }
+    }
+    draft.root["images"][old] = image;
+    old
+}
+
+/// Leaves out the extensions for image formats that no texture uses any more.
+pub(super) fn drop_unused_formats(draft: &mut Draft) {
+    for (name, is_used) in FORMATS {
+        drop_extension(&mut draft.root, name, is_used);
+    }
+}
+
+fn uses_format(root: &Value, name: &str) -> bool {
+    textures_of(root).any(|texture| {
+        let extensions = texture.get("extensions");
+        extensions.is_some_and(|all| all.get(name).is_some())
+    })
 }
 
 /// How many places of materials name a texture.

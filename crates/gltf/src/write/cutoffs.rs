@@ -1,16 +1,22 @@
-//! Alpha cutoffs of a level's own, and textures of it that are read without mip maps.
+//! What materials of a level have of their own: alpha cutoffs, textures that are read without mip maps, and other
+//! texels.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
 use super::base_color::change_sampler;
 use super::draft::Draft;
 use super::files::{PreparedLod, WriteOptions};
+use super::texels;
 use crate::error::GltfError;
+use crate::material::MaterialLook;
+use crate::picture::Pictures;
+use crate::surfaces::texture_of;
 use crate::tree::Tree;
-use secateur_model::{AlphaMode, Lod, Mips};
+use secateur_model::{AlphaMode, Lod, Mips, Texture};
 
 /// What glTF has where a material that cuts out says nothing.
 const DEFAULT_CUTOFF: f64 = 0.5;
@@ -21,12 +27,25 @@ const LINEAR: u64 = 9729;
 /// Nearest texels of one mip level, and of two.
 const NEAREST_WITH_MIPS: [u64; 2] = [9984, 9986];
 
-/// Which alpha cutoffs materials of a tree have in a level, where they are not those of the tree, and which
-/// of them clients are to read without mip maps.
+/// Which alpha cutoffs materials of a tree have in a level, where they are not those of the tree, which
+/// of them clients are to read without mip maps, and which have other texels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cutoffs {
     of_materials: BTreeMap<usize, f64>,
     without_mips: BTreeSet<usize>,
+    texels: BTreeMap<usize, Arc<Texture>>,
+}
+
+/// The base colour texture of leaves that are cut out.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct CutOutTexture {
+    /// The number of the material in the file.
+    pub material: usize,
+    /// Its texels and its sampler.
+    pub texture: Arc<Texture>,
+    /// The alpha of a texel, 0 to 1, from which on it is shown.
+    pub cutoff: f32,
 }
 
 impl Cutoffs {
@@ -36,7 +55,7 @@ impl Cutoffs {
         let rounded = |(material, cutoff): (usize, f64)| (material, (cutoff * 1e4).round() / 1e4);
         Self {
             of_materials: of_materials.into_iter().map(rounded).collect(),
-            without_mips: BTreeSet::new(),
+            ..Self::default()
         }
     }
 
@@ -46,6 +65,19 @@ impl Cutoffs {
     pub fn without_mips(mut self, materials: impl IntoIterator<Item = usize>) -> Self {
         self.without_mips.extend(materials);
         self
+    }
+
+    /// The same, with the texels of these textures as base colour of materials, by their numbers in the file:
+    /// PNG images in the result, read by the samplers that were there.
+    #[must_use]
+    pub fn with_texels(mut self, texels: impl IntoIterator<Item = (usize, Arc<Texture>)>) -> Self {
+        self.texels.extend(texels);
+        self
+    }
+
+    /// Each material whose base colour has other texels, by its number in the file.
+    pub fn materials_with_texels(&self) -> impl Iterator<Item = usize> {
+        self.texels.keys().copied()
     }
 
     /// Each material that has one of its own, by its number in the file, with its cutoff.
@@ -61,10 +93,10 @@ impl Cutoffs {
 
     /// Whether all materials stay as they are.
     pub fn is_empty(&self) -> bool {
-        self.of_materials.is_empty() && self.without_mips.is_empty()
+        self.of_materials.is_empty() && self.without_mips.is_empty() && self.texels.is_empty()
     }
 
-    /// Whether something was chosen for a material.
+    /// Whether a cutoff was chosen for a material, or no mip maps.
     pub(super) fn has(&self, material: usize) -> bool {
         self.of_materials.contains_key(&material) || self.without_mips.contains(&material)
     }
@@ -72,6 +104,13 @@ impl Cutoffs {
     /// Gives them to the materials of a draft. What the file does not have, or does not cut out, stays
     /// as it is.
     pub(super) fn apply(&self, draft: &mut Draft, tree: &Tree) {
+        texels::replace(draft, &self.texels);
+        for material in self.materials_with_texels() {
+            let place = tree.document.place("materials", material);
+            draft.notes.push(format!(
+                "{place}: clear texels of its texture have the colours of what is near, so that mip maps mix in nothing else"
+            ));
+        }
         for material in self.materials_without_mips() {
             if masked(draft, material).is_none() {
                 continue;
@@ -130,6 +169,32 @@ impl Tree {
     /// The materials of leaves that cut out what a texture with mip maps shows, by their numbers in
     /// the file.
     pub fn cut_out_materials(&self) -> Vec<usize> {
+        self.cut_out_looks().into_keys().collect()
+    }
+
+    /// The base colour textures of these materials. Those that can't be decoded are left out.
+    ///
+    /// # Errors
+    /// [`GltfError`] if an image can't be read, or they are too large.
+    pub fn cut_out_textures(&self) -> Result<Vec<CutOutTexture>, GltfError> {
+        let mut pictures = Pictures::new(&self.document, self.document.budget);
+        let mut found = Vec::new();
+        for (material, look) in self.cut_out_looks() {
+            let (AlphaMode::Mask(cutoff), Some(texture)) = (look.alpha_mode, look.texture) else {
+                continue;
+            };
+            let texture =
+                texture_of(texture, &mut pictures).map_err(|fault| self.document.error(fault))?;
+            found.extend(texture.map(|texture| CutOutTexture {
+                material,
+                texture,
+                cutoff: cutoff / look.base_color[3],
+            }));
+        }
+        Ok(found)
+    }
+
+    fn cut_out_looks(&self) -> BTreeMap<usize, MaterialLook> {
         let document = &self.document;
         let mut parts: Vec<usize> = Vec::new();
         for source in &self.leaf_sources {
@@ -140,17 +205,15 @@ impl Tree {
         }
         parts.sort_unstable();
         parts.dedup();
-        let material = |part: &usize| {
+        let look = |part: &usize| {
             let part = &self.parts[*part];
             let look = document.look(part.mesh, part.primitive).ok()?;
             let is_masked = matches!(look.alpha_mode, AlphaMode::Mask(_));
             let texture = look.texture.filter(|texture| texture.image.is_some())?;
             let has_mips = texture.filters.mips != Mips::None;
-            (is_masked && has_mips).then_some(look.material).flatten()
+            let material = look.material.filter(|_| is_masked && has_mips)?;
+            Some((material, look))
         };
-        let mut materials: Vec<usize> = parts.iter().filter_map(material).collect();
-        materials.sort_unstable();
-        materials.dedup();
-        materials
+        parts.iter().filter_map(look).collect()
     }
 }

@@ -30,9 +30,10 @@ mod staged_files;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+mod texels;
 mod vertices;
 
-pub use cutoffs::Cutoffs;
+pub use cutoffs::{CutOutTexture, Cutoffs};
 pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub(crate) use references::check_references;

@@ -10,7 +10,8 @@ use std::slice::from_ref;
 use secateur_eval::MipMaps;
 use secateur_model::Mips;
 
-use super::textures::{Client, LevelAsDrawn};
+use super::level_as_drawn::LevelAsDrawn;
+use super::textures::Client;
 use crate::impostor::Impostor;
 
 /// The range of cutoffs.

@@ -9,7 +9,7 @@ use super::level::{ChainLevel, Shape};
 use super::level_surfaces::LevelSurfaces;
 use super::maker::Maker;
 use super::texture_bytes::{bytes_of, texture_bytes};
-use super::textures::{Chosen, Client, end_of};
+use super::textures::{Client, end_of};
 use super::which::Placed;
 use crate::impostor::Impostor;
 use crate::impostor::judge::Judge;
@@ -143,12 +143,12 @@ impl Maker<'_> {
             match pictured {
                 Pictured::Mesh(drawn) => {
                     let wanted = self.options.textures;
-                    let Chosen { textures, as_drawn } =
-                        client.choose(&drawn, range, wanted, number == 0);
+                    let chosen = client.choose(&drawn, range, wanted, number == 0);
                     level.texture_bytes =
-                        texture_bytes(items.document(), &drawn.materials, &textures);
-                    level.textures = textures;
-                    level.as_drawn = Some(as_drawn);
+                        texture_bytes(items.document(), &drawn.materials, &chosen.textures);
+                    level.textures = chosen.textures;
+                    level.keeps_textures = chosen.keeps_textures;
+                    level.as_drawn = Some(chosen.as_drawn);
                 }
                 Pictured::Impostor(impostor) => {
                     let material = &impostor.surface.material;

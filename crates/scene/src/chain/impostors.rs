@@ -187,6 +187,7 @@ impl Maker<'_> {
             order_sha256: None,
             order: None,
             textures: Vec::new(),
+            keeps_textures: true,
             texture_bytes: 0,
             as_drawn: None,
         }

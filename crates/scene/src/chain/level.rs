@@ -3,7 +3,7 @@
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Lod, RemovalOrder};
 
-use super::textures::LevelAsDrawn;
+use super::level_as_drawn::LevelAsDrawn;
 use crate::impostor::Impostor;
 
 /// A level of a chain, and from where it is to be seen.
@@ -42,6 +42,8 @@ pub struct ChainLevel {
     pub order: Option<RemovalOrder>,
     /// Base colour textures of its own; empty where it has those of the tree.
     pub textures: Vec<LevelTexture>,
+    /// Whether its textures are those of the tree, but for the colours of clear texels.
+    pub keeps_textures: bool,
     /// What all images of its materials take, four bytes a texel, with mips where they are read.
     pub texture_bytes: u64,
     /// How much of it a client shows; none for octahedral views, which only their sampler shows.

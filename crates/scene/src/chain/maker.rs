@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
+use secateur_gltf::chain::LevelTexture;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood_sharing};
@@ -14,6 +15,7 @@ use super::level::{ChainLevel, Shape};
 use super::look::{Drawn, Enough, Look};
 use super::options::{ChainOptions, HEIGHTS_PX, Wanted};
 use super::textures::Client;
+use crate::dilated_textures;
 
 /// A level before its distance is known.
 #[derive(Clone)]
@@ -42,6 +44,8 @@ pub(super) struct Maker<'a> {
     /// Triangles of the whole plant.
     pub(super) all: usize,
     pub(super) look: Look,
+    /// Textures of the tree in whose place levels show the same with the colours of leaves in clear texels.
+    dilated: Vec<LevelTexture>,
     /// The leaves, drawn in the held-out views.
     leaves: Measured<'a>,
     /// What levels share of the leaves' simplification.
@@ -67,7 +71,13 @@ impl<'a> Maker<'a> {
             )?),
         };
         let (look, judging) = Look::new(items.document(), items.foliage(), leaves, options)?;
+        let dilated = dilated_textures(items)?.into_iter();
+        let dilated = dilated.map(|one| LevelTexture {
+            material: one.material,
+            texture: one.texture,
+        });
         Ok(Self {
+            dilated: dilated.collect(),
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
             leaf_options: Options {
@@ -93,6 +103,7 @@ impl<'a> Maker<'a> {
             self.options.screen,
             look.height,
         )
+        .with_dilated(self.dilated.clone())
     }
 
     pub(super) fn level(
@@ -231,6 +242,7 @@ impl<'a> Maker<'a> {
             order_sha256: Some(order.sha256()),
             order: Some(order),
             textures: Vec::new(),
+            keeps_textures: true,
             texture_bytes: 0,
             as_drawn: None,
             shape: Shape::Mesh(made.lod),

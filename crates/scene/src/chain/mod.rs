@@ -9,6 +9,7 @@ mod impostors;
 mod ladder;
 mod leaf_texture;
 mod level;
+mod level_as_drawn;
 mod level_surfaces;
 mod look;
 mod maker;
@@ -28,13 +29,14 @@ use secateur_simplify::Observer;
 
 pub use error::ChainError;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
+pub use level_as_drawn::LevelAsDrawn;
 pub use level_surfaces::show;
 use maker::Maker;
 pub use options::{
     ChainOptions, DISTANCES, HEIGHTS_PX, MAX_FLIP, MAX_LEVELS, SCREEN_HEIGHTS_PX, Wanted,
 };
 pub use scene_look::SceneLook;
-pub use textures::{LevelAsDrawn, Textures};
+pub use textures::Textures;
 use which::{asked, lightest, spread};
 
 /// Makes a chain of a tree.

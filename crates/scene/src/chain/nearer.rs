@@ -1,7 +1,8 @@
 //! Levels that are looked at from nearer than they are made for: in a viewer, or in a picture of 512 pixels.
 
+use super::level_as_drawn::MOST_MORE_SPECKS;
 use super::level_surfaces::{LevelSurfaces, retextured};
-use super::textures::{Chosen, Client, MOST_MORE_SPECKS};
+use super::textures::{Chosen, Client};
 
 /// About as high as `measure --as-drawn 512` shows a plant.
 const NEARER_PX: f64 = 300.0;

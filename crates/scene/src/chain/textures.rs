@@ -11,20 +11,12 @@ use secateur_raster::{View, ViewSet};
 
 use super::fitted_textures::FittedTextures;
 use super::leaf_texture::{Make, Outline};
+use super::level_as_drawn::{LevelAsDrawn, WITHIN};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use crate::Screen;
 
-/// How much of the truth a level may cover, in pictures of a client.
-const WITHIN: [f64; 2] = [0.9, 1.1];
-
 /// Coverage that is no farther off than this is not worth another try.
 const NEAR_ENOUGH: f64 = 0.04;
-
-/// As many specks a view as a level may show more than the original does by the same client.
-pub(super) const MOST_MORE_SPECKS: f64 = 2.0;
-
-/// What coverage out of its bounds counts besides: as much as a hundred specks.
-const OUT_OF_BOUNDS: f64 = 1.0;
 
 /// Above this error textures that are less sharp are tried: coverage is out of its bounds, or shows about 20
 /// specks more than it may.
@@ -47,10 +39,6 @@ const ENOUGH_PX: f64 = 64.0;
 /// From how many times as many sides at most.
 const MOST_TURNS: f64 = 12.0;
 
-/// By how much more than is allowed coverage may change over the range of a level before other shares
-/// of the leaves are no more tried.
-const HOPELESS: f64 = 1.1;
-
 /// The last level is taken to be seen down to this height.
 const LAST_END_PX: f64 = 64.0;
 
@@ -68,63 +56,11 @@ const SPECKS_PX: f64 = 384.0;
 /// What leaves of a level show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Textures {
-    /// Textures made for the distance.
+    /// Textures made for the distance, or those of the tree with the colours of leaves in clear texels.
     #[default]
     Fit,
     /// Those of the tree.
     Keep,
-}
-
-/// How a client draws a level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LevelAsDrawn {
-    /// From where it begins to be seen.
-    pub begin: Shown,
-    /// From where the next takes over; for the last, where it is 64 pixels high, or half as high as
-    /// where it begins if that is less.
-    pub end: Shown,
-    /// Specks in a view of it, at the worse of the two, beyond those of the original, where a client
-    /// shows as much of that as there is: what fades away has no specks.
-    pub more_specks_per_view: f64,
-}
-
-impl LevelAsDrawn {
-    /// The share by which coverage is off where it is off most.
-    pub(super) fn coverage_error(&self) -> f64 {
-        let of = |shown: &Shown| (shown.coverage_over_truth - 1.0).abs();
-        of(&self.begin).max(of(&self.end))
-    }
-
-    /// The share by which coverage is off where it is off most; a speck too many counts as much
-    /// as a hundredth, and coverage out of its bounds besides.
-    pub(super) fn error(&self) -> f64 {
-        let shown = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
-        let is_within = shown.iter().all(|of| (WITHIN[0]..=WITHIN[1]).contains(of));
-        let out = if is_within { 0.0 } else { OUT_OF_BOUNDS };
-        self.coverage_error() + 0.01 * self.specks_too_many() + out
-    }
-
-    fn specks_too_many(&self) -> f64 {
-        (self.more_specks_per_view - MOST_MORE_SPECKS).max(0.0)
-    }
-
-    /// By how much more should be seen, for coverage to be off as little as can be.
-    pub(super) fn wanted_gain(&self) -> f64 {
-        let [begin, end] = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
-        (begin * end).sqrt().recip().clamp(0.5, 2.0)
-    }
-
-    /// Whether more or less of the leaves brings the end within its bounds only where the beginning leaves
-    /// them.
-    fn is_hopeless(&self) -> bool {
-        let [begin, end] = [self.begin, self.end].map(|shown| shown.coverage_over_truth);
-        begin.max(end) > begin.min(end) * HOPELESS * WITHIN[1] / WITHIN[0]
-    }
-
-    pub(super) fn is_within(&self) -> bool {
-        let within = |shown: &Shown| (WITHIN[0]..=WITHIN[1]).contains(&shown.coverage_over_truth);
-        within(&self.begin) && within(&self.end) && self.specks_too_many() == 0.0
-    }
 }
 
 /// Where a level ends that begins at this height, and the next at that.
@@ -135,6 +71,8 @@ pub(super) fn end_of(begin: f64, next: Option<f64>) -> f64 {
 /// Textures of a level, and what a client shows with them.
 pub(super) struct Chosen {
     pub(super) textures: Vec<LevelTexture>,
+    /// Whether they are those of the tree, but for the colours of clear texels.
+    pub(super) keeps_textures: bool,
     pub(super) as_drawn: LevelAsDrawn,
 }
 
@@ -149,6 +87,8 @@ pub(super) struct Client<'a> {
     truths: RefCell<BTreeMap<u64, AsDrawnCoverage>>,
     /// The mip maps of the tree's own textures.
     mips: MipMaps,
+    /// What levels show instead of textures of the tree that they keep.
+    dilated: Vec<LevelTexture>,
 }
 
 impl<'a> Client<'a> {
@@ -167,7 +107,14 @@ impl<'a> Client<'a> {
             plant_height,
             truths: RefCell::default(),
             mips: MipMaps::of_cut_outs(original),
+            dilated: Vec::new(),
         }
+    }
+
+    /// The same, but levels that keep textures of the tree show these instead: their alpha is the same, but not
+    /// the colours of clear texels, which mip maps mix in.
+    pub(super) fn with_dilated(self, dilated: Vec<LevelTexture>) -> Self {
+        Self { dilated, ..self }
     }
 
     /// How a level looks with its surfaces as they are.
@@ -210,12 +157,24 @@ impl<'a> Client<'a> {
             Chosen {
                 as_drawn: self.as_drawn(&surfaces, range),
                 textures,
+                keeps_textures: false,
             }
         };
+        let kept = |textures| Chosen {
+            keeps_textures: true,
+            ..of(textures)
+        };
+        if wanted == Textures::Keep {
+            return kept(Vec::new());
+        }
+        let dilated = || {
+            let is_shown = |own: &&LevelTexture| level.materials.contains(&Some(own.material));
+            kept(self.dilated.iter().filter(is_shown).cloned().collect())
+        };
         let mut best: Option<Chosen> = None;
-        if wanted == Textures::Keep || is_first {
-            let kept = of(Vec::new());
-            if wanted == Textures::Keep || kept.as_drawn.is_within() {
+        if is_first {
+            let kept = dilated();
+            if kept.as_drawn.is_within() {
                 return kept;
             }
             best = Some(kept);
@@ -248,7 +207,7 @@ impl<'a> Client<'a> {
         let best_error = best.as_ref().map(|best| best.as_drawn.error());
         let kept = match is_first {
             true => None,
-            false => Some(of(Vec::new())),
+            false => Some(dilated()),
         };
         let is_better = |kept: &Chosen| best_error.is_none_or(|e| kept.as_drawn.error() <= e);
         kept.filter(is_better)
@@ -376,27 +335,6 @@ mod tests {
     use super::*;
     use glam::{DVec3, Vec2};
     use secateur_model::{AlphaMode, Filters, Finish, Material, Texture, Wrap};
-
-    #[test]
-    fn coverage_within_its_bounds_is_worth_some_specks() {
-        let drawn = |coverage: [f64; 2], more_specks_per_view: f64| {
-            let [begin, end] = coverage.map(|coverage_over_truth| Shown {
-                coverage_over_truth,
-                specks_per_view: 0.0,
-            });
-            let drawn = LevelAsDrawn {
-                begin,
-                end,
-                more_specks_per_view,
-            };
-            drawn.error()
-        };
-        let faded = drawn([0.96, 0.51], 55.0);
-        assert!(drawn([0.96, 0.98], 179.0) < faded);
-        assert!(drawn([0.96, 0.98], 400.0) > faded);
-        // Within their bounds, specks count as they did.
-        assert!(drawn([0.96, 0.91], 20.0) < drawn([0.97, 0.99], 80.0));
-    }
 
     /// A card of 1 x 1 whose mask is a quarter of all texels, here and there.
     fn sparse_card() -> Surface {

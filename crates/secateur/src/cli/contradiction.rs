@@ -4,7 +4,7 @@ use secateur::{FieldOfView, Fitting, LeafTriangles, Preset, Resolution, Views};
 
 use super::args::{MaxCoverage, Simplify};
 use super::names::{
-    AlphaName, CutoffsName, MethodName, NeedlesName, ReferenceName, TiesName, text,
+    AlphaName, ColorsName, CutoffsName, MethodName, NeedlesName, ReferenceName, TiesName, text,
 };
 
 /// Why a paper's preset can't be what it says, a sentence; nothing where all agrees. Other presets
@@ -61,6 +61,7 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
             "--cutoffs",
             args.cutoffs.is_some_and(|name| name != CutoffsName::Keep),
         ),
+        ("--colors", args.colors == Some(ColorsName::Dilate)),
         ("--fit", !matches!(args.fit, Fitting::Auto | Fitting::None)),
     ];
     let (option, _) = others.into_iter().find(|(_, is_other)| *is_other)?;

@@ -62,6 +62,15 @@ pub(crate) enum CutoffsName {
     Keep,
 }
 
+/// Which colours clear texels of leaf textures have in the result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ColorsName {
+    /// Those of the leaves near them, where mip maps would mix in others
+    Dilate,
+    /// Those of the tree
+    Keep,
+}
+
 names!(
 /// What becomes of the wood.
 WoodName => WoodMode {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use secateur::{
     AreaTable, Inspection, Judging, Objective, Options, StagedFiles, TakenFor, Views, Vmi, Written,
 };
-use secateur_scene::ChosenCutoffs;
+use secateur_scene::{ChosenCutoffs, Dilated};
 use serde_json::{Map, Value, json};
 
 use super::args;
@@ -56,6 +56,8 @@ pub(crate) struct RunRecord<'a> {
     pub(crate) options: &'a Options,
     /// Where other alpha cutoffs were chosen.
     pub(crate) cutoffs: Option<&'a ChosenCutoffs>,
+    /// Leaf textures with other colours where they are clear.
+    pub(crate) colors: &'a [Dilated],
     pub(crate) written: &'a Written,
     pub(crate) surroundings: &'a Surroundings,
     pub(crate) stages: &'a [(&'static str, f64)],
@@ -97,6 +99,7 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "driving_vmi_error_percent": result.driving_error_percent(),
         "stopped": result.stopped.name(),
         "cutoffs": super::cutoffs::record(run.cutoffs),
+        "colors": super::colors::record(run.colors),
         "audit": result.audited_by,
         "settings": settings(run, args),
         "foliage": foliage(subject.tree().inspection()),

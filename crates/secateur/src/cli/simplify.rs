@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Cutoffs, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders,
-    MeshoptOptions, Method, Objective, Options, PreparedLod, Preset, Progress, Resolution,
-    Simplified, StagedFiles, StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode,
-    WriteOptions, Written, read_cameras,
+    ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders, MeshoptOptions,
+    Method, Objective, Options, PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles,
+    StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
+    read_cameras,
 };
 use secateur_raster::Scene;
 
@@ -20,7 +20,7 @@ use super::progress_bar::RunProgress;
 use super::record::{self, RunRecord};
 use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
-use super::{cutoffs, interrupt, machine, order, output};
+use super::{colors, cutoffs, interrupt, machine, order, output};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -68,14 +68,22 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         let lod = &outcome.lod;
         Ok(cutoffs::chosen(tree, lod, &options, args, &mut warnings))
     })?;
+    interrupt::check()?;
+    let dilated = timed(&mut stages, "colors", || {
+        let lod = &outcome.lod;
+        Ok(colors::chosen(tree, lod, &options, args, &mut warnings))
+    })?;
     interrupt::writing()?;
     machine::give_back_free_memory();
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        let none = Cutoffs::default();
-        let cutoffs = chosen.as_ref().map_or(&none, |chosen| &chosen.cutoffs);
-        tree.prepare_lod_with(&outcome.lod, cutoffs, &args.output, write_options(args))
+        let cutoffs = chosen.as_ref().map(|chosen| chosen.cutoffs.clone());
+        let texels = dilated
+            .iter()
+            .map(|one| (one.material, one.texture.clone()));
+        let cutoffs = cutoffs.unwrap_or_default().with_texels(texels);
+        tree.prepare_lod_with(&outcome.lod, &cutoffs, &args.output, write_options(args))
             .map_err(Failure::from)
     })?;
     let picture = match args.picture {
@@ -101,6 +109,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         outcome: &outcome,
         options: &options,
         cutoffs: chosen.as_ref(),
+        colors: &dilated,
         written: &written,
         surroundings: &surroundings,
         stages: &stages,
@@ -424,6 +433,9 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     }
     if let Some(chosen) = run.cutoffs {
         say("cutoffs", cutoffs::in_words(chosen));
+    }
+    if !run.colors.is_empty() {
+        say("colours", colors::in_words(run.colors));
     }
     if let Some(lost) = result.driving_error_percent() {
         say(

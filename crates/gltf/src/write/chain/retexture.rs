@@ -8,29 +8,17 @@ use std::collections::{BTreeMap, HashMap};
 use serde_json::{Value, json};
 
 use super::super::base_color::{
-    base_color_texture_mut, sampler_number, texture_users, textures_of,
+    base_color_texture_mut, drop_unused_formats, png_image, sampler_number, sources, texture_users,
+    textures_of,
 };
 use super::super::draft::Draft;
-use super::super::drop_unreferenced::{drop_extension, remove_field};
-use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, png_bytes, wrap_code};
+use super::super::drop_unreferenced::remove_field;
+use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, wrap_code};
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::materials::{meshes_below, visit_materials};
 use super::{Level, LevelTexture, undrawn_meshes};
 use crate::material::base_color_texture;
 use secateur_model::{Mips, Texture};
-
-/// Whether the JSON of an object is of a format.
-type IsFormat = fn(&Value) -> bool;
-
-/// Formats of images that no texture here has.
-const FORMATS: [(&str, IsFormat); 2] = [
-    ("EXT_texture_webp", |root| {
-        uses_format(root, "EXT_texture_webp")
-    }),
-    ("KHR_texture_basisu", |root| {
-        uses_format(root, "KHR_texture_basisu")
-    }),
-];
 
 /// Gives each level the textures that it brings along. `copies` are the materials that took the place
 /// of others in a level, by the numbers of those.
@@ -67,26 +55,7 @@ pub(super) fn retexture(
             });
         }
     }
-    for (name, is_used) in FORMATS {
-        drop_extension(&mut draft.root, name, is_used);
-    }
-}
-
-fn uses_format(root: &Value, name: &str) -> bool {
-    textures_of(root).any(|texture| {
-        let extensions = texture.get("extensions");
-        extensions.is_some_and(|all| all.get(name).is_some())
-    })
-}
-
-/// The images of a texture, in whatever format.
-fn sources(texture: &Value) -> Vec<usize> {
-    let extensions = texture.get("extensions").and_then(Value::as_object);
-    let extensions = extensions.into_iter().flat_map(|all| all.values());
-    let holders = std::iter::once(texture).chain(extensions);
-    holders
-        .filter_map(|holder| holder.get("source").and_then(as_index))
-        .collect()
+    drop_unused_formats(draft);
 }
 
 /// How often meshes name a material.
@@ -125,26 +94,12 @@ fn push_material(
 }
 
 fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool) -> usize {
-    let view = draft.push_image(png_bytes(texture));
     let mut fields = draft.root["textures"][old].clone();
-    let mut image = json!({"bufferView": view, "mimeType": "image/png"});
     let all_sources = textures_of(&draft.root).flat_map(sources);
     let all_sources: Vec<usize> = all_sources.collect();
     let is_last = |&image: &usize| all_sources.iter().filter(|other| **other == image).count() == 1;
     let old_image = sources(&fields).into_iter().find(is_last);
-    let source = match old_image.filter(|_| is_alone) {
-        Some(old_image) => {
-            let before = &draft.root["images"][old_image];
-            for kept in ["name", "extras"] {
-                if let Some(value) = before.get(kept) {
-                    image[kept] = value.clone();
-                }
-            }
-            draft.root["images"][old_image] = image;
-            old_image
-        }
-        None => draft.push("images", image),
-    };
+    let source = png_image(draft, texture, old_image.filter(|_| is_alone));
     let [wrap_s, wrap_t] = texture.wrap.map(wrap_code);
     let sampler = json!({
         "magFilter": LINEAR,

@@ -23,6 +23,7 @@ mod on_disk;
 mod particulars;
 mod real_trees;
 mod skeleton;
+mod texels;
 #[allow(unreachable_pub, reason = "integration tests include this file too")]
 #[path = "../../../../../tests/validator/validator.rs"]
 mod validator;

@@ -6,7 +6,7 @@ use clap::Args;
 use secateur::{FieldOfView, Fitting, LeafTriangles, Resolution, Target};
 
 use super::super::names::{
-    AlphaName, ClusterSizeName, CornersName, CutoffsName, EngineName, HausdorffName,
+    AlphaName, ClusterSizeName, ColorsName, CornersName, CutoffsName, EngineName, HausdorffName,
     MeshoptModeName, MethodName, MetricName, NeedlesName, PresetName, ReferenceName, ResizeName,
     SidesName, TiesName, WoodName,
 };
@@ -87,6 +87,10 @@ pub(crate) struct Simplify {
     /// count; else keep].
     #[arg(long, value_enum)]
     pub(crate) cutoffs: Option<CutoffsName>,
+    /// Which colours clear texels of leaf textures have in the result: mip maps mix them in, so that leaves
+    /// over black get darker from afar [default: dilate where cutoffs are chosen; else keep].
+    #[arg(long, value_enum)]
+    pub(crate) colors: Option<ColorsName>,
     /// What the cost of a leaf is measured against [default: previous for the look, original for
     /// information].
     #[arg(long, help_heading = OF_VDS, value_enum)]

@@ -68,9 +68,13 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
             "silhouette_iou": level.silhouette_iou,
             "vmi_error_percent": level.vmi_error_percent,
             "order_sha256": level.order_sha256,
-            "textures": match level.textures.is_empty() {
+            "textures": match level.keeps_textures {
                 true => "keep",
                 false => "fit",
+            },
+            "colors": match level.textures.is_empty() {
+                true => "keep",
+                false => "dilate",
             },
             "texture_bytes": level.texture_bytes,
             "coverage_as_drawn": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),

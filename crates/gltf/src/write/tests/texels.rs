@@ -1,0 +1,126 @@
+//! Base colour textures of a level with other texels.
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use super::beyond_cards::{cards, middle};
+use super::every_encoding::one_gone_one_grown;
+use super::fixture::{Fixture, read};
+use super::validator::assert_valid;
+use crate::{Cutoffs, Tree};
+use secateur_model::Texture;
+
+/// Cards whose sampler is one that no new texture would get.
+fn with_nearest_texels() -> Fixture {
+    let mut fixture = cards(0.3, middle);
+    fixture.root["samplers"] = json!([{"magFilter": 9728, "minFilter": 9986, "wrapS": 33648}]);
+    fixture.root["textures"][0]["sampler"] = 0.into();
+    fixture
+}
+
+/// The texture of the leaves, all of one colour.
+fn painted(tree: &Tree) -> Arc<Texture> {
+    let [own] = &tree.cut_out_textures().unwrap()[..] else {
+        panic!("one material is cut out");
+    };
+    assert_eq!((own.material, own.cutoff), (1, 0.3));
+    let mut texture = Texture::clone(&own.texture);
+    for texel in texture.rgba.chunks_exact_mut(4) {
+        texel[..3].copy_from_slice(&[70, 110, 40]);
+    }
+    Arc::new(texture)
+}
+
+/// What is written of a level with these texels in materials.
+fn written(fixture: &Fixture, materials: &[usize]) -> (Tree, Value, Arc<Texture>) {
+    let tree = fixture.tree();
+    let texture = painted(&tree);
+    let own = materials
+        .iter()
+        .map(|material| (*material, texture.clone()));
+    let chosen = Cutoffs::default().with_texels(own);
+    let bytes = tree.lod_to_bytes_with(&one_gone_one_grown(&tree), &chosen);
+    let bytes = bytes.unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("level.glb");
+    std::fs::write(&file, &bytes).unwrap();
+    assert_valid(&[file]);
+    let tree = read(bytes);
+    let root = tree.document.root.clone();
+    (tree, root, texture)
+}
+
+#[test]
+fn texels_change_and_nothing_else() {
+    let fixture = with_nearest_texels();
+    // There is no seventh material.
+    let (tree, root, texture) = written(&fixture, &[1, 7]);
+    let found = tree.cut_out_textures().unwrap();
+    assert_eq!(found[0].texture, texture, "alpha and sampler stay");
+    for list in ["images", "textures", "samplers", "materials"] {
+        let count = |root: &Value| root[list].as_array().unwrap().len();
+        assert_eq!(count(&root), count(&fixture.root), "{list}");
+    }
+    assert_eq!(root["images"][0]["name"], "leaf");
+    assert_eq!(root["samplers"], fixture.root["samplers"]);
+    // The old image went: there are as many views as without the change.
+    let before = fixture.tree();
+    let as_it_was = before.lod_to_bytes(&one_gone_one_grown(&before)).unwrap();
+    let as_it_was = read(as_it_was).document.root.clone();
+    let views = |root: &Value| root["bufferViews"].as_array().unwrap().len();
+    assert_eq!(views(&root), views(&as_it_was));
+}
+
+#[test]
+fn what_the_wood_shows_of_the_same_texture_stays() {
+    let mut fixture = with_nearest_texels();
+    fixture.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    let (tree, root, texture) = written(&fixture, &[1]);
+    assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
+    assert_eq!(root["images"].as_array().unwrap().len(), 2);
+    let color = |material: usize| {
+        let drawn = tree.document.surfaces(&[]).unwrap();
+        let leaves = drawn
+            .iter()
+            .find(|(_, is_foliage)| *is_foliage == (material == 1));
+        let texture = leaves.unwrap().0.material.texture.clone().unwrap();
+        [texture.rgba[0], texture.rgba[1], texture.rgba[2]]
+    };
+    assert_eq!([color(0), color(1)], [[10, 200, 30], [70, 110, 40]]);
+}
+
+/// Materials that share a texture, and textures that share an image, share the new one.
+#[test]
+fn what_was_shared_still_is() {
+    let mut fixture = with_nearest_texels();
+    let leaves = fixture.root["materials"][1].clone();
+    let mut other = leaves.clone();
+    other["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 1.into();
+    let materials = fixture.root["materials"].as_array_mut().unwrap();
+    let first = materials.len();
+    materials.extend([leaves, other]);
+    let textures = fixture.root["textures"].as_array_mut().unwrap();
+    textures.push(json!({"source": 0}));
+    let (tree, root, texture) = written(&fixture, &[1, first, first + 1]);
+    assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
+    for (list, count) in [("images", 1), ("textures", 2)] {
+        assert_eq!(root[list].as_array().unwrap().len(), count, "{list}");
+    }
+    // One of them keeps its texels where they are not to change.
+    let (_, root, _) = written(&fixture, &[1]);
+    for (list, count) in [("images", 2), ("textures", 3)] {
+        assert_eq!(root[list].as_array().unwrap().len(), count, "{list}");
+    }
+}
+
+#[test]
+fn no_copy_in_another_format_shows_the_old_texels() {
+    let mut fixture = with_nearest_texels();
+    fixture.use_extension("EXT_texture_webp", false);
+    fixture.root["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": 0}});
+    let (_, root, _) = written(&fixture, &[1]);
+    assert_eq!(root["textures"][0].get("extensions"), None);
+    let used = root["extensionsUsed"].to_string();
+    assert!(!used.contains("EXT_texture_webp"), "{used}");
+}

@@ -1,0 +1,203 @@
+//! The colours of texels that are cut away.
+//!
+//! Nobody sees them, but mip maps mix them in: over black ones leaves get darker the farther off they
+//! are, over white ones they get a pale rim. Such texels get the colours of the leaves near them.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use secateur_gltf::{GltfError, Tree};
+use secateur_model::Texture;
+
+/// Mip maps are looked at where they are this many times smaller.
+const BLOCK: u32 = 8;
+
+/// Colours that differ by no more than this in the mean, of 255, stay as they are.
+const HARDLY: f64 = 4.0;
+
+/// A base colour texture in whose clear texels colours were spread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dilated {
+    /// The number of the material that shows it.
+    pub material: usize,
+    /// Its texels; alpha and sampler are as they were.
+    pub texture: Arc<Texture>,
+    /// By how much mip maps of an eighth of the size differ by it, in the mean over what they show, of 255.
+    pub difference: f64,
+}
+
+/// The base colour textures of a tree's cut-out leaves that mip maps mix other colours into, with the colours of
+/// leaves in their clear texels instead. Those whose mip maps hardly differ by it are left out.
+///
+/// # Errors
+/// [`GltfError`] if an image can't be read.
+pub fn dilated_textures(tree: &Tree) -> Result<Vec<Dilated>, GltfError> {
+    let mut known: HashMap<_, Option<Dilated>> = HashMap::new();
+    let mut all = Vec::new();
+    for one in tree.cut_out_textures()? {
+        let key = (Arc::as_ptr(&one.texture), one.cutoff.to_bits());
+        let made = known.entry(key).or_insert_with(|| {
+            let texture = dilated(&one.texture, one.cutoff);
+            let difference = difference(&one.texture, &texture, one.cutoff);
+            (difference > HARDLY).then(|| Dilated {
+                material: one.material,
+                texture: Arc::new(texture),
+                difference,
+            })
+        });
+        all.extend(made.clone().map(|made| Dilated {
+            material: one.material,
+            ..made
+        }));
+    }
+    Ok(all)
+}
+
+/// The texture with the mean colours of what is shown nearby where nothing is (pull and push; Gortler et
+/// al., The Lumigraph, 1996).
+fn dilated(texture: &Texture, cutoff: f32) -> Texture {
+    let shown = |texel: &[u8]| match f32::from(texel[3]) / 255.0 >= cutoff {
+        true => [texel[0], texel[1], texel[2], 255],
+        false => [0; 4],
+    };
+    let size = [texture.width as usize, texture.height as usize];
+    let mut colors: Vec<[u8; 4]> = texture.rgba.chunks_exact(4).map(shown).collect();
+    fill(&mut colors, size);
+    let filled = texture.rgba.chunks_exact(4).zip(&colors);
+    let rgba = filled.flat_map(|(before, [r, g, b, _])| [*r, *g, *b, before[3]]);
+    Texture {
+        rgba: rgba.collect(),
+        ..texture.clone()
+    }
+}
+
+/// Fills texels whose fourth byte is 0 from an image of half the size; nothing where all are so.
+fn fill(colors: &mut [[u8; 4]], [width, height]: [usize; 2]) {
+    if colors.iter().all(|color| color[3] > 0) || (width <= 1 && height <= 1) {
+        return;
+    }
+    let half = [width.div_ceil(2), height.div_ceil(2)];
+    let mean = |at: usize| {
+        let (column, row) = (at % half[0] * 2, at / half[0] * 2);
+        let mut sum = [0u32; 3];
+        let mut count = 0;
+        for y in row..(row + 2).min(height) {
+            for color in &colors[y * width..][column..(column + 2).min(width)] {
+                if color[3] > 0 {
+                    count += 1;
+                    for (sum, channel) in sum.iter_mut().zip(color) {
+                        *sum += u32::from(*channel);
+                    }
+                }
+            }
+        }
+        match count {
+            0 => [0; 4],
+            _ => {
+                let [r, g, b] = sum.map(|sum| ((sum + count / 2) / count) as u8);
+                [r, g, b, 255]
+            }
+        }
+    };
+    let mut above: Vec<[u8; 4]> = (0..half[0] * half[1]).map(mean).collect();
+    fill(&mut above, half);
+    for (at, color) in colors.iter_mut().enumerate().filter(|(_, c)| c[3] == 0) {
+        *color = above[at / width / 2 * half[0] + at % width / 2];
+    }
+}
+
+/// By how much blocks of texels differ in their mean colour, of 255, in the mean over those that show something.
+fn difference(before: &Texture, after: &Texture, cutoff: f32) -> f64 {
+    let (width, height) = (before.width, before.height);
+    let (mut sum, mut count) = (0.0, 0u32);
+    for top in (0..height).step_by(BLOCK as usize) {
+        for left in (0..width).step_by(BLOCK as usize) {
+            let (mut moved, mut texels, mut is_shown) = (0i64, 0i64, false);
+            for y in top..(top + BLOCK).min(height) {
+                for x in left..(left + BLOCK).min(width) {
+                    let at = 4 * (y as usize * width as usize + x as usize);
+                    let [a, b] = [before, after].map(|texture| &texture.rgba[at..at + 4]);
+                    let change = |k: usize| i64::from(b[k]) - i64::from(a[k]);
+                    moved += (0..3).map(change).sum::<i64>();
+                    texels += 3;
+                    is_shown |= f32::from(a[3]) / 255.0 >= cutoff;
+                }
+            }
+            if is_shown {
+                sum += (moved as f64 / texels as f64).abs();
+                count += 1;
+            }
+        }
+    }
+    sum / f64::from(count.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur_model::{Filters, Wrap};
+
+    /// Left of the middle leaves of one colour, with this one in what is cut away.
+    fn half(clear: [u8; 3], [width, height]: [u32; 2]) -> Texture {
+        let texel = |at: u32| match at % width < width / 2 {
+            true => [90, 120, 50, 255],
+            false => [clear[0], clear[1], clear[2], 0],
+        };
+        Texture {
+            width,
+            height,
+            rgba: (0..width * height).flat_map(texel).collect(),
+            wrap: [Wrap::Repeat; 2],
+            filters: Filters::default(),
+        }
+    }
+
+    #[test]
+    fn what_is_cut_away_gets_the_colour_of_leaves_and_stays_clear() {
+        for size in [[16, 16], [13, 7], [2, 1], [40, 3]] {
+            let before = half([0; 3], size);
+            let after = dilated(&before, 0.5);
+            let pairs = before.rgba.chunks(4).zip(after.rgba.chunks(4));
+            for (at, (before, after)) in pairs.enumerate() {
+                assert_eq!(after, [90, 120, 50, before[3]], "texel {at} of {size:?}");
+            }
+            assert_eq!((after.width, after.height), (size[0], size[1]));
+        }
+    }
+
+    #[test]
+    fn colours_come_from_the_nearest_leaves() {
+        let mut texture = half([0; 3], [32, 4]);
+        for (at, texel) in texture.rgba.chunks_mut(4).enumerate() {
+            texel.copy_from_slice(match at % 32 {
+                0..4 => &[200, 0, 0, 255],
+                28.. => &[0, 200, 0, 255],
+                _ => &[0, 0, 0, 20],
+            });
+        }
+        let after = dilated(&texture, 0.5);
+        let color = |column: usize| <[u8; 4]>::try_from(&after.rgba[4 * column..][..4]).unwrap();
+        assert_eq!(color(6), [200, 0, 0, 20]);
+        assert_eq!(color(25), [0, 200, 0, 20]);
+    }
+
+    #[test]
+    fn only_colours_that_mip_maps_mix_in_count() {
+        // Of the two blocks that show leaves one is half black.
+        let dark = half([0; 3], [24, 8]);
+        let by = |texture: &Texture| difference(texture, &dilated(texture, 0.5), 0.5);
+        assert!(
+            (by(&dark) - 260.0 / 3.0 / 2.0 / 2.0).abs() < 1e-9,
+            "{}",
+            by(&dark)
+        );
+        assert!(by(&half([88, 119, 52], [24, 8])) < HARDLY);
+        // Nothing is shown: nothing is known.
+        let nothing = Texture {
+            rgba: vec![0; 4 * 16],
+            ..half([0; 3], [4, 4])
+        };
+        assert_eq!(dilated(&nothing, 0.5), nothing);
+        assert_eq!(by(&nothing), 0.0);
+    }
+}

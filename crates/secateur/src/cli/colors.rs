@@ -1,0 +1,55 @@
+//! Colours of clear texels in a result, and what is said of them.
+
+use secateur::{Lod, Options, Tree};
+use secateur_scene::{Dilated, dilated_textures};
+use serde_json::{Value, json};
+
+use super::args;
+use super::names::{ColorsName, CutoffsName};
+
+/// The leaf textures of a level with other colours where they are clear; none of a level that is the tree. Images
+/// that can't be read keep theirs, with a warning.
+pub(crate) fn chosen(
+    tree: &Tree,
+    lod: &Lod,
+    options: &Options,
+    args: &args::Simplify,
+    warnings: &mut Vec<String>,
+) -> Vec<Dilated> {
+    let chooses_cutoffs = match args.cutoffs {
+        Some(name) => name != CutoffsName::Keep,
+        None => options.chooses_cutoffs(),
+    };
+    let is_wanted = match args.colors {
+        Some(name) => name == ColorsName::Dilate,
+        None => chooses_cutoffs,
+    };
+    if !is_wanted || *lod == Lod::original(tree.foliage().leaves().len()) {
+        return Vec::new();
+    }
+    dilated_textures(tree).unwrap_or_else(|error| {
+        let warning = format!("leaf textures stay as they are: {error}");
+        tracing::warn!("{warning}");
+        warnings.push(warning);
+        Vec::new()
+    })
+}
+
+/// What the record says of them; nothing where all stay.
+pub(crate) fn record(chosen: &[Dilated]) -> Value {
+    let one = |one: &Dilated| json!({"material": one.material, "difference": one.difference});
+    match chosen {
+        [] => Value::Null,
+        _ => chosen.iter().map(one).collect(),
+    }
+}
+
+/// A line of the summary.
+pub(crate) fn in_words(chosen: &[Dilated]) -> String {
+    let most = chosen.iter().map(|one| one.difference).fold(0.0, f64::max);
+    let textures = match chosen.len() {
+        1 => "the leaf texture has".to_owned(),
+        count => format!("{count} leaf textures have"),
+    };
+    format!("{textures} the colours of leaves in clear texels: mip maps were {most:.0} of 255 off")
+}
