@@ -82,7 +82,7 @@ pub struct AsDrawnMeasurement {
     /// Overlap of the original as drawn with what it truly covers, 0 to 1.
     pub original_truth_iou: f64,
     /// The original as the same client would draw it if it read its textures without mip maps: the error of
-    /// one sample a pixel alone, which a simplified tree has besides its own.
+    /// one sample a pixel alone.
     pub original_without_mips: OriginalAsDrawn,
 }
 

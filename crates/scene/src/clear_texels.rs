@@ -27,18 +27,26 @@ pub struct Dilated {
 }
 
 /// The base colour textures of a tree's cut-out leaves that mip maps mix other colours into, with the colours of
-/// leaves in their clear texels instead. Those whose mip maps hardly differ by it are left out.
+/// leaves in their clear texels instead. A texel is clear that the tree's cutoffs do not show, of no material with that
+/// image; a level with lower ones may show it. Textures whose mip maps hardly differ by it are left out, and so are
+/// those that [`Tree::cut_out_textures`] leaves out.
 ///
 /// # Errors
-/// [`GltfError`] if an image can't be read.
+/// [`GltfError`] if an image can't be read, or they are too large.
 pub fn dilated_textures(tree: &Tree) -> Result<Vec<Dilated>, GltfError> {
+    let textures = tree.cut_out_textures()?;
+    let mut cutoffs: HashMap<usize, f32> = HashMap::new();
+    for one in &textures {
+        let least = cutoffs.entry(one.image).or_insert(one.cutoff);
+        *least = least.min(one.cutoff);
+    }
     let mut known: HashMap<_, Option<Dilated>> = HashMap::new();
     let mut all = Vec::new();
-    for one in tree.cut_out_textures()? {
-        let key = (Arc::as_ptr(&one.texture), one.cutoff.to_bits());
-        let made = known.entry(key).or_insert_with(|| {
-            let texture = dilated(&one.texture, one.cutoff);
-            let difference = difference(&one.texture, &texture, one.cutoff);
+    for one in textures {
+        let cutoff = cutoffs[&one.image];
+        let made = known.entry(Arc::as_ptr(&one.texture)).or_insert_with(|| {
+            let texture = dilated(&one.texture, cutoff);
+            let difference = difference(&one.texture, &texture, cutoff);
             (difference > HARDLY).then(|| Dilated {
                 material: one.material,
                 texture: Arc::new(texture),
@@ -112,19 +120,21 @@ fn difference(before: &Texture, after: &Texture, cutoff: f32) -> f64 {
     let (mut sum, mut count) = (0.0, 0u32);
     for top in (0..height).step_by(BLOCK as usize) {
         for left in (0..width).step_by(BLOCK as usize) {
-            let (mut moved, mut texels, mut is_shown) = (0i64, 0i64, false);
+            let (mut moved, mut texels, mut is_shown) = ([0i64; 3], 0i64, false);
             for y in top..(top + BLOCK).min(height) {
                 for x in left..(left + BLOCK).min(width) {
                     let at = 4 * (y as usize * width as usize + x as usize);
                     let [a, b] = [before, after].map(|texture| &texture.rgba[at..at + 4]);
-                    let change = |k: usize| i64::from(b[k]) - i64::from(a[k]);
-                    moved += (0..3).map(change).sum::<i64>();
-                    texels += 3;
+                    for (k, moved) in moved.iter_mut().enumerate() {
+                        *moved += i64::from(b[k]) - i64::from(a[k]);
+                    }
+                    texels += 1;
                     is_shown |= f32::from(a[3]) / 255.0 >= cutoff;
                 }
             }
             if is_shown {
-                sum += (moved as f64 / texels as f64).abs();
+                let channels = moved.map(|moved| moved.abs() as f64);
+                sum += channels.iter().sum::<f64>() / (3 * texels) as f64;
                 count += 1;
             }
         }
@@ -192,6 +202,8 @@ mod tests {
             by(&dark)
         );
         assert!(by(&half([88, 119, 52], [24, 8])) < HARDLY);
+        // As bright, of another hue.
+        assert!(by(&half([50, 90, 120], [24, 8])) > HARDLY);
         // Nothing is shown: nothing is known.
         let nothing = Texture {
             rgba: vec![0; 4 * 16],

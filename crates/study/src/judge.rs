@@ -10,7 +10,7 @@ use secateur_eval::pictures::{PictureScores, Pictures, difference};
 use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
 use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_model::{Lod, Surface};
-use secateur_scene::{MaterialChange, choose_cutoffs, dilated_textures};
+use secateur_scene::{ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
@@ -96,14 +96,12 @@ impl<'a> LevelJudge<'a> {
         let foliage = self.tree.foliage();
         let measured = self.original.measure_lod(&ran.lod);
         let cutoffs = match ran.chooses_cutoffs {
-            true => choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?
-                .map(|chosen| chosen.cutoffs),
-            false => None,
+            true => {
+                let chosen = choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?;
+                with_dilated_textures(self.tree, &ran.lod, chosen)?
+            }
+            false => Cutoffs::default(),
         };
-        let mut cutoffs = cutoffs.unwrap_or_default();
-        if ran.chooses_cutoffs && ran.lod != Lod::original(foliage.leaves().len()) {
-            cutoffs = with_dilated_textures(self.tree, cutoffs)?;
-        }
         let surfaces = surfaces_of(self.tree, self.path, &ran.lod, &cutoffs)?;
         let judging = self.original.judging();
         let pictured = self
@@ -205,7 +203,15 @@ pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
 
 /// What was chosen for materials of a level, and the colours of leaves in clear texels of their textures, as
 /// `simplify` has them.
-pub(crate) fn with_dilated_textures(tree: &Tree, cutoffs: Cutoffs) -> Result<Cutoffs, Error> {
+pub(crate) fn with_dilated_textures(
+    tree: &Tree,
+    lod: &Lod,
+    chosen: Option<ChosenCutoffs>,
+) -> Result<Cutoffs, Error> {
+    let cutoffs = chosen.map(|chosen| chosen.cutoffs).unwrap_or_default();
+    if *lod == Lod::original(tree.foliage().leaves().len()) {
+        return Ok(cutoffs);
+    }
     let texels = dilated_textures(tree)?.into_iter();
     Ok(cutoffs.with_texels(texels.map(|one| (one.material, one.texture))))
 }

@@ -50,11 +50,17 @@ pub(super) fn sources(texture: &Value) -> Vec<usize> {
 /// The number of a new PNG image; that of `instead_of`, whose place and name it then takes, where there is one.
 pub(super) fn png_image(draft: &mut Draft, texture: &Texture, instead_of: Option<usize>) -> usize {
     let view = draft.push_image(png_bytes(texture));
+    put_png(draft, view, instead_of)
+}
+
+/// The same of a PNG in this buffer view.
+pub(super) fn put_png(draft: &mut Draft, view: usize, instead_of: Option<usize>) -> usize {
     let mut image = json!({"bufferView": view, "mimeType": "image/png"});
-    let Some(old) = instead_of else {
+    // A texture may name an image that the file does not have, beside one in another format.
+    let before = instead_of.and_then(|old| Some((old, draft.root.get("images")?.get(old)?)));
+    let Some((old, before)) = before else {
         return draft.push("images", image);
     };
-    let before = &draft.root["images"][old];
     for kept in ["name", "extras"] {
         if let Some(value) = before.get(kept) {
             image[kept] = value.clone();

@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use super::base_color::change_sampler;
 use super::draft::Draft;
 use super::files::{PreparedLod, WriteOptions};
+use super::references::as_index;
 use super::texels;
-use crate::error::GltfError;
-use crate::material::MaterialLook;
+use crate::error::{ALLOW_MORE, GltfError, Problem};
+use crate::material::{MaterialLook, base_color_texture};
 use crate::picture::Pictures;
 use crate::surfaces::texture_of;
 use crate::tree::Tree;
@@ -20,6 +21,9 @@ use secateur_model::{AlphaMode, Lod, Mips, Texture};
 
 /// What glTF has where a material that cuts out says nothing.
 const DEFAULT_CUTOFF: f64 = 0.5;
+
+/// What a texel of an image takes that is changed: the new one, what it is made from, and its PNG.
+const BYTES_A_CHANGED_TEXEL: u64 = 16;
 
 /// Codes of filters in a sampler.
 const NEAREST: u64 = 9728;
@@ -42,6 +46,8 @@ pub struct Cutoffs {
 pub struct CutOutTexture {
     /// The number of the material in the file.
     pub material: usize,
+    /// The number of its image in the file.
+    pub image: usize,
     /// Its texels and its sampler.
     pub texture: Arc<Texture>,
     /// The alpha of a texel, 0 to 1, from which on it is shown.
@@ -68,7 +74,8 @@ impl Cutoffs {
     }
 
     /// The same, with the texels of these textures as base colour of materials, by their numbers in the file:
-    /// PNG images in the result, read by the samplers that were there.
+    /// PNG images in the result, read by the samplers that were there. Of materials that share an image the first
+    /// says what it becomes.
     #[must_use]
     pub fn with_texels(mut self, texels: impl IntoIterator<Item = (usize, Arc<Texture>)>) -> Self {
         self.texels.extend(texels);
@@ -108,7 +115,7 @@ impl Cutoffs {
         for material in self.materials_with_texels() {
             let place = tree.document.place("materials", material);
             draft.notes.push(format!(
-                "{place}: clear texels of its texture have the colours of what is near, so that mip maps mix in nothing else"
+                "{place}: clear texels of its texture have the colours of what is near, so that nothing else is mixed in"
             ));
         }
         for material in self.materials_without_mips() {
@@ -148,6 +155,14 @@ fn leave_out_mips(sampler: &mut Value) {
     sampler["minFilter"] = json!(if is_nearest { NEAREST } else { LINEAR });
 }
 
+/// Whether an extension names a copy of a material's base colour image.
+fn has_other_formats(tree: &Tree, material: usize) -> bool {
+    let root = &tree.document.root;
+    let texture = root["materials"].get(material).and_then(base_color_texture);
+    let number = texture.and_then(|info| as_index(info.get("index")?));
+    number.is_some_and(|number| root["textures"][number].get("extensions").is_some())
+}
+
 impl Tree {
     /// [`prepare_lod`](Self::prepare_lod) with alpha cutoffs of its own.
     ///
@@ -172,24 +187,38 @@ impl Tree {
         self.cut_out_looks().into_keys().collect()
     }
 
-    /// The base colour textures of these materials. Those that can't be decoded are left out.
+    /// The base colour textures of these materials. Those that can't be decoded, or have an image in another
+    /// format than PNG and JPEG beside, are left out. Room to change each image once is taken, too.
     ///
     /// # Errors
     /// [`GltfError`] if an image can't be read, or they are too large.
     pub fn cut_out_textures(&self) -> Result<Vec<CutOutTexture>, GltfError> {
         let mut pictures = Pictures::new(&self.document, self.document.budget);
-        let mut found = Vec::new();
+        let mut found: Vec<CutOutTexture> = Vec::new();
         for (material, look) in self.cut_out_looks() {
-            let (AlphaMode::Mask(cutoff), Some(texture)) = (look.alpha_mode, look.texture) else {
+            let (AlphaMode::Mask(cutoff), Some(used)) = (look.alpha_mode, look.texture) else {
                 continue;
             };
-            let texture =
-                texture_of(texture, &mut pictures).map_err(|fault| self.document.error(fault))?;
-            found.extend(texture.map(|texture| CutOutTexture {
+            let Some(image) = used.image.filter(|_| !has_other_formats(self, material)) else {
+                continue;
+            };
+            let texture = texture_of(used, &mut pictures);
+            let Some(texture) = texture.map_err(|fault| self.document.error(fault))? else {
+                continue;
+            };
+            if found.iter().all(|other| other.image != image) {
+                let bytes = BYTES_A_CHANGED_TEXEL * (texture.rgba.len() as u64 / 4);
+                let [width, height] = [texture.width, texture.height];
+                let what = || format!("an image of {width} x {height} texels to change");
+                let taken = pictures.budget.take(bytes, what, ALLOW_MORE);
+                taken.map_err(|over| self.document.error(Problem::from(over)))?;
+            }
+            found.push(CutOutTexture {
                 material,
+                image,
                 texture,
                 cutoff: cutoff / look.base_color[3],
-            }));
+            });
         }
         Ok(found)
     }

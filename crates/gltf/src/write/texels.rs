@@ -15,6 +15,9 @@ use secateur_model::Texture;
 /// Gives materials, by their numbers, base colour images with these texels; samplers stay. What nothing else shows is
 /// replaced under its number, so that nothing is left that nobody needs; else a copy goes to the end of the list.
 pub(super) fn replace(draft: &mut Draft, texels: &BTreeMap<usize, Arc<Texture>>) {
+    if texels.is_empty() {
+        return;
+    }
     let mut materials_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for material in texels.keys() {
         if let Some(texture) = base_texture(draft, *material) {
@@ -30,7 +33,6 @@ pub(super) fn replace(draft: &mut Draft, texels: &BTreeMap<usize, Arc<Texture>>)
     let mut images: HashMap<usize, usize> = HashMap::new();
     for (number, materials) in &materials_of {
         let mut texture = draft.root["textures"][*number].clone();
-        // A client that reads no other format takes the first.
         let Some(&old) = sources(&texture).first() else {
             continue;
         };

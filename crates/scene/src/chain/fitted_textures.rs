@@ -45,6 +45,7 @@ impl FittedTextures {
         let texture = |(material, textures): &(usize, LeafTextures)| LevelTexture {
             material: *material,
             texture: Arc::new(textures.made(make)),
+            keeps_sampler: false,
         };
         self.0.iter().map(texture).collect()
     }

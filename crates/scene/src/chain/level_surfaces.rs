@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::Surface;
+use secateur_model::{Surface, Texture};
 
 /// The surfaces of a level, and which material each has.
 #[derive(Clone)]
@@ -31,6 +31,17 @@ pub(super) fn retextured(level: &LevelSurfaces, textures: &[LevelTexture]) -> Ve
 pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTexture]) {
     let own = textures.iter().find(|own| Some(own.material) == material);
     if let Some(own) = own {
-        Arc::make_mut(&mut surface.material).texture = Some(Arc::clone(&own.texture));
+        let shown = &mut Arc::make_mut(&mut surface.material).texture;
+        let mut texture = Arc::clone(&own.texture);
+        if let Some(before) = shown.as_ref().filter(|_| own.keeps_sampler)
+            && (before.wrap, before.filters) != (texture.wrap, texture.filters)
+        {
+            texture = Arc::new(Texture {
+                wrap: before.wrap,
+                filters: before.filters,
+                ..Texture::clone(&texture)
+            });
+        }
+        *shown = Some(texture);
     }
 }

@@ -14,7 +14,7 @@ use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
 use super::look::{Drawn, Enough, Look};
 use super::options::{ChainOptions, HEIGHTS_PX, Wanted};
-use super::textures::Client;
+use super::textures::{Client, Textures};
 use crate::dilated_textures;
 
 /// A level before its distance is known.
@@ -71,10 +71,14 @@ impl<'a> Maker<'a> {
             )?),
         };
         let (look, judging) = Look::new(items.document(), items.foliage(), leaves, options)?;
-        let dilated = dilated_textures(items)?.into_iter();
-        let dilated = dilated.map(|one| LevelTexture {
+        let dilated = match options.textures {
+            Textures::Fit => dilated_textures(items)?,
+            Textures::Keep => Vec::new(),
+        };
+        let dilated = dilated.into_iter().map(|one| LevelTexture {
             material: one.material,
             texture: one.texture,
+            keeps_sampler: true,
         });
         Ok(Self {
             dilated: dilated.collect(),

@@ -1,6 +1,7 @@
 //! What the textures of a level take in a client's memory.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use secateur_gltf::Document;
 use secateur_gltf::chain::LevelTexture;
@@ -25,7 +26,10 @@ pub(super) fn texture_bytes(
             *known = bytes.max(*known);
         }
     }
-    let own = own.iter().map(|own| bytes_of(&own.texture));
+    let mut own: Vec<&Arc<Texture>> = own.iter().map(|own| &own.texture).collect();
+    own.sort_by_key(|texture| Arc::as_ptr(texture));
+    own.dedup_by_key(|texture| Arc::as_ptr(texture));
+    let own = own.into_iter().map(|texture| bytes_of(texture));
     images.into_values().chain(own).sum()
 }
 

@@ -160,9 +160,11 @@ impl<'a> Client<'a> {
                 keeps_textures: false,
             }
         };
+        // Colours of clear texels change nothing of what is covered.
         let kept = |textures| Chosen {
+            as_drawn: self.as_drawn(&level.surfaces, range),
+            textures,
             keeps_textures: true,
-            ..of(textures)
         };
         if wanted == Textures::Keep {
             return kept(Vec::new());

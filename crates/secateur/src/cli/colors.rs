@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::args;
 use super::names::{ColorsName, CutoffsName};
 
-/// The leaf textures of a level with other colours where they are clear; none of a level that is the tree. Images
-/// that can't be read keep theirs, with a warning.
+/// The leaf textures of a level with other colours where they are clear; none of a level that is the tree. Where an
+/// image can't be read all keep theirs, with a warning.
 pub(crate) fn chosen(
     tree: &Tree,
     lod: &Lod,
@@ -48,8 +48,10 @@ pub(crate) fn record(chosen: &[Dilated]) -> Value {
 pub(crate) fn in_words(chosen: &[Dilated]) -> String {
     let most = chosen.iter().map(|one| one.difference).fold(0.0, f64::max);
     let textures = match chosen.len() {
-        1 => "the leaf texture has".to_owned(),
-        count => format!("{count} leaf textures have"),
+        1 => "the texture of a material has".to_owned(),
+        count => format!("the textures of {count} materials have"),
     };
-    format!("{textures} the colours of leaves in clear texels: mip maps were {most:.0} of 255 off")
+    format!(
+        "{textures} the colours of leaves in clear texels; others, mixed in by mip maps, moved them by {most:.0} of 255"
+    )
 }

@@ -79,7 +79,7 @@ impl Resize {
             Resize::Normalised => pruned.cost as f64 / largest_cost() as f64,
             Resize::Steady => {
                 let ratio = pruned.cost as f64 / largest_cost() as f64;
-                // Costs of fewer views differ more in proportion, and the share has to rise faster below 20.
+                // Costs of fewer than 20 views differ more in proportion: the share has to be larger for the same ratio.
                 let slope = (sights.views as f64 / STEADY_VIEWS).sqrt();
                 match slope < 1.0 {
                     true => libm::pow(ratio, slope),

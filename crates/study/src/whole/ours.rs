@@ -51,8 +51,7 @@ pub(super) fn made(
     };
     let lod = tree.joined(&made.leaves.lod, &made.wood);
     let cutoffs = choose_cutoffs(tree.items(), &lod, MaterialChange::CutoffsOrMips)?;
-    let cutoffs = cutoffs.map(|chosen| chosen.cutoffs).unwrap_or_default();
-    let cutoffs = with_dilated_textures(tree.items(), cutoffs)?;
+    let cutoffs = with_dilated_textures(tree.items(), &lod, cutoffs)?;
     let [_, setting] = case.method_and_setting();
     Ok(Some(PlantOutcome {
         surfaces: surfaces_of(tree.items(), path, &lod, &cutoffs)?,

@@ -69,6 +69,8 @@ pub struct LevelTexture {
     pub material: usize,
     /// Its texels and its sampler; a PNG image in the file.
     pub texture: Arc<Texture>,
+    /// Whether the material's sampler stays instead.
+    pub keeps_sampler: bool,
 }
 
 /// A level of a chain.

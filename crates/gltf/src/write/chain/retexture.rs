@@ -4,16 +4,17 @@
 //! is left that nobody needs; else a copy with the new texture goes to the end of the list.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
 use super::super::base_color::{
-    base_color_texture_mut, drop_unused_formats, png_image, sampler_number, sources, texture_users,
+    base_color_texture_mut, drop_unused_formats, put_png, sampler_number, sources, texture_users,
     textures_of,
 };
 use super::super::draft::Draft;
 use super::super::drop_unreferenced::remove_field;
-use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, wrap_code};
+use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, png_bytes, wrap_code};
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::materials::{meshes_below, visit_materials};
 use super::{Level, LevelTexture, undrawn_meshes};
@@ -32,6 +33,7 @@ pub(super) fn retexture(
         return;
     }
     let undrawn = undrawn_meshes(draft);
+    let mut images = Images::default();
     for ((level, &node), copies) in levels.iter().zip(nodes).zip(copies) {
         let meshes = meshes_below(&draft.root, node);
         let mut made: HashMap<usize, usize> = HashMap::new();
@@ -43,7 +45,7 @@ pub(super) fn retexture(
                 continue;
             }
             let is_alone = all == ours && knows_all_extensions(&draft.root);
-            if let Some(retextured) = push_material(draft, material, own, is_alone) {
+            if let Some(retextured) = push_material(draft, &mut images, material, own, is_alone) {
                 made.insert(material, retextured);
             }
         }
@@ -74,6 +76,7 @@ fn users(root: &mut Value, material: usize, counts: impl Fn(usize) -> bool) -> u
 /// The material with its new base colour texture, under its own number if nobody else uses it.
 fn push_material(
     draft: &mut Draft,
+    images: &mut Images,
     material: usize,
     own: &LevelTexture,
     is_alone: bool,
@@ -83,7 +86,7 @@ fn push_material(
         .get("index")
         .and_then(as_index)?;
     let is_only_user = is_alone && texture_users(&draft.root, old) == 1;
-    let texture = push_texture(draft, old, &own.texture, is_only_user);
+    let texture = push_texture(draft, images, old, own, is_only_user);
     let info = base_color_texture_mut(&mut fields)?;
     info["index"] = texture.into();
     if !is_alone {
@@ -93,15 +96,37 @@ fn push_material(
     Some(material)
 }
 
-fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool) -> usize {
+fn push_texture(
+    draft: &mut Draft,
+    images: &mut Images,
+    old: usize,
+    own: &LevelTexture,
+    is_alone: bool,
+) -> usize {
     let mut fields = draft.root["textures"][old].clone();
     let all_sources = textures_of(&draft.root).flat_map(sources);
     let all_sources: Vec<usize> = all_sources.collect();
     let is_last = |&image: &usize| all_sources.iter().filter(|other| **other == image).count() == 1;
     let old_image = sources(&fields).into_iter().find(is_last);
-    let source = png_image(draft, texture, old_image.filter(|_| is_alone));
+    let source = images.put(draft, &own.texture, old_image.filter(|_| is_alone));
+    fields["source"] = source.into();
+    // A copy in another format would show the texture as it was.
+    remove_field(&mut fields, "extensions");
+    if !own.keeps_sampler {
+        let old_sampler = fields.get("sampler").and_then(as_index);
+        let sampler = sampler_of(&own.texture);
+        fields["sampler"] = sampler_number(draft, sampler, old_sampler.filter(|_| is_alone)).into();
+    }
+    if !is_alone {
+        return draft.push("textures", fields);
+    }
+    draft.root["textures"][old] = fields;
+    old
+}
+
+fn sampler_of(texture: &Texture) -> Value {
     let [wrap_s, wrap_t] = texture.wrap.map(wrap_code);
-    let sampler = json!({
+    json!({
         "magFilter": LINEAR,
         "minFilter": match texture.filters.mips {
             Mips::None => LINEAR,
@@ -109,16 +134,43 @@ fn push_texture(draft: &mut Draft, old: usize, texture: &Texture, is_alone: bool
         },
         "wrapS": wrap_s,
         "wrapT": wrap_t,
-    });
-    let old_sampler = fields.get("sampler").and_then(as_index);
-    let sampler = sampler_number(draft, sampler, old_sampler.filter(|_| is_alone));
-    fields["source"] = source.into();
-    fields["sampler"] = sampler.into();
-    // A copy in another format would show the texture as it was.
-    remove_field(&mut fields, "extensions");
-    if !is_alone {
-        return draft.push("textures", fields);
+    })
+}
+
+/// The images that levels brought along, by their texels, each with its buffer view: what several materials or levels
+/// show lies in the file once.
+#[derive(Default)]
+struct Images(HashMap<*const Texture, (usize, usize)>);
+
+impl Images {
+    /// The number of the image; that of `instead_of`, where there is one to replace.
+    fn put(
+        &mut self,
+        draft: &mut Draft,
+        texture: &Arc<Texture>,
+        instead_of: Option<usize>,
+    ) -> usize {
+        let Some(&(view, image)) = self.0.get(&Arc::as_ptr(texture)) else {
+            let view = draft.push_image(png_bytes(texture));
+            let image = put_png(draft, view, instead_of);
+            self.0.insert(Arc::as_ptr(texture), (view, image));
+            return image;
+        };
+        if instead_of.is_none() {
+            return image;
+        }
+        // Else the old image would stay behind.
+        let kept = put_png(draft, view, instead_of);
+        for texture in items(&mut draft.root, "textures") {
+            if texture.get("source").and_then(as_index) == Some(image) {
+                texture["source"] = kept.into();
+            }
+        }
+        let images = draft.root.get_mut("images").and_then(Value::as_array_mut);
+        if let Some(images) = images.filter(|all| all.len() == image + 1) {
+            images.pop();
+        }
+        self.0.insert(Arc::as_ptr(texture), (view, kept));
+        kept
     }
-    draft.root["textures"][old] = fields;
-    old
 }

@@ -72,9 +72,10 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
                 true => "keep",
                 false => "fit",
             },
-            "colors": match level.textures.is_empty() {
-                true => "keep",
-                false => "dilate",
+            "colors": match (&level.shape, level.textures.is_empty()) {
+                (Shape::Impostor(_), _) => Value::Null,
+                (_, true) => json!("keep"),
+                (_, false) => json!("dilate"),
             },
             "texture_bytes": level.texture_bytes,
             "coverage_as_drawn": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),

@@ -54,6 +54,7 @@ fn a_picture_is_the_last_level_in_every_layout() {
 /// A texture of 2 x 2 texels of this colour, with a sampler of its own.
 fn own_texture(color: [u8; 4], mips: Mips) -> LevelTexture {
     LevelTexture {
+        keeps_sampler: false,
         material: 1,
         texture: Arc::new(Texture {
             width: 2,
@@ -75,6 +76,41 @@ fn leaf_material(document: &Document, level: usize) -> usize {
     let primitives = document.root["meshes"][mesh as usize]["primitives"].as_array();
     let last = primitives.unwrap().last().unwrap();
     last["material"].as_u64().unwrap() as usize
+}
+
+/// Texels change, and what reads them stays: filters, wraps and names of samplers.
+#[test]
+fn levels_keep_the_sampler_where_that_is_asked_for() {
+    let mut fixture = encodings::textured();
+    let sampler = json!({"magFilter": 9728, "minFilter": 9986, "wrapS": 33648, "name": "crisp"});
+    fixture.root["samplers"] = json!([sampler]);
+    fixture.root["textures"][0]["sampler"] = 0.into();
+    let tree = fixture.tree();
+    let lods = lods(&tree);
+    let own = [LevelTexture {
+        keeps_sampler: true,
+        ..own_texture([90, 80, 10, 255], Mips::None)
+    }];
+    for layout in LAYOUTS {
+        let mut levels = levels(&lods);
+        for level in &mut levels {
+            level.textures = &own;
+        }
+        let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+        for number in 0..levels.len() {
+            let file = if layout == Layout::Files { number } else { 0 };
+            let document = document(&chain, file);
+            let material = leaf_material(&document, number);
+            let root = &document.root;
+            let index =
+                &root["materials"][material]["pbrMetallicRoughness"]["baseColorTexture"]["index"];
+            let texture = &root["textures"][index.as_u64().unwrap() as usize];
+            let kept = texture["sampler"].as_u64().unwrap() as usize;
+            assert_eq!(root["samplers"][kept], sampler, "{layout:?}");
+            assert_eq!(root["images"].as_array().unwrap().len(), 1, "{layout:?}");
+            assert_eq!(document.images_of_material(material)[0].size, [2, 2]);
+        }
+    }
 }
 
 /// Leaf textures differ by level; what nobody needs any more is gone, and all else of the material
@@ -130,8 +166,8 @@ fn levels_have_textures_of_their_own() {
                 assert!(of_material[0].is_base_color && of_material.len() == 1);
             }
             if layout != Layout::Files {
-                // The one of the tree is replaced where no level keeps it; equal ones are not shared.
-                assert_eq!(images, 3, "{what}");
+                // The one of the tree is replaced where no level keeps it, and two levels share one.
+                assert_eq!(images, if is_all { 2 } else { 3 }, "{what}");
             }
             for file in &chain.files {
                 let path = folder
