@@ -27,8 +27,8 @@ pub struct Dilated {
 }
 
 /// The base colour textures of a tree's cut-out leaves that mip maps mix other colours into, with the colours of
-/// leaves in their clear texels instead. A texel is clear that the tree's cutoffs do not show, of no material with that
-/// image; a level with lower ones may show it. Textures whose mip maps hardly differ by it are left out, and so are
+/// leaves in their clear texels instead. A texel is clear if no material with that image shows it by the tree's
+/// cutoff; a level with a lower cutoff may show it. Textures whose mip maps hardly differ by it are left out, and so are
 /// those that [`Tree::cut_out_textures`] leaves out.
 ///
 /// # Errors
