@@ -76,6 +76,13 @@ fn texels_change_and_nothing_else() {
 fn what_the_wood_shows_of_the_same_texture_stays() {
     let mut fixture = with_nearest_texels();
     fixture.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    let attributes = &fixture.root["meshes"][0]["primitives"][0]["attributes"];
+    let positions = attributes["POSITION"].as_u64().unwrap() as usize;
+    let count = fixture.root["accessors"][positions]["count"]
+        .as_u64()
+        .unwrap();
+    let uvs = fixture.vectors(&vec![[0.5, 0.5]; count as usize]);
+    fixture.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = uvs.into();
     let (tree, root, texture) = written(&fixture, &[1]);
     assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
     assert_eq!(root["images"].as_array().unwrap().len(), 2);
