@@ -145,7 +145,10 @@ fn difference(before: &Texture, after: &Texture, cutoff: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur_model::{Filters, Wrap};
+    use glam::{DVec3, Vec2};
+    use secateur_gltf::{Document, plant_to_glb};
+    use secateur_model::{AlphaMode, Filters, Finish, Material, Plant, Surface, Wrap};
+    use serde_json::{Value, json};
 
     /// Left of the middle leaves of one colour, with this one in what is cut away.
     fn half(clear: [u8; 3], [width, height]: [u32; 2]) -> Texture {
@@ -211,5 +214,96 @@ mod tests {
         };
         assert_eq!(dilated(&nothing, 0.5), nothing);
         assert_eq!(by(&nothing), 0.0);
+    }
+
+    /// Cards with this texture and a cutoff of .5, drawn again by a material with this cutoff.
+    fn tree(texture: Texture, other_cutoff: f64) -> Tree {
+        let material = |alpha_mode, texture| {
+            Arc::new(Material {
+                name: String::new(),
+                base_color: [1.0; 4],
+                texture,
+                alpha_mode,
+                double_sided: true,
+                finish: Finish::default(),
+            })
+        };
+        let surface = |material, positions: Vec<DVec3>, triangles| Surface {
+            uvs: positions
+                .iter()
+                .map(|at| Vec2::new(at.x as f32, at.y as f32))
+                .collect(),
+            positions,
+            normals: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles,
+            material,
+        };
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let card = |k: u32| corners.map(|[x, y]| DVec3::new(x, y, f64::from(k)));
+        let quad = |k: u32| [[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|c| 4 * k + c));
+        let leaves = surface(
+            material(AlphaMode::Mask(0.5), Some(Arc::new(texture))),
+            (0..4).flat_map(card).collect(),
+            (0..4).flat_map(quad).collect(),
+        );
+        let wood = [[0.0, -9.0], [1.0, -9.0], [0.0, -1.0]];
+        let wood = wood.map(|[x, y]| DVec3::new(x, y, 0.0)).into();
+        let glb = plant_to_glb(&Plant {
+            name: "cards".to_owned(),
+            wood: surface(material(AlphaMode::Opaque, None), wood, vec![[0, 1, 2]]),
+            leaves,
+            triangles_per_leaf: vec![2; 4],
+            skeleton: None,
+            holds: None,
+        });
+        let number = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+        let end = 20 + number(12);
+        let mut root: Value = serde_json::from_slice(&glb[20..end]).unwrap();
+        let mut other = root["materials"][1].clone();
+        other["alphaCutoff"] = json!(other_cutoff);
+        root["materials"].as_array_mut().unwrap().push(other);
+        let meshes = root["meshes"].as_array_mut().unwrap();
+        let all = meshes
+            .iter_mut()
+            .map(|mesh| mesh["primitives"].as_array_mut());
+        for primitives in all.flatten() {
+            let leaves = primitives.iter().find(|one| one["material"] == 1).cloned();
+            primitives.extend(leaves.map(|mut again| {
+                again["material"] = json!(2);
+                again
+            }));
+        }
+        let mut text = root.to_string();
+        text.extend(std::iter::repeat_n(
+            ' ',
+            text.len().next_multiple_of(4) - text.len(),
+        ));
+        let length = (20 + text.len() + glb.len() - end) as u32;
+        let mut changed = [&glb[..8], &length.to_le_bytes()].concat();
+        changed.extend((text.len() as u32).to_le_bytes());
+        changed.extend([b"JSON", text.as_bytes(), &glb[end..]].concat());
+        let document = Document::from_bytes("cards.glb", changed, None).unwrap();
+        let leaves = ["material:#1", "material:#2"].map(|one| one.parse().unwrap());
+        document.into_tree(&leaves).unwrap()
+    }
+
+    /// What one material cuts away another may show of the same image.
+    #[test]
+    fn the_lowest_cutoff_of_an_image_says_what_is_clear() {
+        let mut texture = half([0; 3], [24, 8]);
+        // A red column that a cutoff of .2 shows.
+        for texel in texture.rgba.chunks_mut(4).skip(12).step_by(24) {
+            texel.copy_from_slice(&[200, 0, 0, 100]);
+        }
+        for (other, column) in [(0.5, [90, 120, 50, 100]), (0.2, [200, 0, 0, 100])] {
+            let found = dilated_textures(&tree(texture.clone(), other)).unwrap();
+            let materials: Vec<usize> = found.iter().map(|one| one.material).collect();
+            assert_eq!(materials, [1, 2]);
+            for one in &found {
+                assert_eq!(one.texture.rgba[4 * 12..][..4], column, "cutoff {other}");
+            }
+        }
     }
 }

@@ -4,8 +4,8 @@ use secateur::{Lod, Options, Tree};
 use secateur_scene::{Dilated, dilated_textures};
 use serde_json::{Value, json};
 
-use super::args;
-use super::names::{ColorsName, CutoffsName};
+use super::names::ColorsName;
+use super::{args, cutoffs};
 
 /// The leaf textures of a level with other colours where they are clear; none of a level that is the tree. Where an
 /// image can't be read all keep theirs, with a warning.
@@ -16,13 +16,9 @@ pub(crate) fn chosen(
     args: &args::Simplify,
     warnings: &mut Vec<String>,
 ) -> Vec<Dilated> {
-    let chooses_cutoffs = match args.cutoffs {
-        Some(name) => name != CutoffsName::Keep,
-        None => options.chooses_cutoffs(),
-    };
     let is_wanted = match args.colors {
         Some(name) => name == ColorsName::Dilate,
-        None => chooses_cutoffs,
+        None => cutoffs::change(options, args).is_some(),
     };
     if !is_wanted || *lod == Lod::original(tree.foliage().leaves().len()) {
         return Vec::new();
