@@ -10,17 +10,13 @@ use secateur_model::Surface;
 use secateur_raster::{View, ViewSet};
 use serde::Serialize;
 
-use crate::cut_mask::CutMasks;
+use crate::averaged::{Overlap, options};
 use crate::mips::MipChains;
-use crate::pictures::{FlipPicture, camera_of};
-use crate::render::{DrawnPicture, RenderOptions, draw};
+use crate::over_frames::OverFrames;
+use crate::pictures::camera_of;
+use crate::render::{DrawnPicture, draw};
+use crate::truth::{Truth, covered_px};
 use crate::visibility::AlphaFrom;
-
-/// Samples along each side of a pixel of the truth.
-const TRUTH_SAMPLES: u32 = 4;
-
-/// What FLIP sees of the truth is kept from level to level in pictures of at most this many pixels a side.
-const MOST_KEPT_PX: u32 = 512;
 
 /// Islands of at most this many pixels are specks.
 const SPECK_PX: usize = 3;
@@ -34,22 +30,8 @@ pub struct AsDrawn {
     original: ViewPictures,
     original_shown: OriginalAsDrawn,
     original_without_mips: OriginalAsDrawn,
-}
-
-#[derive(Debug)]
-struct Truth {
-    image: RgbaImage,
-    /// Where it is no larger than [`MOST_KEPT_PX`]: it takes five times the memory of the picture.
-    for_flip: Option<FlipPicture>,
-    /// By pixel, row by row, the share of it that shows the plant.
-    shares: Vec<f32>,
-}
-
-impl Truth {
-    /// Pixels that show the plant, parts of pixels counted.
-    fn covered_px(&self) -> f64 {
-        self.shares.iter().map(|share| f64::from(*share)).sum()
-    }
+    /// If pictures over frames are compared too.
+    original_over_frames: Option<OverFrames>,
 }
 
 #[derive(Debug)]
@@ -84,6 +66,10 @@ pub struct AsDrawnMeasurement {
     /// The original as the same client would draw it if it read its textures without mip maps: the error of
     /// one sample a pixel alone.
     pub original_without_mips: OriginalAsDrawn,
+    /// The simplified tree as a client with temporal anti-aliasing shows it, if that was asked for.
+    pub over_frames: Option<OverFrames>,
+    /// The same of the original.
+    pub original_over_frames: Option<OverFrames>,
 }
 
 /// How a client's picture of an original compares with what it truly looks like; means over the views.
@@ -106,19 +92,7 @@ impl AsDrawn {
     /// If `width_px` is 0, or there is no view.
     pub fn new<S: Borrow<Surface> + Sync>(original: &[S], views: &ViewSet, width_px: u32) -> Self {
         assert!(width_px > 0 && !views.is_empty());
-        let masks = CutMasks::default();
-        let alpha = AlphaFrom::masks(&masks);
-        let truth = |view: &View| {
-            let options = options(width_px, TRUTH_SAMPLES);
-            let drawn = draw(original, &camera_of(view), &options, alpha);
-            Truth {
-                for_flip: (width_px <= MOST_KEPT_PX).then(|| FlipPicture::of(&drawn.image)),
-                image: drawn.image,
-                shares: shares(&drawn.is_covered, width_px as usize),
-            }
-        };
-        // One after another: of all samples of a view there is a list.
-        let truth: Vec<Truth> = views.views().iter().map(truth).collect();
+        let truth = Truth::of(original, views, width_px);
         let mips = MipChains::of(original);
         let drawn = |mips| ViewPictures::of(original, views, width_px, AlphaFrom::mips(mips));
         let [with_mips, without_mips] = [Some(&mips), None].map(drawn);
@@ -131,11 +105,23 @@ impl AsDrawn {
         Self {
             original_shown: shown(&with_mips),
             original_without_mips: shown(&without_mips),
+            original_over_frames: None,
             original: with_mips,
             truth,
             views: views.clone(),
             width_px,
         }
+    }
+
+    /// The same, which compares the means of many frames as well: each further picture of the original
+    /// and of what is measured takes as long as one of the truth.
+    pub fn over_frames<S: Borrow<Surface> + Sync>(mut self, original: &[S]) -> Self {
+        self.original_over_frames = Some(self.frames_of(original, &MipChains::of(original)));
+        self
+    }
+
+    fn frames_of<S: Borrow<Surface> + Sync>(&self, surfaces: &[S], mips: &MipChains) -> OverFrames {
+        OverFrames::of(surfaces, mips, &self.views, self.width_px, &self.truth)
     }
 
     /// Draws a simplified tree from the same views, and compares.
@@ -166,42 +152,30 @@ impl AsDrawn {
             original_flip_mean: self.original_shown.flip_mean,
             original_truth_iou: self.original_shown.truth_iou,
             original_without_mips: self.original_without_mips,
+            over_frames: (self.original_over_frames).map(|_| self.frames_of(simplified, &mips)),
+            original_over_frames: self.original_over_frames,
         }
     }
-}
-
-/// Pixels that show the plant, over all views, parts of pixels counted.
-fn covered_px(truth: &[Truth]) -> f64 {
-    truth.iter().map(Truth::covered_px).sum()
 }
 
 /// Of each pixel the smaller share that one of the two covers, over the larger, summed over all pixels.
 fn truth_iou(truth: &[Truth], drawn: &ViewPictures) -> f64 {
-    let (mut both, mut any) = (0.0, 0.0);
+    let mut overlap = Overlap::default();
     for (truth, (_, is_covered)) in truth.iter().zip(&drawn.0) {
-        for (share, is_covered) in truth.shares.iter().zip(is_covered) {
-            let drawn = f32::from(u8::from(*is_covered));
-            both += f64::from(share.min(drawn));
-            any += f64::from(share.max(drawn));
-        }
+        let drawn = is_covered.iter().map(|is| f32::from(u8::from(*is)));
+        overlap.add(&truth.picture.shares, drawn);
     }
-    if any == 0.0 { 1.0 } else { both / any }
+    overlap.iou()
 }
 
 /// The mean over the views.
 fn flip(truth: &[Truth], drawn: &ViewPictures) -> f64 {
-    let of = |(truth, (image, _)): (&Truth, &(RgbaImage, Vec<bool>))| {
-        let drawn = FlipPicture::of(image);
-        match &truth.for_flip {
-            Some(truth) => truth.mean_error(&drawn),
-            None => FlipPicture::of(&truth.image).mean_error(&drawn),
-        }
-    };
+    let of = |(truth, (image, _)): (&Truth, &(RgbaImage, Vec<bool>))| truth.flip(image);
     let of_views: Vec<f64> = truth.par_iter().zip(&drawn.0).map(of).collect();
     of_views.iter().sum::<f64>() / truth.len() as f64
 }
 
-/// [`AsDrawn::measure`] for one measurement alone.
+/// [`AsDrawn::measure`] for one measurement alone, over frames too.
 ///
 /// # Panics
 /// As [`AsDrawn::new`].
@@ -211,7 +185,8 @@ pub fn measure_as_drawn<S: Borrow<Surface> + Sync>(
     views: &ViewSet,
     width_px: u32,
 ) -> AsDrawnMeasurement {
-    AsDrawn::new(original, views, width_px).measure(simplified)
+    let original_drawn = AsDrawn::new(original, views, width_px);
+    original_drawn.over_frames(original).measure(simplified)
 }
 
 impl ViewPictures {
@@ -238,29 +213,6 @@ impl ViewPictures {
         let of = |(_, is_covered): &(_, Vec<bool>)| specks(is_covered, width);
         self.0.iter().map(of).sum::<usize>() as f64 / self.0.len() as f64
     }
-}
-
-fn options(width_px: u32, samples: u32) -> RenderOptions {
-    RenderOptions {
-        width: width_px,
-        height: width_px,
-        samples,
-        shadows: false,
-        turns_normals: false,
-    }
-}
-
-/// By pixel, row by row, the share of its samples that are covered, in a picture of this width in pixels.
-fn shares(is_covered: &[bool], width: usize) -> Vec<f32> {
-    let samples = TRUTH_SAMPLES as usize;
-    let mut counts = vec![0u32; is_covered.len() / (samples * samples)];
-    for (row, line) in is_covered.chunks(width * samples).enumerate() {
-        for (column, is) in line.iter().enumerate() {
-            counts[row / samples * width + column / samples] += u32::from(*is);
-        }
-    }
-    let all = (samples * samples) as f32;
-    counts.iter().map(|count| *count as f32 / all).collect()
 }
 
 /// Number of islands of at most [`SPECK_PX`] pixels; pixels that touch at a corner belong together.

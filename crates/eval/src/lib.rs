@@ -17,6 +17,7 @@
 
 mod as_drawn;
 mod as_drawn_coverage;
+mod averaged;
 mod camera;
 mod caption;
 mod contact_sheet;
@@ -26,6 +27,7 @@ mod light_depth;
 pub mod measure;
 mod mips;
 mod outlines;
+mod over_frames;
 mod parallel;
 pub mod pictures;
 mod point_in_triangle;
@@ -34,6 +36,7 @@ mod screen_triangle;
 mod shading;
 mod strengths;
 mod texel;
+mod truth;
 mod visibility;
 
 pub use as_drawn::{AsDrawn, AsDrawnMeasurement, OriginalAsDrawn, measure_as_drawn};
@@ -46,6 +49,7 @@ pub use measure::{
 };
 pub use mips::MipMaps;
 pub use outlines::Outlines;
+pub use over_frames::OverFrames;
 pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};

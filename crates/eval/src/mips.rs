@@ -30,7 +30,7 @@ impl MipMaps {
     /// Of those base colour textures of these surfaces that cut something out.
     pub fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
         let mut all = Self::default();
-        let chains = MipChains::of_cut_outs(surfaces, &all).0;
+        let chains = MipChains::of_cut_outs(surfaces, &all).chains;
         for chain in chains.into_iter().flatten() {
             if all.find(chain.texture()).is_none() {
                 all.0.push(chain);
@@ -46,8 +46,21 @@ impl MipMaps {
     }
 }
 
-/// The mip chains of all textures of a scene, by surface.
-pub(crate) struct MipChains(Vec<Option<Arc<MipChain>>>);
+/// The mip chains of all textures of a scene.
+pub(crate) struct MipChains {
+    /// By surface.
+    chains: Vec<Option<Arc<MipChain>>>,
+    /// As [`MipSampler::level_bias`].
+    level_bias: f32,
+}
+
+/// A mip chain, and how a level of it is chosen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MipSampler<'a> {
+    chain: &'a MipChain,
+    /// Added to the level for which texels are as large as samples.
+    level_bias: f32,
+}
 
 impl MipChains {
     /// Makes the chains of all base colour textures, each once.
@@ -77,12 +90,28 @@ impl MipChains {
             let chain = chain.or_insert_with(|| Arc::new(MipChain::of(texture)));
             Some(Arc::clone(chain))
         });
-        Self(chains.collect())
+        Self {
+            chains: chains.collect(),
+            level_bias: 0.0,
+        }
+    }
+
+    /// The same for pictures with this many samples along a side of each pixel, which all read the levels
+    /// whose texels are as large as the pixel.
+    pub(crate) fn for_pixels_of(&self, samples: u32) -> Self {
+        Self {
+            chains: self.chains.clone(),
+            level_bias: (samples as f32).log2(),
+        }
     }
 
     /// The chain of a surface's texture; none if it has no texture, or one that is not needed.
-    pub(crate) fn of_surface(&self, surface: u32) -> Option<&MipChain> {
-        self.0[surface as usize].as_deref()
+    pub(crate) fn of_surface(&self, surface: u32) -> Option<MipSampler<'_>> {
+        let chain = self.chains[surface as usize].as_deref()?;
+        Some(MipSampler {
+            chain,
+            level_bias: self.level_bias,
+        })
     }
 }
 
@@ -103,8 +132,10 @@ impl MipChain {
         }
         Self { levels }
     }
+}
 
-    /// Linear colour and alpha at these coordinates, where a step of a pixel to the right and one
+impl MipSampler<'_> {
+    /// Linear colour and alpha at these coordinates, where a step of a sample to the right and one
     /// down go by these coordinates.
     pub(crate) fn sample(&self, uv: Vec2, steps: [Vec2; 2]) -> Vec4 {
         self.read(steps, |texture, is_smooth| match is_smooth {
@@ -126,14 +157,15 @@ impl MipChain {
     where
         T: Mul<f32, Output = T> + Add<Output = T>,
     {
-        let base = &self.levels[0];
-        let (filters, last) = (base.filters, self.levels.len() - 1);
-        let level = level_of(base, steps);
+        let levels = &self.chain.levels;
+        let (base, last) = (&levels[0], levels.len() - 1);
+        let filters = base.filters;
+        let level = level_of(base, steps) + self.level_bias;
         if level.is_nan() || level <= 0.0 {
             return one(base, filters.is_smooth_near);
         }
         let level = level.min(last as f32);
-        let at = |number: usize| one(&self.levels[number.min(last)], filters.is_smooth_far);
+        let at = |number: usize| one(&levels[number.min(last)], filters.is_smooth_far);
         match filters.mips {
             Mips::None => at(0),
             Mips::Nearest => at((level + 0.5) as usize),
@@ -216,6 +248,13 @@ mod tests {
         level.rgba.chunks(4).map(|texel| texel[3]).collect()
     }
 
+    fn sampler(chain: &MipChain) -> MipSampler<'_> {
+        MipSampler {
+            chain,
+            level_bias: 0.0,
+        }
+    }
+
     #[test]
     fn each_level_is_the_mean_of_the_one_before() {
         let chain = MipChain::of(&texture(4, 2, &[0, 255, 255, 255, 0, 255, 0, 0]));
@@ -243,7 +282,7 @@ mod tests {
         let alpha = |texels: f32, uv: [f32; 2]| {
             let step = texels / 2.0;
             let steps = [Vec2::new(step, 0.0), Vec2::new(0.0, step)];
-            chain.sample_alpha(Vec2::from_array(uv), steps)
+            sampler(&chain).sample_alpha(Vec2::from_array(uv), steps)
         };
         assert_eq!(alpha(1.0, [0.25, 0.25]), 1.0);
         assert_eq!(alpha(1.0, [0.75, 0.25]), 0.0);
@@ -262,6 +301,7 @@ mod tests {
         plain.filters.mips = Mips::None;
         let chain = MipChain::of(&Arc::new(plain));
         let steps = [Vec2::new(8.0, 0.0), Vec2::new(0.0, 8.0)];
-        assert_eq!(chain.sample_alpha(Vec2::splat(0.25), steps), 1.0);
+        let alpha = sampler(&chain).sample_alpha(Vec2::splat(0.25), steps);
+        assert_eq!(alpha, 1.0);
     }
 }

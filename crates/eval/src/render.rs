@@ -9,7 +9,7 @@ use secateur_model::Surface;
 
 use crate::Camera;
 use crate::lens::Lens;
-use crate::mips::{MipChain, MipChains};
+use crate::mips::{MipChains, MipSampler};
 use crate::shading::{Lighting, Spot};
 use crate::texel::srgb_byte;
 use crate::visibility::{AlphaFrom, Culling, NOTHING, Visibility, outline, visibility};
@@ -164,7 +164,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
     }
 
     /// The mip chain of what a sample sees.
-    fn mips_at(&self, index: u32) -> Option<&MipChain> {
+    fn mips_at(&self, index: u32) -> Option<MipSampler<'_>> {
         let triangle = self.seen.triangles.get(index as usize)?;
         self.mips?.of_surface(triangle.face.surface)
     }

@@ -8,7 +8,7 @@ use secateur_model::{BoundingSphere, NormalMap, Surface};
 use crate::camera::ViewAxes;
 use crate::lens::Lens;
 use crate::light_depth::LightDepth;
-use crate::mips::MipChain;
+use crate::mips::MipSampler;
 use crate::point_in_triangle::{PointInTriangle, face_weights, uv_steps};
 use crate::screen_triangle::ScreenTriangle;
 use crate::texel::{sample, sample_plain};
@@ -148,7 +148,7 @@ impl<'a> Spot<'a> {
     }
 
     /// Its linear base colour, its texture read from `mips` if there are any.
-    pub(crate) fn base_color(&self, mips: Option<&MipChain>) -> Vec3 {
+    pub(crate) fn base_color(&self, mips: Option<MipSampler<'_>>) -> Vec3 {
         let (surface, weights) = (self.surface, self.weights);
         let uvs = self
             .corners

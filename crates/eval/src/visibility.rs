@@ -10,7 +10,7 @@ use secateur_model::{Material, Surface};
 
 use crate::cut_mask::{CutMask, CutMasks};
 use crate::lens::Lens;
-use crate::mips::{MipChain, MipChains};
+use crate::mips::{MipChains, MipSampler};
 use crate::point_in_triangle::{EDGE_SLACK, PointInTriangle, face_weights, uv_steps};
 use crate::screen_triangle::{ScreenTriangle, screen_triangles};
 use crate::texel::{alpha_cutoff, sample_alpha};
@@ -386,7 +386,7 @@ pub(crate) struct Cut<'a>(Option<CutFace<'a>>);
 /// From what the alpha of one surface is read.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Alpha<'a> {
-    pub(crate) mips: Option<&'a MipChain>,
+    pub(crate) mips: Option<MipSampler<'a>>,
     pub(crate) mask: Option<&'a CutMask>,
 }
 

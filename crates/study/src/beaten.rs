@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::{Column, Row};
 
 /// What reports say that the cells of [`beaten_as_drawn`] count.
-pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide, against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
+pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide, and in the mean of 16 frames whose samples lie elsewhere in each pixel (temporal anti-aliasing), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
 
 /// What reports say that the lines of [`lost_cases`] are.
 pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";
@@ -16,22 +16,24 @@ pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budg
 const LISTED: &str = "vds triangles";
 
 /// By what rows are judged: outlines by the truth where all rows have that, else by what a client
-/// shows of the original.
-fn judged(rows: &[Row]) -> [&'static Column; 5] {
+/// shows of the original; over frames where all rows have that; VMI error last.
+fn judged(rows: &[Row]) -> Vec<&'static Column> {
     let by_truth = ["truth_iou_as_drawn_512", "truth_iou_as_drawn_128"];
     let by_client = ["iou_as_drawn_512", "iou_as_drawn_128"];
     let has = |row: &Row, key: &str| column(key).value_of(row).is_finite();
-    let mut drawn = rows.iter().filter(|row| has(row, by_client[0])).peekable();
-    let is_by_truth = drawn.peek().is_some() && drawn.all(|row| has(row, by_truth[0]));
-    let [near, far] = if is_by_truth { by_truth } else { by_client };
-    [
-        "flip_as_drawn_512",
-        near,
-        "flip_as_drawn_128",
-        far,
-        "vmi_error_percent",
-    ]
-    .map(column)
+    let have_all = |key: &str| {
+        let mut drawn = rows.iter().filter(|row| has(row, by_client[0])).peekable();
+        drawn.peek().is_some() && drawn.all(|row| has(row, key))
+    };
+    let [near, far] = match have_all(by_truth[0]) {
+        true => by_truth,
+        false => by_client,
+    };
+    let mut judged = vec!["flip_as_drawn_512", near, "flip_as_drawn_128", far];
+    let over_frames = ["flip_over_frames_128", "truth_iou_over_frames_128"];
+    judged.extend(over_frames.into_iter().filter(|key| have_all(key)));
+    judged.push("vmi_error_percent");
+    judged.into_iter().map(column).collect()
 }
 
 fn is_vds(row: &Row) -> bool {
@@ -70,7 +72,8 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
         return None;
     }
     let mut head = vec!["method", "left", "trees"];
-    let titles = judged.map(|column| column.title.replace(" as drawn", ""));
+    let titles = judged.iter().map(|by| by.title.replace(" as drawn", ""));
+    let titles: Vec<String> = titles.collect();
     head.extend(titles.iter().map(String::as_str));
     head.push("mostly by");
     let mut table = Table::new(&head);
@@ -87,7 +90,7 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
         let own: Vec<&Row> = own.copied().collect();
         let mut winners: Vec<(String, usize)> = Vec::new();
         let mut cells = vec![key.0.clone(), percent(key.1), own.len().to_string()];
-        for by in judged {
+        for by in &judged {
             let (mut lost, mut lost_to_unfitted) = (0, 0);
             for row in &own {
                 let better = better(row, &rows, by);
@@ -118,7 +121,7 @@ pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
     let rows = compared(rows, &judged);
     let mut table = Table::new(&["tree", "left", "metric", LISTED, "better", "its value"]);
     for own in rows.iter().filter(|row| row.label() == LISTED) {
-        for by in &judged[..4] {
+        for by in &judged[..judged.len() - 1] {
             let badness = |row: &Row| by.direction.badness(by.value_of(row));
             let better = better(own, &rows, by);
             let best = (better.iter()).min_by(|a, b| badness(a).total_cmp(&badness(b)));
@@ -151,6 +154,8 @@ mod tests {
         };
         for column in DRAWN_COLUMNS {
             let value = match column.key.split('_').next() {
+                // Over frames all are alike.
+                _ if column.key.contains("frames") => 0.5,
                 Some("flip") => flip,
                 // Against what a client shows of the original all are alike.
                 Some("iou") => 0.5,
@@ -185,12 +190,16 @@ mod tests {
                 "1 / 0",
                 "1 / 1",
                 "0 / 0",
+                "0 / 0",
+                "0 / 0",
                 "fsa fit=coverage",
             ],
             [
                 "vds preset information",
                 "10 %",
                 "1",
+                "0 / 0",
+                "0 / 0",
                 "0 / 0",
                 "0 / 0",
                 "0 / 0",
@@ -210,6 +219,18 @@ mod tests {
         let table = beaten_as_drawn(&older).unwrap();
         assert_eq!(table.body[0][3..7], ["1 / 0", "0 / 0", "1 / 0", "0 / 0"]);
         assert!(table.head[4].starts_with("IoU at 512"), "{}", table.head[4]);
+        // Over frames rows are compared where all have that.
+        let mut fewer = rows.clone();
+        fewer[0]
+            .values
+            .insert("flip_over_frames_128".into(), Some(0.6));
+        assert_eq!(beaten_as_drawn(&fewer).unwrap().body[0][7], "1 / 1");
+        let lost = lost_cases(&fewer).unwrap();
+        assert_eq!(lost.body.len(), 5);
+        assert_eq!(lost.body[4][2], "FLIP at 128 px over frames");
+        fewer[1].values.remove("flip_over_frames_128");
+        let table = beaten_as_drawn(&fewer).unwrap();
+        assert_eq!(table.head[7], "IoU with the truth at 128 px over frames");
         // Rows that nobody judged as drawn are not compared.
         rows[3].values.remove("flip_as_drawn_128");
         let table = beaten_as_drawn(&rows).unwrap();

@@ -43,8 +43,9 @@ pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(|| {
 pub const DRAWN_WIDTHS_PX: [u32; 2] = [512, 128];
 
 /// The metrics of what a client draws: mip maps, the alpha test at the middle of each pixel, back
-/// faces culled. Rows that are older, and those that a paper's views judge, lack their values.
-pub const DRAWN_COLUMNS: [Column; 8] = [
+/// faces culled; in small pictures over frames as well ([`secateur_eval::OverFrames`]). Rows that are
+/// older, and those that a paper's views judge, lack their values.
+pub const DRAWN_COLUMNS: [Column; 11] = [
     drawn(
         "flip_as_drawn_512",
         "FLIP at 512 px as drawn",
@@ -85,7 +86,26 @@ pub const DRAWN_COLUMNS: [Column; 8] = [
         "coverage at 128 px as drawn",
         Direction::NearerToOne,
     ),
+    drawn(
+        "flip_over_frames_128",
+        "FLIP at 128 px over frames",
+        Direction::Lower,
+    ),
+    drawn(
+        "truth_iou_over_frames_128",
+        "IoU with the truth at 128 px over frames",
+        Direction::Higher,
+    ),
+    drawn(
+        "coverage_over_frames_128",
+        "coverage at 128 px over frames",
+        Direction::NearerToOne,
+    ),
 ];
+
+/// Pictures of this width and less are judged over frames too. Of larger ones that takes longer than all
+/// else, and one sample a pixel is nearer to the truth.
+pub(crate) const FRAMES_UP_TO_PX: u32 = 128;
 
 const fn drawn(key: &'static str, title: &'static str, direction: Direction) -> Column {
     Column {
@@ -106,17 +126,27 @@ pub(crate) fn column(key: &str) -> &'static Column {
 }
 
 /// The values of [`DRAWN_COLUMNS`] of one width, by their keys.
-pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> [(String, Option<f64>); 4] {
-    let value = |what: &str, value: f64| {
-        let key = format!("{what}_as_drawn_{}", measured.width_px);
+pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> Vec<(String, Option<f64>)> {
+    let keyed = |what: &str, how: &str, value: f64| {
+        let key = format!("{what}_{how}_{}", measured.width_px);
         (key, Some(value).filter(|value| value.is_finite()))
     };
-    [
+    let value = |what, value| keyed(what, "as_drawn", value);
+    let mut values = vec![
         value("flip", measured.flip_mean),
         value("truth_iou", measured.truth_iou),
         value("iou", measured.silhouette_iou),
         value("coverage", measured.coverage_over_truth),
-    ]
+    ];
+    if let Some(over_frames) = measured.over_frames {
+        let value = |what, value| keyed(what, "over_frames", value);
+        values.extend([
+            value("flip", over_frames.flip_mean),
+            value("truth_iou", over_frames.truth_iou),
+            value("coverage", over_frames.coverage_over_truth),
+        ]);
+    }
+    values
 }
 
 impl Column {
@@ -147,7 +177,7 @@ impl Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur_eval::OriginalAsDrawn;
+    use secateur_eval::{OriginalAsDrawn, OverFrames};
 
     #[test]
     fn every_width_as_drawn_has_its_columns() {
@@ -169,6 +199,13 @@ mod tests {
                     specks_per_view: 0.0,
                     flip_mean: 0.0,
                 },
+                over_frames: (width_px <= FRAMES_UP_TO_PX).then_some(OverFrames {
+                    frames: 16,
+                    coverage_over_truth: 1.0,
+                    truth_iou: 1.0,
+                    flip_mean: 0.0,
+                }),
+                original_over_frames: None,
             })
         });
         let all: Vec<&str> = keys.iter().flatten().map(|(key, _)| key.as_str()).collect();

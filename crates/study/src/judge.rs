@@ -13,7 +13,7 @@ use secateur_model::{Lod, Surface};
 use secateur_scene::{ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures};
 use secateur_simplify::sphere_of;
 
-use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn};
+use crate::columns::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX, values_as_drawn};
 use crate::files::make_folder;
 use crate::job::StudyRun;
 use crate::scenes::views_from;
@@ -65,7 +65,13 @@ impl<'a> LevelJudge<'a> {
         }
         let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
         let camera = camera(&surfaces);
-        let as_drawn = |width_px| AsDrawn::new(&surfaces, &judging.rigs[0], width_px);
+        let as_drawn = |width_px| {
+            let drawn = AsDrawn::new(&surfaces, &judging.rigs[0], width_px);
+            match width_px <= FRAMES_UP_TO_PX {
+                true => drawn.over_frames(&surfaces),
+                false => drawn,
+            }
+        };
         let drawn = match subject.judged_by {
             JudgingViews::HeldOut => DRAWN_WIDTHS_PX.map(as_drawn).into(),
             JudgingViews::Icosahedron => Vec::new(),

@@ -168,6 +168,17 @@ fn pretty(
                 original(four(drawn.original_truth_iou), four(without.truth_iou))
             ),
         );
+        if let (Some(own), Some(original)) = (drawn.over_frames, drawn.original_over_frames) {
+            row(
+                "IoU, frames",
+                four(own.truth_iou),
+                format!(
+                    "the same in the mean of {} frames, as temporal anti-aliasing shows it; the original itself: {}",
+                    own.frames,
+                    four(original.truth_iou)
+                ),
+            );
+        }
         row(
             "specks",
             one(drawn.specks_per_view),
@@ -187,6 +198,17 @@ fn pretty(
                 original(four(drawn.original_flip_mean), four(without.flip_mean))
             ),
         );
+        if let (Some(own), Some(original)) = (drawn.over_frames, drawn.original_over_frames) {
+            row(
+                "FLIP, frames",
+                four(own.flip_mean),
+                format!(
+                    "the same in the mean of {} frames; the original itself: {}",
+                    own.frames,
+                    four(original.flip_mean)
+                ),
+            );
+        }
     }
     format!(
         "{} against {}, from {views}\n{}",

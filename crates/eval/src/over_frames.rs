@@ -1,0 +1,121 @@
+//! What a client with temporal anti-aliasing shows: the mean of frames whose samples lie at different places in
+//! each pixel.
+//!
+//! A picture of one sample a pixel shows each pixel whole or not at all. Where a crown covers parts of many
+//! pixels, that error is larger than what is wrong with a level, and a crown that is too dense overlaps more
+//! of the half covered pixels than the original itself does. Over frames the error averages out, and what
+//! is wrong with the level stays.
+
+use std::borrow::Borrow;
+
+use secateur_model::Surface;
+use secateur_raster::ViewSet;
+use serde::Serialize;
+
+use crate::averaged::{AveragedPicture, Overlap, SAMPLES};
+use crate::mips::MipChains;
+use crate::truth::{Truth, covered_px};
+use crate::visibility::AlphaFrom;
+
+/// How the mean of a client's frames compares with what the original truly looks like; means over the
+/// views. Each frame is a picture of one sample a pixel, with the mip levels of such a picture; all frames
+/// together have the samples of the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OverFrames {
+    /// How many frames there are.
+    pub frames: u32,
+    /// Pixels that the plant covers over those that the original truly covers, parts of pixels counted.
+    pub coverage_over_truth: f64,
+    /// Overlap with what the original truly covers, 0 to 1: of each pixel the smaller share that one of the two
+    /// covers, over the larger, summed over all pixels.
+    pub truth_iou: f64,
+    /// FLIP against the truth, 0 to 1.
+    pub flip_mean: f64,
+}
+
+impl OverFrames {
+    /// Of surfaces with these mip chains, from the views of `truth`.
+    pub(crate) fn of<S: Borrow<Surface> + Sync>(
+        surfaces: &[S],
+        mips: &MipChains,
+        views: &ViewSet,
+        width_px: u32,
+        truth: &[Truth],
+    ) -> Self {
+        let mips = mips.for_pixels_of(SAMPLES);
+        let alpha = AlphaFrom::mips(Some(&mips));
+        let (mut covered, mut flip, mut overlap) = (0.0, 0.0, Overlap::default());
+        // One after another, as the truth.
+        for (view, truth) in views.views().iter().zip(truth) {
+            let drawn = AveragedPicture::of(surfaces, view, width_px, alpha);
+            covered += drawn.covered_px();
+            flip += truth.flip(&drawn.image);
+            overlap.add(&truth.picture.shares, drawn.shares.iter().copied());
+        }
+        Self {
+            frames: SAMPLES * SAMPLES,
+            coverage_over_truth: covered / covered_px(truth),
+            truth_iou: overlap.iou(),
+            flip_mean: flip / truth.len() as f64,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::AsDrawn;
+    use crate::as_drawn::tests::{card_view, striped};
+    use secateur_model::{AlphaMode, Mips};
+    use std::sync::Arc;
+
+    fn over_frames(mips: Mips, width_px: u32) -> OverFrames {
+        let [truth, drawn] = [Mips::None, mips].map(|mips| [striped(mips)]);
+        let original = AsDrawn::new(&truth, &card_view(), width_px).over_frames(&truth);
+        original.measure(&drawn).over_frames.unwrap()
+    }
+
+    /// What a sample shows without mip maps is true, so that nothing is left of the error of one sample a
+    /// pixel, however little of a pixel is covered.
+    #[test]
+    fn the_original_without_mips_is_the_truth_over_frames() {
+        for width_px in [64, 24, 16, 5] {
+            let expected = OverFrames {
+                frames: 16,
+                coverage_over_truth: 1.0,
+                truth_iou: 1.0,
+                flip_mean: 0.0,
+            };
+            assert_eq!(over_frames(Mips::None, width_px), expected, "{width_px}");
+        }
+    }
+
+    /// Frames read the mip levels of pixels, not those of samples: in pixels of four texels nothing is left of
+    /// stripes of a quarter, in pixels of a texel all of them.
+    #[test]
+    fn frames_fade_as_a_single_one_does() {
+        assert_eq!(over_frames(Mips::Blended, 64).truth_iou, 1.0);
+        assert_eq!(over_frames(Mips::Blended, 16).coverage_over_truth, 0.0);
+    }
+
+    /// Half of each pixel is truly there. A client that shows half of the pixels, each whole, has a third of the
+    /// overlap in one frame, and one that shows all of them a half; over frames of samples that meet what is
+    /// there the first is right.
+    #[test]
+    fn what_is_too_dense_is_no_longer_nearer_to_the_truth() {
+        let stripes = [striped(Mips::None)];
+        let mut full = striped(Mips::None);
+        Arc::make_mut(&mut full.material).alpha_mode = AlphaMode::Opaque;
+        // Pixels of 3.2 texels, whose middles meet some of the stripes.
+        let original = AsDrawn::new(&stripes, &card_view(), 20).over_frames(&stripes);
+        let [own, dense] = [&stripes[0], &full].map(|surface| original.measure(&[surface]));
+        assert!(dense.truth_iou > own.truth_iou, "{own:?} {dense:?}");
+        let [own, dense] = [own, dense].map(|found| found.over_frames.unwrap());
+        assert!(own.truth_iou > dense.truth_iou, "{own:?} {dense:?}");
+        let plain = AsDrawn::new(&stripes, &card_view(), 20).measure(&stripes);
+        assert_eq!(
+            (plain.over_frames, plain.original_over_frames),
+            (None, None)
+        );
+    }
+}
