@@ -5,8 +5,10 @@
 //! by it hardly matters which cutoff between them is asked for, and from afar it decides how much is
 //! left. Where a texture's mip maps all have nearly the same alpha, a cutoff shows all of them or
 //! nothing. Such textures are read without mip maps: then each pixel shows what is at its middle, and
-//! all together as much as there is.
+//! all together as much as there is. Where that shows too many specks mip maps stay, and what still fades gets
+//! [raised] texels.
 
+mod raised;
 mod range;
 mod specks;
 
@@ -18,6 +20,8 @@ use secateur_gltf::{Cutoffs, Detail, DrawnSurface, GltfError, Tree};
 use secateur_model::{AlphaMode, Lod, Material, Mips, Surface};
 use secateur_raster::ViewSet;
 
+pub use self::raised::Raised;
+use self::raised::{Raisable, with_textures};
 use self::range::range;
 use self::specks::DrawnOriginal;
 
@@ -41,15 +45,26 @@ const FAR_OFF: f64 = 0.08;
 /// How many cutoffs are tried between one and its double.
 const TRIES_PER_OCTAVE: f32 = 8.0;
 
+/// Shares of the cutoff that are tried as alpha of raised texels are multiples of this.
+const SHARE_STEP: f32 = 0.1;
+
+/// The first share that is tried, in steps, and the last: rounding, compressed textures and samplers must not show
+/// raised texels.
+const MIDDLE_STEP: i32 = 5;
+const LAST_STEP: i32 = 8;
+
+/// Texels are raised where coverage is then less than this times as far off, by squares of logarithms.
+const MUCH_LESS: f64 = 0.5;
+
 /// How many specks a view a level may show beyond those that there truly are, if it did not before.
 const MOST_MORE_SPECKS: f64 = 2.0;
 
 /// What may be done to materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialChange {
-    /// They may have other cutoffs.
+    /// They may have other cutoffs, or textures whose clear texels have another alpha.
     Cutoffs,
-    /// They may have other cutoffs, or be read without mip maps.
+    /// They may be read without mip maps, too.
     CutoffsOrMips,
 }
 
@@ -60,6 +75,10 @@ pub struct ChosenCutoffs {
     pub cutoffs: Cutoffs,
     /// By what all cutoffs were multiplied.
     pub times: f64,
+    /// Textures with raised clear texels.
+    pub raised: Vec<Raised>,
+    /// The alpha of these texels over the tree's cutoff; none where no texture has any.
+    pub raised_share: Option<f64>,
     /// Width and height of pictures in pixels, and in them the pixels that a client shows over those
     /// that the original truly covers: without and with these cutoffs.
     pub coverage: Vec<(u32, [f64; 2])>,
@@ -111,10 +130,13 @@ pub fn choose_cutoffs(
         })
     };
     let with_mips = sizes(&level, ratios[1]);
-    let best_with_mips = best(&with_mips, ratios);
+    let specks = Specks::of(&with_mips);
+    let best_with_mips = best(&with_mips, ratios, &specks);
     let chosen = |cutoffs, times: f32, after: &dyn Fn(usize) -> f64| ChosenCutoffs {
         cutoffs,
         times: times.into(),
+        raised: Vec::new(),
+        raised_share: None,
         coverage: (with_mips.iter().enumerate())
             .map(|(k, size)| (size.width_px, [size.coverage(1.0), after(k)]))
             .collect(),
@@ -137,7 +159,7 @@ pub fn choose_cutoffs(
         // they do no harm.
         let best = match farthest_off(&without, times_with_mips) <= FAR_OFF {
             true => best_with_mips,
-            false => best(&without, ratios),
+            false => best(&without, ratios, &Specks::of(&without)),
         };
         let now = best.unwrap_or(1.0);
         let tolerable = |size: &Size| specks::is_tolerable(size.coverage(times_with_mips));
@@ -154,10 +176,68 @@ pub fn choose_cutoffs(
             return Ok(Some(chosen(cutoffs, now, &|k| without[k].coverage(now))));
         }
     }
+    if off > NEAR_ENOUGH {
+        let raisable = Raisable::of(tree)?;
+        let tried = |share: f32| {
+            let raised = raisable.by(share);
+            if raised.is_empty() {
+                return None;
+            }
+            let sizes = sizes(&with_textures(&level, &raised), 1.0);
+            let closes = |(raised, plain): (&Size, &Size)| {
+                raised.coverage(1.0) > plain.coverage(1.0).max(1.0 + FAR_OFF)
+            };
+            let is_allowed =
+                specks.are_no_more(&sizes, 1.0) && !sizes.iter().zip(&with_mips).any(closes);
+            is_allowed.then(|| {
+                let coverage = sizes.each_ref().map(|size| size.coverage(1.0));
+                (off_by_logarithm(&sizes, 1.0), (share, raised, coverage))
+            })
+        };
+        let before = off_by_logarithm(&with_mips, times_with_mips);
+        if let Some((after, (share, raised, coverage))) = best_share(tried)
+            && after < MUCH_LESS * before
+        {
+            return Ok(Some(ChosenCutoffs {
+                raised,
+                raised_share: Some(share.into()),
+                ..chosen(cutoffs(None), 1.0, &|k| coverage[k])
+            }));
+        }
+    }
     Ok(best_with_mips.map(|times| {
         let after = |k: usize| with_mips[k].coverage(times);
         chosen(cutoffs(Some(times)), times, &after)
     }))
+}
+
+/// The share at which what is tried is the least off: from the middle on as long as it gets better, and down as
+/// long as nothing may be.
+fn best_share<T>(tried: impl Fn(f32) -> Option<(f64, T)>) -> Option<(f64, T)> {
+    let share = |step: i32| step as f32 * SHARE_STEP;
+    let off = |of: &Option<(f64, T)>| of.as_ref().map_or(f64::INFINITY, |(off, _)| *off);
+    let mut best = tried(share(MIDDLE_STEP));
+    let mut step = MIDDLE_STEP;
+    while best.is_some() && step < LAST_STEP {
+        let found = tried(share(step + 1));
+        if off(&found) >= off(&best) {
+            break;
+        }
+        best = found;
+        step += 1;
+    }
+    if step > MIDDLE_STEP {
+        return best;
+    }
+    while step > 1 {
+        let found = tried(share(step - 1));
+        if best.is_some() && off(&found) >= off(&best) {
+            break;
+        }
+        best = found;
+        step -= 1;
+    }
+    best
 }
 
 /// By how much coverage is off at the size where it is farthest off, with cutoffs `times` as high.
@@ -210,221 +290,49 @@ impl Size {
     }
 }
 
+/// How many specks a level has too many as it is, at each size.
+struct Specks(Vec<f64>);
+
+impl Specks {
+    fn of(sizes: &[Size]) -> Self {
+        Self(sizes.iter().map(|size| size.specks_too_many(1.0)).collect())
+    }
+
+    /// Whether there are no more with these cutoffs.
+    fn are_no_more(&self, sizes: &[Size], times: f32) -> bool {
+        let mut pairs = sizes.iter().zip(&self.0);
+        pairs.all(|(size, before)| size.specks_too_many(times) <= *before)
+    }
+}
+
 /// By what cutoffs are to be multiplied; none where they are best as they are.
-fn best(sizes: &[Size], [low, high]: [f32; 2]) -> Option<f32> {
-    let off = |times: f32| -> f64 {
-        let of_size = |size: &Size| size.coverage(times).max(1e-3).ln().powi(2);
-        sizes.iter().map(of_size).sum()
-    };
+fn best(sizes: &[Size], ratios: [f32; 2], before: &Specks) -> Option<f32> {
     let is_near = |size: &Size| (size.coverage(1.0) - 1.0).abs() <= NEAR_ENOUGH;
     if sizes.iter().all(is_near) {
         return None;
     }
-    let before: Vec<f64> = sizes.iter().map(|size| size.specks_too_many(1.0)).collect();
-    let has_no_more_specks = |times: f32| {
-        let mut pairs = sizes.iter().zip(&before);
-        pairs.all(|(size, before)| size.specks_too_many(times) <= *before)
-    };
+    let (off, times) = least_off(sizes, ratios, before)?;
+    (off < off_by_logarithm(sizes, 1.0)).then_some(times)
+}
+
+/// How far coverage is off with cutoffs `times` as high: the squares of logarithms, summed over the sizes.
+fn off_by_logarithm(sizes: &[Size], times: f32) -> f64 {
+    let of_size = |size: &Size| size.coverage(times).max(1e-3).ln().powi(2);
+    sizes.iter().map(of_size).sum()
+}
+
+/// How far coverage is off with the best cutoffs that show no more specks than before, and by what they are
+/// multiplied.
+fn least_off(sizes: &[Size], [low, high]: [f32; 2], before: &Specks) -> Option<(f64, f32)> {
     let first = (low.log2() * TRIES_PER_OCTAVE).ceil() as i32;
     let last = (high.log2() * TRIES_PER_OCTAVE).floor() as i32;
     let tried = (first..=last).map(|step| (step as f32 / TRIES_PER_OCTAVE).exp2());
-    let mut found: Vec<(f64, f32)> = tried.map(|times| (off(times), times)).collect();
+    let off = |times| (off_by_logarithm(sizes, times), times);
+    let mut found: Vec<(f64, f32)> = tried.map(off).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let now = off(1.0);
-    let better = found.into_iter().take_while(|(off, _)| *off < now);
-    let mut better = better.map(|(_, times)| times);
-    better.find(|times| has_no_more_specks(*times))
+    let mut found = found.into_iter();
+    found.find(|(_, times)| before.are_no_more(sizes, *times))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::{DQuat, DVec3, EulerRot, Vec2};
-    use secateur_gltf::{Document, plant_to_glb};
-    use secateur_model::{Filters, Finish, Material, Plant, Texture, Wrap};
-    use std::sync::Arc;
-
-    /// Cards of a unit side in a ball of radius 10, whose texture of 256 x 256 texels shows what
-    /// `is_there`.
-    fn crown(is_there: impl Fn(u32, u32) -> bool) -> Tree {
-        let texel = |k: u32| [60, 140, 40, 255 * u8::from(is_there(k % 256, k / 256))];
-        let texture = Texture {
-            width: 256,
-            height: 256,
-            rgba: (0..256 * 256).flat_map(texel).collect(),
-            wrap: [Wrap::Repeat; 2],
-            filters: Filters::default(),
-        };
-        let material = |name: &str, texture: Option<Texture>| {
-            Arc::new(Material {
-                name: name.to_owned(),
-                base_color: [1.0; 4],
-                alpha_mode: match texture {
-                    Some(_) => AlphaMode::Mask(0.5),
-                    None => AlphaMode::Opaque,
-                },
-                texture: texture.map(Arc::new),
-                double_sided: true,
-                finish: Finish::default(),
-            })
-        };
-        let surface = |material| Surface {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            colors: Vec::new(),
-            holds: Vec::new(),
-            triangles: Vec::new(),
-            material,
-        };
-        let mut leaves = surface(material("leaves", Some(texture)));
-        for k in 0..CARDS {
-            let part = (f64::from(k) + 0.5) / f64::from(CARDS);
-            let [a, b] = [2.4, 1.7].map(|angle| angle * f64::from(k));
-            let turn = DQuat::from_euler(EulerRot::YXZ, a, b, 0.0);
-            let centre = DVec3::Y * 12.0 + turn * DVec3::X * 9.0 * part.cbrt();
-            let first = leaves.positions.len() as u32;
-            for [u, v] in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
-                let corner = turn * DVec3::new(u - 0.5, 0.5 - v, 0.0);
-                leaves.positions.push(centre + corner);
-                leaves.uvs.push(Vec2::new(u as f32, v as f32));
-            }
-            let quad = [[0, 1, 2], [0, 2, 3]];
-            let quad = quad.map(|corners| corners.map(|corner| first + corner));
-            leaves.triangles.extend(quad);
-        }
-        let mut wood = surface(material("bark", None));
-        wood.positions = [[-0.1, 0.0], [0.1, 0.0], [0.0, 12.0]]
-            .map(|[x, y]| DVec3::new(x, y, 0.0))
-            .into();
-        wood.triangles = vec![[0, 1, 2]];
-        let plant = Plant {
-            name: "crown".to_owned(),
-            wood,
-            leaves,
-            triangles_per_leaf: vec![2; CARDS as usize],
-            skeleton: None,
-            holds: None,
-        };
-        let document = Document::from_bytes("crown.glb", plant_to_glb(&plant), None).unwrap();
-        document.into_tree(&[]).unwrap()
-    }
-
-    const CARDS: u32 = 400;
-
-    /// All leaves but the first.
-    fn level(tree: &Tree) -> Lod {
-        let count = tree.foliage().leaves().len();
-        let mut order = secateur_model::RemovalOrder::new(count as u32);
-        order.push_step(secateur_model::Step {
-            removed: &[secateur_model::LeafId::from_index(0)],
-            grown: &[],
-            made: &[],
-            survivors_area_scale: 1.0,
-        });
-        Lod::after(&order, 1)
-    }
-
-    fn chosen(tree: &Tree, lod: &Lod) -> Option<ChosenCutoffs> {
-        choose_cutoffs(tree, lod, MaterialChange::Cutoffs).unwrap()
-    }
-
-    /// Stripes that get wider from one side to the other, up to a half: all mips are below that.
-    #[test]
-    fn a_crown_that_fades_gets_a_lower_cutoff() {
-        let tree = crown(|x, _| x % 16 < x / 32);
-        let found = chosen(&tree, &level(&tree)).unwrap();
-        let own: Vec<(usize, f64)> = found.cutoffs.of_materials().collect();
-        let [(1, cutoff)] = own[..] else {
-            panic!("of the leaves alone: {own:?}");
-        };
-        assert!((0.1..0.45).contains(&cutoff), "{cutoff}");
-        assert!((found.times - cutoff / 0.5).abs() < 1e-3);
-        let far = found.coverage[2].1;
-        assert!(far[0] < 0.5 && (0.7..1.2).contains(&far[1]), "{far:?}");
-        // From a level that is the tree nothing is gone.
-        let original = Lod::original(CARDS as usize);
-        assert_eq!(chosen(&tree, &original), None);
-    }
-
-    /// Nearly half of each square of 8 x 8 texels is there: all coarse mip maps have that mean, and each
-    /// cutoff shows cards whole or not at all.
-    #[test]
-    fn what_no_cutoff_helps_is_read_without_mip_maps() {
-        let tree = crown(|x, y| x % 8 < 6 && y % 8 < 5);
-        let by = |change| choose_cutoffs(&tree, &level(&tree), change).unwrap();
-        let off = |found: &ChosenCutoffs| {
-            let off = |(_, [_, after]): &(u32, [f64; 2])| (after - 1.0).abs();
-            found.coverage.iter().map(off).fold(0.0, f64::max)
-        };
-        let found = by(MaterialChange::CutoffsOrMips).unwrap();
-        let without: Vec<usize> = found.cutoffs.materials_without_mips().collect();
-        assert_eq!(without, [1], "the leaves alone");
-        assert!(off(&found) < 0.05, "{found:?}");
-        // The level that is written shows that much.
-        let bytes = tree.lod_to_bytes_with(&level(&tree), &found.cutoffs);
-        let document = Document::from_bytes("level.glb", bytes.unwrap(), None).unwrap();
-        let drawn = document.drawn_as_one(Detail::Color).unwrap();
-        let texture = |one: &DrawnSurface| one.surface.material.texture.clone();
-        let textures: Vec<_> = drawn.iter().filter_map(texture).collect();
-        assert_eq!(textures.len(), 1);
-        assert_eq!(textures[0].filters.mips, Mips::None);
-        // With mip maps some size stays far off, whatever the cutoff.
-        let kept = by(MaterialChange::Cutoffs);
-        assert!(kept.is_none_or(|kept| {
-            kept.cutoffs.materials_without_mips().count() == 0 && off(&kept) > FAR_OFF
-        }));
-
-        // Two thirds are there: clients close the holes of the original too, and so show no specks of it.
-        let tree = crown(|x, y| x % 8 < 6 && y % 8 < 7);
-        let found = choose_cutoffs(&tree, &level(&tree), MaterialChange::CutoffsOrMips).unwrap();
-        let without = found.unwrap().cutoffs;
-        assert_eq!(without.materials_without_mips().count(), 1);
-    }
-
-    /// Wide stripes: close by clients show no more of them than there is, with fewer specks than without mip maps.
-    #[test]
-    fn mip_maps_stay_where_there_would_be_more_specks_than_of_the_original() {
-        let tree = crown(|x, _| x % 128 < 72);
-        let found = choose_cutoffs(&tree, &level(&tree), MaterialChange::CutoffsOrMips).unwrap();
-        let without = |found: ChosenCutoffs| found.cutoffs.materials_without_mips().count();
-        assert_eq!(found.map_or(0, without), 0);
-    }
-
-    /// Squares, of which clients show a third from afar, and larger ones, of which they show a quarter too much:
-    /// that outweighs some more specks close by.
-    #[test]
-    fn a_crown_that_vanishes_or_closes_may_show_more_specks_than_the_original() {
-        for (side, shown) in [(64, 0.0..0.4), (96, 1.2..1.3)] {
-            let tree = crown(|x, y| x % 128 < side && y % 128 < side);
-            let found = choose_cutoffs(&tree, &level(&tree), MaterialChange::CutoffsOrMips);
-            let found = found.unwrap().unwrap();
-            assert_eq!(found.cutoffs.materials_without_mips().count(), 1);
-            let [before, after] = found.coverage[2].1;
-            assert!(shown.contains(&before), "{before}");
-            assert!((after - 1.0).abs() < 0.05, "{after}");
-        }
-    }
-
-    /// Large blots: a lower cutoff helps fine mip maps, and not the coarsest.
-    #[test]
-    fn cutoffs_stay_where_mip_maps_are_left_out() {
-        let tree = crown(|x, y| x % 64 < 28 && y % 64 < 28);
-        let by = |change| choose_cutoffs(&tree, &level(&tree), change).unwrap();
-        let with = by(MaterialChange::Cutoffs).unwrap();
-        let without = by(MaterialChange::CutoffsOrMips).unwrap();
-        assert_eq!(without.cutoffs.materials_without_mips().count(), 1);
-        assert_eq!(with.cutoffs.materials_without_mips().count(), 0);
-        let cutoffs = |found: &ChosenCutoffs| found.cutoffs.of_materials().collect::<Vec<_>>();
-        assert!(cutoffs(&with).len() == 1 && with.times != 1.0, "{with:?}");
-        assert_eq!(cutoffs(&without), cutoffs(&with));
-        assert_eq!(without.times, with.times);
-    }
-
-    /// What is hardly cut out fades nowhere.
-    #[test]
-    fn a_crown_that_does_not_fade_stays_as_it_is() {
-        let tree = crown(|x, _| x > 0);
-        assert_eq!(chosen(&tree, &level(&tree)), None);
-    }
-}
+mod tests;

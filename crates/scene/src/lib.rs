@@ -3,7 +3,8 @@
 //! - [`Screen`]: how many pixels high a screen shows a plant at a distance.
 //! - [`choose_cutoffs`]: alpha cutoffs with which clients show as much of a level as there is, or whether
 //!   they had better read no mip maps.
-//! - [`dilated_textures`]: leaf textures whose clear texels have the colours of what is near.
+//! - [`dilated_textures`]: leaf textures whose clear texels have the colours of what is near;
+//!   [`material_changes`] joins them with chosen cutoffs.
 //! - [`chain`]: which levels of detail a plant gets, and from which distances they are seen.
 //! - [`impostor`]: pictures that stand for a plant far off.
 //! - [`leaf_boxes`]: boxes about the leaves of branches, and pictures on their diagonal planes.
@@ -23,6 +24,7 @@ mod dilate;
 mod gpu_for_tests;
 pub mod impostor;
 pub mod leaf_boxes;
+mod material_changes;
 pub mod order_file;
 pub mod prefix_buffers;
 pub mod preview;
@@ -33,5 +35,6 @@ pub mod view_dependent;
 pub mod wind;
 
 pub use clear_texels::{Dilated, dilated_textures};
-pub use cutoffs::{ChosenCutoffs, MaterialChange, choose_cutoffs};
+pub use cutoffs::{ChosenCutoffs, MaterialChange, Raised, choose_cutoffs};
+pub use material_changes::material_changes;
 pub use screen::Screen;

@@ -10,7 +10,9 @@ use secateur_eval::pictures::{PictureScores, Pictures, difference};
 use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
 use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_model::{Lod, Surface};
-use secateur_scene::{ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures};
+use secateur_scene::{
+    ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
+};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX, values_as_drawn};
@@ -214,12 +216,11 @@ pub(crate) fn with_dilated_textures(
     lod: &Lod,
     chosen: Option<ChosenCutoffs>,
 ) -> Result<Cutoffs, Error> {
-    let cutoffs = chosen.map(|chosen| chosen.cutoffs).unwrap_or_default();
-    if *lod == Lod::original(tree.foliage().leaves().len()) {
-        return Ok(cutoffs);
-    }
-    let texels = dilated_textures(tree)?.into_iter();
-    Ok(cutoffs.with_texels(texels.map(|one| (one.material, one.texture))))
+    let dilated = match *lod == Lod::original(tree.foliage().leaves().len()) {
+        true => Vec::new(),
+        false => dilated_textures(tree)?,
+    };
+    Ok(material_changes(chosen.as_ref(), &dilated))
 }
 
 /// All that is drawn of a level of the tree in this file, with these alpha cutoffs.

@@ -48,6 +48,7 @@ pub(crate) fn record(chosen: Option<&ChosenCutoffs>) -> Value {
     json!(chosen.map(|chosen| json!({
         "times": chosen.times,
         "of_materials": chosen.cutoffs.of_materials().collect::<Vec<_>>(),
+        "raised_alpha": chosen.raised_share,
         "without_mips": chosen.cutoffs.materials_without_mips().collect::<Vec<_>>(),
         "as_drawn": chosen.coverage.iter().map(of_width).collect::<Vec<_>>(),
     })))
@@ -63,7 +64,10 @@ pub(crate) fn in_words(chosen: &ChosenCutoffs) -> String {
         Some(_) => ", without mip maps",
         None => "",
     };
-    let what = format!("times {:.2}{mips}", chosen.times);
+    let raised = chosen.raised_share.map_or(String::new(), |share| {
+        format!(", clear texels away from leaves raised to {share:.1} of the cutoff")
+    });
+    let what = format!("times {:.2}{mips}{raised}", chosen.times);
     format!(
         "{what}; pixels that clients show over what there is: {}",
         coverage.join(", ")

@@ -10,6 +10,7 @@ use secateur::{
     read_cameras,
 };
 use secateur_raster::Scene;
+use secateur_scene::material_changes;
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
@@ -78,12 +79,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        let cutoffs = chosen.as_ref().map(|chosen| chosen.cutoffs.clone());
-        let texels = dilated
-            .iter()
-            .map(|one| (one.material, one.texture.clone()));
-        let cutoffs = cutoffs.unwrap_or_default().with_texels(texels);
-        tree.prepare_lod_with(&outcome.lod, &cutoffs, &args.output, write_options(args))
+        let changes = material_changes(chosen.as_ref(), &dilated);
+        tree.prepare_lod_with(&outcome.lod, &changes, &args.output, write_options(args))
             .map_err(Failure::from)
     })?;
     let picture = match args.picture {
