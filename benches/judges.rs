@@ -28,7 +28,7 @@ use secateur_eval::{AsDrawn, Judging, Original, Pictures};
 use secateur_gltf::Tree;
 use secateur_model::{Lod, Surface};
 use secateur_raster::ViewSet;
-use secateur_scene::{MaterialChange, choose_cutoffs};
+use secateur_scene::{MaterialChange, choose_cutoffs, dilated_textures, material_changes};
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::{Borders, MeshoptOptions};
 use secateur_simplify::stochastic::StochasticOptions;
@@ -283,8 +283,12 @@ impl<'a> JudgedTree<'a> {
                 true => choose_cutoffs(self.tree, &result.lod, change).expect("it is drawn"),
                 false => None,
             };
-            let cutoffs = chosen.map(|chosen| chosen.cutoffs).unwrap_or_default();
-            let bytes = self.tree.lod_to_bytes_with(&result.lod, &cutoffs);
+            let dilated = match options.chooses_cutoffs() && !case.contains("cutoffs=keep") {
+                true => dilated_textures(self.tree).expect("its images are read"),
+                false => Vec::new(),
+            };
+            let changes = material_changes(chosen.as_ref(), &dilated);
+            let bytes = self.tree.lod_to_bytes_with(&result.lod, &changes);
             let bytes = bytes.expect("it is written");
             let document = Document::from_bytes("level.glb", bytes, None).expect("it is glTF");
             let surfaces = surfaces_of(document.surfaces(&[]), "a level");

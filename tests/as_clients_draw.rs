@@ -256,6 +256,7 @@ fn a_simplified_crown_does_not_fade() {
     let (record, cutoff) = made("fit.glb", &[]);
     let chosen = &record["cutoffs"];
     assert_eq!(chosen["of_materials"], json!([[1, cutoff]]));
+    assert_eq!(chosen["raised"], Value::Null);
     assert!(cutoff < 0.4, "{cutoff}");
     for shown in chosen["as_drawn"].as_array().unwrap() {
         let off = |key: &str| (shown[key].as_f64().unwrap() - 1.0).abs();

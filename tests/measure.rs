@@ -222,6 +222,20 @@ fn what_a_client_draws_is_held_against_what_is_there() {
         );
         assert_eq!(number("silhouette_iou"), 1.0);
         assert_eq!(number("truth_iou"), number("original_truth_iou"));
+        let frames = ["over_frames", "original_over_frames"].map(|key| &record["as_drawn"][key]);
+        assert_eq!(frames[0], frames[1]);
+        assert_eq!(frames[0]["frames"], 16);
+        // What fades in one frame fades in all.
+        let coverage = frames[0]["coverage_over_truth"].as_f64().unwrap();
+        assert!(
+            (coverage - number("coverage_over_truth")).abs() < 0.05,
+            "{coverage}"
+        );
+        let overlap = frames[0]["truth_iou"].as_f64().unwrap();
+        assert!(
+            overlap >= number("truth_iou") && overlap <= 1.0,
+            "{overlap}"
+        );
         let without = &record["as_drawn"]["original_without_mips"];
         let without = without["coverage_over_truth"].as_f64().unwrap();
         (number("coverage_over_truth"), without)

@@ -1,5 +1,5 @@
 //! What a client with temporal anti-aliasing shows: the mean of frames whose samples lie at different places in
-//! each pixel.
+//! each pixel. Mip levels are those of a single frame; some clients then read sharper ones, which fade less.
 //!
 //! A picture of one sample a pixel shows each pixel whole or not at all. Where a crown covers parts of many
 //! pixels, that error is larger than what is wrong with a level, and a crown that is too dense overlaps more
@@ -8,6 +8,8 @@
 
 use std::borrow::Borrow;
 
+use image::RgbaImage;
+use rayon::prelude::*;
 use secateur_model::Surface;
 use secateur_raster::ViewSet;
 use serde::Serialize;
@@ -44,19 +46,22 @@ impl OverFrames {
     ) -> Self {
         let mips = mips.for_pixels_of(SAMPLES);
         let alpha = AlphaFrom::mips(Some(&mips));
-        let (mut covered, mut flip, mut overlap) = (0.0, 0.0, Overlap::default());
+        let (mut covered, mut overlap) = (0.0, Overlap::default());
         // One after another, as the truth.
-        for (view, truth) in views.views().iter().zip(truth) {
+        let images = views.views().iter().zip(truth).map(|(view, truth)| {
             let drawn = AveragedPicture::of(surfaces, view, width_px, alpha);
             covered += drawn.covered_px();
-            flip += truth.flip(&drawn.image);
             overlap.add(&truth.picture.shares, drawn.shares.iter().copied());
-        }
+            drawn.image
+        });
+        let images: Vec<RgbaImage> = images.collect();
+        let flips = truth.par_iter().zip(&images);
+        let flips: Vec<f64> = flips.map(|(truth, image)| truth.flip(image)).collect();
         Self {
             frames: SAMPLES * SAMPLES,
             coverage_over_truth: covered / covered_px(truth),
             truth_iou: overlap.iou(),
-            flip_mean: flip / truth.len() as f64,
+            flip_mean: flips.iter().sum::<f64>() / truth.len() as f64,
         }
     }
 }

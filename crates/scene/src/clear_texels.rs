@@ -143,7 +143,7 @@ fn difference(before: &Texture, after: &Texture, cutoff: f32) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use glam::{DVec3, Vec2};
     use secateur_gltf::{Document, plant_to_glb};
@@ -217,7 +217,7 @@ mod tests {
     }
 
     /// Cards with this texture and a cutoff of .5, drawn again by a material with this cutoff.
-    fn tree(texture: Texture, other_cutoff: f64) -> Tree {
+    pub(crate) fn tree(texture: Texture, other_cutoff: f64) -> Tree {
         let material = |alpha_mode, texture| {
             Arc::new(Material {
                 name: String::new(),

@@ -5,8 +5,8 @@
 //! by it hardly matters which cutoff between them is asked for, and from afar it decides how much is
 //! left. Where a texture's mip maps all have nearly the same alpha, a cutoff shows all of them or
 //! nothing. Such textures are read without mip maps: then each pixel shows what is at its middle, and
-//! all together as much as there is. Where that shows too many specks mip maps stay, and what still fades gets
-//! [raised] texels.
+//! all together as much as there is. Where mip maps stay, as that would show too many specks or is not asked
+//! for, what still fades gets [raised] texels.
 
 mod raised;
 mod range;
@@ -21,7 +21,7 @@ use secateur_model::{AlphaMode, Lod, Material, Mips, Surface};
 use secateur_raster::ViewSet;
 
 pub use self::raised::Raised;
-use self::raised::{Raisable, with_textures};
+use self::raised::{Raisable, with_raised};
 use self::range::range;
 use self::specks::DrawnOriginal;
 
@@ -45,8 +45,8 @@ const FAR_OFF: f64 = 0.08;
 /// How many cutoffs are tried between one and its double.
 const TRIES_PER_OCTAVE: f32 = 8.0;
 
-/// Shares of the cutoff that are tried as alpha of raised texels are multiples of this.
-const SHARE_STEP: f32 = 0.1;
+/// How many shares of the cutoff, as alpha of raised texels, there are up to 1.
+const SHARE_STEPS: f64 = 10.0;
 
 /// The first share that is tried, in steps, and the last: rounding, compressed textures and samplers must not show
 /// raised texels.
@@ -71,7 +71,8 @@ pub enum MaterialChange {
 /// Cutoffs that were chosen, and what they do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChosenCutoffs {
-    /// Those that differ from what the level has without.
+    /// Those that differ from what the level has without. [`material_changes`](crate::material_changes) has all
+    /// that changes.
     pub cutoffs: Cutoffs,
     /// By what all cutoffs were multiplied.
     pub times: f64,
@@ -153,7 +154,10 @@ pub fn choose_cutoffs(
     let times_with_mips = best_with_mips.unwrap_or(1.0);
     let off = farthest_off(&with_mips, times_with_mips);
     if change == MaterialChange::CutoffsOrMips && off > FAR_OFF {
-        let (level, changed) = without_mips(&level, is_free);
+        let is_free = |number| free.contains(&number);
+        let (level, changed) = changed(&level, |number, material| {
+            is_free(number).then(|| without_mips(material))
+        });
         let without = sizes(&level, ratios[1]);
         // Some clients make mip maps whatever a file says: the cutoffs that are best with them stay where
         // they do no harm.
@@ -176,14 +180,17 @@ pub fn choose_cutoffs(
             return Ok(Some(chosen(cutoffs, now, &|k| without[k].coverage(now))));
         }
     }
-    if off > NEAR_ENOUGH {
-        let raisable = Raisable::of(tree)?;
-        let tried = |share: f32| {
-            let raised = raisable.by(share);
-            if raised.is_empty() {
-                return None;
-            }
-            let sizes = sizes(&with_textures(&level, &raised), 1.0);
+    let fades = |size: &Size| size.coverage(times_with_mips) < 1.0 - NEAR_ENOUGH;
+    // What can't be read once more, or not within the memory, keeps its texels.
+    let raisable = (with_mips.iter().any(fades)).then(|| Raisable::of(tree).ok());
+    if let Some(raisable) = raisable.flatten() {
+        let tried = |share: f64| {
+            let raised = raisable.by(share)?;
+            let of = |number, material: &Material| {
+                let one = raised.iter().find(|one| one.material == number)?;
+                with_raised(material, one)
+            };
+            let sizes = sizes(&changed(&level, of).0, 1.0);
             let closes = |(raised, plain): (&Size, &Size)| {
                 raised.coverage(1.0) > plain.coverage(1.0).max(1.0 + FAR_OFF)
             };
@@ -200,7 +207,7 @@ pub fn choose_cutoffs(
         {
             return Ok(Some(ChosenCutoffs {
                 raised,
-                raised_share: Some(share.into()),
+                raised_share: Some(share),
                 ..chosen(cutoffs(None), 1.0, &|k| coverage[k])
             }));
         }
@@ -211,10 +218,10 @@ pub fn choose_cutoffs(
     }))
 }
 
-/// The share at which what is tried is the least off: from the middle on as long as it gets better, and down as
-/// long as nothing may be.
-fn best_share<T>(tried: impl Fn(f32) -> Option<(f64, T)>) -> Option<(f64, T)> {
-    let share = |step: i32| step as f32 * SHARE_STEP;
+/// The share at which what is tried is the least off: from the middle on, up or down, as long as it gets better.
+/// Where the middle may not be the highest that may is sought first.
+fn best_share<T>(tried: impl Fn(f64) -> Option<(f64, T)>) -> Option<(f64, T)> {
+    let share = |step: i32| f64::from(step) / SHARE_STEPS;
     let off = |of: &Option<(f64, T)>| of.as_ref().map_or(f64::INFINITY, |(off, _)| *off);
     let mut best = tried(share(MIDDLE_STEP));
     let mut step = MIDDLE_STEP;
@@ -246,29 +253,35 @@ fn farthest_off(sizes: &[Size], times: f32) -> f64 {
     sizes.iter().map(off).fold(0.0, f64::max)
 }
 
-/// The same surfaces, but those that are free are read without mip maps; and the numbers of their
-/// materials.
-fn without_mips(
+/// The same surfaces with materials that are changed, and the numbers of these. A material is given by its number,
+/// and stays where nothing comes of it.
+fn changed(
     level: &[DrawnSurface],
-    is_free: impl Fn(&DrawnSurface) -> bool,
+    change: impl Fn(usize, &Material) -> Option<Material>,
 ) -> (Vec<DrawnSurface>, Vec<usize>) {
     let mut level = level.to_vec();
-    let mut changed: BTreeMap<usize, Arc<Material>> = BTreeMap::new();
+    let mut made: BTreeMap<usize, Option<Arc<Material>>> = BTreeMap::new();
     for drawn in &mut level {
-        let Some(number) = drawn.material.filter(|_| is_free(drawn)) else {
+        let Some(number) = drawn.material else {
             continue;
         };
         let material = &mut drawn.surface.material;
-        let without = changed.entry(number).or_insert_with(|| {
-            let mut without = Material::clone(material);
-            if let Some(texture) = &mut without.texture {
-                Arc::make_mut(texture).filters.mips = Mips::None;
-            }
-            Arc::new(without)
-        });
-        *material = without.clone();
+        let made = made.entry(number);
+        if let Some(made) = made.or_insert_with(|| change(number, material).map(Arc::new)) {
+            *material = made.clone();
+        }
     }
-    (level, changed.into_keys().collect())
+    let is_changed = |(number, made): (usize, Option<Arc<Material>>)| made.map(|_| number);
+    (level, made.into_iter().filter_map(is_changed).collect())
+}
+
+/// The same, read without mip maps.
+fn without_mips(material: &Material) -> Material {
+    let mut without = material.clone();
+    if let Some(texture) = &mut without.texture {
+        Arc::make_mut(texture).filters.mips = Mips::None;
+    }
+    without
 }
 
 /// Pictures of one size.

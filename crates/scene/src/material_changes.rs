@@ -1,5 +1,6 @@
 //! All that changes in the materials of a level.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use secateur_gltf::Cutoffs;
@@ -11,19 +12,25 @@ use crate::{ChosenCutoffs, Dilated};
 pub fn material_changes(chosen: Option<&ChosenCutoffs>, dilated: &[Dilated]) -> Cutoffs {
     let raised = chosen.map_or(&[][..], |chosen| &chosen.raised);
     let colors_of = |material| dilated.iter().find(|one| one.material == material);
-    let raised_texels = raised.iter().map(|one| {
+    // Materials that share an image share what becomes of it.
+    let mut joined: HashMap<[*const Texture; 2], Arc<Texture>> = HashMap::new();
+    let mut texels = Vec::new();
+    for one in raised {
         let texture = match colors_of(one.material) {
-            Some(colors) => Arc::new(with_alpha(&colors.texture, &one.texture)),
+            Some(colors) => joined
+                .entry([&colors.texture, &one.texture].map(Arc::as_ptr))
+                .or_insert_with(|| Arc::new(with_alpha(&colors.texture, &one.texture)))
+                .clone(),
             None => one.texture.clone(),
         };
-        (one.material, texture)
-    });
+        texels.push((one.material, texture));
+    }
     let is_raised = |material| raised.iter().any(|one| one.material == material);
     let others = dilated.iter().filter(|one| !is_raised(one.material));
-    let others = others.map(|one| (one.material, one.texture.clone()));
+    texels.extend(others.map(|one| (one.material, one.texture.clone())));
     let cutoffs = chosen.map(|chosen| chosen.cutoffs.clone());
     let cutoffs = cutoffs.unwrap_or_default();
-    cutoffs.with_texels(raised_texels.chain(others))
+    cutoffs.with_texels(texels)
 }
 
 /// The colours of one texture with the alpha of another of the same size.

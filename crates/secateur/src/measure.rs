@@ -63,7 +63,8 @@ pub fn measure_pictures_by(
 
 /// Measures what a client draws of a simplified tree, in pictures of `width_px` x `width_px` pixels
 /// from the first of the held-out sets of views: with mip maps, the alpha test at each pixel's middle, and back
-/// faces culled. The truth is the original with many samples a pixel and without mip maps.
+/// faces culled; and in the mean of frames, which takes most of the time. The truth is the original with many
+/// samples a pixel and without mip maps.
 ///
 /// # Errors
 /// As [`measure_pictures`].

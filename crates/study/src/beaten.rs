@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::{Column, Row};
 
 /// What reports say that the cells of [`beaten_as_drawn`] count.
-pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide, and in the mean of 16 frames whose samples lie elsewhere in each pixel (temporal anti-aliasing), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
+pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide (over frames: the mean of 16 frames of one sample at another place in each pixel, as temporal anti-aliasing shows it), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
 
 /// What reports say that the lines of [`lost_cases`] are.
 pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";

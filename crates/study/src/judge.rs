@@ -106,7 +106,7 @@ impl<'a> LevelJudge<'a> {
         let cutoffs = match ran.chooses_cutoffs {
             true => {
                 let chosen = choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?;
-                with_dilated_textures(self.tree, &ran.lod, chosen)?
+                with_material_changes(self.tree, &ran.lod, chosen)?
             }
             false => Cutoffs::default(),
         };
@@ -209,9 +209,9 @@ pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
     command.split(' ').map(within).collect::<Vec<_>>().join(" ")
 }
 
-/// What was chosen for materials of a level, and the colours of leaves in clear texels of their textures, as
-/// `simplify` has them.
-pub(crate) fn with_dilated_textures(
+/// What was chosen for materials of a level, joined with the colours of leaves in clear texels of their textures,
+/// as `simplify` does.
+pub(crate) fn with_material_changes(
     tree: &Tree,
     lod: &Lod,
     chosen: Option<ChosenCutoffs>,

@@ -190,6 +190,11 @@ fn means(rows: &[Row], labels: &[&str], levels: &[f64]) -> Option<Table> {
     if several {
         head.insert(0, "level");
     }
+    let over_frames = ["flip_over_frames_128", "truth_iou_over_frames_128"].map(column);
+    let has_frames = (rows.iter()).any(|row| over_frames[0].value_of(row).is_finite());
+    if has_frames {
+        head.insert(head.len() - 1, "FLIP and IoU over frames, 128 px");
+    }
     let mut table = Table::new(&head);
     for level in levels {
         let there: Vec<&Row> = (rows.iter())
@@ -219,6 +224,14 @@ fn means(rows: &[Row], labels: &[&str], levels: &[f64]) -> Option<Table> {
                 },
                 seconds(error.seconds),
             ];
+            if has_frames {
+                let [flip, iou] = over_frames.map(|by| value(by.key));
+                let cell = match flip.is_finite() && iou.is_finite() {
+                    true => format!("{flip:.4}, {iou:.3}"),
+                    false => String::new(),
+                };
+                cells.insert(cells.len() - 1, cell);
+            }
             if several {
                 let level = match is_first {
                     true => percent(*level),

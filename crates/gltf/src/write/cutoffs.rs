@@ -115,7 +115,7 @@ impl Cutoffs {
         for material in self.materials_with_texels() {
             let place = tree.document.place("materials", material);
             draft.notes.push(format!(
-                "{place}: clear texels of its texture were changed, so that mip maps show leaves as they are"
+                "{place}: clear texels of its texture have other colours, or an alpha below the cutoff, so that mip maps show leaves as they are"
             ));
         }
         for material in self.materials_without_mips() {

@@ -2,13 +2,13 @@
 //!
 //! Coarse mip maps mix leaves with all the nothing around them, so that crowns fade. A lower cutoff shows more
 //! from afar, but widens leaves close by, too. Clear texels that lie away from leaves may have any alpha
-//! below the cutoff: close by they are mixed with each other alone and stay cut away, and from afar the
-//! mean is higher.
+//! below the cutoff: close by they are mixed with clear ones alone and stay cut away, and from afar the
+//! mean is higher. That holds for a hard alpha test, as glTF's masks ask for.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use secateur_gltf::{CutOutTexture, DrawnSurface, GltfError, Tree};
+use secateur_gltf::{GltfError, Tree};
 use secateur_model::{Material, Texture};
 
 /// Texels that are no farther from what is shown than the longer side of the texture over this keep their alpha,
@@ -25,68 +25,104 @@ pub struct Raised {
 }
 
 /// The textures of a tree whose clear texels may be raised.
-pub(super) struct Raisable(Vec<CutOutTexture>);
+pub(super) struct Raisable(Vec<OfMaterial>);
+
+struct OfMaterial {
+    material: usize,
+    texture: Arc<Texture>,
+    /// The lowest that a material has with the image.
+    cutoff: f32,
+    /// By texel, row by row, whether it keeps its alpha.
+    is_kept: Arc<[bool]>,
+}
 
 impl Raisable {
     /// Those that [`Tree::cut_out_textures`] gives. Of materials with one image the lowest cutoff counts.
     pub(super) fn of(tree: &Tree) -> Result<Self, GltfError> {
-        let mut textures = tree.cut_out_textures()?;
+        let textures = tree.cut_out_textures()?;
         let mut least: HashMap<usize, f32> = HashMap::new();
         for one in &textures {
             let cutoff = least.entry(one.image).or_insert(one.cutoff);
             *cutoff = cutoff.min(one.cutoff);
         }
-        for one in &mut textures {
-            one.cutoff = least[&one.image];
-        }
-        Ok(Self(textures))
-    }
-
-    /// Each with clear texels of this alpha over its cutoff; those that have none away from leaves are left out.
-    pub(super) fn by(&self, share: f32) -> Vec<Raised> {
-        let mut made: HashMap<_, Option<Arc<Texture>>> = HashMap::new();
-        let textures = self.0.iter().filter_map(|one| {
-            let made = made.entry(Arc::as_ptr(&one.texture));
-            let made =
-                made.or_insert_with(|| raised(&one.texture, one.cutoff, share).map(Arc::new));
-            Some(Raised {
+        let mut known: HashMap<_, Arc<[bool]>> = HashMap::new();
+        let of_materials = textures.into_iter().map(|one| {
+            let cutoff = least[&one.image];
+            let is_kept = known.entry((Arc::as_ptr(&one.texture), cutoff.to_bits()));
+            let is_kept =
+                is_kept.or_insert_with(|| near_what_is_shown(&one.texture, cutoff).into());
+            OfMaterial {
                 material: one.material,
-                texture: made.clone()?,
-            })
+                is_kept: is_kept.clone(),
+                texture: one.texture,
+                cutoff,
+            }
         });
-        textures.collect()
+        Ok(Self(of_materials.collect()))
+    }
+
+    /// Each with clear texels of this alpha over its cutoff. None if no texture has clear texels away from
+    /// leaves, or the mean of one were no longer below its cutoff: the coarsest mip maps would show cards whole.
+    pub(super) fn by(&self, share: f64) -> Option<Vec<Raised>> {
+        let mut made: HashMap<_, Option<Arc<Texture>>> = HashMap::new();
+        let mut all = Vec::new();
+        for one in &self.0 {
+            // One picture may be the image of several numbers, with a cutoff each.
+            let texture = made.entry((Arc::as_ptr(&one.texture), one.cutoff.to_bits()));
+            let texture = texture.or_insert_with(|| one.raised(share).map(Arc::new));
+            let Some(texture) = texture else {
+                continue;
+            };
+            if mean_alpha(texture) >= one.cutoff {
+                return None;
+            }
+            all.push(Raised {
+                material: one.material,
+                texture: texture.clone(),
+            });
+        }
+        (!all.is_empty()).then_some(all)
     }
 }
 
-/// The level with these textures in place of its own.
-pub(super) fn with_textures(level: &[DrawnSurface], raised: &[Raised]) -> Vec<DrawnSurface> {
-    let mut level = level.to_vec();
-    for drawn in &mut level {
-        let own = raised
-            .iter()
-            .find(|one| drawn.material == Some(one.material));
-        if let Some(own) = own {
-            let mut material = Material::clone(&drawn.surface.material);
-            material.texture = Some(own.texture.clone());
-            drawn.surface.material = Arc::new(material);
+impl OfMaterial {
+    /// The texture whose clear texels away from what is shown have this alpha over the cutoff; none if there
+    /// are none.
+    fn raised(&self, share: f64) -> Option<Texture> {
+        let alpha = (share * f64::from(self.cutoff) * 255.0) as u8;
+        let mut texture = Texture::clone(&self.texture);
+        let mut count = 0;
+        for (texel, is_kept) in texture.rgba.chunks_exact_mut(4).zip(&*self.is_kept) {
+            if !is_kept && texel[3] < alpha {
+                texel[3] = alpha;
+                count += 1;
+            }
         }
+        (count > 0).then_some(texture)
     }
-    level
 }
 
-/// A texture whose clear texels away from what is shown have this alpha over the cutoff; none if there are none.
-fn raised(texture: &Texture, cutoff: f32, share: f32) -> Option<Texture> {
-    let alpha = (share * cutoff * 255.0) as u8;
-    let is_kept = near_what_is_shown(texture, cutoff);
-    let mut texture = texture.clone();
-    let mut count = 0;
-    for (texel, is_kept) in texture.rgba.chunks_exact_mut(4).zip(&is_kept) {
-        if !is_kept && texel[3] < alpha {
-            texel[3] = alpha;
-            count += 1;
-        }
-    }
-    (count > 0).then_some(texture)
+/// The mean alpha of all texels, 0 to 1.
+fn mean_alpha(texture: &Texture) -> f32 {
+    let texels = texture.rgba.chunks_exact(4);
+    let count = texels.len().max(1) as f64;
+    let sum: u64 = texels.map(|texel| u64::from(texel[3])).sum();
+    (sum as f64 / count / 255.0) as f32
+}
+
+/// The texels of a level's texture with raised alpha, read as the level reads it.
+pub(super) fn with_raised(material: &Material, raised: &Raised) -> Option<Material> {
+    let texture = material.texture.as_ref()?;
+    let texture = Texture {
+        rgba: raised.texture.rgba.clone(),
+        width: raised.texture.width,
+        height: raised.texture.height,
+        ..Texture::clone(texture)
+    };
+    Some(Material {
+        texture: Some(Arc::new(texture)),
+        ..material.clone()
+    })
 }
 
 /// By texel, row by row, whether it lies in a square about one that is shown. Textures go on beyond their edges.
@@ -131,6 +167,15 @@ mod tests {
     use super::*;
     use secateur_model::{Filters, Wrap};
 
+    fn of_material(texture: Texture, cutoff: f32) -> OfMaterial {
+        OfMaterial {
+            material: 1,
+            is_kept: near_what_is_shown(&texture, cutoff).into(),
+            texture: Arc::new(texture),
+            cutoff,
+        }
+    }
+
     /// A texture of 128 x 64 texels that shows one of them.
     fn dot(column: usize, row: usize) -> Texture {
         let mut rgba = vec![0; 4 * 128 * 64];
@@ -144,11 +189,15 @@ mod tests {
         }
     }
 
+    fn of_dot(column: usize, row: usize, cutoff: f32) -> OfMaterial {
+        of_material(dot(column, row), cutoff)
+    }
+
     /// Those of 5 x 5 texels about what is shown, beyond the edges too.
     #[test]
     fn texels_near_what_is_shown_keep_their_alpha() {
         for (column, row) in [(60, 30), (0, 0), (127, 63), (1, 62)] {
-            let texture = raised(&dot(column, row), 0.5, 0.6).unwrap();
+            let texture = of_dot(column, row, 0.5).raised(0.6).unwrap();
             for (k, texel) in texture.rgba.chunks(4).enumerate() {
                 let away = |at: usize, from: usize, size: usize| {
                     let straight = at.abs_diff(from);
@@ -169,12 +218,60 @@ mod tests {
     fn what_has_no_clear_texels_away_from_leaves_stays() {
         let mut full = dot(0, 0);
         full.rgba.fill(255);
-        assert_eq!(raised(&full, 0.5, 0.6), None);
+        assert_eq!(of_material(full, 0.5).raised(0.6), None);
         // Alpha that is higher already stays.
         let mut soft = dot(0, 0);
-        soft.rgba
-            .chunks_mut(4)
-            .for_each(|texel| texel[3] = texel[3].max(100));
-        assert_eq!(raised(&soft, 0.5, 0.6), None);
+        for texel in soft.rgba.chunks_mut(4) {
+            texel[3] = texel[3].max(100);
+        }
+        assert_eq!(of_material(soft, 0.5).raised(0.6), None);
+    }
+
+    #[test]
+    fn coarsest_mip_maps_do_not_become_whole_cards() {
+        // Half of it is shown; the rest but for a margin may have a third of the cutoff, not half of it.
+        let mut half = dot(0, 0);
+        for (k, texel) in half.rgba.chunks_mut(4).enumerate() {
+            texel[3] = 255 * u8::from(k % 128 < 64);
+        }
+        let raisable = Raisable(vec![of_material(half, 0.6)]);
+        assert_eq!(raisable.by(0.3).map(|all| all.len()), Some(1));
+        assert_eq!(raisable.by(0.5), None);
+        assert_eq!(Raisable(Vec::new()).by(0.5), None);
+    }
+
+    /// Two materials show the image, one from an alpha of .3 on: nothing may have more than that.
+    #[test]
+    fn the_lowest_cutoff_of_an_image_counts() {
+        let tree = crate::clear_texels::tests::tree(dot(3, 3), 0.3);
+        let raised = Raisable::of(&tree).unwrap().by(0.5).unwrap();
+        assert_eq!(raised.len(), 2);
+        let highest = |one: &Raised| {
+            let alphas = one.texture.rgba.chunks(4).map(|texel| texel[3]);
+            alphas.filter(|alpha| *alpha < 255).max()
+        };
+        let most = (0.5 * 0.3 * 255.0) as u8;
+        assert!(raised.iter().all(|one| highest(one) == Some(most)));
+    }
+
+    #[test]
+    fn a_level_reads_raised_texels_as_it_read_its_own() {
+        let mut own = dot(0, 0);
+        own.wrap = [Wrap::ClampToEdge; 2];
+        let material = Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            alpha_mode: secateur_model::AlphaMode::Mask(0.5),
+            texture: Some(Arc::new(own)),
+            double_sided: true,
+            finish: secateur_model::Finish::default(),
+        };
+        let raised = Raised {
+            material: 1,
+            texture: Arc::new(of_dot(0, 0, 0.5).raised(0.6).unwrap()),
+        };
+        let changed = with_raised(&material, &raised).unwrap().texture.unwrap();
+        assert_eq!(changed.wrap, [Wrap::ClampToEdge; 2]);
+        assert_eq!(changed.rgba, raised.texture.rgba);
     }
 }

@@ -48,7 +48,10 @@ pub(crate) fn record(chosen: Option<&ChosenCutoffs>) -> Value {
     json!(chosen.map(|chosen| json!({
         "times": chosen.times,
         "of_materials": chosen.cutoffs.of_materials().collect::<Vec<_>>(),
-        "raised_alpha": chosen.raised_share,
+        "raised": chosen.raised_share.map(|share| json!({
+            "share_of_cutoff": share,
+            "materials": chosen.raised.iter().map(|one| one.material).collect::<Vec<_>>(),
+        })),
         "without_mips": chosen.cutoffs.materials_without_mips().collect::<Vec<_>>(),
         "as_drawn": chosen.coverage.iter().map(of_width).collect::<Vec<_>>(),
     })))
@@ -65,11 +68,40 @@ pub(crate) fn in_words(chosen: &ChosenCutoffs) -> String {
         None => "",
     };
     let raised = chosen.raised_share.map_or(String::new(), |share| {
-        format!(", clear texels away from leaves raised to {share:.1} of the cutoff")
+        format!(", clear texels away from leaves with an alpha of {share:.1} of the cutoff")
     });
     let what = format!("times {:.2}{mips}{raised}", chosen.times);
     format!(
         "{what}; pixels that clients show over what there is: {}",
         coverage.join(", ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur_gltf::Cutoffs;
+
+    #[test]
+    fn raised_texels_are_told() {
+        let mut chosen = ChosenCutoffs {
+            cutoffs: Cutoffs::default(),
+            times: 1.0,
+            raised: Vec::new(),
+            raised_share: Some(0.6),
+            coverage: vec![(512, [0.9, 1.0])],
+        };
+        let told = record(Some(&chosen));
+        assert_eq!(
+            told["raised"],
+            json!({"share_of_cutoff": 0.6, "materials": []})
+        );
+        assert_eq!(
+            in_words(&chosen),
+            "times 1.00, clear texels away from leaves with an alpha of 0.6 of the cutoff; pixels that clients show over what there is: 0.90 -> 1.00 at 512 px"
+        );
+        chosen.raised_share = None;
+        assert_eq!(record(Some(&chosen))["raised"], Value::Null);
+        assert!(!in_words(&chosen).contains("texels"));
+    }
 }

@@ -54,9 +54,9 @@ pub(crate) enum MethodName {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CutoffsName {
     /// Such that clients show as much of the crown from afar as there is, and near by what they did; where
-    /// no cutoff does, textures are read without mip maps
+    /// no cutoff does, textures are read without mip maps, or clear texels get an alpha below the cutoff
     Fit,
-    /// As fit, but textures are read with mip maps as they were
+    /// As fit, but all textures are read with mip maps
     FitWithMips,
     /// Those of the tree, raised only where single triangles would show specks
     Keep,

@@ -11,7 +11,7 @@ use secateur_simplify::whole::{WholePlant, simplify_keeping_wood};
 use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Target};
 
 use super::{PlantOutcome, WholeCase};
-use crate::judge::{surfaces_of, with_dilated_textures};
+use crate::judge::{surfaces_of, with_material_changes};
 use crate::{Error, Host};
 
 /// The level; nothing if the wood that is kept has more triangles than may be left.
@@ -51,7 +51,7 @@ pub(super) fn made(
     };
     let lod = tree.joined(&made.leaves.lod, &made.wood);
     let cutoffs = choose_cutoffs(tree.items(), &lod, MaterialChange::CutoffsOrMips)?;
-    let cutoffs = with_dilated_textures(tree.items(), &lod, cutoffs)?;
+    let cutoffs = with_material_changes(tree.items(), &lod, cutoffs)?;
     let [_, setting] = case.method_and_setting();
     Ok(Some(PlantOutcome {
         surfaces: surfaces_of(tree.items(), path, &lod, &cutoffs)?,
