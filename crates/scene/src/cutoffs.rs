@@ -180,7 +180,7 @@ pub fn choose_cutoffs(
             return Ok(Some(chosen(cutoffs, now, &|k| without[k].coverage(now))));
         }
     }
-    let fades = |size: &Size| size.coverage(1.0) < 1.0 - NEAR_ENOUGH;
+    let fades = |size: &Size| size.coverage(times_with_mips) < 1.0 - NEAR_ENOUGH;
     // What can't be read once more, or not within the memory, keeps its texels.
     let raisable = (with_mips.iter().any(fades)).then(|| Raisable::of(tree).ok());
     if let Some(raisable) = raisable.flatten() {

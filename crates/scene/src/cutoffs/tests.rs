@@ -250,6 +250,21 @@ fn what_lower_cutoffs_would_widen_is_raised_away_from_leaves() {
     assert_eq!(coverage, near.1[1]);
 }
 
+/// Small blots, of which nothing is left from afar: what would show some of them there would close the crown near by.
+#[test]
+fn raised_texels_do_not_close_a_crown() {
+    let blots = |x: u32, y: u32| match (x % 128).max(y % 128) {
+        0..50 => 255,
+        50..54 => 115,
+        _ => 0,
+    };
+    let tree = crown_of(1.0, blots);
+    let found = chosen(&tree, &level(&tree));
+    for (width_px, [before, after]) in found.iter().flat_map(|found| &found.coverage) {
+        assert!(*after <= before.max(1.0 + FAR_OFF), "{after} at {width_px}");
+    }
+}
+
 #[test]
 fn the_best_share_is_sought_from_the_middle_on() {
     let at = |best: f64| {
