@@ -117,22 +117,13 @@ pub fn choose_cutoffs(
     let original = tree.document().drawn_as_one(Detail::Color)?;
     let original: Vec<&Surface> = original.iter().map(|drawn| &drawn.surface).collect();
     let truth = Outlines::of_truth(&original, &views, WIDTH_PX);
-    let sizes = |level: &[DrawnSurface], enough: f32| {
-        let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
-        let known = MipMaps::of_cut_outs(&surfaces);
-        STEPS.map(|step| {
-            let width_px = WIDTH_PX / step;
-            let is_free = |surface: usize| is_free(&level[surface]);
-            Size {
-                width_px,
-                truth: truth.every(step),
-                level: Strengths::new(&surfaces, is_free, &views, width_px, enough, &known),
-            }
-        })
+    let client = Client {
+        views: &views,
+        truth: &truth,
+        free: &free,
     };
-    let with_mips = sizes(&level, ratios[1]);
-    let specks = Specks::of(&with_mips);
-    let best_with_mips = best(&with_mips, ratios, &specks);
+    let with_mips = client.sizes(&level, ratios[1]);
+    let best_with_mips = best(&with_mips, ratios);
     let chosen = |cutoffs, times: f32, after: &dyn Fn(usize) -> f64| ChosenCutoffs {
         cutoffs,
         times: times.into(),
@@ -154,16 +145,15 @@ pub fn choose_cutoffs(
     let times_with_mips = best_with_mips.unwrap_or(1.0);
     let off = farthest_off(&with_mips, times_with_mips);
     if change == MaterialChange::CutoffsOrMips && off > FAR_OFF {
-        let is_free = |number| free.contains(&number);
         let (level, changed) = changed(&level, |number, material| {
-            is_free(number).then(|| without_mips(material))
+            free.contains(&number).then(|| without_mips(material))
         });
-        let without = sizes(&level, ratios[1]);
+        let without = client.sizes(&level, ratios[1]);
         // Some clients make mip maps whatever a file says: the cutoffs that are best with them stay where
         // they do no harm.
         let best = match farthest_off(&without, times_with_mips) <= FAR_OFF {
             true => best_with_mips,
-            false => best(&without, ratios, &Specks::of(&without)),
+            false => best(&without, ratios),
         };
         let now = best.unwrap_or(1.0);
         let tolerable = |size: &Size| specks::is_tolerable(size.coverage(times_with_mips));
@@ -181,41 +171,90 @@ pub fn choose_cutoffs(
         }
     }
     let fades = |size: &Size| size.coverage(times_with_mips) < 1.0 - NEAR_ENOUGH;
-    // What can't be read once more, or not within the memory, keeps its texels.
-    let raisable = (with_mips.iter().any(fades)).then(|| Raisable::of(tree).ok());
-    if let Some(raisable) = raisable.flatten() {
-        let tried = |share: f64| {
-            let raised = raisable.by(share)?;
-            let of = |number, material: &Material| {
-                let one = raised.iter().find(|one| one.material == number)?;
-                with_raised(material, one)
-            };
-            let sizes = sizes(&changed(&level, of).0, 1.0);
-            let closes = |(raised, plain): (&Size, &Size)| {
-                raised.coverage(1.0) > plain.coverage(1.0).max(1.0 + FAR_OFF)
-            };
-            let is_allowed =
-                specks.are_no_more(&sizes, 1.0) && !sizes.iter().zip(&with_mips).any(closes);
-            is_allowed.then(|| {
-                let coverage = sizes.each_ref().map(|size| size.coverage(1.0));
-                (off_by_logarithm(&sizes, 1.0), (share, raised, coverage))
-            })
-        };
-        let before = off_by_logarithm(&with_mips, times_with_mips);
-        if let Some((after, (share, raised, coverage))) = best_share(tried)
-            && after < MUCH_LESS * before
-        {
-            return Ok(Some(ChosenCutoffs {
-                raised,
-                raised_share: Some(share),
-                ..chosen(cutoffs(None), 1.0, &|k| coverage[k])
-            }));
-        }
+    if with_mips.iter().any(fades)
+        && let Some((after, found)) = client.best_raised(tree, &level, &with_mips)
+        && after < MUCH_LESS * off_by_logarithm(&with_mips, times_with_mips)
+    {
+        return Ok(Some(ChosenCutoffs {
+            raised: found.raised,
+            raised_share: Some(found.share),
+            ..chosen(cutoffs(None), 1.0, &|k| found.coverage[k])
+        }));
     }
     Ok(best_with_mips.map(|times| {
         let after = |k: usize| with_mips[k].coverage(times);
         chosen(cutoffs(Some(times)), times, &after)
     }))
+}
+
+/// What draws levels: from where, of which it is held against what, and which materials have cutoffs of their
+/// own.
+struct Client<'a> {
+    views: &'a ViewSet,
+    truth: &'a Outlines,
+    free: &'a [usize],
+}
+
+/// Raised textures, and what is shown with them.
+struct FoundRaised {
+    /// The alpha of clear texels away from leaves over the cutoff.
+    share: f64,
+    raised: Vec<Raised>,
+    /// At each size.
+    coverage: [f64; STEPS.len()],
+}
+
+impl Client<'_> {
+    /// A level at all sizes. Of alpha over the cutoff no more than `enough` is told.
+    fn sizes(&self, level: &[DrawnSurface], enough: f32) -> [Size; STEPS.len()] {
+        let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
+        let known = MipMaps::of_cut_outs(&surfaces);
+        let is_free = |surface: usize| {
+            let material = level[surface].material;
+            material.is_some_and(|material| self.free.contains(&material))
+        };
+        STEPS.map(|step| {
+            let width_px = WIDTH_PX / step;
+            Size {
+                width_px,
+                truth: self.truth.every(step),
+                level: Strengths::new(&surfaces, is_free, self.views, width_px, enough, &known),
+            }
+        })
+    }
+
+    /// The textures of the tree, raised such that the level is the least off, and how far it is then. None where no
+    /// share may be, or where images can't be read once more, or not within the memory.
+    fn best_raised(
+        &self,
+        tree: &Tree,
+        level: &[DrawnSurface],
+        plain: &[Size],
+    ) -> Option<(f64, FoundRaised)> {
+        let raisable = Raisable::of(tree).ok()?;
+        let specks = Specks::of(plain);
+        best_share(|share| {
+            let raised = raisable.by(share)?;
+            let of = |number, material: &Material| {
+                let one = raised.iter().find(|one| one.material == number)?;
+                with_raised(material, one)
+            };
+            let sizes = self.sizes(&changed(level, of).0, 1.0);
+            let closes = |(raised, plain): (&Size, &Size)| {
+                raised.coverage(1.0) > plain.coverage(1.0).max(1.0 + FAR_OFF)
+            };
+            if !specks.are_no_more(&sizes, 1.0) || sizes.iter().zip(plain).any(closes) {
+                return None;
+            }
+            let coverage = sizes.each_ref().map(|size| size.coverage(1.0));
+            let found = FoundRaised {
+                share,
+                raised,
+                coverage,
+            };
+            Some((off_by_logarithm(&sizes, 1.0), found))
+        })
+    }
 }
 
 /// The share at which what is tried is the least off: from the middle on, up or down, as long as it gets better.
@@ -319,12 +358,12 @@ impl Specks {
 }
 
 /// By what cutoffs are to be multiplied; none where they are best as they are.
-fn best(sizes: &[Size], ratios: [f32; 2], before: &Specks) -> Option<f32> {
+fn best(sizes: &[Size], ratios: [f32; 2]) -> Option<f32> {
     let is_near = |size: &Size| (size.coverage(1.0) - 1.0).abs() <= NEAR_ENOUGH;
     if sizes.iter().all(is_near) {
         return None;
     }
-    let (off, times) = least_off(sizes, ratios, before)?;
+    let (off, times) = least_off(sizes, ratios)?;
     (off < off_by_logarithm(sizes, 1.0)).then_some(times)
 }
 
@@ -336,7 +375,8 @@ fn off_by_logarithm(sizes: &[Size], times: f32) -> f64 {
 
 /// How far coverage is off with the best cutoffs that show no more specks than before, and by what they are
 /// multiplied.
-fn least_off(sizes: &[Size], [low, high]: [f32; 2], before: &Specks) -> Option<(f64, f32)> {
+fn least_off(sizes: &[Size], [low, high]: [f32; 2]) -> Option<(f64, f32)> {
+    let before = Specks::of(sizes);
     let first = (low.log2() * TRIES_PER_OCTAVE).ceil() as i32;
     let last = (high.log2() * TRIES_PER_OCTAVE).floor() as i32;
     let tried = (first..=last).map(|step| (step as f32 / TRIES_PER_OCTAVE).exp2());
