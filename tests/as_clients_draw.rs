@@ -339,6 +339,18 @@ fn leaves_over_black_do_not_darken_from_afar() {
     let run = bench.run(&[&papers[..], &["--ratio", "0.5", "--colors", "dilate"]].concat());
     run.misused_saying(&["--colors", "contradicts", "--preset paper"]);
 
+    // Whoever asks for colours where there is nothing to do is told.
+    bench.put("green.glb", &plant_to_glb(&crown_of_discs(0.5)));
+    let told = |more: &[&str]| {
+        let files = ["simplify", "green.glb", "-o", "g.glb", "--overwrite"];
+        let few = ["--ratio", "0.5", "--views", "6", "--resolution", "64"];
+        let run = bench.run(&[&files[..], &few, &["--report", "g.json"], more].concat());
+        run.succeeded();
+        bench.json("g.json")["warnings"].to_string()
+    };
+    assert!(told(&["--colors", "dilate"]).contains("changes no texture"));
+    assert!(!told(&[]).contains("texture"));
+
     // Levels of a chain that keep the tree's texture do so too.
     let lods = ["lods", "black.glb", "-o", "chain", "--distances", "8,16"];
     let report = ["--max-flip", "0.3", "--report", "chain.json"];

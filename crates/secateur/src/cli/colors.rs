@@ -7,6 +7,9 @@ use serde_json::{Value, json};
 use super::names::ColorsName;
 use super::{args, cutoffs};
 
+/// What is said to whoever asked for other colours where no texture gets any.
+const IN_VAIN: &str = "--colors dilate changes no texture: mip maps of leaf textures that are cut out, if there are any, mix in hardly any other colours";
+
 /// The leaf textures of a level with other colours where they are clear; none of a level that is the tree. Where an
 /// image can't be read all keep theirs, with a warning.
 pub(crate) fn chosen(
@@ -23,12 +26,21 @@ pub(crate) fn chosen(
     if !is_wanted || *lod == Lod::original(tree.foliage().leaves().len()) {
         return Vec::new();
     }
-    dilated_textures(tree).unwrap_or_else(|error| {
-        let warning = format!("leaf textures stay as they are: {error}");
+    let (dilated, warning) = match dilated_textures(tree) {
+        Ok(dilated) => {
+            let is_in_vain = dilated.is_empty() && args.colors == Some(ColorsName::Dilate);
+            (dilated, is_in_vain.then(|| IN_VAIN.to_owned()))
+        }
+        Err(error) => (
+            Vec::new(),
+            Some(format!("leaf textures stay as they are: {error}")),
+        ),
+    };
+    if let Some(warning) = warning {
         tracing::warn!("{warning}");
         warnings.push(warning);
-        Vec::new()
-    })
+    }
+    dilated
 }
 
 /// What the record says of them; nothing where all stay.
