@@ -48,9 +48,9 @@ impl MipMaps {
 
 /// The mip chains of all textures of a scene.
 pub(crate) struct MipChains {
-    /// By surface.
+    /// One for each surface of the scene, in their order; none where its texture is not needed.
     chains: Vec<Option<Arc<MipChain>>>,
-    /// As [`MipSampler::level_bias`].
+    /// What its samplers add to mip levels, in levels: see [`MipSampler::level_bias`].
     level_bias: f32,
 }
 
@@ -58,7 +58,8 @@ pub(crate) struct MipChains {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MipSampler<'a> {
     chain: &'a MipChain,
-    /// Added to the level for which texels are as large as samples.
+    /// Levels added to the one whose texels are as large as a sample, since a pixel of several samples reads a
+    /// coarser one: 2 for 4 samples along a side.
     level_bias: f32,
 }
 

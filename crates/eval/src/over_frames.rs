@@ -1,5 +1,6 @@
 //! What a client with temporal anti-aliasing shows: the mean of frames whose samples lie at different places in
-//! each pixel. Mip levels are those of a single frame; some clients then read sharper ones, which fade less.
+//! each pixel. Each frame reads the mip levels that a single one would; some clients read sharper levels with
+//! anti-aliasing, which fade less.
 //!
 //! A picture of one sample a pixel shows each pixel whole or not at all. Where a crown covers parts of many
 //! pixels, that error is larger than what is wrong with a level, and a crown that is too dense overlaps more

@@ -187,8 +187,8 @@ pub fn choose_cutoffs(
     }))
 }
 
-/// What draws levels: from where, of which it is held against what, and which materials have cutoffs of their
-/// own.
+/// How levels are drawn: the views, the true outlines that they are compared with, and the numbers of the materials
+/// whose cutoffs may change.
 struct Client<'a> {
     views: &'a ViewSet,
     truth: &'a Outlines,
@@ -200,12 +200,12 @@ struct FoundRaised {
     /// The alpha of clear texels away from leaves over the cutoff.
     share: f64,
     raised: Vec<Raised>,
-    /// At each size.
+    /// Pixels that a client shows over those that there truly are, at each of the sizes that are looked at.
     coverage: [f64; STEPS.len()],
 }
 
 impl Client<'_> {
-    /// A level at all sizes. Of alpha over the cutoff no more than `enough` is told.
+    /// A level at all sizes. Ratios of alpha to cutoff are exact up to `enough`.
     fn sizes(&self, level: &[DrawnSurface], enough: f32) -> [Size; STEPS.len()] {
         let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
         let known = MipMaps::of_cut_outs(&surfaces);
@@ -223,8 +223,8 @@ impl Client<'_> {
         })
     }
 
-    /// The textures of the tree, raised such that the level is the least off, and how far it is then. None where no
-    /// share may be, or where images can't be read once more, or not within the memory.
+    /// The raised textures with which coverage is the least off, and how far off it is then. None if no share is
+    /// allowed, or if the images can't be read a second time within the memory.
     fn best_raised(
         &self,
         tree: &Tree,
@@ -258,7 +258,7 @@ impl Client<'_> {
 }
 
 /// The share at which what is tried is the least off: from the middle on, up or down, as long as it gets better.
-/// Where the middle may not be the highest that may is sought first.
+/// Where the middle is not allowed, the highest share below it that is allowed comes first.
 fn best_share<T>(tried: impl Fn(f64) -> Option<(f64, T)>) -> Option<(f64, T)> {
     let share = |step: i32| f64::from(step) / SHARE_STEPS;
     let off = |of: &Option<(f64, T)>| of.as_ref().map_or(f64::INFINITY, |(off, _)| *off);
@@ -292,8 +292,8 @@ fn farthest_off(sizes: &[Size], times: f32) -> f64 {
     sizes.iter().map(off).fold(0.0, f64::max)
 }
 
-/// The same surfaces with materials that are changed, and the numbers of these. A material is given by its number,
-/// and stays where nothing comes of it.
+/// The surfaces with changed materials, and the numbers of these. `change` gets a material and its number, and
+/// returns nothing where it stays.
 fn changed(
     level: &[DrawnSurface],
     change: impl Fn(usize, &Material) -> Option<Material>,

@@ -202,10 +202,18 @@ impl<'a> LevelJudge<'a> {
 }
 
 /// A command with paths as they are seen from the study's folder, which lies elsewhere on
-/// other machines.
+/// other machines. Of a file elsewhere that is given from the root on only the name stays: rows tell no
+/// folders of the machine, and a tree is known by its hash.
 pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
     let folder = format!("{}/", folder.display());
-    let within = |word| str::strip_prefix(word, folder.as_str()).unwrap_or(word);
+    let within = |word| match str::strip_prefix(word, folder.as_str()) {
+        Some(rest) => rest,
+        None if Path::new(word).is_absolute() => {
+            let name = Path::new(word).file_name();
+            name.and_then(|name| name.to_str()).unwrap_or(word)
+        }
+        None => word,
+    };
     command.split(' ').map(within).collect::<Vec<_>>().join(" ")
 }
 
@@ -314,4 +322,24 @@ pub(crate) fn file_name(stem: &str, label: &str, seed: u64, level: f64) -> Strin
     };
     let label: String = label.chars().map(plain).collect();
     format!("{stem}-{label}-{seed}-{level}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_tell_no_folders_of_the_machine() {
+        let root = std::env::temp_dir();
+        let [folder, tree] = ["s", "trees/oak.glb"].map(|path| root.join(path));
+        let command = format!(
+            "secateur simplify {} -o out.glb --views {}/v.json --order ../a.json",
+            tree.display(),
+            folder.display()
+        );
+        assert_eq!(
+            in_folder(&command, &folder),
+            "secateur simplify oak.glb -o out.glb --views v.json --order ../a.json"
+        );
+    }
 }
