@@ -26,13 +26,13 @@ use secateur::plant::{GrowOptions, Species, grow};
 use secateur::{Document, Options, Preset, Target, plant_to_glb, simplify};
 use secateur_eval::{AsDrawn, Judging, Original, Pictures};
 use secateur_gltf::Tree;
-use secateur_model::{Lod, Surface};
+use secateur_model::Surface;
 use secateur_raster::ViewSet;
 use secateur_scene::{MaterialChange, choose_cutoffs, dilated_textures, material_changes};
 use secateur_simplify::fsa::FsaOptions;
 use secateur_simplify::meshopt::{Borders, MeshoptOptions};
 use secateur_simplify::stochastic::StochasticOptions;
-use secateur_simplify::{Method, Views};
+use secateur_simplify::{Method, Simplified, Views};
 
 const TREES: [&str; 12] = [
     "ez_bush2",
@@ -272,7 +272,7 @@ impl<'a> JudgedTree<'a> {
             ("resolution", f64::from(result.resolution)),
         ]);
         if options.method.vds().is_some() {
-            found.insert("own_vmi_error", self.own_error(&options, &result.lod));
+            found.insert("own_vmi_error", self.own_error(&result));
         }
         if let Some((pictures, drawn)) = &self.pictures {
             let change = match case.contains("cutoffs=fit-with-mips") {
@@ -311,15 +311,15 @@ impl<'a> JudgedTree<'a> {
     }
 
     /// VMI error from each set that drove, as the others judge: 60 degrees, 512 pixels; the mean.
-    fn own_error(&self, options: &Options, lod: &Lod) -> f64 {
+    fn own_error(&self, result: &Simplified) -> f64 {
         let foliage = self.tree.foliage();
         let sphere = foliage.bounding_sphere().expect("leaves");
-        let sets = options.views.driving(sphere);
+        let sets = result.driven_by.driving(sphere);
         let judging = Judging {
             rigs: sets.into_iter().map(ViewSet::with_exact_textures).collect(),
             resolution: Judging::RESOLUTION,
         };
-        let measured = secateur_eval::measure_lod(foliage, lod, &judging);
+        let measured = secateur_eval::measure_lod(foliage, &result.lod, &judging);
         measured.expect("a measurement").vmi_error_percent()
     }
 }

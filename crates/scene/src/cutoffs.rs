@@ -35,11 +35,12 @@ const STEPS: [u32; 3] = [1, 2, 4];
 /// Corners of a cube that make a tetrahedron: views from four sides.
 const SIDES: [usize; 4] = [0, 3, 5, 6];
 
-/// Coverage that is no farther off than this at any size is left as it is.
+/// Coverage that is no farther off than this at any size is left as it is. Mip maps are left out, if they may be,
+/// where it is farther off at some size with the best cutoffs.
 const NEAR_ENOUGH: f64 = 0.03;
 
-/// Mip maps are left out, if they may be, where with the best cutoffs coverage is farther off than
-/// this at some size.
+/// Coverage that is no farther off than this at any size is borne with, for cutoffs that are better where a client makes
+/// mip maps of its own, and for raised texels.
 const FAR_OFF: f64 = 0.08;
 
 /// How many cutoffs are tried between one and its double.
@@ -144,7 +145,7 @@ pub fn choose_cutoffs(
     };
     let times_with_mips = best_with_mips.unwrap_or(1.0);
     let off = farthest_off(&with_mips, times_with_mips);
-    if change == MaterialChange::CutoffsOrMips && off > FAR_OFF {
+    if change == MaterialChange::CutoffsOrMips && off > NEAR_ENOUGH {
         let (level, changed) = changed(&level, |number, material| {
             free.contains(&number).then(|| without_mips(material))
         });

@@ -15,6 +15,7 @@
 //! - [`resolution`]: how fine the images must be.
 
 mod audit;
+mod auto_views;
 #[cfg(feature = "plant")]
 pub mod by_branches;
 pub mod coarsen;

@@ -92,6 +92,7 @@ impl Preset {
     /// The view set that the preset drives from.
     pub fn views(self) -> Views {
         match self {
+            Self::Look => Views::Auto,
             Self::Information => Views::Turning,
             _ => Views::Dodecahedron,
         }

@@ -7,11 +7,12 @@
 //! nothing (DESIGN: measured), so the resolution doubles only while too many of
 //! the visible leaves cover at most a pixel in every view.
 
-use secateur_model::{Foliage, Lod};
+use secateur_model::{BoundingSphere, Foliage, Lod};
 use secateur_raster::{AreaTable, MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene, ViewSet};
 
-use crate::Error;
+use crate::shared::Shared;
 use crate::vds::VdsError;
+use crate::{Error, Options, Resolution};
 
 /// What [`Preset::Look`](crate::Preset::Look) takes for [`Resolution::Auto`], in pixels. On three trees with
 /// leaves so small that 512 are chosen for information (a grown oak and birch, a pine), at a tenth of the
@@ -20,7 +21,7 @@ use crate::vds::VdsError;
 pub(crate) const LOOK_RESOLUTION: u32 = 256;
 
 pub(crate) const LOOK_RESOLUTION_REASON: &str =
-    "more pixels cost twice the time and change FLIP by 1 to 3 %";
+    "what the look takes; where leaves are small it has more views instead";
 
 /// Resolutions that are tried, in pixels, in order.
 pub const CANDIDATES: [u32; 3] = [256, 512, 1024];
@@ -54,25 +55,17 @@ pub fn choose(
     views: &ViewSet,
     rasteriser: &dyn Rasteriser,
 ) -> Result<ChosenResolution, VdsError> {
-    let lod = Lod::original(foliage.leaves().len());
     let mut tried = Vec::new();
     for resolution in CANDIDATES {
-        let scene = Scene {
-            foliage,
-            lod: &lod,
-            views,
-            resolution,
-        };
-        let areas = rasteriser.areas(&scene).map_err(VdsError::from_raster)?;
-        let (visible_leaves, at_most_a_pixel) = visibility(&areas);
-        let share = at_most_a_pixel as f64 / visible_leaves.max(1) as f64;
+        let seen = visibility_at(foliage, views, resolution, rasteriser)?;
+        let share = seen.share_at_most_a_pixel();
         tried.push(format!("{:.0} % at {resolution}", 100.0 * share));
         let is_enough = share <= MAX_SHARE_AT_MOST_A_PIXEL;
         if is_enough || resolution == CANDIDATES[CANDIDATES.len() - 1] {
             return Ok(ChosenResolution {
                 resolution,
-                visible_leaves,
-                at_most_a_pixel,
+                visible_leaves: seen.leaves,
+                at_most_a_pixel: seen.at_most_a_pixel,
                 reason: format!(
                     "of the visible leaves {} cover at most a pixel in every view; {:.0} % may",
                     tried.join(", "),
@@ -84,12 +77,31 @@ pub fn choose(
     unreachable!("the largest candidate is always taken")
 }
 
+/// The resolution of a run, and why: that which is asked for, [`LOOK_RESOLUTION`] for the look, and else
 /// [`choose`], or the least of [`CANDIDATES`] where there are too many views for the largest.
 pub(crate) fn resolution_for(
     foliage: &Foliage,
-    views: &ViewSet,
+    options: &Options,
+    sphere: BoundingSphere,
     engine: &OpenEngine,
+    shared: Option<&mut Shared>,
 ) -> Result<(u32, String), Error> {
+    match options.resolution {
+        Resolution::Pixels(n) => return Ok((n, "as asked".to_owned())),
+        Resolution::Auto if options.is_for_the_look() => {
+            return Ok((LOOK_RESOLUTION, LOOK_RESOLUTION_REASON.to_owned()));
+        }
+        Resolution::Auto => {}
+    }
+    let mut none = None;
+    let known = shared.map_or(&mut none, |shared| &mut shared.resolution);
+    if known.is_none() {
+        *known = Some(chosen(foliage, &options.first_views(sphere), engine)?);
+    }
+    Ok(known.clone().expect("chosen above"))
+}
+
+fn chosen(foliage: &Foliage, views: &ViewSet, engine: &OpenEngine) -> Result<(u32, String), Error> {
     let [least, .., most] = CANDIDATES;
     if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
         return Ok((least, "there are too many views to try more".to_owned()));
@@ -98,9 +110,43 @@ pub(crate) fn resolution_for(
     Ok((chosen.resolution, chosen.reason))
 }
 
-/// Leaves with an area in some view, and those of them with at most a pixel in
-/// every view.
-fn visibility(areas: &AreaTable) -> (usize, usize) {
+/// How large the leaves of a foliage are in images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Visibility {
+    /// Leaves with an area in some view.
+    leaves: usize,
+    /// Those of them with at most a pixel in every view.
+    at_most_a_pixel: usize,
+}
+
+impl Visibility {
+    /// The share of the visible leaves that cover at most a pixel in every view, 0 to 1.
+    pub(crate) fn share_at_most_a_pixel(self) -> f64 {
+        self.at_most_a_pixel as f64 / self.leaves.max(1) as f64
+    }
+}
+
+/// How large the leaves of a foliage are in images of `resolution` x `resolution` pixels. Draws all views once.
+///
+/// # Errors
+/// [`VdsError::Raster`] if the rasteriser fails.
+pub(crate) fn visibility_at(
+    foliage: &Foliage,
+    views: &ViewSet,
+    resolution: u32,
+    rasteriser: &dyn Rasteriser,
+) -> Result<Visibility, VdsError> {
+    let scene = Scene {
+        foliage,
+        lod: &Lod::original(foliage.leaves().len()),
+        views,
+        resolution,
+    };
+    let areas = rasteriser.areas(&scene).map_err(VdsError::from_raster)?;
+    Ok(visibility(&areas))
+}
+
+fn visibility(areas: &AreaTable) -> Visibility {
     let mut largest_px = vec![0u32; areas.leaf_count() + 1];
     for row in areas.rows() {
         for (largest, area_px) in largest_px.iter_mut().zip(row) {
@@ -108,10 +154,10 @@ fn visibility(areas: &AreaTable) -> (usize, usize) {
         }
     }
     let leaves = &largest_px[1..];
-    (
-        leaves.iter().filter(|a| **a > 0).count(),
-        leaves.iter().filter(|a| **a == 1).count(),
-    )
+    Visibility {
+        leaves: leaves.iter().filter(|a| **a > 0).count(),
+        at_most_a_pixel: leaves.iter().filter(|a| **a == 1).count(),
+    }
 }
 
 #[cfg(test)]
@@ -126,7 +172,11 @@ mod tests {
         // Two views of 16 pixels: leaf 1 is seen twice, leaf 2 with one pixel
         // each time, leaf 3 never.
         let areas = AreaTable::from_rows(3, vec![13, 2, 1, 0, 14, 1, 1, 0]);
-        assert_eq!(visibility(&areas), (2, 1));
+        let expected = Visibility {
+            leaves: 2,
+            at_most_a_pixel: 1,
+        };
+        assert_eq!(visibility(&areas), expected);
     }
 
     /// A grid of square leaves across the middle of a sphere of radius 1, which

@@ -9,12 +9,13 @@ use secateur_raster::occluders::Occluded;
 use secateur_raster::{MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene};
 
 use crate::audit::audit;
+use crate::auto_views::views_for;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::last_look::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
 use crate::observe::observe;
 use crate::passes::Passes;
-use crate::resolution::{LOOK_RESOLUTION, LOOK_RESOLUTION_REASON, resolution_for};
+use crate::resolution::resolution_for;
 use crate::rest::cut;
 use crate::select::{Begun, Selection, Task};
 use crate::shared::{KeptOrder, Shared};
@@ -22,7 +23,7 @@ use crate::sizes::{SizePass, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
 use crate::warning::{Ended, Warning, warnings};
-use crate::{Error, Options, Resolution, Simplified, Stopped, Target, as_seen, sphere_of};
+use crate::{Error, Options, Simplified, Stopped, Target, as_seen, sphere_of};
 
 /// Simplifies a foliage.
 ///
@@ -99,18 +100,20 @@ pub fn simplify_sharing(
     let mut clock = Clock::new(observer);
 
     clock.begin(Stage::Resolution)?;
-    let known = shared.as_ref().and_then(|shared| shared.resolution.clone());
-    let (resolution, resolution_reason) = match (options.resolution, known) {
-        (Resolution::Pixels(n), _) => (n, "as asked".to_owned()),
-        (Resolution::Auto, Some(known)) => known,
-        (Resolution::Auto, None) if options.is_for_the_look() => {
-            (LOOK_RESOLUTION, LOOK_RESOLUTION_REASON.to_owned())
-        }
-        (Resolution::Auto, None) => resolution_for(&foliage, &options.first_views(sphere), engine)?,
+    let (resolution, resolution_reason) =
+        resolution_for(&foliage, options, sphere, engine, shared.as_deref_mut())?;
+    let chosen = views_for(
+        &foliage,
+        options,
+        sphere,
+        resolution,
+        engine,
+        shared.as_deref_mut(),
+    )?;
+    let options = &Options {
+        views: chosen.views,
+        ..options.clone()
     };
-    if let Some(shared) = &mut shared {
-        shared.resolution = Some((resolution, resolution_reason.clone()));
-    }
     let mut budget = Budget::new(options.memory);
     let views = options.first_views(sphere);
     // More pixels than can be counted are refused later, in words that no memory helps.
@@ -194,6 +197,8 @@ pub fn simplify_sharing(
         costs,
         stopped,
         views: shown.views,
+        driven_by: options.views.clone(),
+        views_reason: chosen.reason,
         areas,
         vmi_original: shown.vmi_original,
         vmi_final,
@@ -252,7 +257,7 @@ impl PassContext<'_> {
             false => None,
         };
         let known = match &mut shared {
-            Some(shared) if is_driven => shared.take(&shares),
+            Some(shared) if is_driven => shared.take(&self.options.views, &shares),
             _ => None,
         };
         let coarse = match (&known, &shares) {
@@ -290,6 +295,7 @@ impl PassContext<'_> {
         };
         if let (Some(shared), true) = (&mut shared, is_driven) {
             shared.keep(KeptOrder {
+                views: self.options.views.clone(),
                 shares,
                 coarse: coarse.clone(),
                 begun: Begun {

@@ -7,15 +7,18 @@
 use secateur_raster::ViewSet;
 use secateur_raster::measure::vmi::Vmi;
 
-use crate::Target;
+use crate::auto_views::ChosenViews;
 use crate::coarsen::{Coarse, LossCurves};
 use crate::fit::DrawnOriginals;
 use crate::select::{Begun, Selection, Task};
+use crate::{Target, Views};
 
 /// What earlier runs over the same foliage, by the same options but for the target, found.
 #[derive(Debug, Default)]
 pub struct Shared {
     pub(crate) resolution: Option<(u32, String)>,
+    /// What [`Views::Auto`] stands for with a budget of triangles.
+    pub(crate) views: Option<ChosenViews>,
     pub(crate) curves: Option<LossCurves>,
     /// What the views showed of the original.
     pub(crate) original: Option<(ViewSet, Vmi)>,
@@ -27,6 +30,8 @@ pub struct Shared {
 /// An order, and what it is of.
 #[derive(Clone, Debug)]
 pub(crate) struct KeptOrder {
+    /// The views that it was chosen from.
+    pub(crate) views: Views,
     /// How many triangles each leaf could keep; nothing where they kept all.
     pub(crate) shares: Option<Vec<usize>>,
     pub(crate) coarse: Option<Coarse>,
@@ -54,9 +59,10 @@ impl KeptOrder {
 }
 
 impl Shared {
-    /// Takes out the order of leaves that became coarser in this way.
-    pub(crate) fn take(&mut self, shares: &Option<Vec<usize>>) -> Option<KeptOrder> {
-        let known = self.found.iter().position(|found| found.shares == *shares);
+    /// Takes out the order of leaves that became coarser in this way, chosen from these views.
+    pub(crate) fn take(&mut self, views: &Views, shares: &Option<Vec<usize>>) -> Option<KeptOrder> {
+        let is_it = |found: &KeptOrder| found.views == *views && found.shares == *shares;
+        let known = self.found.iter().position(is_it);
         known.map(|index| self.found.swap_remove(index))
     }
 

@@ -1,12 +1,13 @@
 //! What a run hands back.
 
-use secateur_model::Lod;
+use secateur_model::{BoundingSphere, Lod};
 use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 use secateur_raster::{AreaTable, ViewSet};
 
 use crate::passes::Passes;
 use crate::stage::Stage;
 use crate::warning::Warning;
+use crate::{Options, Views};
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +45,10 @@ pub struct Simplified {
     pub stopped: Stopped,
     /// The views of the last step.
     pub views: ViewSet,
+    /// What [`Options::views`](crate::Options::views) stood for.
+    pub driven_by: Views,
+    /// Why these views, in words, where the run decided.
+    pub views_reason: Option<String>,
     /// Areas of the leaves that are left in those views, in pixels. A row for
     /// each original leaf, or, where leaves were made, for each of
     /// [`Lod::foliage`]. Nothing without [`Options::shows_what_is_left`](crate::Options::shows_what_is_left).
@@ -69,6 +74,16 @@ pub struct Simplified {
 }
 
 impl Simplified {
+    /// All sets of views that a run of these options, which this came of, looked from, about a foliage with this
+    /// bounding sphere.
+    pub fn driving(&self, options: &Options, sphere: BoundingSphere) -> Vec<ViewSet> {
+        let driven = Options {
+            views: self.driven_by.clone(),
+            ..options.clone()
+        };
+        driven.driving(sphere)
+    }
+
     /// VMI error against the original foliage on the driving views, in per cent; nothing where there
     /// are no areas.
     pub fn driving_error_percent(&self) -> Option<f64> {

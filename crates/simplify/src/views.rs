@@ -14,8 +14,11 @@ use crate::vds::ViewPlan;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Views {
-    /// The 20 vertices of a dodecahedron, at 3 radii from the foliage's centre.
+    /// [`Self::Dodecahedron`], or with a budget of triangles [`Self::Dodecahedra`] where most of the visible
+    /// leaves cover at most a pixel in every one of the former's views. Until a run has looked, the former.
     #[default]
+    Auto,
+    /// The 20 vertices of a dodecahedron, at 3 radii from the foliage's centre.
     Dodecahedron,
     /// The 12 vertices of an icosahedron; not of one that judges.
     Icosahedron,
@@ -51,6 +54,7 @@ impl Views {
     /// The name in reports.
     pub fn name(&self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Dodecahedron => "dodecahedron",
             Self::Icosahedron => "icosahedron",
             Self::Both => "32",
@@ -68,6 +72,7 @@ impl Views {
     /// The built-in set that goes by a name or by its number of views.
     pub fn by_name(name: &str) -> Option<Self> {
         Some(match name {
+            "auto" => Self::Auto,
             "dodecahedron" | "20" => Self::Dodecahedron,
             "icosahedron" | "12" => Self::Icosahedron,
             "32" => Self::Both,
@@ -101,6 +106,27 @@ impl Views {
         }
     }
 
+    /// Whether a run decides which they are.
+    pub(crate) fn are_auto(&self) -> bool {
+        match self {
+            Self::Auto => true,
+            Self::Turned { views, .. } => views.are_auto(),
+            _ => false,
+        }
+    }
+
+    /// The same with these where a run decides.
+    pub(crate) fn instead_of_auto(&self, decided: &Self) -> Self {
+        match self {
+            Self::Auto => decided.clone(),
+            Self::Turned { views, turn } => Self::Turned {
+                views: Box::new(views.instead_of_auto(decided)),
+                turn: *turn,
+            },
+            own => own.clone(),
+        }
+    }
+
     pub(crate) fn plan(&self, sphere: BoundingSphere) -> ViewPlan {
         ViewPlan::Fixed(match self {
             Self::Variable => return ViewPlan::variable(sphere),
@@ -109,7 +135,7 @@ impl Views {
                 let plan = views.plan(sphere);
                 return plan.map(|set| set.turned(sphere.centre, *turn));
             }
-            Self::Dodecahedron => ViewSet::dodecahedron(sphere),
+            Self::Auto | Self::Dodecahedron => ViewSet::dodecahedron(sphere),
             Self::Icosahedron => ViewSet::driving_icosahedron(sphere),
             Self::Both => {
                 let icosahedron = ViewSet::driving_icosahedron(sphere);

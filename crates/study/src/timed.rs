@@ -111,7 +111,7 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
         0.0
     };
     let driving = match changed.foliage.bounding_sphere() {
-        Some(sphere) if sees_pixels => changed.options.driving(sphere),
+        Some(sphere) if sees_pixels => result.driving(&changed.options, sphere),
         _ => Vec::new(),
     };
     let fitted = fitting.map_or(0.0, |(from, to)| (to - from).as_secs_f64());

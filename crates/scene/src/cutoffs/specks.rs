@@ -13,11 +13,15 @@ const SHOWN_WELL: [f64; 2] = [0.9, 1.05];
 
 /// The same of a level with mip maps and the best cutoffs, if it is tolerable: a crown that vanishes or
 /// closes is worse than one with specks.
-const TOLERABLE: [f64; 2] = [0.5, 1.15];
+const TOLERABLE: [f64; 2] = [0.5, 1.1];
 
 /// The most specks without mip maps over those that there truly are: leaves that got larger or moved show
 /// others, and alpha between texels is mixed, which the truth does not do.
 const OVER_TRUTH: f64 = 1.25;
+
+/// The same, and how many more, where the level with mip maps is not tolerable.
+const OVER_TRUTH_AT_WORST: f64 = 1.5;
+const MOST_MORE_AT_WORST: f64 = 4.0;
 
 /// Whether a level that covers this share of the truth with mip maps could stay so.
 pub(super) fn is_tolerable(coverage: f64) -> bool {
@@ -48,9 +52,13 @@ impl<'a> DrawnOriginal<'a> {
     }
 
     /// The most specks a view that a level without mip maps may show in pictures of `width_px` x `width_px`
-    /// pixels, of an original that truly covers `truth` there: two more than a client shows of it, where it
-    /// shows it well and the level with mip maps is tolerable; else two more than a quarter above the truth's.
+    /// pixels, of an original that truly covers `truth` there. Where the level with mip maps is tolerable, two more than
+    /// a client shows of the original, if it shows that well, or than a quarter above the truth's; else four more than
+    /// half above the truth's.
     pub(super) fn most_specks(&self, truth: &Outlines, width_px: u32) -> f64 {
+        if !self.is_level_tolerable {
+            return truth.specks_per_view() * OVER_TRUTH_AT_WORST + MOST_MORE_AT_WORST;
+        }
         let all = Strengths::new(
             self.surfaces,
             |_| false,
@@ -62,7 +70,7 @@ impl<'a> DrawnOriginal<'a> {
         let drawn = all.shown(1.0);
         let coverage = drawn.covered_px() as f64 / truth.covered_px() as f64;
         let is_shown_well = (SHOWN_WELL[0]..=SHOWN_WELL[1]).contains(&coverage);
-        let specks = match is_shown_well && self.is_level_tolerable {
+        let specks = match is_shown_well {
             true => drawn.specks_per_view(),
             false => truth.specks_per_view() * OVER_TRUTH,
         };

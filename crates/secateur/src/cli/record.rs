@@ -117,8 +117,9 @@ fn settings(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
     let about = json!({
         "views": match options.views {
             Views::Cameras(_) => args.views.clone().unwrap_or_else(|| "scene".to_owned()),
-            _ => args.views.clone().unwrap_or_else(|| options.views.name().to_owned()),
+            _ => result.driven_by.name().to_owned(),
         },
+        "views_reason": result.views_reason,
         "view_count": result.views.len(),
         "views_that_judge": driving_views_that_judge(run),
         "field_of_view": options.field_of_view(),
@@ -152,7 +153,7 @@ pub(crate) fn driving_views_that_judge(run: &RunRecord<'_>) -> usize {
     let (Some(sphere), Ok(judging)) = about else {
         return 0;
     };
-    let sets = options.driving(sphere);
+    let sets = run.outcome.result.driving(options, sphere);
     let counts = (sets.iter()).map(|set| judging.views_that_judge(set, sphere.centre));
     if is_driven { counts.sum() } else { 0 }
 }

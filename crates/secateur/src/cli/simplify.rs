@@ -225,7 +225,7 @@ fn views(name: &str) -> Result<Views, Error> {
     read_cameras(path).map(Views::Cameras).map_err(|mut error| {
         // A name that was mistyped is no file either.
         if !path.exists() {
-            error.reason += "; `--views` takes dodecahedron, turning, icosahedron, 32, 60, 92, 8, \
+            error.reason += "; `--views` takes auto, dodecahedron, turning, icosahedron, 32, 60, 92, 8, \
                              6, vnc or a JSON file";
         }
         Error::Cameras(error)
@@ -422,6 +422,9 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     );
     let (views, side) = (result.views.len(), result.resolution);
     say("views", format!("{views} of {side} x {side} pixels"));
+    if let (Some(reason), true) = (&result.views_reason, views > 20) {
+        say("", reason.clone());
+    }
     if run.options.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }

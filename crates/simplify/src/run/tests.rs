@@ -9,7 +9,7 @@ use secateur_model::LeafTriangle;
 use secateur_raster::ViewSet;
 
 use super::*;
-use crate::{Fitting, LeafTriangles, Method, Preset, Progress, Views};
+use crate::{Fitting, LeafTriangles, Method, Preset, Progress, Resolution, Views};
 
 fn leaf_at(place: DVec3, size: f64) -> Foliage {
     let mut foliage = Foliage::default();
@@ -42,8 +42,12 @@ fn many_views_are_no_reason_to_leave_the_range() {
     let foliage = leaf_at(DVec3::ZERO, 1.0);
     let one = ViewSet::octahedron(foliage.bounding_sphere().unwrap()).views()[0];
     // 513 views of 1024 x 1024 pixels are more than 2^29 pixels.
-    let views = ViewSet::new(vec![one; 513]);
-    let chosen = resolution_for(&foliage, &views, &OpenEngine::cpu()).unwrap();
+    let sphere = sphere_of(&foliage).unwrap();
+    let options = Options {
+        views: Views::Cameras(ViewSet::new(vec![one; 513])),
+        ..Options::with_preset(Preset::Information, Target::leaves(1))
+    };
+    let chosen = resolution_for(&foliage, &options, sphere, &OpenEngine::cpu(), None).unwrap();
     assert_eq!(chosen.0, 256);
 }
 

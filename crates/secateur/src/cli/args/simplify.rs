@@ -48,10 +48,10 @@ pub(crate) struct Simplify {
     /// Where to rasterise; results are the same.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
-    /// Where to look from: dodecahedron (20 views), turning (20 at a time, which turn between
-    /// stages), icosahedron (12), 32, 60, 92, 8, 6, vnc (20 views, later 12, 8 and 6), or a JSON
+    /// Where to look from: auto (dodecahedron; 60 with a budget of triangles where most leaves cover at most a pixel),
+    /// dodecahedron (20 views), turning (20 at a time, which turn between stages), icosahedron (12), 32, 60, 92, 8, 6, vnc (20 views, later 12, 8 and 6), or a JSON
     /// file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up", "fov_y_degrees", "near"}]}
-    /// [default: dodecahedron; turning for information].
+    /// [default: auto for the look, turning for information, dodecahedron for the paper's presets].
     #[arg(long, value_name = "VIEWS", conflicts_with = "scene")]
     pub(crate) views: Option<String>,
     /// How much views see: tight (the crown just fits, 38.9 degrees), or degrees above 0 and below
