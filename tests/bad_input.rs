@@ -291,7 +291,7 @@ fn cameras_that_are_none() {
         ("flat.json", ["flat.json: ", "cameras[0]"]),
         (
             "dodecahedra",
-            ["dodecahedra: ", "`--views` takes dodecahedron"],
+            ["dodecahedra: ", "`--views` takes auto, dodecahedron"],
         ),
         ("many.json", ["200 views of 2048 x 2048", "out of range"]),
     ] {

@@ -152,7 +152,8 @@ pub fn choose_cutoffs(
         let without = client.sizes(&level, ratios[1]);
         // Some clients make mip maps whatever a file says: the cutoffs that are best with them stay where
         // they do no harm.
-        let best = match farthest_off(&without, times_with_mips) <= FAR_OFF {
+        let off_without = farthest_off(&without, times_with_mips);
+        let best = match off_without <= FAR_OFF && off_without < off {
             true => best_with_mips,
             false => best(&without, ratios),
         };

@@ -4,14 +4,15 @@
 //! in the sum of 20 views is then held less well from elsewhere. Where most leaves are that small, 60 views
 //! leave less to chance (`docs/results.md`, What driving costs).
 
-use secateur_model::{BoundingSphere, Foliage};
-use secateur_raster::{MAX_TOTAL_PIXELS, OpenEngine};
+use secateur_model::{BoundingSphere, Budget, Foliage};
+use secateur_raster::{MAX_RESOLUTION, OpenEngine};
 
+use crate::memory::take_run;
 use crate::resolution::visibility_at;
 use crate::shared::Shared;
 use crate::{Error, Options, Target, Views};
 
-/// The share of visible leaves that may cover at most a pixel in every one of 20 views.
+/// The share of the visible leaves, seen without wood and obstacles, that may cover at most a pixel in every one of 20 views.
 const MOST_SMALL: f64 = 0.5;
 
 /// The views of a run.
@@ -51,10 +52,12 @@ pub(crate) fn views_for(
     if !matches!(options.target, Target::Triangles(_)) {
         return few("only with a budget of triangles may there be 60");
     }
-    let many = options.views.instead_of_auto(&Views::Dodecahedra);
-    let pixels = u64::from(resolution).pow(2) * many.around(sphere).len() as u64;
-    if pixels > MAX_TOTAL_PIXELS {
-        return few("60 would have too many pixels");
+    if !(options.is_for_the_look() && options.grows_as_its_preset_has_it()) {
+        return few("only the look, with growth as it has it, may have 60");
+    }
+    // What is out of range is refused later.
+    if !(1..=MAX_RESOLUTION).contains(&resolution) {
+        return few("the resolution is out of range");
     }
     let mut none = None;
     let known = shared.map_or(&mut none, |shared| &mut shared.views);
@@ -62,14 +65,21 @@ pub(crate) fn views_for(
         return Ok(known.clone());
     }
     let first = options.first_views(sphere);
+    take_run(
+        &mut Budget::new(options.memory),
+        foliage,
+        options,
+        &first,
+        resolution,
+    )?;
     let seen = visibility_at(foliage, &first, resolution, engine)?;
     let reason = format!(
-        "of the visible leaves {:.0} % cover at most a pixel in every one of 20 views; with more than {:.0} % there are 60",
+        "of the leaves that other leaves do not hide {:.1} % cover at most a pixel in every one of 20 views; with more than {:.0} % there are 60",
         100.0 * seen.share_at_most_a_pixel(),
         100.0 * MOST_SMALL
     );
     let views = match seen.share_at_most_a_pixel() > MOST_SMALL {
-        true => many,
+        true => options.views.instead_of_auto(&Views::Dodecahedra),
         false => options.views.instead_of_auto(&Views::Dodecahedron),
     };
     let chosen = ChosenViews {
@@ -83,7 +93,7 @@ pub(crate) fn views_for(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Method, Resolution, Shared, simplify, simplify_sharing, sphere_of};
+    use crate::{Method, Preset, Resolution, Shared, simplify, simplify_sharing, sphere_of};
     use glam::{DQuat, DVec3};
     use secateur_model::LeafTriangle;
     use std::ops::ControlFlow;
@@ -142,6 +152,20 @@ mod tests {
             };
             assert_eq!(views_of(&small, &asked), own);
         }
+        // Growth in proportion to cost depends on the number of views.
+        for asked in [
+            Options {
+                method: Method::Vds(Preset::Information.vds()),
+                ..half.clone()
+            },
+            Options {
+                views: Views::Auto,
+                resolution: Resolution::Pixels(64),
+                ..Options::with_preset(Preset::Information, half.target)
+            },
+        ] {
+            assert_eq!(views_of(&small, &asked), Views::Dodecahedron);
+        }
         let turn = DQuat::from_rotation_x(1.0);
         let turned = |views| Views::Turned {
             views: Box::new(views),
@@ -173,6 +197,26 @@ mod tests {
         }
     }
 
+    /// Nothing is drawn of what is refused.
+    #[test]
+    fn what_is_out_of_range_is_refused_as_ever() {
+        let foliage = crown(0.4);
+        for resolution in [0, MAX_RESOLUTION + 1] {
+            let options = Options {
+                resolution: Resolution::Pixels(resolution),
+                ..Options::to(Target::triangle_share(0.5))
+            };
+            let error = simplify(&foliage, &options).unwrap_err();
+            assert!(matches!(error, Error::Vds(_)), "{error}");
+        }
+        let options = Options {
+            memory: secateur_model::Memory::Bytes(1 << 20),
+            ..options(Target::triangle_share(0.5))
+        };
+        let error = simplify(&foliage, &options).unwrap_err();
+        assert!(error.to_string().contains("20 views of 64 x 64"), "{error}");
+    }
+
     /// Runs by leaves and by triangles look from different views.
     #[test]
     fn what_was_found_from_other_views_is_not_shared() {
@@ -196,6 +240,11 @@ mod tests {
                     .unwrap();
             assert_eq!(alone.costs, sharing.costs, "{target:?}");
             assert_eq!(alone.lod, sharing.lod, "{target:?}");
+            let views = match target {
+                Target::Triangles(_) => 60,
+                _ => 20,
+            };
+            assert_eq!((alone.views.len(), sharing.views.len()), (views, views));
             assert_eq!(alone.views, sharing.views);
             assert_eq!(alone.vmi_original, sharing.vmi_original);
         }

@@ -114,7 +114,8 @@ impl Options {
     }
 
     /// All sets of views that a run about a foliage with this bounding sphere looks from, one after
-    /// the other.
+    /// the other. [`Views::Auto`] is taken for the dodecahedron; [`Simplified::driving`](crate::Simplified::driving) knows
+    /// what it was.
     pub fn driving(&self, sphere: BoundingSphere) -> Vec<ViewSet> {
         self.plan(sphere).sets()
     }
@@ -183,7 +184,7 @@ impl Options {
             && self.leaf_triangles != LeafTriangles::Keep
     }
 
-    fn grows_as_its_preset_has_it(&self) -> bool {
+    pub(crate) fn grows_as_its_preset_has_it(&self) -> bool {
         let preset = self.preset.vds();
         self.method.vds().is_some_and(|own| {
             own.resize == preset.resize && own.max_coverage == preset.max_coverage

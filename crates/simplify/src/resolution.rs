@@ -20,8 +20,7 @@ use crate::{Error, Options, Resolution};
 /// (`benches/judges.rs`).
 pub(crate) const LOOK_RESOLUTION: u32 = 256;
 
-pub(crate) const LOOK_RESOLUTION_REASON: &str =
-    "what the look takes; where leaves are small it has more views instead";
+pub(crate) const LOOK_RESOLUTION_REASON: &str = "what the look takes";
 
 /// Resolutions that are tried, in pixels, in order.
 pub const CANDIDATES: [u32; 3] = [256, 512, 1024];

@@ -53,12 +53,9 @@ impl<'a> DrawnOriginal<'a> {
 
     /// The most specks a view that a level without mip maps may show in pictures of `width_px` x `width_px`
     /// pixels, of an original that truly covers `truth` there. Where the level with mip maps is tolerable, two more than
-    /// a client shows of the original, if it shows that well, or than a quarter above the truth's; else four more than
-    /// half above the truth's.
+    /// a client shows of the original, if it shows that well, or than a quarter above the truth's; else at least four more
+    /// than half above the truth's.
     pub(super) fn most_specks(&self, truth: &Outlines, width_px: u32) -> f64 {
-        if !self.is_level_tolerable {
-            return truth.specks_per_view() * OVER_TRUTH_AT_WORST + MOST_MORE_AT_WORST;
-        }
         let all = Strengths::new(
             self.surfaces,
             |_| false,
@@ -74,6 +71,10 @@ impl<'a> DrawnOriginal<'a> {
             true => drawn.specks_per_view(),
             false => truth.specks_per_view() * OVER_TRUTH,
         };
-        specks + MOST_MORE
+        let most = specks + MOST_MORE;
+        match self.is_level_tolerable {
+            true => most,
+            false => most.max(truth.specks_per_view() * OVER_TRUTH_AT_WORST + MOST_MORE_AT_WORST),
+        }
     }
 }

@@ -129,7 +129,8 @@ mod tests {
     #[test]
     fn a_setting_says_what_differs() {
         for (text, setting) in [
-            ("vds --views 20 --ties order --seed 3", ""),
+            ("vds --views auto --ties order --seed 3", ""),
+            ("vds --views 20", "views dodecahedron"),
             ("vds --fit=none --triangles", "triangles fit=none"),
             ("vds --fit", "fit"),
             ("vds --views 6 --neighbours 4", "neighbours 4 views 6"),
