@@ -47,7 +47,9 @@ const AT_A_TENTH: [&str; 6] = [
 ];
 
 /// What trades time for accuracy: views that drive, their resolution and field of view, and fits.
-const DRIVEN: [&str; 19] = [
+const DRIVEN: [&str; 21] = [
+    "vds triangles views dodecahedron",
+    "vds triangles views 60",
     "vds fit=none",
     "vds",
     "vds field-of-view tight",
