@@ -185,6 +185,7 @@ impl Maker<'_> {
             silhouette_iou: None,
             vmi_error_percent: None,
             order_sha256: None,
+            view_count: None,
             order: None,
             textures: Vec::new(),
             keeps_textures: true,

@@ -38,6 +38,8 @@ pub struct ChainLevel {
     pub vmi_error_percent: Option<f64>,
     /// SHA-256 of all that was done to the leaves; none for impostors.
     pub order_sha256: Option<String>,
+    /// From how many views its leaves were chosen; none for impostors.
+    pub view_count: Option<usize>,
     /// All that was done to the leaves, as one order; none for impostors.
     pub order: Option<RemovalOrder>,
     /// Base colour textures of its own; empty where it has those of the tree.

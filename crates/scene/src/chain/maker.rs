@@ -244,6 +244,7 @@ impl<'a> Maker<'a> {
             silhouette_iou: Some(seen.silhouette_iou()),
             vmi_error_percent: Some(seen.vmi_error_percent()),
             order_sha256: Some(order.sha256()),
+            view_count: Some(made.level.leaves.views.len()),
             order: Some(order),
             textures: Vec::new(),
             keeps_textures: true,

@@ -68,6 +68,7 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
             "silhouette_iou": level.silhouette_iou,
             "vmi_error_percent": level.vmi_error_percent,
             "order_sha256": level.order_sha256,
+            "view_count": level.view_count,
             "textures": match level.keeps_textures {
                 true => "keep",
                 false => "fit",
