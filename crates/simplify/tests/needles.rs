@@ -7,7 +7,7 @@ use secateur_model::{CollapseIndex, Foliage, Forest, LeafTriangle, Lod, NoHeirs,
 use secateur_raster::OpenEngine;
 use secateur_simplify::{
     Fitting, LeafTriangles, Method, Needles, Options, Resolution, Shared, Simplified, Target,
-    simplify, simplify_sharing,
+    Views, simplify, simplify_sharing,
 };
 
 const LENGTH: f64 = 0.4;
@@ -31,6 +31,7 @@ fn crown(count: usize) -> Foliage {
 
 fn options(share: f64, needles: Needles) -> Options {
     Options {
+        views: Views::Dodecahedron,
         resolution: Resolution::Pixels(64),
         audit: true,
         needles,
