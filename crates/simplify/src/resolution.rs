@@ -20,7 +20,7 @@ use crate::{Error, Options, Resolution};
 /// (`benches/judges.rs`).
 pub(crate) const LOOK_RESOLUTION: u32 = 256;
 
-pub(crate) const LOOK_RESOLUTION_REASON: &str = "what the look takes";
+pub(crate) const LOOK_RESOLUTION_REASON: &str = "256 pixels are what the look takes";
 
 /// Resolutions that are tried, in pixels, in order.
 pub const CANDIDATES: [u32; 3] = [256, 512, 1024];
