@@ -103,6 +103,7 @@ fn the_default_chain_keeps_the_difference_where_it_can() {
     let made = levels(&record);
     for (level, height) in made.iter().rev().zip([135.0, 270.0, 540.0, 1080.0]) {
         assert_eq!(level["pixels_high"], height);
+        assert_eq!(level["view_count"], 20);
         assert!(level["flip_mean"].as_f64().unwrap() <= 0.02, "{level}");
     }
     assert_eq!(made.len(), 4, "{}", record["notes"]);

@@ -137,6 +137,28 @@ fn a_variable_number_of_views_is_that_of_the_last_step() {
     }
 }
 
+/// In pictures of 16 pixels no leaf is larger than one of them.
+#[test]
+fn a_record_names_the_views_that_were_found_and_why() {
+    let bench = Bench::new();
+    for (target, name, count, reason) in [
+        ("--triangles", "60", 60, "at most a pixel"),
+        ("--ratio", "dodecahedron", 20, "budget of triangles"),
+    ] {
+        let files = ["simplify", "oak.glb", "-o", "out.glb", "--overwrite"];
+        let rest = ["--report", "r.json", target, "0.5", "--resolution", "16"];
+        bench.run(&[&files[..], &rest].concat()).succeeded();
+        let settings = bench.json("r.json")["settings"].clone();
+        assert_eq!(
+            (&settings["views"], &settings["view_count"]),
+            (&name.into(), &count.into())
+        );
+        let said = settings["views_reason"].as_str().unwrap();
+        assert!(said.contains(reason), "{said}");
+        assert_eq!(settings["views_that_judge"], 0);
+    }
+}
+
 /// By shares of leaves nothing becomes coarser unless it is asked for, and the
 /// order over coarser leaves is the literal algorithm's too.
 #[test]

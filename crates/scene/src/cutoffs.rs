@@ -152,8 +152,7 @@ pub fn choose_cutoffs(
         let without = client.sizes(&level, ratios[1]);
         // Some clients make mip maps whatever a file says: the cutoffs that are best with them stay where
         // they do no harm.
-        let off_without = farthest_off(&without, times_with_mips);
-        let best = match off_without <= FAR_OFF && off_without < off {
+        let best = match do_no_harm(farthest_off(&without, times_with_mips), off) {
             true => best_with_mips,
             false => best(&without, ratios),
         };
@@ -286,6 +285,12 @@ fn best_share<T>(tried: impl Fn(f64) -> Option<(f64, T)>) -> Option<(f64, T)> {
         step -= 1;
     }
     best
+}
+
+/// Whether the cutoffs that are best with mip maps are good enough without them, where coverage is so much off without and
+/// with them.
+fn do_no_harm(off_without: f64, off_with: f64) -> bool {
+    off_without <= FAR_OFF && off_without < off_with
 }
 
 /// By how much coverage is off at the size where it is farthest off, with cutoffs `times` as high.

@@ -184,6 +184,13 @@ fn a_crown_that_is_off_by_more_than_three_per_cent_is_read_without_mip_maps() {
 }
 
 #[test]
+fn cutoffs_for_mip_maps_stay_where_they_are_good_without_them() {
+    assert!(do_no_harm(0.07, 0.2) && do_no_harm(0.01, 0.04));
+    assert!(!do_no_harm(0.09, 0.2), "far off");
+    assert!(!do_no_harm(0.07, 0.05), "mip maps would do better");
+}
+
+#[test]
 fn more_specks_are_borne_with_where_the_level_is_not_tolerable() {
     let tree = crown(|x, y| x % 64 < 28 && y % 64 < 28);
     let original = tree.document().drawn_as_one(Detail::Color).unwrap();
