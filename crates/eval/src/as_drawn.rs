@@ -85,6 +85,18 @@ pub struct OriginalAsDrawn {
     pub flip_mean: f64,
 }
 
+impl AsDrawnMeasurement {
+    /// The original as the same client draws it.
+    pub fn original(&self) -> OriginalAsDrawn {
+        OriginalAsDrawn {
+            coverage_over_truth: self.original_coverage_over_truth,
+            truth_iou: self.original_truth_iou,
+            specks_per_view: self.original_specks_per_view,
+            flip_mean: self.original_flip_mean,
+        }
+    }
+}
+
 impl AsDrawn {
     /// Draws an original from views, in pictures of `width_px` x `width_px` pixels.
     ///

@@ -4,13 +4,13 @@
 use crate::columns::column;
 use crate::format::{number, percent};
 use crate::table::Table;
-use crate::{Column, Row};
+use crate::{Column, Row, Values};
 
 /// What reports say that the cells of [`beaten_as_drawn`] count.
 pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide (over frames: the mean of 16 frames of one sample at another place in each pixel, as temporal anti-aliasing shows it), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
 
 /// What reports say that the lines of [`lost_cases`] are.
-pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";
+pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods. Beside it what the tree itself shows in such a picture, as it is and read without mip maps; and whether it would lose too: whether some of these other methods is better than it in FLIP or outline of a single frame, at 512 or at 128 pixels.";
 
 /// The setting whose lost cases are listed: the default under a budget of triangles.
 const LISTED: &str = "vds triangles";
@@ -30,7 +30,12 @@ fn judged(rows: &[Row]) -> Vec<&'static Column> {
         false => by_client,
     };
     let mut judged = vec!["flip_as_drawn_512", near, "flip_as_drawn_128", far];
-    let over_frames = ["flip_over_frames_128", "truth_iou_over_frames_128"];
+    let over_frames = [
+        "flip_over_frames_512",
+        "truth_iou_over_frames_512",
+        "flip_over_frames_128",
+        "truth_iou_over_frames_128",
+    ];
     judged.extend(over_frames.into_iter().filter(|key| have_all(key)));
     judged.push("vmi_error_percent");
     judged.into_iter().map(column).collect()
@@ -56,11 +61,34 @@ fn compared<'r>(rows: &'r [Row], judged: &[&Column]) -> Vec<&'r Row> {
     rows.iter().filter(is_compared).collect()
 }
 
-/// What is better than a row in a metric: other methods on the same tree at the same level.
-fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
+/// Other methods on the same tree at the same level.
+fn rivals<'r>(own: &Row, rows: &[&'r Row]) -> Vec<&'r Row> {
     let is_rival = |row: &Row| !is_vds(row) && row.tree == own.tree && row.level == own.level;
     let rivals = rows.iter().copied().filter(|row| is_rival(row));
-    rivals.filter(|rival| by.is_better(rival, own)).collect()
+    rivals.collect()
+}
+
+/// Those of them that are better in a metric.
+fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
+    let mut rivals = rivals(own, rows);
+    rivals.retain(|rival| by.is_better(rival, own));
+    rivals
+}
+
+/// Whether the tree itself would lose against the rivals of one of its levels, in some metric of
+/// single frames: as it is, and read without mip maps. Nothing where the row does not know.
+fn would_lose(own: &Row, rows: &[&Row], judged: &[&Column]) -> Option<[bool; 2]> {
+    let rivals = rivals(own, rows);
+    let loses = |shown: &Values| {
+        let in_frames = (judged.iter()).filter_map(|by| Some((by, by.value_in(shown)?)));
+        let mut in_frames = in_frames.peekable();
+        in_frames.peek()?;
+        let is_better = |by: &Column, value, rival: &&Row| {
+            by.direction.badness(by.value_of(rival)) < by.direction.badness(value)
+        };
+        Some(in_frames.any(|(by, value)| rivals.iter().any(|rival| is_better(by, value, rival))))
+    };
+    Some([loses(&own.original)?, loses(&own.original_without_mips)?])
 }
 
 /// A line for each setting of VDS and level; nothing if no row was judged as drawn, or there is
@@ -119,21 +147,46 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
 pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
     let judged = judged(rows);
     let rows = compared(rows, &judged);
-    let mut table = Table::new(&["tree", "left", "metric", LISTED, "better", "its value"]);
-    for own in rows.iter().filter(|row| row.label() == LISTED) {
+    let listed = || rows.iter().filter(|row| row.label() == LISTED);
+    let mut head = vec!["tree", "left", "metric", LISTED, "better", "its value"];
+    // Rows of before do not know what the tree itself shows.
+    let knows_original = listed().any(|row| !row.original.is_empty());
+    if knows_original {
+        head.extend([
+            "the tree itself",
+            "without mip maps",
+            "would the tree lose too?",
+        ]);
+    }
+    let mut table = Table::new(&head);
+    for own in listed() {
+        let tree_loses = match would_lose(own, &rows, &judged) {
+            Some([true, true]) => "yes, either way",
+            Some([true, false]) => "as it is",
+            Some([false, true]) => "without mip maps",
+            Some([false, false]) => "no",
+            None => "",
+        };
         for by in &judged[..judged.len() - 1] {
             let badness = |row: &Row| by.direction.badness(by.value_of(row));
             let better = better(own, &rows, by);
             let best = (better.iter()).min_by(|a, b| badness(a).total_cmp(&badness(b)));
             if let Some(best) = best {
-                table.push(vec![
+                let mut cells = vec![
                     own.tree.clone(),
                     percent(own.level),
                     by.title.replace(" as drawn", ""),
                     number(by.value_of(own), by),
                     best.label(),
                     number(by.value_of(best), by),
-                ]);
+                ];
+                if knows_original {
+                    let shown = [&own.original, &own.original_without_mips];
+                    let value = |shown| by.value_in(shown).map(|value| number(value, by));
+                    cells.extend(shown.map(|shown| value(shown).unwrap_or_default()));
+                    cells.push(tree_loses.to_owned());
+                }
+                table.push(cells);
             }
         }
     }
@@ -153,6 +206,10 @@ mod tests {
             ..row(label[0], 0.1, 1.0, error)
         };
         for column in DRAWN_COLUMNS {
+            // In large pictures frames are judged only where that was asked for.
+            if column.key.contains("over_frames_512") {
+                continue;
+            }
             let value = match column.key.split('_').next() {
                 // Over frames all are alike.
                 _ if column.key.contains("frames") => 0.5,
@@ -231,10 +288,61 @@ mod tests {
         fewer[1].values.remove("flip_over_frames_128");
         let table = beaten_as_drawn(&fewer).unwrap();
         assert_eq!(table.head[7], "IoU with the truth at 128 px over frames");
+        let mut more = rows.clone();
+        for (flip, row) in [0.3, 0.2, 0.4, 0.4, 0.4, 0.4, 0.1]
+            .into_iter()
+            .zip(&mut more)
+        {
+            let frames = [("flip", flip), ("truth_iou", 0.9)];
+            let keyed =
+                frames.map(|(what, value)| (format!("{what}_over_frames_512"), Some(value)));
+            row.values.extend(keyed);
+        }
+        let table = beaten_as_drawn(&more).unwrap();
+        assert_eq!(table.head[7], "FLIP at 512 px over frames");
+        assert_eq!(table.body[0][7..9], ["1 / 1", "0 / 0"]);
         // Rows that nobody judged as drawn are not compared.
         rows[3].values.remove("flip_as_drawn_128");
         let table = beaten_as_drawn(&rows).unwrap();
         assert_eq!(table.body[0][3], "0 / 0");
         assert_eq!(beaten_as_drawn(&rows[..3]), None);
+    }
+
+    /// A rival is better than what the tree shows without mip maps, and none than what it shows with
+    /// them; the elm knows nothing of itself.
+    #[test]
+    fn lost_cases_tell_whether_the_tree_itself_would_lose() {
+        let shown = |flip: f64, iou: f64| -> Values {
+            [
+                ("flip_as_drawn_128".to_owned(), Some(flip)),
+                ("truth_iou_as_drawn_128".to_owned(), Some(iou)),
+            ]
+            .into()
+        };
+        let mut rows = vec![
+            of(["vds", "triangles"], "oak", 0.02, 0.7, 3.0),
+            of(["vds", "triangles"], "elm", 0.02, 0.7, 3.0),
+            of(["fsa", ""], "oak", 0.03, 0.8, 4.0),
+            of(["fsa", ""], "elm", 0.03, 0.8, 4.0),
+        ];
+        let without = lost_cases(&rows).unwrap();
+        assert_eq!(without.head.len(), 6, "{:?}", without.head);
+        rows[0].original = shown(0.03, 0.8);
+        rows[0].original_without_mips = shown(0.02, 0.79);
+        let told = |rows: &[Row]| {
+            let table = lost_cases(rows).unwrap();
+            let line = table.body.iter().find(|cells| cells[2].contains("128"));
+            line.unwrap()[6..].to_vec()
+        };
+        assert_eq!(told(&rows), ["0.8000", "0.7900", "without mip maps"]);
+        let elm = lost_cases(&rows).unwrap().body.pop().unwrap();
+        assert_eq!(elm[0], "elm");
+        assert_eq!(elm[6..], ["", "", ""]);
+        rows[0].original = shown(0.04, 0.8);
+        assert_eq!(told(&rows)[2], "yes, either way");
+        rows[0].original_without_mips = shown(0.02, 0.8);
+        assert_eq!(told(&rows)[2], "as it is");
+        rows[0].original = shown(0.03, 0.9);
+        assert_eq!(told(&rows)[2], "no");
     }
 }

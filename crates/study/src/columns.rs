@@ -2,11 +2,11 @@
 
 use std::sync::LazyLock;
 
-use secateur_eval::AsDrawnMeasurement;
 use secateur_eval::measure::{Direction, METRICS};
 use secateur_eval::pictures::PICTURE_METRICS;
+use secateur_eval::{AsDrawnMeasurement, OriginalAsDrawn};
 
-use crate::Row;
+use crate::{Row, Values};
 
 /// A metric as tables and charts need it.
 #[derive(Clone, Copy, Debug)]
@@ -43,9 +43,9 @@ pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(|| {
 pub const DRAWN_WIDTHS_PX: [u32; 2] = [512, 128];
 
 /// The metrics of what a client draws: mip maps, the alpha test at the middle of each pixel, back
-/// faces culled; in small pictures over frames as well ([`secateur_eval::OverFrames`]). Rows that are
-/// older, and those that a paper's views judge, lack their values.
-pub const DRAWN_COLUMNS: [Column; 11] = [
+/// faces culled; over frames as well ([`secateur_eval::OverFrames`]), in large pictures only where that was
+/// asked for. Rows that are older, and those that a paper's views judge, lack their values.
+pub const DRAWN_COLUMNS: [Column; 14] = [
     drawn(
         "flip_as_drawn_512",
         "FLIP at 512 px as drawn",
@@ -64,6 +64,21 @@ pub const DRAWN_COLUMNS: [Column; 11] = [
     drawn(
         "coverage_as_drawn_512",
         "coverage at 512 px as drawn",
+        Direction::NearerToOne,
+    ),
+    drawn(
+        "flip_over_frames_512",
+        "FLIP at 512 px over frames",
+        Direction::Lower,
+    ),
+    drawn(
+        "truth_iou_over_frames_512",
+        "IoU with the truth at 512 px over frames",
+        Direction::Higher,
+    ),
+    drawn(
+        "coverage_over_frames_512",
+        "coverage at 512 px over frames",
         Direction::NearerToOne,
     ),
     drawn(
@@ -103,10 +118,6 @@ pub const DRAWN_COLUMNS: [Column; 11] = [
     ),
 ];
 
-/// Pictures of this width and less are judged over frames too. Of larger ones that takes longer than all
-/// else, and one sample a pixel is nearer to the truth.
-pub(crate) const FRAMES_UP_TO_PX: u32 = 128;
-
 const fn drawn(key: &'static str, title: &'static str, direction: Direction) -> Column {
     Column {
         key,
@@ -125,13 +136,15 @@ pub(crate) fn column(key: &str) -> &'static Column {
     all.find(|column| column.key == key).expect("a metric")
 }
 
+/// A value of [`DRAWN_COLUMNS`] by its key; none where it is not finite.
+fn keyed(what: &str, how: &str, width_px: u32, value: f64) -> (String, Option<f64>) {
+    let key = format!("{what}_{how}_{width_px}");
+    (key, Some(value).filter(|value| value.is_finite()))
+}
+
 /// The values of [`DRAWN_COLUMNS`] of one width, by their keys.
 pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> Vec<(String, Option<f64>)> {
-    let keyed = |what: &str, how: &str, value: f64| {
-        let key = format!("{what}_{how}_{}", measured.width_px);
-        (key, Some(value).filter(|value| value.is_finite()))
-    };
-    let value = |what, value| keyed(what, "as_drawn", value);
+    let value = |what, value| keyed(what, "as_drawn", measured.width_px, value);
     let mut values = vec![
         value("flip", measured.flip_mean),
         value("truth_iou", measured.truth_iou),
@@ -139,7 +152,7 @@ pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> Vec<(String, Opt
         value("coverage", measured.coverage_over_truth),
     ];
     if let Some(over_frames) = measured.over_frames {
-        let value = |what, value| keyed(what, "over_frames", value);
+        let value = |what, value| keyed(what, "over_frames", measured.width_px, value);
         values.extend([
             value("flip", over_frames.flip_mean),
             value("truth_iou", over_frames.truth_iou),
@@ -149,11 +162,35 @@ pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> Vec<(String, Opt
     values
 }
 
+/// The values of [`DRAWN_COLUMNS`] in single frames of the tree itself, as a client draws it and as it would
+/// without mip maps. Its overlap with itself is left out.
+pub(crate) fn values_of_original(measured: &[AsDrawnMeasurement]) -> [Values; 2] {
+    let of = |shown: &OriginalAsDrawn, width_px| {
+        let value = |what, value| keyed(what, "as_drawn", width_px, value);
+        [
+            value("flip", shown.flip_mean),
+            value("truth_iou", shown.truth_iou),
+            value("coverage", shown.coverage_over_truth),
+        ]
+    };
+    let as_it_is = |drawn: &AsDrawnMeasurement| of(&drawn.original(), drawn.width_px);
+    let without_mips =
+        |drawn: &AsDrawnMeasurement| of(&drawn.original_without_mips, drawn.width_px);
+    [
+        measured.iter().flat_map(as_it_is).collect(),
+        measured.iter().flat_map(without_mips).collect(),
+    ]
+}
+
 impl Column {
     /// Its value in a row; infinite where there is none.
     pub(crate) fn value_of(&self, row: &Row) -> f64 {
-        let value = row.values.get(self.key).copied().flatten();
-        value.unwrap_or(f64::INFINITY)
+        self.value_in(&row.values).unwrap_or(f64::INFINITY)
+    }
+
+    /// Its value among some; nothing where there is none.
+    pub(crate) fn value_in(&self, values: &Values) -> Option<f64> {
+        values.get(self.key).copied().flatten()
     }
 
     /// Whether a row has a better value than another; not if either has none.
@@ -179,37 +216,54 @@ mod tests {
     use super::*;
     use secateur_eval::{OriginalAsDrawn, OverFrames};
 
+    fn measured(width_px: u32) -> AsDrawnMeasurement {
+        AsDrawnMeasurement {
+            width_px,
+            coverage_over_truth: 1.0,
+            original_coverage_over_truth: 1.1,
+            silhouette_iou: 1.0,
+            truth_iou: 1.0,
+            specks_per_view: 0.0,
+            original_specks_per_view: 0.0,
+            flip_mean: f64::NAN,
+            original_flip_mean: 0.2,
+            original_truth_iou: 0.7,
+            original_without_mips: OriginalAsDrawn {
+                coverage_over_truth: 1.0,
+                truth_iou: 0.6,
+                specks_per_view: 0.0,
+                flip_mean: 0.1,
+            },
+            over_frames: Some(OverFrames {
+                frames: 16,
+                coverage_over_truth: 1.0,
+                truth_iou: 1.0,
+                flip_mean: 0.0,
+            }),
+            original_over_frames: None,
+        }
+    }
+
     #[test]
     fn every_width_as_drawn_has_its_columns() {
-        let keys = DRAWN_WIDTHS_PX.map(|width_px| {
-            values_as_drawn(&AsDrawnMeasurement {
-                width_px,
-                coverage_over_truth: 1.0,
-                original_coverage_over_truth: 1.0,
-                silhouette_iou: 1.0,
-                truth_iou: 1.0,
-                specks_per_view: 0.0,
-                original_specks_per_view: 0.0,
-                flip_mean: f64::NAN,
-                original_flip_mean: 0.0,
-                original_truth_iou: 1.0,
-                original_without_mips: OriginalAsDrawn {
-                    coverage_over_truth: 1.0,
-                    truth_iou: 1.0,
-                    specks_per_view: 0.0,
-                    flip_mean: 0.0,
-                },
-                over_frames: (width_px <= FRAMES_UP_TO_PX).then_some(OverFrames {
-                    frames: 16,
-                    coverage_over_truth: 1.0,
-                    truth_iou: 1.0,
-                    flip_mean: 0.0,
-                }),
-                original_over_frames: None,
-            })
-        });
+        let keys = DRAWN_WIDTHS_PX.map(|width_px| values_as_drawn(&measured(width_px)));
         let all: Vec<&str> = keys.iter().flatten().map(|(key, _)| key.as_str()).collect();
         assert_eq!(all, DRAWN_COLUMNS.map(|column| column.key));
         assert_eq!(keys[0][0].1, None, "rows hold finite numbers");
+    }
+
+    #[test]
+    fn what_the_original_shows_is_known_by_the_keys_of_levels() {
+        let originals = values_of_original(&DRAWN_WIDTHS_PX.map(measured));
+        for (shown, expected) in originals.iter().zip([[0.2, 0.7, 1.1], [0.1, 0.6, 1.0]]) {
+            assert_eq!(shown.len(), 3 * DRAWN_WIDTHS_PX.len());
+            let keys = [
+                "flip_as_drawn_128",
+                "truth_iou_as_drawn_128",
+                "coverage_as_drawn_128",
+            ];
+            let values = keys.map(|key| column(key).value_in(shown).unwrap());
+            assert_eq!(values, expected);
+        }
     }
 }

@@ -7,7 +7,9 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur_eval::measure::Scores;
 use secateur_eval::pictures::{PictureScores, Pictures, difference};
-use secateur_eval::{AsDrawn, Camera, JudgingViews, Original, RenderOptions, framing, render};
+use secateur_eval::{
+    AsDrawn, AsDrawnMeasurement, Camera, JudgingViews, Original, RenderOptions, framing, render,
+};
 use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_model::{Lod, Surface};
 use secateur_scene::{
@@ -15,14 +17,14 @@ use secateur_scene::{
 };
 use secateur_simplify::sphere_of;
 
-use crate::columns::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX, values_as_drawn};
+use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn, values_of_original};
 use crate::files::make_folder;
 use crate::job::StudyRun;
 use crate::scenes::views_from;
 use crate::subject::Subject;
 use crate::survivor_bits::SurvivorBits;
 use crate::timed::Ran;
-use crate::{Error, Host, Identity, Row, Values};
+use crate::{Error, Host, Identity, Row, StudyOptions, Values};
 
 /// Large enough that a reader sees single leaves.
 const PICTURE_WIDTH: u32 = 420;
@@ -52,10 +54,11 @@ impl<'a> LevelJudge<'a> {
         subject: &'a Subject,
         tree: &'a Tree,
         identity: &'a Identity,
-        folder: &'a Path,
+        options: &'a StudyOptions,
         host: &'a dyn Host,
     ) -> Result<Self, Error> {
         let path = subject.path.as_path();
+        let folder = options.folder.as_path();
         let sphere = sphere_of(tree.foliage())?;
         let mut judging = subject.judged_by.about(tree.foliage())?;
         if let Some(radii) = subject.judged_from_radii {
@@ -69,7 +72,7 @@ impl<'a> LevelJudge<'a> {
         let camera = camera(&surfaces);
         let as_drawn = |width_px| {
             let drawn = AsDrawn::new(&surfaces, &judging.rigs[0], width_px);
-            match width_px <= FRAMES_UP_TO_PX {
+            match width_px <= options.frames_up_to_px {
                 true => drawn.over_frames(&surfaces),
                 false => drawn,
             }
@@ -154,6 +157,8 @@ impl<'a> LevelJudge<'a> {
                 .map(|(counted, pictured)| joined(&counted.overall, &pictured.overall))
                 .collect(),
             per_view: Vec::new(),
+            original: Values::new(),
+            original_without_mips: Values::new(),
             engine: ran.engine.clone(),
             adapter: ran.adapter.clone(),
             version: self.identity.version.clone(),
@@ -164,8 +169,9 @@ impl<'a> LevelJudge<'a> {
             difference: String::new(),
         };
         let drawn = self.drawn.iter().map(|drawn| drawn.measure(&surfaces));
-        row.values
-            .extend(drawn.flat_map(|drawn| values_as_drawn(&drawn)));
+        let drawn: Vec<AsDrawnMeasurement> = drawn.collect();
+        row.values.extend(drawn.iter().flat_map(values_as_drawn));
+        [row.original, row.original_without_mips] = values_of_original(&drawn);
         let name = file_name(
             &self.identity.file_stem(),
             &row.label(),

@@ -79,6 +79,13 @@ pub struct Row {
     /// The metrics in each view, of rows that are older.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub per_view: Vec<Values>,
+    /// What a client shows of the tree itself, by the keys of [`DRAWN_COLUMNS`](crate::DRAWN_COLUMNS) of single
+    /// frames; of rows that were judged so.
+    #[serde(default, skip_serializing_if = "Values::is_empty")]
+    pub original: Values,
+    /// The same if the client read its textures without mip maps.
+    #[serde(default, skip_serializing_if = "Values::is_empty")]
+    pub original_without_mips: Values,
     /// What rasterised leaves: `cpu` or `gpu`.
     pub engine: String,
     /// The GPU and its driver, if there was one.
@@ -301,6 +308,8 @@ pub(crate) mod tests {
             worst: values.clone(),
             rigs: vec![values.clone()],
             per_view: Vec::new(),
+            original: Values::new(),
+            original_without_mips: Values::new(),
             values,
             engine: "cpu".into(),
             adapter: None,

@@ -41,6 +41,9 @@ pub struct StudyOptions {
     pub distances_m: Vec<f64>,
     /// The names of the trees that are studied, of all those; none for all.
     pub only: Vec<String>,
+    /// Up to which width pictures as drawn are judged over frames too, in pixels: 128, or 512 as well, which
+    /// takes longer than all other judging.
+    pub frames_up_to_px: u32,
     /// How many seeds of cases that draw lots.
     pub seeds: u32,
     /// How much memory each tree and what is made of it may take.
@@ -203,7 +206,7 @@ fn run_tree(
     }
     let selectors = todo.subject.selectors(&options.selectors);
     let tree = Tree::open_within(&todo.subject.path, selectors, options.memory)?;
-    let judge = LevelJudge::new(todo.subject, &tree, &todo.identity, &options.folder, host)?;
+    let judge = LevelJudge::new(todo.subject, &tree, &todo.identity, options, host)?;
     for job in &todo.jobs {
         let case = job.run.case;
         host.working_on(&format!(

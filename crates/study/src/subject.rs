@@ -277,6 +277,7 @@ mod tests {
             levels: Vec::new(),
             distances_m: Vec::new(),
             only: Vec::new(),
+            frames_up_to_px: 128,
             seeds: 1,
             memory: Memory::Auto,
         };

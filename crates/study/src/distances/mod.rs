@@ -280,6 +280,8 @@ impl Walk<'_> {
             worst: values(drawn.worst_flip()),
             rigs: Vec::new(),
             per_view: Vec::new(),
+            original: Values::new(),
+            original_without_mips: Values::new(),
             engine: engine.name().to_owned(),
             adapter: engine.adapter(),
             version: identity.version.clone(),

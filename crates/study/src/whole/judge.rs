@@ -113,6 +113,8 @@ impl<'a> PlantJudge<'a> {
             worst: joined(&measured.pictures.worst, least),
             rigs: rigs.map(|(rig, iou)| joined(&rig.overall, *iou)).collect(),
             per_view: Vec::new(),
+            original: Values::new(),
+            original_without_mips: Values::new(),
             engine: made.engine.clone(),
             adapter: made.adapter.clone(),
             version: self.identity.version.clone(),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use secateur_study::DRAWN_WIDTHS_PX;
 
 use super::super::names::JudgingViewsName;
 use super::lods::{Distances, distances};
@@ -47,6 +48,10 @@ pub(crate) struct Study {
     /// Study only the tree of this name; can be given several times.
     #[arg(long, value_name = "NAME", conflicts_with = "redraw")]
     pub(crate) only: Vec<String>,
+    /// Up to which width pictures as drawn are judged over frames too, in pixels: 128 or 512. The large ones take
+    /// some 3 s a row more for a tree of 20,000 leaves.
+    #[arg(long, value_name = "PX", default_value = "128", value_parser = frames_up_to, conflicts_with = "redraw")]
+    pub(crate) frames_up_to: u32,
     /// How many seeds to run of methods that choose at random.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) seeds: u32,
@@ -81,4 +86,10 @@ fn level(text: &str) -> Result<f64, String> {
         Ok(level) if (0.0..=1.0).contains(&level) => Ok(level),
         _ => Err("write shares from 0 to 1 with commas between them".to_owned()),
     }
+}
+
+fn frames_up_to(text: &str) -> Result<u32, String> {
+    let is_judged = |width_px: &u32| DRAWN_WIDTHS_PX.contains(width_px);
+    let width_px = text.parse().ok().filter(is_judged);
+    width_px.ok_or_else(|| "write 128 or 512".to_owned())
 }

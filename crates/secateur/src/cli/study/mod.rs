@@ -59,6 +59,7 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         levels: args.levels.clone(),
         distances_m: (args.distances.as_ref()).map_or_else(Vec::new, |all| all.0.clone()),
         only: args.only.clone(),
+        frames_up_to_px: args.frames_up_to,
         seeds: args.seeds,
         memory: args.memory.memory,
     })
