@@ -236,6 +236,11 @@ fn what_a_client_draws_is_held_against_what_is_there() {
             overlap >= number("truth_iou") && overlap <= 1.0,
             "{overlap}"
         );
+        let flicker = ["flicker", "truth_flicker"].map(|key| frames[0][key].as_f64().unwrap());
+        assert!(
+            flicker.iter().all(|share| (0.0..2.0).contains(share)),
+            "{flicker:?}"
+        );
         let without = &record["as_drawn"]["original_without_mips"];
         let without = without["coverage_over_truth"].as_f64().unwrap();
         (number("coverage_over_truth"), without)

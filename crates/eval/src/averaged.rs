@@ -46,6 +46,17 @@ impl AveragedPicture {
         self.shares.iter().map(|share| f64::from(*share)).sum()
     }
 
+    /// Pixels that one of two frames of a sample a pixel shows and the other does not, mean of all pairs of
+    /// frames.
+    pub(crate) fn changing_px(&self) -> f64 {
+        let frames = f64::from(SAMPLES * SAMPLES);
+        let differing = |share: &f32| {
+            let share = f64::from(*share);
+            2.0 * share * (1.0 - share) * frames / (frames - 1.0)
+        };
+        self.shares.iter().map(differing).sum()
+    }
+
     /// What FLIP sees of it.
     pub(crate) fn for_flip(&self) -> FlipPicture {
         FlipPicture::of(&self.image)

@@ -44,8 +44,8 @@ pub const DRAWN_WIDTHS_PX: [u32; 2] = [512, 128];
 
 /// The metrics of what a client draws: mip maps, the alpha test at the middle of each pixel, back
 /// faces culled; over frames as well ([`secateur_eval::OverFrames`]), in large pictures only where that was
-/// asked for. Rows that are older, and those that a paper's views judge, lack their values.
-pub const DRAWN_COLUMNS: [Column; 14] = [
+/// asked for, with how much changes between frames. Rows that are older, and those that a paper's views judge, lack their values.
+pub const DRAWN_COLUMNS: [Column; 16] = [
     drawn(
         "flip_as_drawn_512",
         "FLIP at 512 px as drawn",
@@ -82,6 +82,11 @@ pub const DRAWN_COLUMNS: [Column; 14] = [
         Direction::NearerToOne,
     ),
     drawn(
+        "flicker_over_frames_512",
+        "flicker at 512 px",
+        Direction::Lower,
+    ),
+    drawn(
         "flip_as_drawn_128",
         "FLIP at 128 px as drawn",
         Direction::Lower,
@@ -115,6 +120,11 @@ pub const DRAWN_COLUMNS: [Column; 14] = [
         "coverage_over_frames_128",
         "coverage at 128 px over frames",
         Direction::NearerToOne,
+    ),
+    drawn(
+        "flicker_over_frames_128",
+        "flicker at 128 px",
+        Direction::Lower,
     ),
 ];
 
@@ -157,25 +167,36 @@ pub(crate) fn values_as_drawn(measured: &AsDrawnMeasurement) -> Vec<(String, Opt
             value("flip", over_frames.flip_mean),
             value("truth_iou", over_frames.truth_iou),
             value("coverage", over_frames.coverage_over_truth),
+            value("flicker", over_frames.flicker),
         ]);
     }
     values
 }
 
-/// The values of [`DRAWN_COLUMNS`] in single frames of the tree itself, as a client draws it and as it would
-/// without mip maps. Its overlap with itself is left out.
+/// The values of [`DRAWN_COLUMNS`] of the tree itself in single frames, and how much it flickers: as a client
+/// draws it, and as it would without mip maps. Its overlap with itself is left out.
 pub(crate) fn values_of_original(measured: &[AsDrawnMeasurement]) -> [Values; 2] {
-    let of = |shown: &OriginalAsDrawn, width_px| {
+    let of = |shown: &OriginalAsDrawn, flicker: Option<f64>, width_px| {
         let value = |what, value| keyed(what, "as_drawn", width_px, value);
-        [
+        let in_frames = [
             value("flip", shown.flip_mean),
             value("truth_iou", shown.truth_iou),
             value("coverage", shown.coverage_over_truth),
-        ]
+        ];
+        let flicker = flicker.map(|value| keyed("flicker", "over_frames", width_px, value));
+        in_frames.into_iter().chain(flicker)
     };
-    let as_it_is = |drawn: &AsDrawnMeasurement| of(&drawn.original(), drawn.width_px);
-    let without_mips =
-        |drawn: &AsDrawnMeasurement| of(&drawn.original_without_mips, drawn.width_px);
+    let as_it_is = |drawn: &AsDrawnMeasurement| {
+        let flicker = drawn.original_over_frames.map(|frames| frames.flicker);
+        of(&drawn.original(), flicker, drawn.width_px)
+    };
+    // Without mip maps frames show the truth.
+    let without_mips = |drawn: &AsDrawnMeasurement| {
+        let flicker = drawn
+            .original_over_frames
+            .map(|frames| frames.truth_flicker);
+        of(&drawn.original_without_mips, flicker, drawn.width_px)
+    };
     [
         measured.iter().flat_map(as_it_is).collect(),
         measured.iter().flat_map(without_mips).collect(),
@@ -217,6 +238,14 @@ mod tests {
     use secateur_eval::{OriginalAsDrawn, OverFrames};
 
     fn measured(width_px: u32) -> AsDrawnMeasurement {
+        let frames = OverFrames {
+            frames: 16,
+            coverage_over_truth: 1.0,
+            truth_iou: 1.0,
+            flip_mean: 0.0,
+            flicker: 0.5,
+            truth_flicker: 0.4,
+        };
         AsDrawnMeasurement {
             width_px,
             coverage_over_truth: 1.0,
@@ -234,13 +263,11 @@ mod tests {
                 specks_per_view: 0.0,
                 flip_mean: 0.1,
             },
-            over_frames: Some(OverFrames {
-                frames: 16,
-                coverage_over_truth: 1.0,
-                truth_iou: 1.0,
-                flip_mean: 0.0,
+            over_frames: Some(frames),
+            original_over_frames: Some(OverFrames {
+                flicker: 0.3,
+                ..frames
             }),
-            original_over_frames: None,
         }
     }
 
@@ -255,12 +282,16 @@ mod tests {
     #[test]
     fn what_the_original_shows_is_known_by_the_keys_of_levels() {
         let originals = values_of_original(&DRAWN_WIDTHS_PX.map(measured));
-        for (shown, expected) in originals.iter().zip([[0.2, 0.7, 1.1], [0.1, 0.6, 1.0]]) {
-            assert_eq!(shown.len(), 3 * DRAWN_WIDTHS_PX.len());
+        for (shown, expected) in originals
+            .iter()
+            .zip([[0.2, 0.7, 1.1, 0.3], [0.1, 0.6, 1.0, 0.4]])
+        {
+            assert_eq!(shown.len(), 4 * DRAWN_WIDTHS_PX.len());
             let keys = [
                 "flip_as_drawn_128",
                 "truth_iou_as_drawn_128",
                 "coverage_as_drawn_128",
+                "flicker_over_frames_128",
             ];
             let values = keys.map(|key| column(key).value_in(shown).unwrap());
             assert_eq!(values, expected);

@@ -208,6 +208,15 @@ fn pretty(
                     four(original.flip_mean)
                 ),
             );
+            row(
+                "flicker",
+                four(own.flicker),
+                format!(
+                    "pixels that one frame shows and another does not, over those truly covered; the original itself: {}, without mip maps {}",
+                    four(original.flicker),
+                    four(original.truth_flicker)
+                ),
+            );
         }
     }
     format!(
