@@ -13,7 +13,7 @@ pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is 
 pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods. Beside it what the tree itself shows in such a picture, as it is and read without mip maps; and whether it would lose too: whether some of these other methods is better than it in FLIP or outline of a single frame, at 512 or at 128 pixels.";
 
 /// The setting whose lost cases are listed: the default under a budget of triangles.
-const LISTED: &str = "vds triangles";
+pub(crate) const LISTED: &str = "vds triangles";
 
 /// By what rows are judged: outlines by the truth where all rows have that, else by what a client
 /// shows of the original; over frames where all rows have that; VMI error last.

@@ -55,6 +55,7 @@ mod survivor_bits;
 mod table;
 mod timed;
 mod tree_hash;
+mod tree_itself;
 mod triangle_levels;
 mod whole;
 

@@ -14,7 +14,7 @@ use crate::paper::paper;
 use crate::published::{beside, nearest};
 use crate::report::Study;
 use crate::table::Table;
-use crate::{Error, Point, Row, current_rows, row_file, summarise};
+use crate::{Error, Point, Row, current_rows, row_file, summarise, tree_itself};
 
 const BEGIN: &str = "<!-- rows ";
 const END: &str = "<!-- end of rows -->";
@@ -129,6 +129,8 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             (Some(_), None) => return Ok(Some("None.\n".to_owned())),
             (_, lost) => lost.map(typed),
         },
+        "in-a-frame" => tree_itself::in_a_frame(rows),
+        "flicker" => tree_itself::flicker(rows),
         "paper" => beside(&paper(), rows)
             .into_iter()
             .next()
@@ -138,7 +140,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, subject, paper, nearest and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, subject, paper, nearest and walks"
             ));
         }
     };
