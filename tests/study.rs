@@ -279,6 +279,47 @@ fn pictures_that_are_missing_are_made_again() {
     }
 }
 
+/// Small pictures are judged over frames as they are, large ones on request; rows of before are then judged
+/// anew, once.
+#[test]
+fn large_pictures_are_judged_over_frames_on_request() {
+    let bench = Bench::new();
+    let study = |more: &[&str]| {
+        let case = [
+            "study", "oak.glb", "-o", "s", "--levels", "0.25", "--case", "fsa",
+        ];
+        bench.run(&[&case[..], more].concat())
+    };
+    let has = |row: &Value, key: &str| row["values"][key].is_number();
+    let both = ["flip_over_frames_128", "flip_over_frames_512"];
+    study(&[]).succeeded();
+    let first = rows(&bench);
+    assert_eq!(both.map(|key| has(&first[0], key)), [true, false]);
+    study(&["--frames-up-to", "512"]).succeeded();
+    let second = rows(&bench);
+    let last = second.last().unwrap();
+    assert_eq!(
+        (second.len(), both.map(|key| has(last, key))),
+        (2, [true; 2])
+    );
+    let flicker = |shown: &str| last[shown]["flicker_over_frames_512"].as_f64().unwrap();
+    assert!(flicker("original") > 0.0 && flicker("original_without_mips") > 0.0);
+    assert_eq!(
+        last["original"]["flip_as_drawn_128"],
+        first[0]["original"]["flip_as_drawn_128"]
+    );
+    study(&["--frames-up-to", "512"]).succeeded();
+    study(&[]).succeeded();
+    assert_eq!(rows(&bench), second[1..], "the later of the two stays");
+    let wrong = study(&["--frames-up-to", "256"]);
+    assert_eq!(wrong.code, Some(2));
+    assert!(
+        wrong.stderr.contains("write 128 or 512"),
+        "{}",
+        wrong.stderr
+    );
+}
+
 /// What a tree is called is up to whoever made it.
 #[test]
 fn a_spreadsheet_computes_nothing_of_a_study() {

@@ -7,10 +7,20 @@ use crate::table::Table;
 use crate::{Column, Row, Values};
 
 /// What reports say that the cells of [`beaten_as_drawn`] count.
-pub(crate) const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide (over frames: the mean of 16 frames of one sample at another place in each pixel, as temporal anti-aliasing shows it), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
+const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide (over frames: the mean of 16 frames of one sample at another place in each pixel, as temporal anti-aliasing shows it), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
+
+/// What they say of its lines of [`THE_TREE_ITSELF`].
+const WHAT_THE_TREE_COUNTS: &str = "Lines of the tree itself count on how many trees these methods are nearer to the truth than the tree with all its leaves, as it is and read without mip maps: the error of one sample a pixel, and of mip maps.";
 
 /// What reports say that the lines of [`lost_cases`] are.
-pub(crate) const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods. Beside it what the tree itself shows in such a picture, as it is and read without mip maps; and whether it would lose too: whether some of these other methods is better than it in FLIP or outline of a single frame, at 512 or at 128 pixels.";
+const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";
+
+/// What they say of its columns of the tree itself.
+const WHAT_THE_TREE_SHOWS: &str = "Beside it what the tree itself shows in such a picture, as it is and read without mip maps, and in which of the two it loses to that method as well.";
+
+/// What tables call a tree with all its leaves.
+const THE_TREE_ITSELF: &str = "the tree itself";
+const WITHOUT_MIPS: &str = "the tree itself without mip maps";
 
 /// The setting whose lost cases are listed: the default under a budget of triangles.
 pub(crate) const LISTED: &str = "vds triangles";
@@ -61,34 +71,87 @@ fn compared<'r>(rows: &'r [Row], judged: &[&Column]) -> Vec<&'r Row> {
     rows.iter().filter(is_compared).collect()
 }
 
-/// Other methods on the same tree at the same level.
-fn rivals<'r>(own: &Row, rows: &[&'r Row]) -> Vec<&'r Row> {
+/// What is better than a row in a metric: other methods on the same tree at the same level.
+fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
     let is_rival = |row: &Row| !is_vds(row) && row.tree == own.tree && row.level == own.level;
     let rivals = rows.iter().copied().filter(|row| is_rival(row));
-    rivals.collect()
+    rivals.filter(|rival| by.is_better(rival, own)).collect()
 }
 
-/// Those of them that are better in a metric.
-fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
-    let mut rivals = rivals(own, rows);
-    rivals.retain(|rival| by.is_better(rival, own));
-    rivals
+/// A line of the table: rows of one level that are counted together.
+struct Counted {
+    label: String,
+    level: f64,
+    rows: Vec<Row>,
 }
 
-/// Whether the tree itself would lose against the rivals of one of its levels, in some metric of
-/// single frames: as it is, and read without mip maps. Nothing where the row does not know.
-fn would_lose(own: &Row, rows: &[&Row], judged: &[&Column]) -> Option<[bool; 2]> {
-    let rivals = rivals(own, rows);
-    let loses = |shown: &Values| {
-        let in_frames = (judged.iter()).filter_map(|by| Some((by, by.value_in(shown)?)));
-        let mut in_frames = in_frames.peekable();
-        in_frames.peek()?;
-        let is_better = |by: &Column, value, rival: &&Row| {
-            by.direction.badness(by.value_of(rival)) < by.direction.badness(value)
+/// The settings of VDS at each level, in the order of their first rows, the trees themselves behind the
+/// default of a level.
+fn counted(rows: &[&Row]) -> Vec<Counted> {
+    let mut all: Vec<Counted> = Vec::new();
+    for first in rows.iter().filter(|row| is_vds(row)) {
+        let (label, level) = (first.label(), first.level);
+        if (all.iter()).any(|known| known.label == label && known.level == level) {
+            continue;
+        }
+        let own = rows
+            .iter()
+            .filter(|row| row.label() == label && row.level == level)
+            .filter(|own| (rows.iter()).any(|row| !is_vds(row) && row.tree == own.tree));
+        let own: Vec<Row> = own.copied().cloned().collect();
+        let shown = match label == LISTED {
+            true => trees_themselves(&own).into(),
+            false => Vec::new(),
         };
-        Some(in_frames.any(|(by, value)| rivals.iter().any(|rival| is_better(by, value, rival))))
+        all.push(Counted {
+            label,
+            level,
+            rows: own,
+        });
+        let shown = shown.into_iter().filter(|counted| !counted.rows.is_empty());
+        all.extend(shown);
+    }
+    all
+}
+
+/// What the trees of rows of one level show of themselves, as if it were what these rows show: as they are,
+/// and without mip maps.
+fn trees_themselves(rows: &[Row]) -> [Counted; 2] {
+    let shown = |label: &str, values: fn(&Row) -> &Values| Counted {
+        label: label.to_owned(),
+        level: rows.first().map_or(0.0, |row| row.level),
+        rows: (rows.iter())
+            .filter(|row| !values(row).is_empty())
+            .map(|row| Row {
+                values: values(row).clone(),
+                ..row.clone()
+            })
+            .collect(),
     };
-    Some([loses(&own.original)?, loses(&own.original_without_mips)?])
+    [
+        shown(THE_TREE_ITSELF, |row| &row.original),
+        shown(WITHOUT_MIPS, |row| &row.original_without_mips),
+    ]
+}
+
+/// What reports say of a table of [`beaten_as_drawn`].
+pub(crate) fn note_of_counts(table: &Table) -> String {
+    let has_trees = table.body.iter().any(|cells| cells[0] == THE_TREE_ITSELF);
+    noted([WHAT_IS_COUNTED, WHAT_THE_TREE_COUNTS], has_trees)
+}
+
+/// What reports say of a table of [`lost_cases`].
+pub(crate) fn note_of_lost(table: &Table) -> String {
+    let has_trees = table.head.iter().any(|name| name == THE_TREE_ITSELF);
+    noted([WHAT_IS_LISTED, WHAT_THE_TREE_SHOWS], has_trees)
+}
+
+/// The second sentences where the table has trees themselves.
+fn noted([always, of_trees]: [&str; 2], has_trees: bool) -> String {
+    match has_trees {
+        true => format!("{always} {of_trees}"),
+        false => always.to_owned(),
+    }
 }
 
 /// A line for each setting of VDS and level; nothing if no row was judged as drawn, or there is
@@ -105,22 +168,17 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
     head.extend(titles.iter().map(String::as_str));
     head.push("mostly by");
     let mut table = Table::new(&head);
-    let mut seen: Vec<(String, f64)> = Vec::new();
-    for first in rows.iter().filter(|row| is_vds(row)) {
-        let key = (first.label(), first.level);
-        if seen.contains(&key) {
-            continue;
-        }
-        let own = rows
-            .iter()
-            .filter(|row| (row.label(), row.level) == key)
-            .filter(|own| (rows.iter()).any(|row| !is_vds(row) && row.tree == own.tree));
-        let own: Vec<&Row> = own.copied().collect();
+    for own in counted(&rows) {
         let mut winners: Vec<(String, usize)> = Vec::new();
-        let mut cells = vec![key.0.clone(), percent(key.1), own.len().to_string()];
+        let mut cells = vec![own.label, percent(own.level), own.rows.len().to_string()];
         for by in &judged {
+            // Of trees themselves only some metrics are known.
+            if !own.rows.iter().any(|row| by.value_of(row).is_finite()) {
+                cells.push(String::new());
+                continue;
+            }
             let (mut lost, mut lost_to_unfitted) = (0, 0);
-            for row in &own {
+            for row in &own.rows {
                 let better = better(row, &rows, by);
                 lost += usize::from(!better.is_empty());
                 lost_to_unfitted += usize::from(better.iter().any(|row| is_unfitted(row)));
@@ -137,7 +195,6 @@ pub(crate) fn beaten_as_drawn(rows: &[Row]) -> Option<Table> {
         let most = winners.into_iter().next();
         cells.push(most.map_or(String::new(), |(label, _)| label));
         table.push(cells);
-        seen.push(key);
     }
     Some(table)
 }
@@ -152,21 +209,10 @@ pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
     // Rows of before do not know what the tree itself shows.
     let knows_original = listed().any(|row| !row.original.is_empty());
     if knows_original {
-        head.extend([
-            "the tree itself",
-            "without mip maps",
-            "would the tree lose too?",
-        ]);
+        head.extend([THE_TREE_ITSELF, "without mip maps", "it loses this too"]);
     }
     let mut table = Table::new(&head);
     for own in listed() {
-        let tree_loses = match would_lose(own, &rows, &judged) {
-            Some([true, true]) => "yes, either way",
-            Some([true, false]) => "as it is",
-            Some([false, true]) => "without mip maps",
-            Some([false, false]) => "no",
-            None => "",
-        };
         for by in &judged[..judged.len() - 1] {
             let badness = |row: &Row| by.direction.badness(by.value_of(row));
             let better = better(own, &rows, by);
@@ -182,9 +228,20 @@ pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
                 ];
                 if knows_original {
                     let shown = [&own.original, &own.original_without_mips];
-                    let value = |shown| by.value_in(shown).map(|value| number(value, by));
-                    cells.extend(shown.map(|shown| value(shown).unwrap_or_default()));
-                    cells.push(tree_loses.to_owned());
+                    let values = shown.map(|shown| by.value_in(shown));
+                    let text = |value: Option<f64>| value.map(|value| number(value, by));
+                    cells.extend(values.map(|value| text(value).unwrap_or_default()));
+                    let loses = values.map(|value| {
+                        value.map(|value| by.direction.badness(value) > badness(best))
+                    });
+                    let told = match loses {
+                        [Some(true), Some(true)] => "either way",
+                        [Some(true), _] => "as it is",
+                        [_, Some(true)] => "without mip maps",
+                        [None, None] => "",
+                        _ => "no",
+                    };
+                    cells.push(told.to_owned());
                 }
                 table.push(cells);
             }
@@ -308,10 +365,8 @@ mod tests {
         assert_eq!(beaten_as_drawn(&rows[..3]), None);
     }
 
-    /// A rival is better than what the tree shows without mip maps, and none than what it shows with
-    /// them; the elm knows nothing of itself.
-    #[test]
-    fn lost_cases_tell_whether_the_tree_itself_would_lose() {
+    /// What the oak shows of itself 128 pixels wide; the elm knows nothing of itself.
+    fn with_the_tree_itself() -> Vec<Row> {
         let shown = |flip: f64, iou: f64| -> Values {
             [
                 ("flip_as_drawn_128".to_owned(), Some(flip)),
@@ -322,27 +377,65 @@ mod tests {
         let mut rows = vec![
             of(["vds", "triangles"], "oak", 0.02, 0.7, 3.0),
             of(["vds", "triangles"], "elm", 0.02, 0.7, 3.0),
-            of(["fsa", ""], "oak", 0.03, 0.8, 4.0),
-            of(["fsa", ""], "elm", 0.03, 0.8, 4.0),
+            of(["fsa", "fit=coverage"], "oak", 0.03, 0.8, 4.0),
+            of(["fsa", "fit=coverage"], "elm", 0.03, 0.8, 4.0),
         ];
-        let without = lost_cases(&rows).unwrap();
-        assert_eq!(without.head.len(), 6, "{:?}", without.head);
-        rows[0].original = shown(0.03, 0.8);
-        rows[0].original_without_mips = shown(0.02, 0.79);
+        rows[0].original = shown(0.04, 0.8);
+        rows[0].original_without_mips = shown(0.03, 0.79);
+        rows
+    }
+
+    #[test]
+    fn lost_cases_tell_whether_the_tree_itself_loses_them_too() {
+        let mut rows = with_the_tree_itself();
         let told = |rows: &[Row]| {
             let table = lost_cases(rows).unwrap();
-            let line = table.body.iter().find(|cells| cells[2].contains("128"));
-            line.unwrap()[6..].to_vec()
+            let is_it = |cells: &&Vec<String>| cells[0] == "oak" && cells[2].contains("128");
+            table.body.iter().find(is_it).unwrap()[6..].to_vec()
         };
         assert_eq!(told(&rows), ["0.8000", "0.7900", "without mip maps"]);
-        let elm = lost_cases(&rows).unwrap().body.pop().unwrap();
-        assert_eq!(elm[0], "elm");
-        assert_eq!(elm[6..], ["", "", ""]);
-        rows[0].original = shown(0.04, 0.8);
-        assert_eq!(told(&rows)[2], "yes, either way");
-        rows[0].original_without_mips = shown(0.02, 0.8);
-        assert_eq!(told(&rows)[2], "as it is");
-        rows[0].original = shown(0.03, 0.9);
+        let key = "truth_iou_as_drawn_128";
+        rows[0].original.insert(key.into(), Some(0.75));
+        assert_eq!(told(&rows)[2], "either way");
+        let without = &mut rows[0].original_without_mips;
+        without.insert(key.into(), Some(0.8));
+        assert_eq!(told(&rows)[2], "as it is", "a draw is no loss");
+        rows[0].original.insert(key.into(), Some(0.9));
         assert_eq!(told(&rows)[2], "no");
+        let table = lost_cases(&rows).unwrap();
+        let elm = table.body.last().unwrap();
+        assert_eq!(
+            (elm[0].as_str(), &elm[6..]),
+            ("elm", &["", "", ""].map(String::from)[..])
+        );
+        assert!(note_of_lost(&table).ends_with(WHAT_THE_TREE_SHOWS));
+        rows[0].original.clear();
+        let older = lost_cases(&rows).unwrap();
+        assert_eq!(older.head.len(), 6, "{:?}", older.head);
+        assert_eq!(note_of_lost(&older), WHAT_IS_LISTED);
+    }
+
+    #[test]
+    fn trees_themselves_are_counted_behind_the_default() {
+        let mut rows = with_the_tree_itself();
+        let table = beaten_as_drawn(&rows).unwrap();
+        let counts = |line: usize| [&table.body[line][..3], &table.body[line][5..7]].concat();
+        let expected = [
+            ["vds triangles", "10 %", "2", "0 / 0", "2 / 0"],
+            [THE_TREE_ITSELF, "10 %", "1", "1 / 0", "0 / 0"],
+            [WITHOUT_MIPS, "10 %", "1", "0 / 0", "1 / 0"],
+        ];
+        for (line, expected) in expected.iter().enumerate() {
+            assert_eq!(counts(line), expected, "{table:?}");
+        }
+        // Nothing is known of them in larger pictures and over frames.
+        assert_eq!(table.body[1][3], "");
+        assert_eq!(table.body[1].last().unwrap(), "fsa fit=coverage");
+        assert!(note_of_counts(&table).ends_with(WHAT_THE_TREE_COUNTS));
+        rows[0].original.clear();
+        rows[0].original_without_mips.clear();
+        let older = beaten_as_drawn(&rows).unwrap();
+        assert_eq!(older.body.len(), 1);
+        assert_eq!(note_of_counts(&older), WHAT_IS_COUNTED);
     }
 }

@@ -128,6 +128,10 @@ pub const DRAWN_COLUMNS: [Column; 16] = [
     ),
 ];
 
+/// Pictures of this width and less are judged over frames without being asked for. Of larger ones that takes
+/// longer than all else.
+pub const FRAMES_UP_TO_PX: u32 = 128;
+
 const fn drawn(key: &'static str, title: &'static str, direction: Direction) -> Column {
     Column {
         key,
@@ -295,6 +299,17 @@ mod tests {
             ];
             let values = keys.map(|key| column(key).value_in(shown).unwrap());
             assert_eq!(values, expected);
+            let near = column("flicker_over_frames_512").value_in(shown);
+            assert_eq!(near, Some(expected[3]));
+        }
+        let in_a_frame = AsDrawnMeasurement {
+            over_frames: None,
+            original_over_frames: None,
+            ..measured(512)
+        };
+        assert_eq!(values_as_drawn(&in_a_frame).len(), 4);
+        for shown in values_of_original(&[in_a_frame]) {
+            assert_eq!(shown.len(), 3);
         }
     }
 }

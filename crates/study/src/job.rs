@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::columns::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX, column};
 use crate::files::is_picture;
 use crate::rows::millionths;
 use crate::subject::Subject;
@@ -45,8 +46,8 @@ impl StudyRun<'_> {
 /// The rows that a folder has, by their keys.
 pub(crate) type Finished<'a> = BTreeMap<RowKey, &'a Row>;
 
-/// What is missing of a tree: levels without a row, and levels whose pictures are gone, which only
-/// another run can draw.
+/// What is missing of a tree: levels without a row, levels whose pictures are gone, which only
+/// another run can draw, and levels that were not judged over all frames that are asked for.
 pub(crate) fn jobs<'a>(
     options: &StudyOptions,
     subject: &'a Subject,
@@ -73,7 +74,9 @@ pub(crate) fn jobs<'a>(
             };
             levels.retain(|level| {
                 let row = finished.get(&run.key(identity, *level));
-                row.is_none_or(|row| lacks_pictures(row, &options.folder))
+                row.is_none_or(|row| {
+                    lacks_pictures(row, &options.folder) || lacks_frames(row, options)
+                })
             });
             if !levels.is_empty() {
                 jobs.push(Job { run, levels });
@@ -91,6 +94,18 @@ pub(crate) fn lacks_original_picture(
 ) -> bool {
     let has_rows = finished.keys().any(|key| key.identity == *identity);
     has_rows && !folder.join(identity.original_picture()).is_file()
+}
+
+/// Whether a row was judged as drawn, but not over the frames of large pictures that are asked for.
+pub(crate) fn lacks_frames(row: &Row, options: &StudyOptions) -> bool {
+    let is_asked_for = |px: &u32| *px > FRAMES_UP_TO_PX && *px <= options.frames_up_to_px;
+    let has = |how, px| {
+        column(&format!("flip_{how}_{px}"))
+            .value_of(row)
+            .is_finite()
+    };
+    let mut widths = DRAWN_WIDTHS_PX.into_iter().filter(is_asked_for);
+    widths.any(|px| has("as_drawn", px) && !has("over_frames", px))
 }
 
 pub(crate) fn lacks_pictures(row: &Row, folder: &Path) -> bool {

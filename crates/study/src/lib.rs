@@ -61,7 +61,7 @@ mod whole;
 
 pub use case::{Case, LevelOf};
 pub use chart::chart;
-pub use columns::{COLUMNS, Column, DRAWN_COLUMNS, DRAWN_WIDTHS_PX};
+pub use columns::{COLUMNS, Column, DRAWN_COLUMNS, DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX};
 pub use csv::to_csv;
 pub use distances::{DistanceCase, SeenFrom};
 pub use draw::DrawnFiles;

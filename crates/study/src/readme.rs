@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{COLUMNS, Row, Study, groups, held_out, overlap, spread, summarise, triangle_levels};
-use crate::beaten::{self, beaten_as_drawn, lost_cases};
+use crate::beaten::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
 use crate::complete_cases::note_of;
 use crate::distances;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
@@ -124,11 +124,11 @@ fn who_is_beaten(text: &mut String, given: &[Row]) {
 
 fn beaten_where_drawn(text: &mut String, rows: &[Row]) {
     if let Some(table) = beaten_as_drawn(rows) {
-        let (what, table) = (beaten::WHAT_IS_COUNTED, table.markdown());
+        let (what, table) = (note_of_counts(&table), table.markdown());
         let _ = writeln!(text, "## Who is beaten as drawn\n\n{what}\n\n{table}");
     }
     if let Some(table) = lost_cases(rows) {
-        let _ = writeln!(text, "{}\n\n{}", beaten::WHAT_IS_LISTED, table.markdown());
+        let _ = writeln!(text, "{}\n\n{}", note_of_lost(&table), table.markdown());
     }
 }
 

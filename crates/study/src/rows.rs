@@ -79,8 +79,8 @@ pub struct Row {
     /// The metrics in each view, of rows that are older.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub per_view: Vec<Values>,
-    /// What a client shows of the tree itself, by the keys of [`DRAWN_COLUMNS`](crate::DRAWN_COLUMNS) of single
-    /// frames; of rows that were judged so.
+    /// What a client shows of the tree itself in single frames, and how much it flickers, by the keys of
+    /// [`DRAWN_COLUMNS`](crate::DRAWN_COLUMNS); of rows that were judged so.
     #[serde(default, skip_serializing_if = "Values::is_empty")]
     pub original: Values,
     /// The same if the client read its textures without mip maps.

@@ -10,7 +10,7 @@ use secateur_model::Memory;
 use crate::distances::{self, Walk};
 use crate::draw::{DrawnFiles, draw};
 use crate::files::make_folder;
-use crate::job::{Finished, Job, jobs, lacks_original_picture};
+use crate::job::{Finished, Job, jobs, lacks_frames, lacks_original_picture};
 use crate::judge::LevelJudge;
 use crate::lock::Lock;
 use crate::row_file::{self, RowFile};
@@ -41,8 +41,9 @@ pub struct StudyOptions {
     pub distances_m: Vec<f64>,
     /// The names of the trees that are studied, of all those; none for all.
     pub only: Vec<String>,
-    /// Up to which width pictures as drawn are judged over frames too, in pixels: 128, or 512 as well, which
-    /// takes longer than all other judging.
+    /// Up to which width pictures as drawn are judged over frames too, in pixels: [`FRAMES_UP_TO_PX`](crate::FRAMES_UP_TO_PX), or
+    /// the largest of [`DRAWN_WIDTHS_PX`](crate::DRAWN_WIDTHS_PX), which takes longer than all other judging. Rows that lack
+    /// such frames are run anew.
     pub frames_up_to_px: u32,
     /// How many seeds of cases that draw lots.
     pub seeds: u32,
@@ -221,7 +222,8 @@ fn run_tree(
             }
             let row: Row = judge.row(job.run, &ran)?;
             // Where only its pictures were gone the row stays as it was, with its time.
-            if !finished.contains_key(&row.key()) {
+            let known = finished.get(&row.key());
+            if known.is_none_or(|known| lacks_frames(known, options)) {
                 file.append(&row)?;
             }
             host.row_is_done();

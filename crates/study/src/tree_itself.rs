@@ -42,96 +42,93 @@ impl<'r> Levels<'r> {
         &self.rows[0].original_without_mips
     }
 
-    /// A value of each level, with commas between them.
-    fn each(&self, key: &str) -> Option<String> {
-        let of = |row: &&Row| cell(&row.values, key);
-        Some((self.rows.iter().map(of).collect::<Option<Vec<_>>>()?).join(", "))
+    /// A value at each share, with commas between them.
+    fn each(&self, key: &str, shares: &[f64]) -> String {
+        let at = |share: &f64| {
+            let row = self.rows.iter().find(|row| row.level == *share);
+            row.map_or(MISSING.to_owned(), |row| cell(&row.values, key))
+        };
+        shares.iter().map(at).collect::<Vec<_>>().join(", ")
     }
 }
 
+/// What stands for a value that rows lack.
+const MISSING: &str = "–";
+
 /// A value in two to three digits.
-fn cell(values: &Values, key: &str) -> Option<String> {
-    let value = column(key).value_in(values)?;
-    Some(match key.starts_with("flip") {
-        true => format!("{value:.3}"),
-        false => format!("{value:.2}"),
-    })
+fn cell(values: &Values, key: &str) -> String {
+    match column(key).value_in(values) {
+        Some(value) if key.starts_with("flip") => format!("{value:.3}"),
+        Some(value) => format!("{value:.2}"),
+        None => MISSING.to_owned(),
+    }
 }
 
-/// The levels of all trees: "50, 25, 10 %". Nothing where trees have different ones.
-fn shares(all: &[Levels<'_>]) -> Option<String> {
-    let of = |levels: &Levels<'_>| -> Vec<String> {
-        let shares = levels.rows.iter().map(|row| percent(row.level));
-        shares.map(|share| share.replace(" %", "")).collect()
-    };
-    let first = of(all.first()?);
-    let are_alike = all.iter().all(|levels| of(levels) == first);
-    are_alike.then(|| format!("{} %", first.join(", ")))
+/// Values with commas between them.
+fn cells(values: &Values, keys: &[&str]) -> String {
+    let all: Vec<String> = keys.iter().map(|key| cell(values, key)).collect();
+    all.join(", ")
+}
+
+/// The levels that some tree has, finest first, and their name: "50, 25, 10 %".
+fn shares(all: &[Levels<'_>]) -> (Vec<f64>, String) {
+    let rows = all.iter().flat_map(|levels| &levels.rows);
+    let mut shares: Vec<f64> = rows.map(|row| row.level).collect();
+    shares.sort_by(|a, b| b.total_cmp(a));
+    shares.dedup();
+    let names = shares.iter().map(|share| percent(*share).replace(" %", ""));
+    let name = format!("{} %", names.collect::<Vec<_>>().join(", "));
+    (shares, name)
 }
 
 /// Single frames of 128 pixels: of each tree coverage, overlap with the truth and FLIP as it is and without
-/// mip maps, and overlap and FLIP of its levels.
+/// mip maps, and overlap and FLIP of its levels. Nothing where no row knows what its tree shows.
 pub(crate) fn in_a_frame(rows: &[Row]) -> Option<Table> {
     let all = Levels::of_all(rows);
-    let shares = shares(&all)?;
-    let ours = format!("`vds --triangles` at {shares}: IoU");
+    let (shares, name) = shares(&all);
     let mut table = Table::new(&[
         "tree",
         "as it is: coverage, IoU, FLIP",
         "without mip maps: IoU, FLIP",
-        &ours,
+        &format!("`vds --triangles` at {name}: IoU"),
         "FLIP",
     ]);
     let [iou, flip] = ["truth_iou_as_drawn_128", "flip_as_drawn_128"];
     for levels in &all {
-        let of = |values: &Values, keys: &[&str]| -> Option<String> {
-            Some(
-                (keys
-                    .iter()
-                    .map(|key| cell(values, key))
-                    .collect::<Option<Vec<_>>>()?)
-                .join(", "),
-            )
-        };
         table.push(vec![
             levels.tree.to_owned(),
-            of(levels.original(), &["coverage_as_drawn_128", iou, flip])?,
-            of(levels.original_without_mips(), &[iou, flip])?,
-            levels.each(iou)?,
-            levels.each(flip)?,
+            cells(levels.original(), &["coverage_as_drawn_128", iou, flip]),
+            cells(levels.original_without_mips(), &[iou, flip]),
+            levels.each(iou, &shares),
+            levels.each(flip, &shares),
         ]);
     }
-    Some(table)
+    (!table.body.is_empty()).then_some(table)
 }
 
 /// How much each tree flickers as it is, without mip maps, and at its levels; in pictures of 512 and of
-/// 128 pixels.
+/// 128 pixels. Nothing where no row knows what its tree shows.
 pub(crate) fn flicker(rows: &[Row]) -> Option<Table> {
     let all = Levels::of_all(rows);
-    let shares = shares(&all)?;
-    let ours = ["512", "128"].map(|px| format!("`vds --triangles` at {shares}, {px} px"));
+    let (shares, name) = shares(&all);
     let mut table = Table::new(&[
         "tree",
         "as it is, 512 and 128 px",
         "without mip maps",
-        &ours[0],
-        &ours[1],
+        &format!("`vds --triangles` at {name}, 512 px"),
+        "128 px",
     ]);
     let keys = ["flicker_over_frames_512", "flicker_over_frames_128"];
     for levels in &all {
-        let both = |values: &Values| -> Option<String> {
-            let [near, far] = keys.map(|key| cell(values, key));
-            Some(format!("{}, {}", near?, far?))
-        };
         table.push(vec![
             levels.tree.to_owned(),
-            both(levels.original())?,
-            both(levels.original_without_mips())?,
-            levels.each(keys[0])?,
-            levels.each(keys[1])?,
+            cells(levels.original(), &keys),
+            cells(levels.original_without_mips(), &keys),
+            levels.each(keys[0], &shares),
+            levels.each(keys[1], &shares),
         ]);
     }
-    Some(table)
+    (!table.body.is_empty()).then_some(table)
 }
 
 #[cfg(test)]
@@ -140,48 +137,62 @@ mod tests {
     use crate::DRAWN_COLUMNS;
     use crate::rows::tests::row;
 
-    /// A row of the oak all of whose values as drawn are one number, the tree's own twice and thrice
-    /// that.
-    fn of(level: f64, value: f64) -> Row {
-        let all = |value: f64| -> Values {
-            let keys = DRAWN_COLUMNS.map(|column| column.key.to_owned());
-            keys.into_iter().map(|key| (key, Some(value))).collect()
-        };
+    /// The values of [`DRAWN_COLUMNS`] are this one and a hundredth more for each column.
+    fn from(first: f64) -> Values {
+        let keys = DRAWN_COLUMNS.iter().enumerate();
+        keys.map(|(place, column)| (column.key.to_owned(), Some(first + 0.01 * place as f64)))
+            .collect()
+    }
+
+    /// Of the oak 0.2 and more as it is, 0.4 and more without mip maps.
+    fn of(level: f64, first: f64) -> Row {
         Row {
             setting: "triangles".into(),
-            values: all(value),
-            original: all(0.2),
-            original_without_mips: all(0.3),
+            values: from(first),
+            original: from(0.2),
+            original_without_mips: from(0.4),
             ..row("vds", level, 1.0, 2.0)
         }
     }
 
+    /// By their keys: FLIP in a frame of 128 pixels is the ninth column, and so on.
     #[test]
     fn levels_stand_beside_their_tree_finest_first() {
         let rivals = Row {
             setting: String::new(),
             ..of(0.5, 0.9)
         };
-        let rows = [of(0.1, 0.1), of(0.5, 0.5), rivals];
+        let elm = Row {
+            tree: "elm".into(),
+            ..of(0.5, 0.3)
+        };
+        let rows = [of(0.1, 0.6), of(0.5, 0.5), rivals, elm];
+        let keys = DRAWN_COLUMNS.map(|column| column.key);
+        assert_eq!(keys[7], "flicker_over_frames_512");
+        assert_eq!(
+            [keys[8], keys[9], keys[11], keys[15]],
+            [
+                "flip_as_drawn_128",
+                "truth_iou_as_drawn_128",
+                "coverage_as_drawn_128",
+                "flicker_over_frames_128"
+            ]
+        );
         let table = in_a_frame(&rows).unwrap();
         assert_eq!(table.head[3], "`vds --triangles` at 50, 10 %: IoU");
+        let trees = ["0.31, 0.29, 0.280", "0.49, 0.480"];
         let expected = [
-            "oak",
-            "0.20, 0.20, 0.200",
-            "0.30, 0.300",
-            "0.50, 0.10",
-            "0.500, 0.100",
+            ["elm", trees[0], trees[1], "0.39, –", "0.380, –"],
+            ["oak", trees[0], trees[1], "0.59, 0.69", "0.580, 0.680"],
         ];
-        assert_eq!(table.body, [expected]);
+        assert_eq!(table.body, expected);
         let table = flicker(&rows).unwrap();
+        let trees = ["0.27, 0.35", "0.47, 0.55"];
         let expected = [
-            "oak",
-            "0.20, 0.20",
-            "0.30, 0.30",
-            "0.50, 0.10",
-            "0.50, 0.10",
+            ["elm", trees[0], trees[1], "0.37, –", "0.45, –"],
+            ["oak", trees[0], trees[1], "0.57, 0.67", "0.65, 0.75"],
         ];
-        assert_eq!(table.body, [expected]);
+        assert_eq!(table.body, expected);
     }
 
     #[test]
@@ -190,8 +201,10 @@ mod tests {
         older.original_without_mips.clear();
         assert_eq!(in_a_frame(&[older.clone()]), None);
         assert_eq!(flicker(&[older]), None);
-        let mut elm = of(0.25, 0.1);
-        elm.tree = "elm".into();
-        assert_eq!(flicker(&[of(0.1, 0.1), elm]), None, "levels differ");
+        // What one row lacks is not left out of the others.
+        let mut fewer = of(0.1, 0.1);
+        fewer.values.remove("flicker_over_frames_512");
+        let table = flicker(&[fewer]).unwrap();
+        assert_eq!(table.body[0][3..], ["–", "0.25"]);
     }
 }

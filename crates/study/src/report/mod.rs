@@ -16,7 +16,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::{COLUMNS, FailureCase, Paper, Row, held_out};
-use crate::beaten::{self, beaten_as_drawn, lost_cases};
+use crate::beaten::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
 use crate::chart::escaped;
 use crate::complete_cases::{note_of, take_out_partial};
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
@@ -229,7 +229,10 @@ impl Page<'_> {
     fn who_is_beaten(&self, html: &mut String) {
         // Scenes made for failures count too.
         let rows = self.study.rows;
-        let as_drawn = [beaten_as_drawn(rows), lost_cases(rows)];
+        let as_drawn = [
+            beaten_as_drawn(rows).map(|table| (note_of_counts(&table), table)),
+            lost_cases(rows).map(|table| (note_of_lost(&table), table)),
+        ];
         let counted = dominance(self.given);
         if counted.is_none() && as_drawn[0].is_none() {
             return;
@@ -238,11 +241,8 @@ impl Page<'_> {
             if let Some(table) = counted {
                 let _ = write!(html, "<p>{WHAT_IS_COUNTED}</p>\n{}", table.html());
             }
-            let notes = [beaten::WHAT_IS_COUNTED, beaten::WHAT_IS_LISTED];
-            for (table, note) in as_drawn.iter().zip(notes) {
-                if let Some(table) = table {
-                    let _ = write!(html, "<p>{note}</p>\n{}", table.html());
-                }
+            for (note, table) in as_drawn.iter().flatten() {
+                let _ = write!(html, "<p>{note}</p>\n{}", table.html());
             }
         });
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use secateur_study::DRAWN_WIDTHS_PX;
+use secateur_study::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX};
 
 use super::super::names::JudgingViewsName;
 use super::lods::{Distances, distances};
@@ -48,9 +48,9 @@ pub(crate) struct Study {
     /// Study only the tree of this name; can be given several times.
     #[arg(long, value_name = "NAME", conflicts_with = "redraw")]
     pub(crate) only: Vec<String>,
-    /// Up to which width pictures as drawn are judged over frames too, in pixels: 128 or 512. The large ones take
-    /// some 3 s a row more for a tree of 20,000 leaves.
-    #[arg(long, value_name = "PX", default_value = "128", value_parser = frames_up_to, conflicts_with = "redraw")]
+    /// Judge pictures up to this width over frames too (the mean of 16, as temporal anti-aliasing shows it): 128 or
+    /// 512 pixels. 512 takes some 3 s a row more for a tree of 20,000 leaves.
+    #[arg(long, value_name = "PX", default_value_t = FRAMES_UP_TO_PX, value_parser = frames_up_to, conflicts_with = "redraw")]
     pub(crate) frames_up_to: u32,
     /// How many seeds to run of methods that choose at random.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
