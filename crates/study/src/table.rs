@@ -29,9 +29,21 @@ impl Table {
         self.html_of_class("wide")
     }
 
-    /// Of cells whose words may stand below one another where the page is narrow.
+    /// Of cells whose words may stand below one another where the page is narrow; numbers stay beside their
+    /// signs.
     pub(crate) fn prose_html(&self) -> String {
-        self.html_of_class("wide prose")
+        let joined = |cell: &String| {
+            cell.replace(" %", "\u{a0}%")
+                .replace(" / ", "\u{a0}/\u{a0}")
+        };
+        let body = self.body.iter();
+        let table = Self {
+            head: self.head.clone(),
+            body: body
+                .map(|cells| cells.iter().map(joined).collect())
+                .collect(),
+        };
+        table.html_of_class("wide prose")
     }
 
     fn html_of_class(&self, class: &str) -> String {
@@ -64,6 +76,18 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_stay_beside_their_signs_in_prose() {
+        let mut table = Table::new(&["left %", "counts"]);
+        table.push(vec!["10 %".into(), "1 / 0 of 2".into()]);
+        let html = table.prose_html();
+        let cells = "<td>10\u{a0}%</td><td>1\u{a0}/\u{a0}0 of 2</td>";
+        assert!(
+            html.contains(cells) && html.contains("<th>left %</th>"),
+            "{html}"
+        );
+    }
 
     #[test]
     fn cells_are_escaped_for_either_page() {

@@ -242,7 +242,7 @@ impl Page<'_> {
                 let _ = write!(html, "<p>{WHAT_IS_COUNTED}</p>\n{}", table.html());
             }
             for (note, table) in as_drawn.iter().flatten() {
-                let _ = write!(html, "<p>{note}</p>\n{}", table.html());
+                let _ = write!(html, "<p>{note}</p>\n{}", table.prose_html());
             }
         });
     }
