@@ -10,13 +10,13 @@ use crate::{Column, Row, Values};
 const WHAT_IS_COUNTED: &str = "On how many trees some method that is not VDS is better / how many of these without a fit of its sizes; FLIP and outlines of pictures as a client draws them (mip maps, one sample a pixel, back faces culled), 512 and 128 pixels wide (over frames: the mean of 16 frames of one sample at another place in each pixel, as temporal anti-aliasing shows it), against what the original truly shows (IoU with the truth: parts of pixels counted; rows of before are held against the original as the same client draws it, which may have faded itself), and VMI error. However small the difference is.";
 
 /// What they say of its lines of [`THE_TREE_ITSELF`].
-const WHAT_THE_TREE_COUNTS: &str = "Lines of the tree itself count on how many trees these methods are nearer to the truth than the tree with all its leaves, as it is and read without mip maps: the error of one sample a pixel, and of mip maps.";
+const WHAT_THE_TREE_COUNTS: &str = "Lines of the tree itself: on how many trees such a method at this level is nearer to the truth than the tree with all its leaves, as it is or read without mip maps. That is known in single frames only, so the other cells are empty.";
 
 /// What reports say that the lines of [`lost_cases`] are.
 const WHAT_IS_LISTED: &str = "The cases that the default under a budget of triangles loses as drawn, each with the best of the other methods.";
 
 /// What they say of its columns of the tree itself.
-const WHAT_THE_TREE_SHOWS: &str = "Beside it what the tree itself shows in such a picture, as it is and read without mip maps, and in which of the two it loses to that method as well.";
+const WHAT_THE_TREE_SHOWS: &str = "Beside them what the tree itself shows in such a picture, as it is and read without mip maps, and in which of the two it loses to that method as well.";
 
 /// What tables call a tree with all its leaves.
 const THE_TREE_ITSELF: &str = "the tree itself";
@@ -209,7 +209,11 @@ pub(crate) fn lost_cases(rows: &[Row]) -> Option<Table> {
     // Rows of before do not know what the tree itself shows.
     let knows_original = listed().any(|row| !row.original.is_empty());
     if knows_original {
-        head.extend([THE_TREE_ITSELF, "without mip maps", "it loses this too"]);
+        head.extend([
+            THE_TREE_ITSELF,
+            "without mip maps",
+            "the tree loses this too",
+        ]);
     }
     let mut table = Table::new(&head);
     for own in listed() {

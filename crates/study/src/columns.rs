@@ -128,7 +128,7 @@ pub const DRAWN_COLUMNS: [Column; 16] = [
     ),
 ];
 
-/// Pictures of this width and less are judged over frames without being asked for. Of larger ones that takes
+/// Up to which width the program has pictures judged over frames if it is not told: of larger ones that takes
 /// longer than all else.
 pub const FRAMES_UP_TO_PX: u32 = 128;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::columns::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX, column};
+use crate::columns::{DRAWN_WIDTHS_PX, column};
 use crate::files::is_picture;
 use crate::rows::millionths;
 use crate::subject::Subject;
@@ -96,9 +96,9 @@ pub(crate) fn lacks_original_picture(
     has_rows && !folder.join(identity.original_picture()).is_file()
 }
 
-/// Whether a row was judged as drawn, but not over the frames of large pictures that are asked for.
+/// Whether a row was judged as drawn, but not over all frames that are asked for.
 pub(crate) fn lacks_frames(row: &Row, options: &StudyOptions) -> bool {
-    let is_asked_for = |px: &u32| *px > FRAMES_UP_TO_PX && *px <= options.frames_up_to_px;
+    let is_asked_for = |px: &u32| *px <= options.frames_up_to_px;
     let has = |how, px| {
         column(&format!("flip_{how}_{px}"))
             .value_of(row)

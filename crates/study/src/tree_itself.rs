@@ -34,12 +34,15 @@ impl<'r> Levels<'r> {
         all
     }
 
-    fn original(&self) -> &'r Values {
-        &self.rows[0].original
-    }
-
-    fn original_without_mips(&self) -> &'r Values {
-        &self.rows[0].original_without_mips
+    /// What the tree shows of itself, of the rows that know it, with commas between the values.
+    fn of_tree(&self, shown: fn(&Row) -> &Values, keys: &[&str]) -> String {
+        let cell_of = |key: &&str| {
+            let cells = self.rows.iter().map(|row| cell(shown(row), key));
+            { cells }
+                .find(|cell| cell != MISSING)
+                .unwrap_or(MISSING.to_owned())
+        };
+        keys.iter().map(cell_of).collect::<Vec<_>>().join(", ")
     }
 
     /// A value at each share, with commas between them.
@@ -52,6 +55,9 @@ impl<'r> Levels<'r> {
     }
 }
 
+const AS_IT_IS: fn(&Row) -> &Values = |row| &row.original;
+const WITHOUT_MIPS: fn(&Row) -> &Values = |row| &row.original_without_mips;
+
 /// What stands for a value that rows lack.
 const MISSING: &str = "–";
 
@@ -62,12 +68,6 @@ fn cell(values: &Values, key: &str) -> String {
         Some(value) => format!("{value:.2}"),
         None => MISSING.to_owned(),
     }
-}
-
-/// Values with commas between them.
-fn cells(values: &Values, keys: &[&str]) -> String {
-    let all: Vec<String> = keys.iter().map(|key| cell(values, key)).collect();
-    all.join(", ")
 }
 
 /// The levels that some tree has, finest first, and their name: "50, 25, 10 %".
@@ -97,8 +97,8 @@ pub(crate) fn in_a_frame(rows: &[Row]) -> Option<Table> {
     for levels in &all {
         table.push(vec![
             levels.tree.to_owned(),
-            cells(levels.original(), &["coverage_as_drawn_128", iou, flip]),
-            cells(levels.original_without_mips(), &[iou, flip]),
+            levels.of_tree(AS_IT_IS, &["coverage_as_drawn_128", iou, flip]),
+            levels.of_tree(WITHOUT_MIPS, &[iou, flip]),
             levels.each(iou, &shares),
             levels.each(flip, &shares),
         ]);
@@ -122,8 +122,8 @@ pub(crate) fn flicker(rows: &[Row]) -> Option<Table> {
     for levels in &all {
         table.push(vec![
             levels.tree.to_owned(),
-            cells(levels.original(), &keys),
-            cells(levels.original_without_mips(), &keys),
+            levels.of_tree(AS_IT_IS, &keys),
+            levels.of_tree(WITHOUT_MIPS, &keys),
             levels.each(keys[0], &shares),
             levels.each(keys[1], &shares),
         ]);
@@ -204,7 +204,12 @@ mod tests {
         // What one row lacks is not left out of the others.
         let mut fewer = of(0.1, 0.1);
         fewer.values.remove("flicker_over_frames_512");
-        let table = flicker(&[fewer]).unwrap();
+        let table = flicker(&[fewer.clone()]).unwrap();
         assert_eq!(table.body[0][3..], ["–", "0.25"]);
+        // What the finest level does not know of its tree another does.
+        fewer.level = 0.5;
+        fewer.original.remove("flicker_over_frames_512");
+        let table = flicker(&[fewer, of(0.1, 0.1)]).unwrap();
+        assert_eq!(table.body[0][1], "0.27, 0.35");
     }
 }
