@@ -243,9 +243,12 @@ fn what_a_client_draws_is_held_against_what_is_there() {
             flicker < true_flicker || width == "512",
             "{flicker} {true_flicker}"
         );
-        let printed = bench.run(&["measure", "oak.glb", "oak.glb", "--as-drawn", width]);
-        let told = format!("the original itself: {flicker:.4}, without mip maps {true_flicker:.4}");
-        assert!(printed.succeeded().stdout.contains(&told), "{told}");
+        if width == "32" {
+            let printed = bench.run(&["measure", "oak.glb", "oak.glb", "--as-drawn", width]);
+            let told =
+                format!("the original itself: {flicker:.4}, without mip maps {true_flicker:.4}");
+            assert!(printed.succeeded().stdout.contains(&told), "{told}");
+        }
         let without = &record["as_drawn"]["original_without_mips"];
         let without = without["coverage_over_truth"].as_f64().unwrap();
         (number("coverage_over_truth"), without)
