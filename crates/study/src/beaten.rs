@@ -27,7 +27,7 @@ pub(crate) const LISTED: &str = "vds triangles";
 
 /// By what rows are judged: outlines by the truth where all rows have that, else by what a client
 /// shows of the original; over frames where all rows have that; VMI error last.
-fn judged(rows: &[Row]) -> Vec<&'static Column> {
+pub(crate) fn judged(rows: &[Row]) -> Vec<&'static Column> {
     let by_truth = ["truth_iou_as_drawn_512", "truth_iou_as_drawn_128"];
     let by_client = ["iou_as_drawn_512", "iou_as_drawn_128"];
     let has = |row: &Row, key: &str| column(key).value_of(row).is_finite();
@@ -61,7 +61,7 @@ fn is_unfitted(row: &Row) -> bool {
 
 /// The rows that are compared: of leaves of trees as they are, judged as drawn too, by views that
 /// did not drive them.
-fn compared<'r>(rows: &'r [Row], judged: &[&Column]) -> Vec<&'r Row> {
+pub(crate) fn compared<'r>(rows: &'r [Row], judged: &[&Column]) -> Vec<&'r Row> {
     let is_compared = |row: &&Row| {
         row.is_of_leaves()
             && row.change.is_empty()
@@ -71,11 +71,18 @@ fn compared<'r>(rows: &'r [Row], judged: &[&Column]) -> Vec<&'r Row> {
     rows.iter().filter(is_compared).collect()
 }
 
-/// What is better than a row in a metric: other methods on the same tree at the same level.
-fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
+/// Other methods on the same tree at the same level.
+pub(crate) fn rivals<'r>(own: &Row, rows: &[&'r Row]) -> Vec<&'r Row> {
     let is_rival = |row: &Row| !is_vds(row) && row.tree == own.tree && row.level == own.level;
     let rivals = rows.iter().copied().filter(|row| is_rival(row));
-    rivals.filter(|rival| by.is_better(rival, own)).collect()
+    rivals.collect()
+}
+
+/// Those of them that are better in a metric.
+fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
+    let mut rivals = rivals(own, rows);
+    rivals.retain(|rival| by.is_better(rival, own));
+    rivals
 }
 
 /// A line of the table: rows of one level that are counted together.

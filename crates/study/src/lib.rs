@@ -31,6 +31,7 @@ mod held_out;
 mod host;
 mod job;
 mod judge;
+mod lead;
 mod line_chart;
 mod lock;
 mod named_cases;

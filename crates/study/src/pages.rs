@@ -14,7 +14,7 @@ use crate::paper::paper;
 use crate::published::{beside, nearest};
 use crate::report::Study;
 use crate::table::Table;
-use crate::{Error, Point, Row, current_rows, row_file, summarise, tree_itself};
+use crate::{Error, Point, Row, current_rows, lead, row_file, summarise, tree_itself};
 
 const BEGIN: &str = "<!-- rows ";
 const END: &str = "<!-- end of rows -->";
@@ -131,6 +131,8 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         },
         "in-a-frame" => tree_itself::in_a_frame(rows),
         "flicker" => tree_itself::flicker(rows),
+        "flicker-of-methods" => tree_itself::flicker_of_methods(rows).map(typed),
+        "lead" => lead::lead(rows).map(typed),
         "paper" => beside(&paper(), rows)
             .into_iter()
             .next()
@@ -140,7 +142,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, subject, paper, nearest and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, flicker-of-methods, lead, subject, paper, nearest and walks"
             ));
         }
     };

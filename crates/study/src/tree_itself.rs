@@ -81,54 +81,108 @@ fn shares(all: &[Levels<'_>]) -> (Vec<f64>, String) {
     (shares, name)
 }
 
-/// Single frames of 128 pixels: of each tree coverage, overlap with the truth and FLIP as it is and without
-/// mip maps, and overlap and FLIP of its levels. Nothing where no row knows what its tree shows.
-pub(crate) fn in_a_frame(rows: &[Row]) -> Option<Table> {
+/// A line for each tree; nothing where no row knows what its tree shows.
+fn by_tree(
+    rows: &[Row],
+    head_for: impl Fn(&str) -> [String; 5],
+    cells_of: impl Fn(&Levels<'_>, &[f64]) -> [String; 4],
+) -> Option<Table> {
     let all = Levels::of_all(rows);
     let (shares, name) = shares(&all);
-    let mut table = Table::new(&[
-        "tree",
-        "as it is: coverage, IoU, FLIP",
-        "without mip maps: IoU, FLIP",
-        &format!("`vds --triangles` at {name}: IoU"),
-        "FLIP",
-    ]);
-    let [iou, flip] = ["truth_iou_as_drawn_128", "flip_as_drawn_128"];
+    let mut table = Table::new(&head_for(&name).each_ref().map(String::as_str));
     for levels in &all {
-        table.push(vec![
-            levels.tree.to_owned(),
-            levels.of_tree(AS_IT_IS, &["coverage_as_drawn_128", iou, flip]),
-            levels.of_tree(WITHOUT_MIPS, &[iou, flip]),
-            levels.each(iou, &shares),
-            levels.each(flip, &shares),
-        ]);
+        let tree = [levels.tree.to_owned()].into_iter();
+        table.push(tree.chain(cells_of(levels, &shares)).collect());
     }
     (!table.body.is_empty()).then_some(table)
 }
 
+/// Single frames of 128 pixels: of each tree coverage, overlap with the truth and FLIP as it is and without
+/// mip maps, and overlap and FLIP of its levels.
+pub(crate) fn in_a_frame(rows: &[Row]) -> Option<Table> {
+    let [iou, flip] = ["truth_iou_as_drawn_128", "flip_as_drawn_128"];
+    let head_for = |shares: &str| {
+        [
+            "tree".to_owned(),
+            "as it is: coverage, IoU, FLIP".to_owned(),
+            "without mip maps: IoU, FLIP".to_owned(),
+            format!("`vds --triangles` at {shares}: IoU"),
+            "FLIP".to_owned(),
+        ]
+    };
+    by_tree(rows, head_for, |levels, shares| {
+        [
+            levels.of_tree(AS_IT_IS, &["coverage_as_drawn_128", iou, flip]),
+            levels.of_tree(WITHOUT_MIPS, &[iou, flip]),
+            levels.each(iou, shares),
+            levels.each(flip, shares),
+        ]
+    })
+}
+
+const FLICKER: [&str; 2] = ["flicker_over_frames_512", "flicker_over_frames_128"];
+
 /// How much each tree flickers as it is, without mip maps, and at its levels; in pictures of 512 and of
-/// 128 pixels. Nothing where no row knows what its tree shows.
+/// 128 pixels.
 pub(crate) fn flicker(rows: &[Row]) -> Option<Table> {
+    let head_for = |shares: &str| {
+        [
+            "tree".to_owned(),
+            "as it is, 512 and 128 px".to_owned(),
+            "without mip maps".to_owned(),
+            format!("`vds --triangles` at {shares}, 512 px"),
+            "128 px".to_owned(),
+        ]
+    };
+    by_tree(rows, head_for, |levels, shares| {
+        [
+            levels.of_tree(AS_IT_IS, &FLICKER),
+            levels.of_tree(WITHOUT_MIPS, &FLICKER),
+            levels.each(FLICKER[0], shares),
+            levels.each(FLICKER[1], shares),
+        ]
+    })
+}
+
+/// How much trees themselves and the levels of each method flicker, means over trees and levels. Nothing
+/// where some row does not know it.
+pub(crate) fn flicker_of_methods(rows: &[Row]) -> Option<Table> {
+    let mut table = Table::new(&["method", "512 px", "128 px"]);
+    let mut push = |name: String, values: &[&Values]| {
+        let mean = |key: &str| -> Option<String> {
+            let all = values.iter().map(|values| column(key).value_in(values));
+            let all: Vec<f64> = all.collect::<Option<_>>()?;
+            Some(format!("{:.2}", all.iter().sum::<f64>() / all.len() as f64))
+        };
+        let [near, far] = FLICKER.map(mean);
+        table.push(vec![name, near?, far?]);
+        Some(())
+    };
     let all = Levels::of_all(rows);
-    let (shares, name) = shares(&all);
-    let mut table = Table::new(&[
-        "tree",
-        "as it is, 512 and 128 px",
-        "without mip maps",
-        &format!("`vds --triangles` at {name}, 512 px"),
-        "128 px",
-    ]);
-    let keys = ["flicker_over_frames_512", "flicker_over_frames_128"];
-    for levels in &all {
-        table.push(vec![
-            levels.tree.to_owned(),
-            levels.of_tree(AS_IT_IS, &keys),
-            levels.of_tree(WITHOUT_MIPS, &keys),
-            levels.each(keys[0], &shares),
-            levels.each(keys[1], &shares),
-        ]);
+    let listed: Vec<&Row> = all.iter().flat_map(|levels| levels.rows.clone()).collect();
+    if listed.is_empty() {
+        return None;
     }
-    (!table.body.is_empty()).then_some(table)
+    for (name, shown) in [
+        ("the trees as they are", AS_IT_IS),
+        ("the trees without mip maps", WITHOUT_MIPS),
+    ] {
+        push(
+            name.to_owned(),
+            &listed.iter().map(|row| shown(row)).collect::<Vec<_>>(),
+        )?;
+    }
+    let mut labels: Vec<String> = rows.iter().map(Row::label).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    for label in labels {
+        let own = rows.iter().filter(|row| row.label() == label);
+        push(
+            label.clone(),
+            &own.map(|row| &row.values).collect::<Vec<_>>(),
+        )?;
+    }
+    Some(table)
 }
 
 #[cfg(test)]
@@ -211,5 +265,27 @@ mod tests {
         fewer.original.remove("flicker_over_frames_512");
         let table = flicker(&[fewer, of(0.1, 0.1)]).unwrap();
         assert_eq!(table.body[0][1], "0.27, 0.35");
+    }
+
+    #[test]
+    fn methods_flicker_in_the_mean() {
+        let rival = Row {
+            method: "fsa".into(),
+            setting: String::new(),
+            ..of(0.1, 0.9)
+        };
+        let rows = [of(0.1, 0.1), of(0.5, 0.3), rival];
+        let table = flicker_of_methods(&rows).unwrap();
+        let expected = [
+            ["the trees as they are", "0.27", "0.35"],
+            ["the trees without mip maps", "0.47", "0.55"],
+            ["fsa", "0.97", "1.05"],
+            ["vds triangles", "0.27", "0.35"],
+        ];
+        assert_eq!(table.body, expected);
+        let mut fewer = rows.to_vec();
+        fewer[2].values.remove("flicker_over_frames_512");
+        assert_eq!(flicker_of_methods(&fewer), None, "means of other cases");
+        assert_eq!(flicker_of_methods(&rows[2..]), None);
     }
 }
