@@ -6,7 +6,8 @@ use image::RgbaImage;
 use secateur_model::Surface;
 use secateur_raster::View;
 
-use crate::pictures::{FlipPicture, camera_of};
+use crate::flip::FlipPicture;
+use crate::pictures::camera_of;
 use crate::render::{RenderOptions, draw};
 use crate::visibility::AlphaFrom;
 

@@ -12,6 +12,8 @@ pub(crate) struct Lens {
     pub(crate) origin: DVec3,
     pub(crate) width: u32,
     pub(crate) height: u32,
+    /// Where the axis of the view meets the raster, in samples.
+    centre: [f64; 2],
     /// Samples per unit of tangent (perspective) or of length (parallel).
     samples_per_unit: f64,
     /// The depth in front of which nothing is drawn; `None`: parallel rays.
@@ -37,8 +39,31 @@ impl Lens {
             origin: camera.eye,
             width,
             height,
+            centre: middle([width, height]),
             samples_per_unit: 0.5 * f64::from(height) / (0.5 * camera.fov_y_rad).tan(),
             near: Some((1e-3 * forward.length()).max(f64::MIN_POSITIVE)),
+        }
+    }
+
+    /// A part of what an eye sees: a raster of `size` samples, `samples_per_tangent` samples for each unit of the
+    /// tangent, whose upper left corner lies at `corner`, in tangents to the right and upwards.
+    pub(crate) fn window(
+        axes: ViewAxes,
+        eye: DVec3,
+        near: f64,
+        (corner, size, samples_per_tangent): ([f64; 2], [u32; 2], f64),
+    ) -> Self {
+        Self {
+            axes,
+            origin: eye,
+            width: size[0],
+            height: size[1],
+            centre: [
+                -corner[0] * samples_per_tangent,
+                corner[1] * samples_per_tangent,
+            ],
+            samples_per_unit: samples_per_tangent,
+            near: Some(near),
         }
     }
 
@@ -49,6 +74,7 @@ impl Lens {
             origin: centre,
             width: size,
             height: size,
+            centre: middle([size; 2]),
             samples_per_unit: 0.5 * f64::from(size) / radius,
             near: None,
         }
@@ -66,6 +92,7 @@ impl Lens {
             origin: centre,
             width,
             height,
+            centre: middle([width, height]),
             samples_per_unit,
             near: None,
         }
@@ -91,8 +118,8 @@ impl Lens {
         };
         let scale = self.samples_per_unit * inverse_w;
         let at = Vec2::new(
-            (0.5 * f64::from(self.width) + scale * view.x) as f32,
-            (0.5 * f64::from(self.height) - scale * view.y) as f32,
+            (self.centre[0] + scale * view.x) as f32,
+            (self.centre[1] - scale * view.y) as f32,
         );
         let nearness = match self.near {
             Some(near) => (near * inverse_w) as f32,
@@ -108,8 +135,12 @@ impl Lens {
     /// The world-space direction, not of unit length, from the eye through a
     /// point of the raster (perspective only).
     pub(crate) fn ray(&self, x: f64, y: f64) -> DVec3 {
-        let right = (x - 0.5 * f64::from(self.width)) / self.samples_per_unit;
-        let up = (0.5 * f64::from(self.height) - y) / self.samples_per_unit;
+        let right = (x - self.centre[0]) / self.samples_per_unit;
+        let up = (self.centre[1] - y) / self.samples_per_unit;
         self.axes.forward + self.axes.right * right + self.axes.up * up
     }
+}
+
+fn middle(size: [u32; 2]) -> [f64; 2] {
+    size.map(|samples| 0.5 * f64::from(samples))
 }

@@ -22,6 +22,8 @@ mod camera;
 mod caption;
 mod contact_sheet;
 mod cut_mask;
+mod difference;
+mod flip;
 mod lens;
 mod light_depth;
 pub mod measure;
@@ -43,6 +45,7 @@ pub use as_drawn::{AsDrawn, AsDrawnMeasurement, OriginalAsDrawn, measure_as_draw
 pub use as_drawn_coverage::{AsDrawnCoverage, Shown};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
+pub use difference::{Difference, DifferenceJudge, Limits, ViewCount};
 pub use measure::{
     Judging, JudgingViews, MeasureError, Measurement, Original, RigMeasurement, measure,
     measure_lod,

@@ -112,6 +112,72 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
     }
 }
 
+/// A plant alone, before no background.
+pub(crate) struct CutOut {
+    /// Pixels in width and height.
+    pub(crate) size: [u32; 2],
+    /// By pixel, row by row: linear RGB times coverage.
+    pub(crate) rgb: Vec<[f32; 3]>,
+    /// By pixel, the share of its samples that show the plant.
+    pub(crate) coverage: Vec<f32>,
+    /// By pixel, the share of its samples that show the first `core` surfaces.
+    pub(crate) core: Vec<f32>,
+}
+
+/// Which surfaces are which, by their places in a list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CutOutRoles {
+    /// The surfaces before this one are counted by themselves.
+    pub(crate) core: usize,
+    /// The surfaces from this one on hide the plant, and are background themselves.
+    pub(crate) occluders: usize,
+}
+
+/// Draws a plant alone through a lens of `samples` x `samples` samples a pixel, lit as [`render`] does without
+/// shadows, textures read without mip maps.
+pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
+    surfaces: &[S],
+    roles: CutOutRoles,
+    lens: Lens,
+    (samples, turns_normals): (u32, bool),
+    alpha: AlphaFrom<'_>,
+) -> CutOut {
+    let scene = SeenFrom {
+        surfaces,
+        seen: visibility(surfaces, &lens, Culling::Material, alpha),
+        mips: None,
+        lighting: Lighting::new(surfaces, lens.axes, false),
+        turns_normals,
+        lens,
+    };
+    let size = [lens.width / samples, lens.height / samples];
+    let count = size[0] as usize * size[1] as usize;
+    let mut drawn = CutOut {
+        size,
+        rgb: vec![[0.0; 3]; count],
+        coverage: vec![0.0; count],
+        core: vec![0.0; count],
+    };
+    let width = size[0].max(1) as usize;
+    let rows = drawn.rgb.par_chunks_mut(width);
+    let rows = rows.zip(drawn.coverage.par_chunks_mut(width));
+    let rows = rows.zip(drawn.core.par_chunks_mut(width)).enumerate();
+    rows.for_each(|(y, ((rgb, coverage), core))| {
+        for x in 0..width {
+            let pixel = scene.cut_out_pixel(x as u32, y as u32, samples, roles);
+            (rgb[x], coverage[x], core[x]) = (pixel.rgb.to_array(), pixel.coverage, pixel.core);
+        }
+    });
+    drawn
+}
+
+/// A pixel of a [`CutOut`].
+struct CutOutPixel {
+    rgb: Vec3,
+    coverage: f32,
+    core: f32,
+}
+
 /// By pixel, row by row, whether a camera sees anything but the background at its middle, in a
 /// square picture of `side` pixels.
 pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
@@ -161,6 +227,43 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
             };
         }
         sum / (per_side * per_side) as f32
+    }
+
+    /// The plant's share of a pixel: see [`Self::pixel_color`].
+    fn cut_out_pixel(&self, x: u32, y: u32, per_side: u32, roles: CutOutRoles) -> CutOutPixel {
+        let (mut rgb, mut covered, mut of_core) = (Vec3::ZERO, 0u32, 0u32);
+        let mut lit = (NOTHING, Vec3::ZERO);
+        for sample in 0..per_side * per_side {
+            let column = x * per_side + sample % per_side;
+            let row = y * per_side + sample / per_side;
+            let index = self.seen.frontmost[row as usize * self.seen.width + column as usize];
+            let Some(triangle) = self.seen.triangles.get(index as usize) else {
+                continue;
+            };
+            let surface = triangle.face.surface as usize;
+            if surface >= roles.occluders {
+                continue;
+            }
+            let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
+            let Some(spot) = self.spot(index, at) else {
+                continue;
+            };
+            covered += 1;
+            of_core += u32::from(surface < roles.core);
+            if lit.0 != index {
+                lit = (
+                    index,
+                    spot.light(&self.lens, &self.lighting, self.turns_normals),
+                );
+            }
+            rgb += tone(spot.base_color(None) * lit.1);
+        }
+        let all = (per_side * per_side) as f32;
+        CutOutPixel {
+            rgb: rgb / all,
+            coverage: covered as f32 / all,
+            core: of_core as f32 / all,
+        }
     }
 
     /// The mip chain of what a sample sees.

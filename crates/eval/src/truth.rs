@@ -8,7 +8,7 @@ use secateur_raster::ViewSet;
 
 use crate::averaged::AveragedPicture;
 use crate::cut_mask::CutMasks;
-use crate::pictures::FlipPicture;
+use crate::flip::FlipPicture;
 use crate::visibility::AlphaFrom;
 
 /// What FLIP sees of the truth is kept from level to level in pictures of at most this many pixels a side.

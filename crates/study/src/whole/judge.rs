@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::RgbaImage;
 use secateur_eval::measure::SILHOUETTE_IOU;
-use secateur_eval::pictures::{PictureScores, WholePictures, difference};
+use secateur_eval::pictures::{PictureScores, WholePictures, flip_map};
 use secateur_eval::{Camera, Judging};
 use secateur_gltf::WholeTree;
 use secateur_model::Surface;
@@ -78,7 +78,7 @@ impl<'a> PlantJudge<'a> {
             PictureFile::difference(format!("pictures/{name}-difference.jpg")),
         ];
         let picture = portrait(&made.surfaces, &self.camera);
-        let difference = difference(&self.portrait, &picture);
+        let difference = flip_map(&self.portrait, &picture);
         files[0].write(opaque(&picture), self.folder, self.host)?;
         files[1].write(difference, self.folder, self.host)?;
         let [picture, difference] = files.map(|file| file.path);
