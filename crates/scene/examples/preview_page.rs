@@ -83,9 +83,9 @@ fn facts(k: usize, surfaces: &[(Surface, bool)], at: Option<(f64, f64)>) -> Fact
         wood_triangles: triangles(false),
         distance: at.map_or(0.0, |(distance, _)| distance),
         pixels_high: at.map(|(_, pixels)| pixels),
-        flip_mean: None,
+        difference: None,
         silhouette_iou: None,
-        pop_flip: None,
+        pop: None,
     }
 }
 

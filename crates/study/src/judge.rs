@@ -6,7 +6,7 @@ use std::path::Path;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur_eval::measure::Scores;
-use secateur_eval::pictures::{PictureScores, Pictures, difference};
+use secateur_eval::pictures::{PictureScores, Pictures, flip_map};
 use secateur_eval::{
     AsDrawn, AsDrawnMeasurement, Camera, JudgingViews, Original, RenderOptions, framing, render,
 };
@@ -183,7 +183,7 @@ impl<'a> LevelJudge<'a> {
             PictureFile::difference(format!("pictures/{name}-difference.jpg")),
         ];
         let picture = portrait(&surfaces, &self.camera);
-        let difference = difference(&self.portrait, &picture);
+        let difference = flip_map(&self.portrait, &picture);
         files[0].write(opaque(&picture), self.folder, self.host)?;
         files[1].write(difference, self.folder, self.host)?;
         [row.picture, row.difference] = files.map(|file| file.path);

@@ -23,7 +23,7 @@ mod plants;
 
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ use serde::Serialize;
 use blocks::ViewScores;
 use frame::{Eye, Frame};
 use picture::{PlantPicture, draw};
-use plants::{Plants, sphere_of};
+use plants::Plants;
 
 /// Azimuth and elevation of the views in degrees: azimuth 0 is +z, 90 is +x.
 const VIEWS: [[f64; 2]; 6] = [
@@ -140,14 +140,18 @@ pub struct DifferenceJudge {
     /// Cameras of a scene in place of [`VIEWS`].
     cameras: Option<Vec<View>>,
     turns_normals: bool,
-    /// Pictures of the plants at the height that was asked for last.
-    drawn: Mutex<Drawn>,
+    /// Pictures of the plants at the heights that were asked for last, the latest first.
+    drawn: Mutex<Vec<DrawnAt>>,
 }
 
-#[derive(Debug, Default)]
-struct Drawn {
+/// Pictures of the plants are kept of this many heights: a search looks at a level in small pictures, then in large
+/// ones.
+const HEIGHTS_KEPT: usize = 2;
+
+/// The pictures of the plants at a height in pixels, by plant and view.
+#[derive(Debug)]
+struct DrawnAt {
     pixels_high: f64,
-    /// By plant and view.
     pictures: BTreeMap<(usize, usize), Arc<(Frame, PlantPicture)>>,
 }
 
@@ -217,15 +221,19 @@ impl DifferenceJudge {
     }
 
     /// As [`difference_within`](Self::difference_within), of a level whose surfaces depend on where the eye stands.
-    /// Where several plants stand apart it is held against all of them at once.
-    pub fn difference_of_seen<S: Borrow<Surface> + Sync>(
+    pub fn difference_of_seen(
         &self,
-        seen: impl Fn(DVec3) -> Vec<S> + Sync,
+        seen: impl Fn(DVec3) -> Vec<Surface> + Sync,
         pixels_high: f64,
         count: ViewCount,
         limits: Limits,
     ) -> Difference {
-        self.judged(&|_: usize, eye: DVec3| seen(eye), (pixels_high, count), limits)
+        let how = (pixels_high, count);
+        if self.plants.len() == 1 {
+            return self.judged(&|_, eye| seen(eye), how, limits);
+        }
+        let part = |plant: usize, eye| self.plants.parts(&seen(eye)).swap_remove(plant);
+        self.judged(&part, how, limits)
     }
 
     fn judged<S: Borrow<Surface> + Sync>(
@@ -266,28 +274,38 @@ impl DifferenceJudge {
 
     fn picture(&self, plant: usize, eye: &Eye, pixels_high: f64) -> Arc<(Frame, PlantPicture)> {
         let key = (plant, eye.number);
-        {
-            let mut drawn = self.drawn.lock().unwrap_or_else(|e| e.into_inner());
-            if drawn.pixels_high != pixels_high {
-                *drawn = Drawn {
-                    pixels_high,
-                    pictures: BTreeMap::new(),
-                };
-            }
-            if let Some(known) = drawn.pictures.get(&key) {
-                return Arc::clone(known);
-            }
+        if let Some(known) = self.kept(pixels_high, |pictures| pictures.get(&key).cloned()) {
+            return known;
         }
         let (surfaces, wood) = self.plants.surfaces(plant);
         let px_per_unit = pixels_high / self.size();
         let frame = Frame::around(surfaces, eye, px_per_unit);
         let picture = self.draw(&surfaces.iter().collect::<Vec<_>>(), wood, &frame);
         let made = Arc::new((frame, picture));
-        let mut drawn = self.drawn.lock().unwrap_or_else(|e| e.into_inner());
-        if drawn.pixels_high == pixels_high {
-            drawn.pictures.insert(key, Arc::clone(&made));
-        }
+        self.kept(pixels_high, |pictures| {
+            pictures.insert(key, Arc::clone(&made))
+        });
         made
+    }
+
+    /// Looks at, or adds to, the pictures of a height.
+    fn kept<T>(
+        &self,
+        pixels_high: f64,
+        with: impl FnOnce(&mut BTreeMap<(usize, usize), Arc<(Frame, PlantPicture)>>) -> T,
+    ) -> T {
+        let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = drawn.iter().position(|at| at.pixels_high == pixels_high);
+        let latest = match place {
+            Some(place) => drawn.remove(place),
+            None => DrawnAt {
+                pixels_high,
+                pictures: BTreeMap::new(),
+            },
+        };
+        drawn.insert(0, latest);
+        drawn.truncate(HEIGHTS_KEPT);
+        with(&mut drawn[0].pictures)
     }
 
     fn draw<S: Borrow<Surface> + Sync>(
@@ -325,12 +343,6 @@ impl DifferenceJudge {
             }
         }
     }
-}
-
-/// The sphere about all that is drawn of these surfaces, by the middle of their box; a point at the origin where
-/// nothing is.
-pub fn sphere_of_surfaces(surfaces: &[Surface]) -> BoundingSphere {
-    sphere_of(surfaces)
 }
 
 #[cfg(test)]

@@ -1,36 +1,17 @@
-//! How a chain ends: what switches show, and the textures of its levels.
+//! How a chain ends: the meshes before the first impostor, the impostors, and what switches show.
 
-use secateur_eval::Pictures;
 use secateur_simplify::{Observer, Progress};
 
 use super::error::ChainError;
 use super::impostors::PlacedImpostor;
 use super::level::{ChainLevel, Shape};
-use super::level_surfaces::LevelSurfaces;
+use super::look::LevelPicture;
 use super::maker::Maker;
-use super::texture_bytes::{bytes_of, texture_bytes};
+use super::placed::Placed;
 use super::textures::{Client, end_of};
-use super::which::Placed;
-use crate::impostor::Impostor;
-use crate::impostor::judge::Judge;
 
-/// What of a level a picture is drawn of.
-pub(super) enum Pictured {
-    Mesh(LevelSurfaces),
-    Impostor(Impostor),
-}
-
-impl Pictured {
-    pub(super) fn pictures(&self, judge: &Judge) -> Pictures {
-        match self {
-            Self::Mesh(level) => judge.of_surfaces(&level.surfaces),
-            Self::Impostor(impostor) => judge.of_impostor(impostor),
-        }
-    }
-}
-
-/// A level, and what of it a picture is drawn of.
-pub(super) type Ended = (Pictured, ChainLevel);
+/// A level, and what represents it in pictures.
+type Pictured = (LevelPicture, ChainLevel);
 
 /// Levels that are left out, and why, a sentence each.
 type LeftOut = Vec<(ChainLevel, String)>;
@@ -40,27 +21,22 @@ impl Maker<'_> {
     /// that show more than is wanted. Where an impostor goes for that, the meshes in whose place it stood are back.
     pub(super) fn ending(
         &self,
-        mut made: Vec<Placed>,
+        placed: Vec<Placed>,
         mut impostors: Vec<PlacedImpostor>,
         client: &Client<'_>,
         notes: &mut Vec<String>,
         observer: &mut Observer<'_>,
-    ) -> Result<Vec<Ended>, ChainError> {
+    ) -> Result<Vec<ChainLevel>, ChainError> {
         let mut of_switches = Vec::new();
         loop {
-            let is_bounded = self.options.max_pop.is_some() && !impostors.is_empty();
-            let meshes = match is_bounded {
-                true => made.clone(),
-                false => std::mem::take(&mut made),
-            };
-            let levels = self.levels(meshes, &impostors, client, observer)?;
+            let levels = self.levels(placed.clone(), &impostors, client, observer)?;
             let (kept, left_out) = self.without_pops(levels, observer)?;
             let is_impostor = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
             // What comes after it may be kept beside a mesh in its place, or left out.
             let first = left_out.iter().find(|(level, _)| is_impostor(level));
             if let Some((level, why)) = first {
                 of_switches.push(why.clone());
-                impostors.retain(|(_, begins, _)| *begins != level.pixels_high);
+                impostors.retain(|impostor| impostor.begins_px != level.pixels_high);
                 continue;
             }
             self.note_impostors(&impostors, notes);
@@ -73,25 +49,27 @@ impl Maker<'_> {
     /// The meshes from before the first impostor, and the impostors.
     fn levels(
         &self,
-        mut made: Vec<Placed>,
+        mut placed: Vec<Placed>,
         impostors: &[PlacedImpostor],
         client: &Client<'_>,
         observer: &mut Observer<'_>,
-    ) -> Result<Vec<Ended>, ChainError> {
-        let followed_at = impostors.first().map(|(_, height, _)| *height);
+    ) -> Result<Vec<Pictured>, ChainError> {
+        let followed_at = impostors.first().map(|impostor| impostor.begins_px);
         if let Some(height) = followed_at {
-            made.retain(|(_, begins, _)| *begins > height);
+            placed.retain(|mesh| mesh.begins() > height);
         }
+        let mut ends: Vec<Option<f64>> = placed.iter().skip(1).map(|p| Some(p.begins())).collect();
+        ends.push(followed_at);
         let mut levels = Vec::new();
-        for (level, height, flip) in self.covering(made, followed_at, client, observer)? {
-            Progress::Finish.tell(observer)?;
-            let pictured = Pictured::Mesh(level.drawn.level.clone());
-            levels.push((pictured, self.finished(level, height, flip)?));
+        for (k, (mesh, next)) in placed.into_iter().zip(ends).enumerate() {
+            let end = end_of(mesh.begins(), next);
+            let mesh = self.placed_down_to(mesh, end, k == 0, client, observer)?;
+            levels.push(self.finished(mesh)?);
         }
-        for (level, height, flip) in impostors {
-            let pictured = Pictured::Impostor(level.impostor.clone());
-            let level = self.finished_impostor(level.clone(), *height, *flip);
-            levels.push((pictured, level));
+        for (k, impostor) in impostors.iter().enumerate() {
+            let next = impostors.get(k + 1).map(|impostor| impostor.begins_px);
+            let range = [impostor.begins_px, end_of(impostor.begins_px, next)];
+            levels.push(self.finished_impostor(impostor.clone(), range, client));
         }
         Ok(levels)
     }
@@ -99,73 +77,35 @@ impl Maker<'_> {
     /// The levels with what switching to each shows, and those that show more than is wanted.
     fn without_pops(
         &self,
-        levels: Vec<Ended>,
+        levels: Vec<Pictured>,
         observer: &mut Observer<'_>,
-    ) -> Result<(Vec<Ended>, LeftOut), ChainError> {
-        let mut kept: Vec<Ended> = Vec::new();
+    ) -> Result<(Vec<ChainLevel>, LeftOut), ChainError> {
+        let mut kept: Vec<Pictured> = Vec::new();
         let mut left_out = LeftOut::new();
-        for (pictured, mut level) in levels {
+        for (picture, mut level) in levels {
             Progress::Finish.tell(observer)?;
-            if let Some((before, _)) = kept.last() {
-                let screen = self.options.screen;
-                let judge = self.look.judge_of_switches(screen, level.pixels_high);
-                let pop = judge.largest_flip(&before.pictures(&judge), &pictured.pictures(&judge));
-                if self.options.max_pop.is_some_and(|most| pop > most) {
-                    let why = format!(
-                        "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a FLIP of {pop:.3}",
-                        level.triangles(),
-                        level.pixels_high
-                    );
-                    left_out.push((level, why));
-                    continue;
+            level.pop = match kept.last() {
+                Some((before, _)) => {
+                    let look = &self.look;
+                    Some(look.difference_of_switch(before, &picture, level.pixels_high))
                 }
-                level.pop_flip = Some(pop);
+                // Before it stands the plant itself.
+                None if self.options.original => Some(level.difference.difference),
+                None => None,
+            };
+            if let (Some(pop), Some(most)) = (level.pop, self.options.max_pop)
+                && pop > most
+            {
+                let why = format!(
+                    "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a difference of {pop:.3}",
+                    level.triangles(),
+                    level.pixels_high
+                );
+                left_out.push((level, why));
+                continue;
             }
-            kept.push((pictured, level));
+            kept.push((picture, level));
         }
-        Ok((kept, left_out))
-    }
-
-    /// The levels with textures for where they are seen.
-    pub(super) fn with_textures(
-        &self,
-        levels: Vec<Ended>,
-        client: &Client<'_>,
-        observer: &mut Observer<'_>,
-    ) -> Result<Vec<ChainLevel>, ChainError> {
-        let items = self.tree.items();
-        let begins: Vec<f64> = levels.iter().map(|(_, level)| level.pixels_high).collect();
-        let mut finished = Vec::new();
-        for (number, (pictured, mut level)) in levels.into_iter().enumerate() {
-            Progress::Finish.tell(observer)?;
-            let begin = level.pixels_high;
-            let range = [begin, end_of(begin, begins.get(number + 1).copied())];
-            match pictured {
-                Pictured::Mesh(drawn) => {
-                    let wanted = self.options.textures;
-                    let chosen = client.choose(&drawn, range, wanted, number == 0);
-                    level.texture_bytes =
-                        texture_bytes(items.document(), &drawn.materials, &chosen.textures);
-                    level.textures = chosen.textures;
-                    level.keeps_textures = chosen.keeps_textures;
-                    level.as_drawn = Some(chosen.as_drawn);
-                }
-                Pictured::Impostor(impostor) => {
-                    let material = &impostor.surface.material;
-                    let normals = material.finish.normal_map.as_ref();
-                    let all = material
-                        .texture
-                        .iter()
-                        .chain(normals.map(|map| &map.texture));
-                    level.texture_bytes = all.map(|texture| bytes_of(texture)).sum();
-                    if !impostor.needs_sampler() {
-                        let surfaces = [impostor.surface];
-                        level.as_drawn = Some(client.as_drawn(&surfaces, range));
-                    }
-                }
-            }
-            finished.push(level);
-        }
-        Ok(finished)
+        Ok((kept.into_iter().map(|(_, level)| level).collect(), left_out))
     }
 }

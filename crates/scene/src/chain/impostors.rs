@@ -1,63 +1,75 @@
 //! The impostors that a chain ends in.
 
+use secateur_eval::{Difference, ViewCount};
 use secateur_simplify::Observer;
 
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
+use super::look::LevelPicture;
 use super::maker::{Made, Maker};
 use super::options::Wanted;
+use super::placed::Placed;
+use super::texture_bytes::bytes_of;
 use super::textures::Client;
-use super::which::{Placed, no_level};
+use super::which::no_level;
 use crate::impostor::crossed::Planes;
-use crate::impostor::judge::{Judge, best_crossed};
+use crate::impostor::fewest_cards::Seen;
+use crate::impostor::judge::best_crossed;
 use crate::impostor::{Choice, Impostor, poll};
 
-/// Two crossed planes whose FLIP is this many times what is wanted are given up: to bake more of them
-/// takes as long as to make a level.
+/// Two crossed planes that are this many times what is wanted are given up: to bake more of them takes as long as to
+/// make a level.
 const HOPELESS: f64 = 2.0;
 
-fn no_impostor(place: &str, flip: f64, triangles: usize, of_mesh: f64) -> String {
+fn no_impostor(place: &str, of_planes: f64, triangles: usize, of_mesh: f64) -> String {
     format!(
-        "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, the mesh of {triangles} triangles {of_mesh:.3}"
+        "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, the mesh of {triangles} triangles {of_mesh:.3}"
     )
 }
 
-/// An impostor, at which height it begins, and its FLIP there.
-pub(super) type PlacedImpostor = (ImpostorLevel, f64, f64);
+/// An impostor, and where it stands.
+#[derive(Clone)]
+pub(super) struct PlacedImpostor {
+    pub(super) level: ImpostorLevel,
+    /// Height on the screen where it begins, in pixels.
+    pub(super) begins_px: f64,
+    /// How far it looks from the plant there.
+    pub(super) difference: Difference,
+}
 
 impl Maker<'_> {
     /// The impostors that a chain ends in, from which height on, and their FLIP there.
     pub(super) fn impostors(
         &self,
-        made: &[Placed],
+        placed: &[Placed],
         client: &Client<'_>,
         notes: &mut Vec<String>,
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
         let choice = self.options.impostor;
-        let Some((_, begins, _)) = made.last().filter(|_| choice != Choice::None) else {
+        let Some(last) = placed.last().filter(|_| choice != Choice::None) else {
             return Ok(Vec::new());
         };
         // Where heights are asked for, the last of them; else where the last level is half as high.
         let mut places = self.heights();
         let last = places.pop().unwrap_or_else(|| {
-            let height = begins / 2.0;
+            let height = last.begins() / 2.0;
             (height, format!("{height} pixels"))
         });
         if choice == Choice::Cards {
-            let cards = self.demanded_cards(made, last.0, client, observer)?;
+            let cards = self.demanded_cards(placed, last.0, client, observer)?;
             return Ok(cards.into_iter().collect());
         }
         let mut found = Vec::new();
         let mut own_notes = Vec::new();
-        let of_last = self.impostor(made, &last, &mut own_notes, observer)?;
+        let of_last = self.impostor(placed, &last, &mut own_notes, observer)?;
         // Levels for heights are for any distance, and nearer to the plant than cards can be.
         if choice == Choice::Auto && matches!(self.options.wanted, Wanted::Distances(_)) {
             if of_last.is_none() {
                 places.push(last);
             }
             let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
-            found.extend(self.cards(made, &heights, client, observer)?);
+            found.extend(self.cards(placed, &heights, client, observer)?);
         }
         // Where crossed planes are none, cards may be.
         if found.is_empty() {
@@ -72,16 +84,16 @@ impl Maker<'_> {
     pub(super) fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<String>) {
         for (height, place) in self.heights() {
             // The last that has begun there.
-            let begun = found.iter().rfind(|(_, begins, _)| *begins >= height);
-            let Some((level, begins, _)) = begun else {
+            let begun = found.iter().rfind(|impostor| impostor.begins_px >= height);
+            let Some(impostor) = begun else {
                 continue;
             };
             notes.retain(|note| !note.starts_with(&no_level(&place)));
-            if *begins > height {
+            if impostor.begins_px > height {
                 notes.push(format!(
                     "{} the impostor of {} triangles before is enough",
                     no_level(&place),
-                    level.impostor.surface.triangles.len()
+                    impostor.level.impostor.surface.triangles.len()
                 ));
             }
         }
@@ -90,97 +102,131 @@ impl Maker<'_> {
     /// Crossed planes or octahedral views from a place on.
     fn impostor(
         &self,
-        made: &[Placed],
+        placed: &[Placed],
         (height, place): &(f64, String),
         notes: &mut Vec<String>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<PlacedImpostor>, ChainError> {
         let (choice, height) = (self.options.impostor, *height);
-        let Some((mesh, ..)) = made.last() else {
+        let Some(mesh) = placed.last() else {
             return Ok(None);
         };
         poll(observer)?;
-        let judge = self.look.judge(self.options.screen, height);
+        let seen = self.seen(height);
         if choice == Choice::Auto
-            && let Some([flip, of_mesh]) = self.hopeless(mesh, &judge, height)
+            && let Some([of_planes, of_mesh]) = self.hopeless(mesh, &seen, height)
         {
-            notes.push(no_impostor(place, flip, mesh.triangles(), of_mesh));
+            notes.push(no_impostor(place, of_planes, mesh.triangles(), of_mesh));
             return Ok(None);
         }
         poll(observer)?;
-        let original = judge.of_surfaces(&self.look.original);
-        let of_mesh = judge.flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
+        let of_mesh = self.difference_beside_impostor(&mesh.made, height);
+        let original = &self.look.original.surfaces;
+        let baked_px = self.look.of_height(height);
         let found = match choice {
-            Choice::Octahedral => Impostor::octahedral(&self.look.original, height).map(|made| {
-                let flip = judge.flip(&original, &judge.of_impostor(&made));
-                (made, flip)
-            }),
-            _ => best_crossed(&self.look.original, &original, &judge, height),
+            Choice::Octahedral => Impostor::octahedral(original, baked_px),
+            Choice::None | Choice::Crossed | Choice::Cards | Choice::Auto => {
+                let figure = |made: &Impostor| seen.difference(made).difference;
+                best_crossed(original, baked_px, figure).map(|(made, _)| made)
+            }
         };
-        let Some((impostor, flip)) = found else {
+        let Some(impostor) = found else {
             return Ok(None);
         };
+        let difference = seen.difference(&impostor);
+        let of_planes = difference.difference;
         let triangles = impostor.surface.triangles.len();
         let is_lighter = triangles < mesh.triangles();
-        let is_near = flip <= self.options.max_flip || flip <= of_mesh;
+        let is_near = difference.over(self.look.limits) <= 1.0;
         let mut same_cost = None;
         if is_lighter
             && (is_near || choice != Choice::Auto)
             && let Some(equal) = self.level_if_any(triangles, observer)?
         {
-            let pictures = judge.of_surfaces(&equal.drawn.level.surfaces);
-            same_cost = Some((equal.triangles() as u64, judge.flip(&original, &pictures)));
+            let of_equal = self.difference_beside_impostor(&equal, height);
+            same_cost = Some((equal.triangles() as u64, of_equal));
         }
         if let Some((triangles, of_equal)) = same_cost
             && choice == Choice::Auto
-            && of_equal < flip
+            && of_equal < of_planes
         {
             notes.push(format!(
-                "no impostor at {place}: crossed planes have a FLIP of {flip:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
+                "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
             ));
             return Ok(None);
         }
         if choice == Choice::Auto && !(is_lighter && is_near) {
-            notes.push(no_impostor(place, flip, mesh.triangles(), of_mesh));
+            notes.push(no_impostor(place, of_planes, mesh.triangles(), of_mesh));
             return Ok(None);
         }
         let level = ImpostorLevel {
             impostor,
             mesh_triangles: mesh.triangles() as u64,
-            mesh_flip_mean: of_mesh,
+            mesh_difference: of_mesh,
             same_cost,
         };
-        Ok(Some((level, height, flip)))
+        Ok(Some(PlacedImpostor {
+            level,
+            begins_px: height,
+            difference,
+        }))
     }
 
-    /// In one view the FLIP of the fewest crossed planes and of a mesh, if the planes are so far from the
+    /// From few views the differences of the fewest crossed planes and of a mesh, if the planes are so far from the
     /// plant there that more of them will not do.
-    fn hopeless(&self, mesh: &Made, judge: &Judge, height: f64) -> Option<[f64; 2]> {
-        let fewest = Impostor::crossed(&self.look.original, Planes::ALL[0], height)?;
-        let judge = judge.from_one();
-        let original = judge.of_surfaces(&self.look.original);
-        let of_fewest = judge.flip(&original, &judge.of_impostor(&fewest));
-        let of_mesh = judge.flip(&original, &judge.of_surfaces(&mesh.drawn.level.surfaces));
-        let most = HOPELESS * of_mesh.max(self.options.max_flip);
-        (of_fewest > most).then_some([of_fewest, of_mesh])
+    fn hopeless(&self, mesh: &Placed, seen: &Seen<'_>, height: f64) -> Option<[f64; 2]> {
+        let original = &self.look.original.surfaces;
+        let fewest = Impostor::crossed(original, Planes::ALL[0], self.look.of_height(height))?;
+        let over = seen.over_at_a_glance(&fewest);
+        (over > HOPELESS).then(|| {
+            let of_planes = over * self.look.limits.difference;
+            [of_planes, mesh.difference.difference]
+        })
     }
 
+    /// How far a mesh looks from the plant by the judge of impostors.
+    pub(super) fn difference_beside_impostor(&self, made: &Made, height: f64) -> f64 {
+        let judge = self.look.judge_of_impostors();
+        let surfaces = &made.drawn.level.surfaces;
+        judge.difference(surfaces, height, ViewCount::All).difference
+    }
+
+    /// What cards and planes are held against where the screen shows the plant at this height.
+    pub(super) fn seen(&self, height: f64) -> Seen<'_> {
+        Seen::new(self.look.judge_of_impostors(), height, self.look.limits)
+    }
+
+    /// An impostor as a level of the chain, seen over a range of heights.
     pub(super) fn finished_impostor(
         &self,
-        level: ImpostorLevel,
-        height: f64,
-        flip_mean: f64,
-    ) -> ChainLevel {
-        ChainLevel {
+        impostor: PlacedImpostor,
+        range: [f64; 2],
+        client: &Client<'_>,
+    ) -> (LevelPicture, ChainLevel) {
+        let PlacedImpostor {
+            level,
+            begins_px,
+            difference,
+        } = impostor;
+        let picture = LevelPicture::Impostor(level.impostor.clone());
+        let surface = &level.impostor.surface;
+        let normals = surface.material.finish.normal_map.as_ref();
+        let textures = surface.material.texture.iter();
+        let textures = textures.chain(normals.map(|map| &map.texture));
+        let as_drawn = (!level.impostor.needs_sampler())
+            .then(|| client.as_drawn(std::slice::from_ref(surface), range));
+        let level = ChainLevel {
+            texture_bytes: textures.map(|texture| bytes_of(texture)).sum(),
             shape: Shape::Impostor(Box::new(level)),
             leaves: 0,
             foliage_triangles: 0,
             wood_triangles: 0,
-            distance: self.options.screen.distance(self.look.height, height),
-            pixels_high: height,
+            distance: self.distance_m(begins_px),
+            pixels_high: begins_px,
             screen_coverage: 0.0,
-            flip_mean,
-            pop_flip: None,
+            difference,
+            flip_mean: self.look.flip_mean(&picture, (begins_px, self.options.screen)),
+            pop: None,
             shadow: 0,
             silhouette_iou: None,
             vmi_error_percent: None,
@@ -189,8 +235,8 @@ impl Maker<'_> {
             order: None,
             textures: Vec::new(),
             keeps_textures: true,
-            texture_bytes: 0,
-            as_drawn: None,
-        }
+            as_drawn,
+        };
+        (picture, level)
     }
 }

@@ -1,139 +1,162 @@
-//! The search for the lightest level within a difference.
+//! The search for the lightest level within the limits.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use secateur_simplify::Observer;
 
 use super::error::ChainError;
 use super::maker::{Made, Maker};
+use super::placed::Placed;
+use super::textures::Client;
 
 /// How many steps halve the triangles: from step to step there are 2 % fewer.
-const STEPS_A_HALF: usize = 32;
+pub(super) const STEPS_A_HALF: usize = 32;
 
-/// The number of shares of all triangles among which levels for heights are sought. Step 0 is the tree as it is, for
-/// heights at which nothing less will do; the last has .78 % of all.
-const STEPS: usize = 7 * STEPS_A_HALF + 1;
+/// The number of shares of all triangles among which levels are sought. Step 0 is the tree as it is; the last has
+/// .1 % of all.
+const STEPS: usize = 10 * STEPS_A_HALF + 1;
 
-/// The step that is tried first, of a tenth of all triangles: levels at which pictures of 256
-/// pixels differ by .02 have a tenth to a quarter on the trees that it was tried with.
-const FIRST: usize = 104;
-
-/// How many steps coarser a level must be to save a third: to switch for less would not pay.
-pub(super) const STEPS_THAT_PAY: usize = 19;
-
-/// By how much the logarithm of FLIP rises from step to step, until two levels tell.
+/// By how much the logarithm of the difference over its limit rises from step to step, until two levels tell.
 const USUAL_SLOPE: f64 = 0.0125;
 
-/// The next level is not made if it should be fewer steps coarser: it takes as long as any.
+/// A search ends where the next level to try is fewer steps from what is known to do.
 const LEAST_GAIN: usize = 2;
 
-/// So far below what is allowed the next level is aimed, as FLIP is not as smooth as a line.
-const AIM: f64 = 0.012;
+/// Levels are aimed at this share of what is allowed: the difference is not monotonic.
+const AIM: f64 = 0.98;
 
-/// The least number of steps by which the search goes back from a level that differs too much: with
-/// fewer it would creep.
-const LEAST_BACK: f64 = 2.0;
+/// A level that reaches this share of what is allowed is light enough.
+const ENOUGH: f64 = 0.94;
 
-/// The most levels that are made for the same heights after one was within the difference.
-const MORE_TRIALS: usize = 3;
+/// The most levels that are made whole, with their textures, for one place.
+const MOST_PLACED: usize = 4;
+
+/// After so many guesses in one search the rest is halved: guesses may creep.
+const MOST_GUESSES: usize = 4;
 
 /// Levels of shares of all triangles, made as they are asked for.
 pub(super) struct Ladder<'a, 'm> {
     maker: &'m Maker<'a>,
+    client: &'m Client<'m>,
     made: BTreeMap<usize, Made>,
     steps: usize,
-    /// By how much the logarithm of FLIP rises from step to step, once two levels have told.
-    slope: Option<f64>,
 }
 
-/// A step, and the logarithm of the FLIP of its level over that which is allowed.
+/// A step, and how many times the limits it is.
 type Tried = (usize, f64);
 
 impl<'a, 'm> Ladder<'a, 'm> {
-    pub(super) fn new(maker: &'m Maker<'a>) -> Self {
+    pub(super) fn new(maker: &'m Maker<'a>, client: &'m Client<'m>) -> Self {
         // Wood that stays as it is ends the ladder above it.
         let least = maker.least_triangles();
         let has_more = |step: &usize| triangles_of(*step, maker.all) > least;
         Self {
             maker,
+            client,
             made: BTreeMap::new(),
             steps: (0..STEPS).take_while(has_more).count().max(1),
-            slope: None,
         }
     }
 
-    /// The level of a step.
-    pub(super) fn level(
+    /// The number of steps.
+    pub(super) fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// The level with the fewest triangles within the limits over this range of heights, or hardly more, of the
+    /// steps before `end`, and its step; none if none but the tree itself is. `guess` is the step that is tried first.
+    pub(super) fn lightest(
+        &mut self,
+        range: [f64; 2],
+        is_first: bool,
+        (end, guess): (usize, usize),
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<(usize, Placed)>, ChainError> {
+        let mut steps = 1..end;
+        let mut goal = AIM;
+        let mut best = None;
+        let mut guess = guess;
+        for _ in 0..MOST_PLACED {
+            let found = self.coarsest(range[0], goal, steps.clone(), guess, observer)?;
+            let Some((step, in_search)) = found else {
+                break;
+            };
+            let made = self.level(step, observer)?.clone();
+            let placed = self
+                .maker
+                .placed(made, range, is_first, self.client, observer)?;
+            let over = placed.difference.over(self.maker.look.limits);
+            if over <= 1.0 {
+                best = Some((step, placed));
+                steps.start = step + 1;
+            } else {
+                steps.end = step;
+            }
+            if steps.is_empty() || (ENOUGH..=1.0).contains(&over) {
+                break;
+            }
+            // What pictures of its size, with its own textures, show beyond those of the search is about the same for
+            // others.
+            goal = match over > 0.0 {
+                true => AIM * in_search / over,
+                false => f64::INFINITY,
+            };
+            guess = step;
+        }
+        Ok(best)
+    }
+
+    /// The coarsest of some steps that is at most `goal` times the limits in the pictures of a search, and how many
+    /// times it is; none if none is.
+    fn coarsest(
+        &mut self,
+        pixels_high: f64,
+        goal: f64,
+        steps: Range<usize>,
+        first: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Tried>, ChainError> {
+        let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
+        for guesses in 0.. {
+            let low = within.map_or(steps.start, |(step, _)| step + 1);
+            let high = beyond.map_or(steps.end, |(step, _)| step);
+            let is_near = within.is_some() && high < low + LEAST_GAIN;
+            if low >= high || is_near {
+                break;
+            }
+            let next = match guesses < MOST_GUESSES {
+                true => guess((within, beyond), goal, first, low..high),
+                false => low + (high - low) / 2,
+            };
+            let over = self.over(next, pixels_high, observer)?;
+            match over <= goal {
+                true => within = Some((next, over)),
+                false => beyond = Some((next, over)),
+            }
+        }
+        Ok(within)
+    }
+
+    fn over(
         &mut self,
         step: usize,
+        pixels_high: f64,
         observer: &mut Observer<'_>,
-    ) -> Result<&Made, ChainError> {
+    ) -> Result<f64, ChainError> {
+        let look = &self.maker.look;
+        let made = self.level(step, observer)?;
+        Ok(look.over_in_search(&made.drawn, pixels_high))
+    }
+
+    /// The level of a step.
+    fn level(&mut self, step: usize, observer: &mut Observer<'_>) -> Result<&Made, ChainError> {
         if !self.made.contains_key(&step) {
             let triangles = triangles_of(step, self.maker.all);
             let made = self.maker.level(triangles, observer)?;
             self.made.insert(step, made);
         }
         Ok(&self.made[&step])
-    }
-
-    /// The step with the fewest triangles within the difference at all these heights, or hardly more; `first` if
-    /// none of it and the `pays_from` coarser ones on is within it. What has fewer triangles is taken to
-    /// differ more, and where the difference is crossed is guessed from what was tried.
-    pub(super) fn lightest(
-        &mut self,
-        heights: &[f64],
-        first: usize,
-        pays_from: usize,
-        observer: &mut Observer<'_>,
-    ) -> Result<usize, ChainError> {
-        let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
-        let mut more = 0;
-        // What was made for other heights is there to be looked at.
-        let there: Vec<usize> = self.made.range(first..).map(|(step, _)| *step).collect();
-        let mut there = there.into_iter().rev();
-        loop {
-            let low = within.map_or(first, |(step, _)| step + 1);
-            let high = beyond.map_or(self.steps, |(step, _)| step);
-            let pays = low.max(pays_from);
-            if low >= high || (within.is_some() && pays >= high) {
-                return Ok(within.map_or(first, |(step, _)| step));
-            }
-            let slope = self.slope.unwrap_or(USUAL_SLOPE);
-            let next = match there.find(|step| (low..high).contains(step)) {
-                Some(step) => step,
-                None => {
-                    let next = guess(within, beyond, slope, low, high);
-                    if let Some((step, over)) = within {
-                        let is_enough = over > -AIM || next < step + LEAST_GAIN;
-                        if is_enough || more == MORE_TRIALS {
-                            return Ok(step);
-                        }
-                        more += 1;
-                    }
-                    next
-                }
-            };
-            let maker = self.maker;
-            let level = self.level(next, observer)?;
-            let flips = heights.iter().map(|height| maker.flip(level, *height));
-            let flip = flips.fold(0.0, f64::max);
-            let over = (flip / maker.options.max_flip).max(f64::MIN_POSITIVE).ln();
-            let before = match over <= 0.0 {
-                true => within.replace((next, over)),
-                false => beyond.replace((next, over)),
-            };
-            if let Some((other, over_there)) = before.or(match over <= 0.0 {
-                true => beyond,
-                false => within,
-            }) {
-                let measured = (over - over_there) / (next as f64 - other as f64);
-                // Levels may differ for other reasons too.
-                if measured.is_finite() {
-                    let range = USUAL_SLOPE / 4.0..=USUAL_SLOPE * 4.0;
-                    self.slope = Some(measured.clamp(*range.start(), *range.end()));
-                }
-            }
-        }
     }
 }
 
@@ -143,25 +166,32 @@ fn triangles_of(step: usize, all: usize) -> usize {
     (share * all as f64).round() as usize
 }
 
-/// The next step to try, of `low..high`.
+/// The next step to try, of `steps`: where a line through what is known crosses the goal.
 fn guess(
-    within: Option<Tried>,
-    beyond: Option<Tried>,
-    slope: f64,
-    low: usize,
-    high: usize,
+    (within, beyond): (Option<Tried>, Option<Tried>),
+    goal: f64,
+    first: usize,
+    steps: Range<usize>,
 ) -> usize {
-    let at = match (within, beyond) {
+    let above = |over: f64| (over / goal).ln();
+    let is_number = |tried: &Tried| above(tried.1).is_finite();
+    let last = steps.end - 1;
+    let at = match (within.filter(is_number), beyond.filter(is_number)) {
         (Some((fine, under)), Some((coarse, over))) => {
-            let between = (-AIM - under) / (over - under);
-            fine as f64 + between * (coarse - fine) as f64
+            let (under, over) = (above(under), above(over));
+            // At least a quarter of the way off either end: else it may creep.
+            let share = (-under / (over - under)).clamp(0.25, 0.75);
+            fine as f64 + share * (coarse - fine) as f64
         }
-        (Some((step, over)), None) => step as f64 - (over + AIM) / slope,
-        (None, Some((step, over))) => step as f64 - ((over + AIM) / slope).max(LEAST_BACK),
-        (None, None) => FIRST as f64,
+        (Some((step, under)), None) => step as f64 - above(under) / USUAL_SLOPE,
+        (None, Some((step, over))) => step as f64 - above(over) / USUAL_SLOPE,
+        (None, None) => match within.is_none() && beyond.is_none() {
+            true => first as f64,
+            // Where nothing differs, or all does, no slope is known.
+            false => (steps.start + last) as f64 / 2.0,
+        },
     };
-    // The last step that should be within it.
-    (at.floor().max(0.0) as usize).clamp(low, high - 1)
+    (at.floor().max(0.0) as usize).clamp(steps.start, last)
 }
 
 #[cfg(test)]
@@ -169,30 +199,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_next_step_is_where_the_difference_should_be_crossed() {
-        assert_eq!(guess(None, None, 0.0125, 0, STEPS), FIRST);
-        assert_eq!(guess(None, None, 0.0125, 110, STEPS), 110);
-        // What is .3 above and as much below what it is aimed at is 24 steps off.
-        assert_eq!(guess(None, Some((80, 0.3 - AIM)), 0.0125, 0, 80), 56);
-        assert_eq!(guess(Some((80, -0.3 - AIM)), None, 0.0125, 81, STEPS), 104);
-        // A hair too much is no reason to creep.
-        assert_eq!(guess(None, Some((80, 0.001)), 0.0125, 0, 80), 78);
-        // Between two it is where a line crosses, and never beyond what is known.
-        let [fine, coarse] = [(40, -0.1 - AIM), (60, 0.3 - AIM)];
-        assert_eq!(guess(Some(fine), Some(coarse), 9.0, 41, 60), 45);
-        assert_eq!(guess(Some((4, -0.01)), Some((9, 0.9)), 0.0125, 5, 9), 5);
-        assert_eq!(guess(Some((4, -0.9)), Some((9, 0.01)), 0.0125, 5, 9), 8);
-        assert_eq!(guess(None, Some((3, 9.0)), 0.0125, 0, 3), 0);
-        assert_eq!(guess(Some((3, -9.0)), None, 0.0125, 4, STEPS), STEPS - 1);
+    fn the_next_step_is_where_the_goal_should_be_crossed() {
+        let known = |within, beyond, steps| guess((within, beyond), 1.0, 104, steps);
+        assert_eq!(known(None, None, 1..300), 104);
+        assert_eq!(known(None, None, 110..300), 110);
+        // What is e^.3 times the limits is 24 steps beyond them.
+        assert_eq!(known(None, Some((80, 0.3f64.exp())), 1..80), 56);
+        assert_eq!(known(Some((80, (-0.3f64).exp())), None, 81..300), 104);
+        // Between two it is where a line crosses, but not near either.
+        let [fine, coarse] = [(40, (-0.1f64).exp()), (60, 0.1f64.exp())];
+        assert_eq!(known(Some(fine), Some(coarse), 41..60), 50);
+        assert_eq!(known(Some((40, 0.999)), Some((60, 9.0)), 41..60), 45);
+        // A level that is the tree says nothing of a slope: the rest is halved.
+        assert_eq!(known(Some((1, 0.0)), None, 2..101), 51);
+        assert_eq!(known(None, Some((3, 9.0)), 1..3), 1);
     }
 
     #[test]
-    fn steps_that_pay_save_a_third() {
+    fn a_step_has_two_per_cent_fewer_triangles() {
         let left = |steps: usize| triangles_of(steps, 1_000_000);
-        assert!(left(STEPS_THAT_PAY) <= 666_667 && left(STEPS_THAT_PAY - 1) > 666_667);
         assert_eq!(
             [left(0), left(32), left(STEPS - 1)],
-            [1_000_000, 500_000, 7813]
+            [1_000_000, 500_000, 977]
         );
     }
 }

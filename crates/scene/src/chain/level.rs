@@ -1,5 +1,6 @@
 //! The levels of a chain.
 
+use secateur_eval::Difference;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Lod, RemovalOrder};
 
@@ -17,18 +18,19 @@ pub struct ChainLevel {
     pub foliage_triangles: u64,
     /// Triangles that wood has in this level.
     pub wood_triangles: u64,
-    /// From how far off it is used, in units of the file (metres).
+    /// From how far off it is used, in metres: units of the file, unless the plant's height was given.
     pub distance: f64,
-    /// How many pixels high the screen shows the plant there.
+    /// How many pixels high the screen shows the plant's largest extent there; infinite at distance 0.
     pub pixels_high: f64,
     /// The least share of the screen's height at which it is drawn, before the next level takes
     /// over; 0 for the last.
     pub screen_coverage: f64,
-    /// Mean FLIP of the whole plant against the original at that height.
+    /// How far it looks from the original there, with its own textures.
+    pub difference: Difference,
+    /// Mean FLIP of the whole plant against the original at that height, over the frame of `measure`.
     pub flip_mean: f64,
-    /// The largest FLIP between it and the level before where they switch, of the cameras of the
-    /// scene or of eyes that walk around the plant; none for the first.
-    pub pop_flip: Option<f64>,
+    /// The difference between it and the level before where they switch; none for the first.
+    pub pop: Option<f64>,
     /// The level that casts its shadow, counted from 0.
     pub shadow: usize,
     /// Outline of the leaves against the original's, by three of the held-out views in 256 x 256
@@ -55,6 +57,8 @@ pub struct ChainLevel {
 /// What a level is.
 #[derive(Clone, Debug)]
 pub enum Shape {
+    /// The plant itself: the LOD of [`WholeTree::items`](secateur_gltf::WholeTree::items) that has all of it.
+    Original(Lod),
     /// The plant with fewer triangles: a LOD of [`WholeTree::items`](secateur_gltf::WholeTree::items).
     Mesh(Lod),
     /// A picture of it.
@@ -68,9 +72,9 @@ pub struct ImpostorLevel {
     pub impostor: Impostor,
     /// Triangles of the mesh that would be drawn there if it were left out.
     pub mesh_triangles: u64,
-    /// That mesh's FLIP by the judge of the impostor, who stands as far off as it is seen from.
-    pub mesh_flip_mean: f64,
-    /// Triangles and FLIP of a mesh of as many triangles as the impostor has, by the same judge; none
+    /// How far that mesh looks from the original by the judge of the impostor.
+    pub mesh_difference: f64,
+    /// Triangles and difference of a mesh of as many triangles as the impostor has, by the same judge; none
     /// where the impostor is no lighter than the mesh above, or no such mesh can be made.
     pub same_cost: Option<(u64, f64)>,
 }
@@ -79,7 +83,7 @@ impl ChainLevel {
     /// Triangles of the whole plant.
     pub fn triangles(&self) -> u64 {
         match &self.shape {
-            Shape::Mesh(_) => self.foliage_triangles + self.wood_triangles,
+            Shape::Original(_) | Shape::Mesh(_) => self.foliage_triangles + self.wood_triangles,
             Shape::Impostor(level) => level.impostor.surface.triangles.len() as u64,
         }
     }

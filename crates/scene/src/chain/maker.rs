@@ -1,8 +1,9 @@
 //! What levels are made of.
 
 use std::cell::RefCell;
+use std::ops::RangeInclusive;
 
-use secateur_eval::Original as Measured;
+use secateur_eval::{Difference, Original as Measured};
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::Lod;
@@ -12,10 +13,16 @@ use secateur_simplify::{Error, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
-use super::look::{Drawn, Enough, Look};
-use super::options::{ChainOptions, HEIGHTS_PX, Wanted};
+use super::look::{Drawn, LevelPicture, Look};
+use super::options::{ChainOptions, Wanted};
+use super::level_surfaces::{LevelSurfaces, retextured};
+use super::placed::Placed;
+use super::texture_bytes::texture_bytes;
 use super::textures::{Client, Textures};
 use crate::dilated_textures;
+
+/// Heights of plants that are taken for metres without a remark.
+const USUAL_HEIGHTS_M: RangeInclusive<f64> = 0.2..=60.0;
 
 /// A level before its distance is known.
 #[derive(Clone)]
@@ -101,11 +108,11 @@ impl<'a> Maker<'a> {
     pub(super) fn client(&self) -> Client<'_> {
         let (look, [views]) = (&self.look, &self.look.views);
         Client::new(
-            &look.original,
+            &look.original.surfaces,
             views,
             look.sphere,
             self.options.screen,
-            look.height,
+            look.size,
         )
         .with_dilated(self.dilated.clone())
     }
@@ -171,6 +178,44 @@ impl<'a> Maker<'a> {
         }
     }
 
+    /// What has to be said of a plant before levels of it are made.
+    ///
+    /// # Errors
+    /// [`ChainError::Wanted`] if a distance is inside the crown.
+    pub(super) fn remarks(&self) -> Result<Vec<String>, ChainError> {
+        let unit_m = self.size_m() / self.look.size;
+        if let Wanted::Distances(distances) = &self.options.wanted
+            && let Some(nearest) = distances.first()
+        {
+            let reach_m = self.look.reach * unit_m;
+            if *nearest <= reach_m {
+                let least = (reach_m * 11.0).ceil() / 10.0;
+                return Err(ChainError::Wanted(format!(
+                    "a distance of {nearest} m is inside the plant, which reaches {reach_m:.1} m from its middle: begin at {least:.1} m"
+                )));
+            }
+        }
+        let height_m = self.look.height * unit_m;
+        let is_usual = USUAL_HEIGHTS_M.contains(&self.size_m().max(height_m));
+        Ok(match self.options.plant_height_m {
+            None if !is_usual => vec![format!(
+                "the plant is {height_m:.3} units high, taken for metres: `--plant-height M` says how high it really is"
+            )],
+            _ => Vec::new(),
+        })
+    }
+
+    /// The largest extent of the plant in metres: units of the file, unless its height was given.
+    pub(super) fn size_m(&self) -> f64 {
+        let unit_m = self.options.plant_height_m.map(|m| m / self.look.height);
+        self.look.size * unit_m.filter(|unit| unit.is_finite()).unwrap_or(1.0)
+    }
+
+    /// From how far off the screen shows the plant at this height in pixels, in metres.
+    pub(super) fn distance_m(&self, pixels_high: f64) -> f64 {
+        self.options.screen.distance(self.size_m(), pixels_high)
+    }
+
     /// The heights that levels are sought for, and where each is, in words.
     pub(super) fn heights(&self) -> Vec<(f64, String)> {
         match &self.options.wanted {
@@ -182,7 +227,7 @@ impl<'a> Maker<'a> {
             Wanted::Distances(distances) => {
                 let screen = self.options.screen;
                 let words = |distance: &f64| {
-                    let pixels_high = screen.pixels_high(self.look.height, *distance);
+                    let pixels_high = screen.pixels_high(self.size_m(), *distance);
                     (pixels_high, format!("{distance} m"))
                 };
                 distances.iter().map(words).collect()
@@ -190,67 +235,77 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// Mean FLIP of a level where the screen shows the plant at this height in pixels, near enough to be
-    /// held against the bound.
-    pub(super) fn flip(&self, level: &Made, pixels_high: f64) -> f64 {
-        self.flip_from(level, pixels_high, Enough::ToDecide)
-    }
-
-    /// The same as it is put down.
-    pub(super) fn flip_mean(&self, level: &Made, pixels_high: f64) -> f64 {
-        self.flip_from(level, pixels_high, Enough::AllViews)
-    }
-
-    fn flip_from(&self, level: &Made, pixels_high: f64, enough: Enough) -> f64 {
-        let at = (pixels_high, self.options.screen);
-        let most = self.options.max_flip;
-        self.look.flip(&level.drawn, at, most, enough)
-    }
-
-    /// The largest of the usual heights below that of the level before at which a level is within
-    /// the difference, and its FLIP there; the least if none is.
-    pub(super) fn height_for(&self, level: &Made, below: f64) -> (f64, f64) {
-        let mut height = f64::from(1 << 11).min(below / 2.0).min(HEIGHTS_PX[0]);
-        loop {
-            let flip = self.flip(level, height);
-            if flip <= self.options.max_flip || height <= 32.0 {
-                return (height, self.flip_mean(level, height));
-            }
-            height /= 2.0;
-        }
-    }
-
-    pub(super) fn finished(
-        &self,
-        made: Made,
-        height: f64,
-        flip_mean: f64,
-    ) -> Result<ChainLevel, ChainError> {
+    /// A level of the chain, and what is drawn of it.
+    pub(super) fn finished(&self, placed: Placed) -> Result<(LevelPicture, ChainLevel), ChainError> {
+        let Placed {
+            made,
+            chosen,
+            range: [height, _],
+            difference,
+        } = placed;
         let leaves = self.tree.leaves();
         let left = made.level.leaves.lod.foliage(leaves);
         let seen = self.leaves.measure(&left);
         let order = made.level.leaves.passes.in_one_order();
-        let screen = self.options.screen;
-        Ok(ChainLevel {
+        let materials = &made.drawn.level.materials;
+        let document = self.tree.items().document();
+        let texture_bytes = texture_bytes(document, materials, &chosen.textures);
+        let picture = LevelPicture::Mesh(LevelSurfaces {
+            surfaces: retextured(&made.drawn.level, &chosen.textures),
+            materials: materials.clone(),
+        });
+        let level = ChainLevel {
             leaves: left.leaves().len() as u64,
             foliage_triangles: made.foliage_triangles as u64,
             wood_triangles: made.level.wood_triangles as u64,
-            distance: screen.distance(self.look.height, height),
+            distance: self.distance_m(height),
             pixels_high: height,
             screen_coverage: 0.0,
-            flip_mean,
-            pop_flip: None,
+            flip_mean: self.look.flip_mean(&picture, (height, self.options.screen)),
+            difference,
+            pop: None,
             shadow: 0,
             silhouette_iou: Some(seen.silhouette_iou()),
             vmi_error_percent: Some(seen.vmi_error_percent()),
             order_sha256: Some(order.sha256()),
             view_count: Some(made.level.leaves.views.len()),
             order: Some(order),
-            textures: Vec::new(),
-            keeps_textures: true,
-            texture_bytes: 0,
-            as_drawn: None,
+            textures: chosen.textures,
+            keeps_textures: chosen.keeps_textures,
+            texture_bytes,
+            as_drawn: Some(chosen.as_drawn),
             shape: Shape::Mesh(made.lod),
-        })
+        };
+        Ok((picture, level))
+    }
+
+    /// The plant itself as a level, from distance 0 on.
+    pub(super) fn original(&self) -> ChainLevel {
+        let items = self.tree.items();
+        let (leaves, wood) = (self.tree.leaves(), self.tree.wood());
+        let textures = self.dilated.clone();
+        let materials = &self.look.original.materials;
+        ChainLevel {
+            leaves: leaves.leaves().len() as u64,
+            foliage_triangles: leaves.triangles().len() as u64,
+            wood_triangles: wood.triangles().len() as u64,
+            distance: 0.0,
+            pixels_high: f64::INFINITY,
+            screen_coverage: 0.0,
+            difference: Difference::default(),
+            flip_mean: 0.0,
+            pop: None,
+            shadow: 0,
+            silhouette_iou: Some(1.0),
+            vmi_error_percent: Some(0.0),
+            order_sha256: None,
+            view_count: None,
+            order: None,
+            texture_bytes: texture_bytes(items.document(), materials, &textures),
+            textures,
+            keeps_textures: true,
+            as_drawn: None,
+            shape: Shape::Original(Lod::original(items.foliage().leaves().len())),
+        }
     }
 }

@@ -16,6 +16,7 @@ mod maker;
 mod nearer;
 mod opaque;
 mod options;
+mod placed;
 mod scene_look;
 #[cfg(test)]
 mod tests;
@@ -33,11 +34,11 @@ pub use level_as_drawn::LevelAsDrawn;
 pub use level_surfaces::show;
 use maker::Maker;
 pub use options::{
-    ChainOptions, DISTANCES, HEIGHTS_PX, MAX_FLIP, MAX_LEVELS, SCREEN_HEIGHTS_PX, Wanted,
+    ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, SCREEN_HEIGHTS_PX, Wanted,
 };
 pub use scene_look::SceneLook;
 pub use textures::Textures;
-use which::{asked, lightest, spread};
+use which::{asked, lightest};
 
 /// Makes a chain of a tree.
 ///
@@ -52,35 +53,38 @@ pub fn chain(
     options.check()?;
     let maker = Maker::new(tree, options, engine)?;
     let client = maker.client();
-    let mut notes = Vec::new();
-    let made = match &options.wanted {
-        Wanted::Triangles(amounts) => asked(&maker, amounts, &mut notes, observer)?,
-        Wanted::Heights(_) => spread(&maker, &mut notes, observer)?,
-        Wanted::Distances(_) => lightest(&maker, &mut notes, observer)?,
+    let mut notes = maker.remarks()?;
+    let placed = match &options.wanted {
+        Wanted::Triangles(amounts) => asked(&maker, amounts, &client, &mut notes, observer)?,
+        Wanted::Heights(_) | Wanted::Distances(_) => {
+            lightest(&maker, &client, &mut notes, observer)?
+        }
     };
-    let impostors = maker.impostors(&made, &client, &mut notes, observer)?;
-    let levels = maker.ending(made, impostors, &client, &mut notes, observer)?;
-    let mut levels = maker.with_textures(levels, &client, observer)?;
-    let ends: Vec<f64> = levels
-        .iter()
-        .skip(1)
-        .map(|level| level.pixels_high)
-        .collect();
-    let is_mesh = |level: &ChainLevel| matches!(level.shape, Shape::Mesh(_));
-    let last_mesh = levels.iter().rposition(is_mesh).unwrap_or(0);
+    let impostors = maker.impostors(&placed, &client, &mut notes, observer)?;
+    let mut levels = maker.ending(placed, impostors, &client, &mut notes, observer)?;
+    match (options.original, levels.len()) {
+        (true, MAX_LEVELS) => notes.push(format!(
+            "the plant itself is left out, as a chain has at most {MAX_LEVELS} levels; keep it before the first"
+        )),
+        (true, _) => levels.insert(0, maker.original()),
+        (false, 0) => {
+            return Err(ChainError::Wanted(
+                "no level would have fewer triangles than the tree has".to_owned(),
+            ));
+        }
+        (false, _) => {}
+    }
+    let ends: Vec<f64> = levels.iter().skip(1).map(|level| level.pixels_high).collect();
+    let is_picture = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
+    let last_mesh = levels.iter().rposition(|level| !is_picture(level)).unwrap_or(0);
     for (index, level) in levels.iter_mut().enumerate() {
         let end = ends.get(index).copied().unwrap_or(0.0);
         level.screen_coverage = end / options.screen.height_px;
         // A picture casts the shadow of a picture.
-        level.shadow = match level.shape {
-            Shape::Mesh(_) => (index + options.shadow_steps).min(last_mesh),
-            Shape::Impostor(_) => index,
+        level.shadow = match is_picture(level) {
+            true => index,
+            false => (index + options.shadow_steps).min(last_mesh),
         };
-    }
-    if levels.is_empty() {
-        return Err(ChainError::Wanted(
-            "no level would have fewer triangles than the tree has".to_owned(),
-        ));
     }
     Ok(Chain { levels, notes })
 }

@@ -5,13 +5,11 @@
 //! level is missing from it. Seen as small as a level is, it counts for a tenth of a birch.
 
 use secateur_model::AlphaMode;
-use secateur_simplify::{Observer, Progress};
 
 use super::error::ChainError;
 use super::look::Drawn;
 use super::maker::{Made, Maker};
-use super::textures::{Client, end_of};
-use super::which::Placed;
+use super::textures::Client;
 
 /// Coverage that is no farther off than this is left alone: in other views it is then within a tenth.
 const NEAR_ENOUGH: f64 = 0.05;
@@ -27,57 +25,32 @@ const POWER: f64 = 1.5;
 const RANGE: [f64; 2] = [0.5, 2.0];
 
 impl Maker<'_> {
-    /// The levels, each of which covers about what it should from where it begins to where the next does, or
-    /// whatever follows them begins.
+    /// The level with leaves of such sizes that it covers about what it should over a range of heights.
     pub(super) fn covering(
         &self,
-        placed: Vec<Placed>,
-        followed_at: Option<f64>,
+        made: Made,
+        range: [f64; 2],
         client: &Client<'_>,
-        observer: &mut Observer<'_>,
-    ) -> Result<Vec<Placed>, ChainError> {
-        if self
-            .look
-            .original
-            .iter()
-            .any(|s| is_cut_out(s.material.alpha_mode))
-        {
-            return Ok(placed);
+    ) -> Result<Made, ChainError> {
+        let original = &self.look.original.surfaces;
+        if original.iter().any(|s| is_cut_out(s.material.alpha_mode)) {
+            return Ok(made);
         }
-        let mut ends: Vec<Option<f64>> = placed.iter().skip(1).map(|(_, h, _)| Some(*h)).collect();
-        ends.push(followed_at);
-        let levels = placed.into_iter().zip(ends);
-        levels
-            .map(|((made, height, flip), end)| {
-                Progress::Finish.tell(observer)?;
-                let (made, flip) = self.in_other_sizes(client, (made, flip), height, end)?;
-                Ok((made, height, flip))
-            })
-            .collect()
-    }
-
-    fn in_other_sizes(
-        &self,
-        client: &Client<'_>,
-        (made, flip): (Made, f64),
-        height: f64,
-        end: Option<f64>,
-    ) -> Result<(Made, f64), ChainError> {
-        let range = [height, end_of(height, end)];
+        let over = |made: &Made| self.look.over_in_search(&made.drawn, range[0]);
         let mut seen = client.as_drawn(&made.drawn.level.surfaces, range);
-        // To grow must not cost what was asked for; what is beyond it anyhow stays as near as it is.
-        let most_flip = self.options.max_flip.max(flip);
-        let mut best = (seen.coverage_error(), made.clone(), flip);
+        let mut best = (seen.coverage_error(), made.clone());
+        let mut most_over = None;
         let mut factor = 1.0;
         let mut step = seen.wanted_gain().powf(POWER);
         for _ in 0..TRIES {
             if seen.coverage_error() <= NEAR_ENOUGH {
                 break;
             }
+            // To grow must not cost what was asked for; what is beyond it anyhow stays as near as it is.
+            let most_over = *most_over.get_or_insert_with(|| over(&made).max(1.0));
             let tried = f64::clamp(factor * step, RANGE[0], RANGE[1]);
             let next = self.resized(&made, tried)?;
-            let flip = self.flip(&next, height);
-            if flip > most_flip {
+            if over(&next) > most_over {
                 step = step.sqrt();
                 continue;
             }
@@ -85,10 +58,10 @@ impl Maker<'_> {
             seen = client.as_drawn(&next.drawn.level.surfaces, range);
             step = seen.wanted_gain().powf(POWER);
             if seen.coverage_error() < best.0 {
-                best = (seen.coverage_error(), next, flip);
+                best = (seen.coverage_error(), next);
             }
         }
-        Ok((best.1, best.2))
+        Ok(best.1)
     }
 
     /// The level with leaves of this many times the area.

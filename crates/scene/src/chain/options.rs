@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use secateur_eval::Limits;
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Amount, Options};
 
@@ -14,10 +15,8 @@ use crate::impostor::Choice;
 /// Heights on the screen for which levels are made where nothing else is asked for.
 pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
 
-/// The FLIP that a level may have at the height from which it is seen, over the frame of
-/// [`Pictures::measure`](secateur_eval::Pictures::measure). With .05 an oak of 52,326 triangles may have
-/// 1,000, which looks coarse as soon as one comes nearer.
-pub const MAX_FLIP: f64 = 0.02;
+/// The largest difference that can be asked for: no figure is above 1.75.
+pub const MOST_DIFFERENCE: f64 = 2.0;
 
 /// The most levels of a chain, as engines have it.
 pub const MAX_LEVELS: usize = 8;
@@ -34,9 +33,8 @@ pub const SCREEN_HEIGHTS_PX: RangeInclusive<f64> = 16.0..=1e5;
 pub enum Wanted {
     /// Levels of these numbers of triangles of the whole plant, finest first.
     Triangles(Vec<Amount>),
-    /// For these heights on the screen in pixels, the largest first: the fewest triangles within the
-    /// difference at the last, and 1.7 times as many from each to the one before it, or more where the
-    /// difference asks for it.
+    /// For each of these heights on the screen in pixels, the largest first, the fewest triangles within the
+    /// difference.
     Heights(Vec<f64>),
     /// For each of these distances in units of the file (metres), the nearest first, the fewest
     /// triangles within the difference.
@@ -50,8 +48,13 @@ pub struct ChainOptions {
     pub wanted: Wanted,
     /// The screen and camera that distances are for.
     pub screen: Screen,
-    /// The FLIP that a level may have at the height from which it is seen, 0 to 1, as [`MAX_FLIP`] has it.
-    pub max_flip: f64,
+    /// The [difference](secateur_eval::Difference) that a level may have at the height from which it is seen, above
+    /// 0 and at most 2. Its companion `block_coverage` may be as much in proportion ([`Limits::of_difference`]).
+    pub max_difference: f64,
+    /// Whether the chain begins with the plant itself, from distance 0 to where the first lighter level may stand.
+    pub original: bool,
+    /// How high the plant really is in metres, where the file's unit is not a metre.
+    pub plant_height_m: Option<f64>,
     /// How leaves are simplified; its target is not looked at.
     pub leaves: Options,
     /// What becomes of the wood; it stays as it is for [`WoodMode::Keep`] and [`WoodMode::Ignore`].
@@ -60,9 +63,8 @@ pub struct ChainOptions {
     pub impostor: Choice,
     /// How many levels coarser what casts a level's shadow is, 0 to 2.
     pub shadow_steps: usize,
-    /// The largest FLIP between a level and the next where they switch, of any camera of the scene
-    /// or from any side of a walk around the plant; a level that would differ more from the one
-    /// before it is left out.
+    /// The largest difference between a level and the next where they switch; a level that would differ more from
+    /// the one before it is left out.
     pub max_pop: Option<f64>,
     /// Which textures leaves have.
     pub textures: Textures,
@@ -72,6 +74,11 @@ pub struct ChainOptions {
 }
 
 impl ChainOptions {
+    /// How much levels may differ.
+    pub fn limits(&self) -> Limits {
+        Limits::of_difference(self.max_difference)
+    }
+
     /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
     ///
     /// # Errors
@@ -100,6 +107,7 @@ impl ChainOptions {
             return refused("a level of no triangles shows nothing: ask for more than 0");
         }
         let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
+        let is_difference = |x: f64| x > 0.0 && x <= MOST_DIFFERENCE;
         if let Wanted::Heights(all) = &self.wanted
             && !all.iter().all(|x| is_above_zero(*x))
         {
@@ -139,11 +147,14 @@ impl ChainOptions {
             _ if self.shadow_steps > 2 => {
                 refused("what casts a shadow is at most two levels coarser")
             }
-            _ if self.max_pop.is_some_and(|pop| !(pop > 0.0 && pop <= 1.0)) => {
-                refused("the FLIP that a switch may show must be above 0 and at most 1")
+            _ if !self.max_pop.is_none_or(is_difference) => {
+                refused("the difference that a switch may show must be above 0 and at most 2")
             }
-            _ if !(self.max_flip > 0.0 && self.max_flip <= 1.0) => {
-                refused("the FLIP that a level may have must be above 0 and at most 1")
+            _ if !is_difference(self.max_difference) => {
+                refused("the difference that a level may have must be above 0 and at most 2")
+            }
+            _ if !self.plant_height_m.is_none_or(is_above_zero) => {
+                refused("the height of a plant must be above 0 metres")
             }
             _ => Ok(()),
         }

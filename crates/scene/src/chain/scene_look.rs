@@ -1,6 +1,5 @@
 //! From where a scene sees a plant, and what stands before it.
 
-use glam::DVec3;
 use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::{View, ViewSet};
 
@@ -9,12 +8,6 @@ const MOST_CAMERAS: usize = 12;
 
 /// A camera nearer to the centre than this many radii stands in the crown: it sees what it sees.
 const LEAST_RADII: f64 = 1.05;
-
-/// Height of the eyes of who walks about a plant, in metres.
-const EYE_LEVEL_M: f64 = 1.7;
-
-/// From how many sides a walk about a plant sees it.
-const SIDES_OF_A_WALK: u32 = 4;
 
 /// A scene about a plant, as its levels are judged in it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,24 +49,10 @@ fn tight(camera: &View, sphere: BoundingSphere) -> Option<View> {
     Some(turned.unwrap_or(*camera))
 }
 
-/// Views of who walks around a plant that stands on the ground at `low`, so far from its middle.
-pub(super) fn walk_around(sphere: BoundingSphere, low: f64, distance: f64) -> Vec<View> {
-    let rise = low + EYE_LEVEL_M - sphere.centre.y;
-    // A distance is at least a few radii, so the eye stays well below and above the middle.
-    let rise = rise.clamp(-0.9 * distance, 0.9 * distance);
-    let level = (distance * distance - rise * rise).sqrt();
-    let view = |k: u32| {
-        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES_OF_A_WALK);
-        let eye = sphere.centre + DVec3::new(level * angle.sin(), rise, level * angle.cos());
-        let tangent = sphere.radius / distance;
-        View::look_at(eye, sphere.centre, DVec3::Y, tangent, 0.01 * distance).ok()
-    };
-    (0..SIDES_OF_A_WALK).filter_map(view).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     const UNIT: BoundingSphere = BoundingSphere {
         centre: DVec3::ZERO,
@@ -107,19 +86,5 @@ mod tests {
         let found = tight_cameras(&ViewSet::new(path.collect()), UNIT);
         let xs: Vec<f64> = found.iter().map(|view| view.eye().x).collect();
         assert_eq!(xs, (0..12).map(|k| f64::from(4 * k)).collect::<Vec<_>>());
-    }
-
-    #[test]
-    fn a_walk_is_level_and_at_one_distance() {
-        let sphere = BoundingSphere {
-            centre: DVec3::new(1.0, 5.0, 2.0),
-            radius: 5.0,
-        };
-        let views = walk_around(sphere, 0.0, 20.0);
-        assert_eq!(views.len(), 4);
-        for view in &views {
-            assert!((view.eye().y - 1.7).abs() < 1e-9);
-            assert!((view.eye().distance(sphere.centre) - 20.0).abs() < 1e-9);
-        }
     }
 }

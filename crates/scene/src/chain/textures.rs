@@ -69,6 +69,7 @@ pub(super) fn end_of(begin: f64, next: Option<f64>) -> f64 {
 }
 
 /// Textures of a level, and what a client shows with them.
+#[derive(Clone)]
 pub(super) struct Chosen {
     pub(super) textures: Vec<LevelTexture>,
     /// Whether they are those of the tree, but for the colours of clear texels.
@@ -169,10 +170,7 @@ impl<'a> Client<'a> {
         if wanted == Textures::Keep {
             return kept(Vec::new());
         }
-        let dilated = || {
-            let is_shown = |own: &&LevelTexture| level.materials.contains(&Some(own.material));
-            kept(self.dilated.iter().filter(is_shown).cloned().collect())
-        };
+        let dilated = || self.kept(level, range);
         let mut best: Option<Chosen> = None;
         if is_first {
             let kept = dilated();
@@ -215,6 +213,16 @@ impl<'a> Client<'a> {
         kept.filter(is_better)
             .or(best)
             .expect("a first level was looked at as it is")
+    }
+
+    /// A level with the textures of the tree, but for the colours of clear texels.
+    pub(super) fn kept(&self, level: &LevelSurfaces, range: [f64; 2]) -> Chosen {
+        let is_shown = |own: &&LevelTexture| level.materials.contains(&Some(own.material));
+        Chosen {
+            as_drawn: self.as_drawn(&level.surfaces, range),
+            textures: self.dilated.iter().filter(is_shown).cloned().collect(),
+            keeps_textures: true,
+        }
     }
 
     /// What a client shows of a level, and of the original.

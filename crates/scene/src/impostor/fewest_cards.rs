@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use secateur_eval::Pictures;
+use secateur_eval::{Difference, DifferenceJudge, Limits, ViewCount};
 use secateur_model::Surface;
 use secateur_simplify::{Error, Observer};
 
 use super::cards::Cards;
-use super::judge::Judge;
 use super::{Impostor, poll};
 
 /// The fewest cards that are tried.
@@ -19,23 +18,20 @@ const STEP: f64 = 1.25;
 /// How many numbers there are: the largest is 867.
 const STEPS: usize = 22;
 
-/// FLIP falls about as the number of cards to this power, by which the next number to try is guessed.
+/// The difference falls about as the number of cards to this power, by which the next number to try is guessed.
 const POWER: f64 = 0.2;
 
-/// With FLIP that falls as fast as that there is no hope, if there is none.
+/// With a difference that falls as fast as that there is no hope, if there is none.
 const BEST_POWER: f64 = 0.35;
 
 /// The step that tells whether there is hope: 60 cards.
 const FEW: usize = 9;
 
-/// The height in pixels for which cards of a search are baked, at most: in its pictures of 256 pixels a side their
-/// texels are a pixel long, as finer ones would take four times as long.
+/// The height in pixels for which cards of a search are baked and at which they are looked at, at most: finer ones
+/// would take four times as long.
 const SEARCH_PX: f64 = 128.0;
 
-/// The most pixels a side of the pictures that what is found is judged by.
-const MOST_PICTURE_PX: f64 = 1024.0;
-
-/// What is this many times what is wanted in one view is so in all.
+/// What is this many times beyond the limits in the pictures of a search is so in those of its size.
 const HOPELESS: f64 = 1.2;
 
 /// The most pixels that a texel of cards may be long where they begin to be seen: longer ones look blurred.
@@ -44,7 +40,7 @@ const COARSEST_PX: f64 = 2.0;
 /// Where an atlas has no room for a number of cards, the number three steps below is tried: about half.
 const FEWER: usize = 3;
 
-/// Normals of half the size do if FLIP is at most this many times what it is with all.
+/// Normals of half the size do if the difference is at most this many times what it is with all.
 const AS_NEAR: f64 = 1.01;
 
 /// How often a number of cards that turns out not to be enough at its size is raised.
@@ -64,80 +60,89 @@ fn number(step: usize) -> usize {
 pub struct Found {
     /// The cards with their pictures.
     pub impostor: Impostor,
-    /// Mean FLIP against the plant at that place, 0 to 1.
-    pub flip: f64,
+    /// How far they look from the plant at that place.
+    pub difference: Difference,
 }
 
-/// A plant from where cards are looked at.
-pub struct Seen {
-    judge: Judge,
-    /// The plant from there.
-    original: Pictures,
-    /// A judge from one view alone in which the plant is seen, and the plant from there.
-    one: (Judge, Pictures),
-    /// The same in larger pictures, where the screen shows it so large.
-    large: Option<(Judge, Pictures)>,
-    /// How high the screen shows the plant, in pixels.
+/// A plant where the screen shows it at a height, and how far cards may look from it there.
+pub struct Seen<'a> {
+    judge: &'a DifferenceJudge,
     pixels_high: f64,
+    limits: Limits,
 }
 
-impl Seen {
-    /// What a judge sees of a plant where the screen shows it at this height.
-    pub fn new(surfaces: &[Surface], judge: Judge, pixels_high: f64) -> Self {
-        let original = judge.of_surfaces(surfaces);
-        let one = judge.from_one_that_sees(&original);
-        let large = one.from_one().in_pictures_of_at_most(MOST_PICTURE_PX);
-        let with_original = |judge: Judge| {
-            let original = judge.of_surfaces(surfaces);
-            (judge, original)
-        };
+impl<'a> Seen<'a> {
+    /// A plant where its largest extent is `pixels_high` pixels on the screen, by a judge with turned normals.
+    pub fn new(judge: &'a DifferenceJudge, pixels_high: f64, limits: Limits) -> Self {
         Self {
-            large: (large.side() > one.side()).then(|| with_original(large)),
-            one: with_original(one),
-            original,
             judge,
             pixels_high,
+            limits,
         }
     }
 
-    /// FLIP of an impostor in the usual pictures.
-    fn flip(&self, impostor: &Impostor) -> f64 {
+    /// How many times the limits an impostor is, in the pictures of a search.
+    fn over_in_search(&self, impostor: &Impostor) -> f64 {
+        let pixels_high = self.pixels_high.min(SEARCH_PX);
+        let difference = self.judged(impostor, pixels_high, ViewCount::Search, self.limits);
+        difference.over(self.limits)
+    }
+
+    /// How many times the limits an impostor is where it stands, from few views.
+    pub fn over_at_a_glance(&self, impostor: &Impostor) -> f64 {
+        let seen = self.judged(impostor, self.pixels_high, ViewCount::Search, self.limits);
+        seen.over(self.limits)
+    }
+
+    /// How far an impostor looks from the plant in pictures as large as the screen shows it.
+    pub fn difference(&self, impostor: &Impostor) -> Difference {
+        let no_limit = Limits::of_difference(f64::INFINITY);
+        self.judged(impostor, self.pixels_high, ViewCount::All, no_limit)
+    }
+
+    /// Whether an impostor looks as much like the plant as it has to.
+    pub fn is_within(&self, impostor: &Impostor) -> bool {
+        let seen = self.judged(impostor, self.pixels_high, ViewCount::All, self.limits);
+        seen.over(self.limits) <= 1.0
+    }
+
+    fn judged(
+        &self,
+        impostor: &Impostor,
+        pixels_high: f64,
+        count: ViewCount,
+        limits: Limits,
+    ) -> Difference {
+        let seen = |eye| vec![impostor.seen_from(eye)];
         self.judge
-            .flip(&self.original, &self.judge.of_impostor(impostor))
-    }
-
-    /// FLIP in one view.
-    fn flip_of_one((judge, original): &(Judge, Pictures), impostor: &Impostor) -> f64 {
-        judge.flip(original, &judge.of_impostor(impostor))
-    }
-
-    /// FLIP in one view, in pictures as large as the screen shows the plant.
-    fn flip_of_one_at_its_size(&self, impostor: &Impostor) -> f64 {
-        Self::flip_of_one(self.large.as_ref().unwrap_or(&self.one), impostor)
-    }
-
-    /// FLIP as it is in pictures as large as the screen shows the plant.
-    pub fn flip_at_its_size(&self, impostor: &Impostor) -> f64 {
-        self.at_its_size(self.flip(impostor), impostor)
+            .difference_of_seen(seen, pixels_high, count, limits)
     }
 
     /// The same cards with a normal map of half as many texels a side; none if they look farther from the plant, or
     /// have no normal map.
     pub fn with_half_normals(&self, found: &Found) -> Option<Found> {
         let impostor = found.impostor.with_half_normals()?;
-        let flip = self.flip_at_its_size(&impostor);
-        (flip <= AS_NEAR * found.flip).then_some(Found { impostor, flip })
+        let difference = self.difference(&impostor);
+        let most = AS_NEAR * found.difference.over(self.limits);
+        (difference.over(self.limits) <= most).then_some(Found {
+            impostor,
+            difference,
+        })
     }
 
-    /// The same of an impostor with this FLIP in the usual pictures.
-    fn at_its_size(&self, flip: f64, impostor: &Impostor) -> f64 {
-        if self.large.is_none() {
-            return flip;
-        }
-        let usual = Self::flip_of_one(&self.one, impostor);
-        match usual > 0.0 {
-            true => flip * self.flip_of_one_at_its_size(impostor) / usual,
-            false => flip,
+    /// Lit by its normals or flat, whichever looks nearer.
+    fn nearer_of_flat(&self, impostor: Impostor) -> Found {
+        let flat = impostor.flat();
+        let [of_flat, of_bent] = [&flat, &impostor].map(|impostor| self.difference(impostor));
+        match of_flat.over(self.limits) <= of_bent.over(self.limits) {
+            true => Found {
+                impostor: flat,
+                difference: of_flat,
+            },
+            false => Found {
+                impostor,
+                difference: of_bent,
+            },
         }
     }
 }
@@ -165,7 +170,7 @@ impl<'a> Search<'a> {
         self.sorted(number(0)).fit(pixels_high, COARSEST_PX)
     }
 
-    /// The fewest cards, at most `most`, whose FLIP is at most `most_flip`, with textures as fine as the place asks for,
+    /// The fewest cards, at most `most`, that are within the limits, with textures as fine as the place asks for,
     /// and as `finish` makes them; none if there are none. The observer is asked at each number of cards that is sorted
     /// for, baked or looked at.
     ///
@@ -173,8 +178,7 @@ impl<'a> Search<'a> {
     /// [`Error::Stopped`] if the observer breaks it off.
     pub fn fewest(
         &mut self,
-        seen: &Seen,
-        most_flip: f64,
+        seen: &Seen<'_>,
         most: usize,
         finish: impl Fn(Impostor) -> Impostor,
         observer: &mut Observer<'_>,
@@ -189,7 +193,7 @@ impl<'a> Search<'a> {
         let Some(of_few) = self.rough(few, seen, observer)? else {
             return Ok(None);
         };
-        if best * Seen::flip_of_one(&seen.one, of_few) > HOPELESS * most_flip {
+        if best * seen.over_in_search(of_few) > HOPELESS {
             return Ok(None);
         }
         let Some(last) = self.last(all, most, seen, observer)? else {
@@ -198,40 +202,31 @@ impl<'a> Search<'a> {
         let Some(rough) = self.rough(last, seen, observer)? else {
             return Ok(None);
         };
-        let of_one = Seen::flip_of_one(&seen.one, rough);
-        if of_one > HOPELESS * most_flip {
+        let of_last = seen.over_in_search(rough);
+        if of_last > HOPELESS {
             return Ok(None);
         }
-        // What pictures of its size show beyond those of the search is about the same for fewer cards.
-        let of_last = seen.flip(rough);
-        let at_its_size = |made: &Impostor| match of_one > 0.0 {
-            true => of_last * seen.flip_of_one_at_its_size(made) / of_one,
-            // Nothing is seen of the plant, or no difference.
-            false => of_last,
-        };
         poll(observer)?;
         let cards = self.sorted(number(last));
         let Some(fine) = Impostor::cards(cards, seen.pixels_high, COARSEST_PX) else {
             return Ok(None);
         };
-        if at_its_size(&fine) > HOPELESS * most_flip {
-            return Ok(None);
-        }
         poll(observer)?;
-        let at_its_size = at_its_size(&finish(fine));
-        if at_its_size > most_flip {
+        let over = seen.difference(&finish(fine)).over(seen.limits);
+        if over > 1.0 {
             return Ok(None);
         }
-        let most_rough = match at_its_size > 0.0 {
-            true => of_last * most_flip / at_its_size,
-            false => most_flip,
+        let most_over = match over > 0.0 {
+            true => of_last / over,
+            // Nothing is seen of the plant, or no difference.
+            false => 1.0,
         };
-        let Some(step) = self.fewest_rough(last, of_last, seen, most_rough, observer)? else {
+        let Some(step) = self.fewest_rough((last, of_last), seen, most_over, observer)? else {
             return Ok(None);
         };
         for step in (step..last).take(MORE).chain([last]) {
             let found = self.finished(number(step), seen, COARSEST_PX, &finish, observer)?;
-            if let Some(found) = found.filter(|found| found.flip <= most_flip) {
+            if let Some(found) = found.filter(|found| found.difference.over(seen.limits) <= 1.0) {
                 return Ok(Some(found));
             }
         }
@@ -244,7 +239,7 @@ impl<'a> Search<'a> {
         &mut self,
         all: usize,
         most: usize,
-        seen: &Seen,
+        seen: &Seen<'_>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<usize>, Error> {
         for step in (0..all).rev().step_by(FEWER).chain([0]) {
@@ -258,28 +253,30 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// The least step whose FLIP in the pictures of a search is within a bound, as that of the last one is.
+    /// The least step that is at most so many times the limits in the pictures of a search, as the last one is.
     fn fewest_rough(
         &mut self,
-        last: usize,
-        of_last: f64,
-        seen: &Seen,
-        most_flip: f64,
+        last: (usize, f64),
+        seen: &Seen<'_>,
+        most_over: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Option<usize>, Error> {
-        let mut enough = (last, of_last);
+        let mut enough = last;
         let mut least = 0;
         while least < enough.0 {
             // As many fewer as the bound leaves room for, at least one step.
-            let room = (most_flip / enough.1).ln() / (POWER * STEP.ln());
+            let room = match enough.1 > 0.0 {
+                true => (most_over / enough.1).ln() / (POWER * STEP.ln()),
+                false => f64::INFINITY,
+            };
             let fewer = (room.floor().max(1.0) as usize).min(enough.0 - least);
             let step = enough.0 - fewer;
             let Some(rough) = self.rough(step, seen, observer)? else {
                 return Ok(None);
             };
-            let flip = seen.flip(rough);
-            match flip <= most_flip {
-                true => enough = (step, flip),
+            let over = seen.over_in_search(rough);
+            match over <= most_over {
+                true => enough = (step, over),
                 false => least = step + 1,
             }
         }
@@ -294,7 +291,7 @@ impl<'a> Search<'a> {
     pub fn finished(
         &mut self,
         count: usize,
-        seen: &Seen,
+        seen: &Seen<'_>,
         coarsest_px: f64,
         finish: impl Fn(Impostor) -> Impostor,
         observer: &mut Observer<'_>,
@@ -307,21 +304,14 @@ impl<'a> Search<'a> {
         poll(observer)?;
         let impostor = finish(baked);
         poll(observer)?;
-        let flat = impostor.flat();
-        let [of_flat, of_bent] = [&flat, &impostor].map(|impostor| seen.flip(impostor));
-        let (impostor, flip) = match of_flat <= of_bent {
-            true => (flat, of_flat),
-            false => (impostor, of_bent),
-        };
-        let flip = seen.at_its_size(flip, &impostor);
-        Ok(Some(Found { impostor, flip }))
+        Ok(Some(seen.nearer_of_flat(impostor)))
     }
 
     /// Cards for the pictures of a search.
     fn rough(
         &mut self,
         step: usize,
-        seen: &Seen,
+        seen: &Seen<'_>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<&Impostor>, Error> {
         poll(observer)?;

@@ -71,40 +71,6 @@ impl Judge {
         self
     }
 
-    /// Pixels a side of a picture.
-    pub fn side(&self) -> u32 {
-        self.side
-    }
-
-    /// The same from the first view, for what is seen at a glance.
-    pub fn from_one(&self) -> Self {
-        self.only_view(0)
-    }
-
-    /// The same from the view in which obstacles leave the most to be seen of a plant, of which these are the
-    /// pictures; the first where there are none, or where nothing is seen of it.
-    pub fn from_one_that_sees(&self, plant: &Pictures) -> Self {
-        if self.obstacles.is_empty() {
-            return self.from_one();
-        }
-        let seen = self.flips(&self.of_surfaces(&[]), plant);
-        let views = (0..seen.len()).rev();
-        let most = views.max_by(|a, b| seen[*a].total_cmp(&seen[*b]));
-        self.only_view(most.unwrap_or(0))
-    }
-
-    fn only_view(&self, view: usize) -> Self {
-        let views = self.views.views().iter().skip(view).take(1);
-        let views = views.copied().collect();
-        Self {
-            views: ViewSet::new(views),
-            whole_px: self.whole_px,
-            side: self.side,
-            obstacles: self.obstacles.clone(),
-            frame_share: self.frame_share,
-        }
-    }
-
     /// The same, with these drawn wherever a plant or an impostor is.
     pub fn among(mut self, obstacles: Vec<Arc<Surface>>) -> Self {
         self.obstacles = obstacles;
@@ -155,31 +121,26 @@ impl Judge {
         let flips = self.flips(a, b);
         flips.iter().sum::<f64>() / flips.len() as f64
     }
-
-    /// The largest of [`Self::flips`].
-    pub fn largest_flip(&self, a: &Pictures, b: &Pictures) -> f64 {
-        self.flips(a, b).into_iter().fold(0.0, f64::max)
-    }
 }
 
-/// The crossed planes that look most like the plant, lit by baked normals or flat, and their FLIP.
+/// The crossed planes that look most like the plant by a figure that is the less the nearer they look, lit by baked
+/// normals or flat; and that figure.
 pub fn best_crossed<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
-    original: &Pictures,
-    judge: &Judge,
     pixels_high: f64,
+    figure: impl Fn(&Impostor) -> f64,
 ) -> Option<(Impostor, f64)> {
     let of = |made: Impostor| {
-        let flip = judge.flip(original, &judge.of_impostor(&made));
-        (made, flip)
+        let far = figure(&made);
+        (made, far)
     };
     let made = Planes::ALL
         .iter()
         .filter_map(|planes| Impostor::crossed(surfaces, *planes, pixels_high));
-    let (best, flip) = made.map(of).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (best, far) = made.map(of).min_by(|a, b| a.1.total_cmp(&b.1))?;
     let flat = of(best.flat());
-    Some(match flat.1 <= flip {
+    Some(match flat.1 <= far {
         true => flat,
-        false => (best, flip),
+        false => (best, far),
     })
 }

@@ -66,12 +66,12 @@ pub struct Facts {
     /// How many pixels high the screen shows the plant there; none for the
     /// original.
     pub pixels_high: Option<f64>,
-    /// The mean FLIP against the original at that height.
-    pub flip_mean: Option<f64>,
+    /// The difference from the original at that height.
+    pub difference: Option<f64>,
     /// How much of the outline is the original's, 0 to 1.
     pub silhouette_iou: Option<f64>,
-    /// The largest FLIP of any view between it and the level before where they switch.
-    pub pop_flip: Option<f64>,
+    /// The difference between it and the level before where they switch.
+    pub pop: Option<f64>,
 }
 
 /// Why there is no page.

@@ -248,9 +248,9 @@ mod tests {
             wood_triangles: 0,
             distance: 0.0,
             pixels_high: None,
-            flip_mean: None,
+            difference: None,
             silhouette_iou: None,
-            pop_flip: None,
+            pop: None,
         }
     }
 

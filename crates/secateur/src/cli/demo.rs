@@ -9,7 +9,8 @@ use secateur_gltf::{Document, WholeTree};
 use secateur_plant::{GrowOptions, Species, grow};
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
-use secateur_scene::chain::{Chain, ChainOptions, MAX_FLIP, Shape, Textures, Wanted, chain};
+use secateur_eval::Limits;
+use secateur_scene::chain::{Chain, ChainOptions, Shape, Textures, Wanted, chain};
 use secateur_scene::impostor::Choice;
 use serde_json::{Value, json};
 
@@ -118,7 +119,9 @@ fn chain_options(args: &args::Demo) -> ChainOptions {
     ChainOptions {
         wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
         screen: Screen::default(),
-        max_flip: MAX_FLIP,
+        max_difference: Limits::GOOD.difference,
+        original: false,
+        plant_height_m: None,
         leaves,
         wood: WoodMode::Auto,
         impostor: Choice::None,
@@ -190,7 +193,7 @@ fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String 
         "triangles",
         "leaves",
         "wood",
-        "FLIP",
+        "difference",
         "outline IoU",
         "VMI error",
         "textures",
@@ -213,7 +216,7 @@ fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String 
             grouped(level.triangles()),
             grouped(level.foliage_triangles),
             grouped(level.wood_triangles),
-            format!("{:.3}", level.flip_mean),
+            format!("{:.2}", level.difference.difference),
             level
                 .silhouette_iou
                 .map_or_else(none, |iou| format!("{iou:.3}")),
@@ -224,7 +227,7 @@ fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String 
     format!(
         "An oak, grown and made into a chain of levels in {seconds:.1} s, judged from views it was not simplified by:\n\n\
          {}\n\
-         Triangles are those of leaves and of wood; FLIP is the visible difference, 0 to 1, at the height on the screen from which a level is seen.\n\
+         Triangles are those of leaves and of wood; the difference is what people see at the height on the screen from which a level is seen: up to .18 cannot be told, .28 is good.\n\
          Open preview.html in a browser, or see {}; the tree, its levels (tree_LOD0.glb ...) and report.json are there too.\n",
         columns(&table),
         sheet.display(),

@@ -116,7 +116,8 @@ impl Place<'_> {
     pub(super) fn crossed(&self) -> Option<(Impostor, Vec<f64>)> {
         let (judge, height) = (&self.judge, self.pixels_high);
         let original = &self.original_beside_impostor;
-        let (impostor, _) = best_crossed(self.surfaces, original, judge, height)?;
+        let figure = |made: &Impostor| judge.flip(original, &judge.of_impostor(made));
+        let (impostor, _) = best_crossed(self.surfaces, height, figure)?;
         let flips = judge.flips(original, &judge.of_impostor(&impostor));
         Some((impostor, flips))
     }

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
+use secateur_eval::Limits;
 use secateur_gltf::{Cutoffs, WholeTree};
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
@@ -15,7 +16,7 @@ use secateur_simplify::whole::{WholePlant, WoodMode};
 use secateur_simplify::{Amount, Error as SimplifyError, Options, Preset, Progress, Target};
 
 use super::judge::Place;
-use super::{DistanceCase, Drawn, MOST_FLIP, joined};
+use super::{DistanceCase, Drawn, joined};
 use crate::judge::surfaces_of;
 use crate::{Error, Host};
 
@@ -25,7 +26,9 @@ fn chain_options(wanted: Wanted, impostor: Choice, leaves: &Options) -> ChainOpt
         wanted,
         wood: WoodMode::Auto,
         screen: Screen::default(),
-        max_flip: MOST_FLIP,
+        max_difference: Limits::GOOD.difference,
+        original: false,
+        plant_height_m: None,
         leaves: leaves.clone(),
         impostor,
         shadow_steps: 1,
@@ -110,7 +113,7 @@ impl<'a> Maker<'a> {
 
     /// What `lods --distances` makes.
     pub(super) fn for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
-        let options = format!("--distances {} --max-flip {MOST_FLIP}", joined(distances_m));
+        let options = format!("--distances {} --max-difference {}", joined(distances_m), Limits::GOOD.difference);
         self.levels(
             Wanted::Distances(distances_m.to_vec()),
             Choice::Auto,
@@ -121,8 +124,9 @@ impl<'a> Maker<'a> {
     /// The same without impostors.
     pub(super) fn meshes_for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
         let options = format!(
-            "--distances {} --max-flip {MOST_FLIP} --impostor none",
-            joined(distances_m)
+            "--distances {} --max-difference {} --impostor none",
+            joined(distances_m),
+            Limits::GOOD.difference
         );
         self.levels(
             Wanted::Distances(distances_m.to_vec()),
@@ -147,7 +151,7 @@ impl<'a> Maker<'a> {
         let mut begins_m = Vec::new();
         for level in &made.levels {
             let surfaces = match &level.shape {
-                Shape::Mesh(lod) => {
+                Shape::Original(lod) | Shape::Mesh(lod) => {
                     surfaces_of(self.tree.items(), self.path, lod, &Cutoffs::default())?
                 }
                 Shape::Impostor(made) => vec![made.impostor.surface.clone()],

@@ -147,8 +147,8 @@ const say = () => {
   $("level").setAttribute("aria-valuetext", facts.name);
   $("level-text").textContent = facts.name;
   sayLeaves();
-  const pop = facts.pop_flip === null ? "" : facts.pop_flip.toFixed(3).replace(/^0/, "");
-  $("switch").textContent = pop && `The switch to ${facts.name} shows a difference (FLIP) of at most ${pop} in any view.`;
+  const pop = facts.pop === null ? "" : facts.pop.toFixed(2).replace(/^0/, "");
+  $("switch").textContent = pop && `The switch to ${facts.name} shows a difference of ${pop}.`;
   const pressed = {
     auto: state.isAutomatic,
     leaves: state.show.leaves,
@@ -171,7 +171,7 @@ const shownFacts = () => {
   if (state.steps === null) return level;
   const { leaves, triangles } = renderer.order;
   const foliage_triangles = triangles[state.steps];
-  const total = { triangles: foliage_triangles + level.wood_triangles, pop_flip: null };
+  const total = { triangles: foliage_triangles + level.wood_triangles, pop: null };
   return { ...level, name: `${count(leaves[state.steps])} leaves`, leaves: leaves[state.steps], foliage_triangles, ...total };
 };
 
@@ -263,7 +263,7 @@ const fillTable = () => {
       f.distance > 0 ? metres(f.distance) : "–",
       ...[
         ["pixels_high", (x) => `${Math.round(x)} px`],
-        ["flip_mean", (x) => x.toFixed(3).replace(/^0/, "")],
+        ["difference", (x) => x.toFixed(2).replace(/^0/, "")],
         ["silhouette_iou", (x) => `${(100 * x).toFixed(1)} %`],
       ].filter(([key]) => isKnown(key)).map(([key, text]) => f[key] === null ? "–" : text(f[key])),
     ];

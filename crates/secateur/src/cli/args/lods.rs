@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 
 use super::super::names::{AlphaName, ChainPresetName, ChainWoodName, EngineName, SidesName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, leaves, number, share};
-use secateur_scene::chain::{DISTANCES, SCREEN_HEIGHTS_PX};
+use secateur_eval::Limits;
+use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, SCREEN_HEIGHTS_PX};
 
 #[derive(Args, Debug)]
 pub(crate) struct Lods {
@@ -18,38 +19,43 @@ pub(crate) struct Lods {
     #[arg(short, long, value_name = "DIR|OUT.glb")]
     pub(crate) output: PathBuf,
     /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: four
-    /// levels for heights on the screen of 1080, 540, 270 and 135 pixels, the coarsest as light as
-    /// `--max-flip` lets it be].
+    /// levels for heights on the screen of 1080, 540, 270 and 135 pixels, each as light as `--max-difference` lets
+    /// it be].
     #[arg(long, value_name = "R,R,...", value_delimiter = ',', value_parser = share, conflicts_with = "triangles")]
     pub(crate) levels: Vec<f64>,
     /// The levels as numbers of triangles, the finest first, such as 20000,5000,1000.
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = leaves)]
     pub(crate) triangles: Vec<u64>,
     /// The distances in metres from which levels are seen, the nearest first, such as 5,20,80: for
-    /// each the lightest level within `--max-flip` at the height that the screen shows there; for the
+    /// each the lightest level within `--max-difference` at the height that the screen shows there; for the
     /// last of several none, if `--impostor` asks for crossed planes, cards or octahedral views.
     #[arg(long, value_name = "M,M,...", value_parser = distances, allow_negative_numbers = true, conflicts_with_all = ["triangles", "levels"])]
     pub(crate) distances: Option<Distances>,
     /// How the levels lie in files [default: files in a folder, siblings in one file].
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutName>,
-    /// The largest difference that a level may have where it begins to be seen: mean FLIP, over the frame that
-    /// `measure` takes it over. A level of .02 is hard to tell from the tree at its size; .05 is plainly coarser
-    /// where one comes nearer than the level is for.
-    #[arg(long, value_name = "F", default_value_t = secateur_scene::chain::MAX_FLIP, value_parser = flip)]
-    pub(crate) max_flip: f64,
+    /// The largest difference that a level may have where it begins to be seen: .18 cannot be told at its size, .28
+    /// is good, .50 is coarse, for backgrounds.
+    #[arg(long, value_name = "F", default_value_t = Limits::GOOD.difference, value_parser = difference)]
+    pub(crate) max_difference: f64,
+    /// How high the plant really is in metres, where the unit of its file is not a metre.
+    #[arg(long, value_name = "M", value_parser = metres)]
+    pub(crate) plant_height: Option<f64>,
+    /// Leave out the plant itself, which is else the level from 0 m on.
+    #[arg(long)]
+    pub(crate) no_original: bool,
     /// The pictures that the chain ends in: crossed planes, cards, octahedral views (docs/impostors.md has
     /// their sampler; other clients draw two crossed planes), none, or crossed planes where they
-    /// look no worse than the lightest mesh and, with --distances, cards where they are within --max-flip and
+    /// look no worse than the lightest mesh and, with --distances, cards where they are within --max-difference and
     /// save a third of the triangles of the mesh there [default: auto, none with --levels and --triangles].
     #[arg(long, value_enum)]
     pub(crate) impostor: Option<ImpostorName>,
     /// How many levels coarser the level that casts a level's shadow is, 0 to 2.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=2))]
     pub(crate) shadow_steps: u8,
-    /// The largest difference (mean FLIP of a view) that a switch from a level to the next may
-    /// show; levels that would show more are left out.
-    #[arg(long, value_name = "F", value_parser = flip)]
+    /// The largest difference that a switch from a level to the next may show; levels that would show more are left
+    /// out.
+    #[arg(long, value_name = "F", value_parser = difference)]
     pub(crate) max_pop: Option<f64>,
     /// What becomes of the wood.
     #[arg(long, value_enum, default_value_t = ChainWoodName::Auto)]
@@ -99,7 +105,7 @@ pub(crate) enum ImpostorName {
     None,
     /// Crossed planes
     Crossed,
-    /// Cards, as few as are within `--max-flip`
+    /// Cards, as few as are within `--max-difference`
     Cards,
     /// Octahedral views
     Octahedral,
@@ -163,8 +169,14 @@ pub(super) fn distances(text: &str) -> Result<Distances, String> {
     }
 }
 
-fn flip(text: &str) -> Result<f64, String> {
-    number(text, |n| n > 0.0 && n <= 1.0, "above 0 and at most 1")
+fn difference(text: &str) -> Result<f64, String> {
+    let is_one = |n: f64| n > 0.0 && n <= MOST_DIFFERENCE;
+    number(text, is_one, "above 0 and at most 2")
+}
+
+fn metres(text: &str) -> Result<f64, String> {
+    let is_height = |m: f64| m > 0.0 && m.is_finite();
+    number(text, is_height, "of metres above 0")
 }
 
 fn screen_height(text: &str) -> Result<f64, String> {

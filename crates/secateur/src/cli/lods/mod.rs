@@ -179,14 +179,16 @@ fn make(
         "wood_triangles": { "original": tree.wood().triangles().len() },
         "surroundings": surroundings.record(&args.scene),
         "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
-        "max_flip": options.max_flip,
+        "max_difference": options.max_difference,
+        "max_block_coverage": options.limits().block_coverage,
+        "plant_height_m": options.plant_height_m,
         "max_pop": options.max_pop,
         "wood": options.wood.decided(),
         "textures": match options.textures {
             Textures::Fit => "fit",
             Textures::Keep => "keep",
         },
-        "largest_pop": made.levels.iter().filter_map(|level| level.pop_flip).reduce(f64::max),
+        "largest_pop": made.levels.iter().filter_map(|level| level.pop).reduce(f64::max),
         "preset": options.leaves.preset,
         "engine": engine.name(),
         "adapter": engine.adapter(),
@@ -235,7 +237,7 @@ pub(crate) fn prepare(
         .map(|(k, level)| {
             let facts = facts(job, level);
             match &level.shape {
-                Shape::Mesh(lod) => {
+                Shape::Original(lod) | Shape::Mesh(lod) => {
                     Level::new(&job.name, k, lod, facts).with_textures(&level.textures)
                 }
                 Shape::Impostor(made) => {

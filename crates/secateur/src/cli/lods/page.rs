@@ -3,7 +3,7 @@
 use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, Document, GltfError, LeafSurface, WholeTree};
 use secateur_model::{LodModel, Surface};
-use secateur_scene::chain::{Chain, ChainOptions, Shape, show};
+use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, Shape, show};
 use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
 
 use super::super::failure::Failure;
@@ -29,6 +29,7 @@ pub(crate) fn preview(
     let mut surfaces: Vec<Vec<(Surface, bool)>> = vec![draw(original, &[])?];
     for level in &made.levels {
         let lod = match &level.shape {
+            Shape::Original(_) => continue,
             Shape::Mesh(lod) => lod,
             Shape::Impostor(made) => {
                 surfaces.push(vec![(made.impostor.surface.clone(), true)]);
@@ -46,11 +47,14 @@ pub(crate) fn preview(
         wood_triangles: tree.wood().triangles().len() as u64,
         distance: 0.0,
         pixels_high: None,
-        flip_mean: None,
+        difference: None,
         silhouette_iou: None,
-        pop_flip: None,
+        pop: None,
     };
-    let rest = made.levels.iter().enumerate().map(|(k, level)| Facts {
+    // The original is there already.
+    let is_lighter = |(_, level): &(usize, &ChainLevel)| !matches!(level.shape, Shape::Original(_));
+    let rest = made.levels.iter().enumerate().filter(is_lighter);
+    let rest = rest.map(|(k, level)| Facts {
         name: format!("LOD{k}"),
         leaves: matches!(level.shape, Shape::Mesh(_)).then_some(level.leaves),
         triangles: level.triangles(),
@@ -58,9 +62,9 @@ pub(crate) fn preview(
         wood_triangles: level.wood_triangles,
         distance: level.distance,
         pixels_high: Some(level.pixels_high),
-        flip_mean: Some(level.flip_mean),
+        difference: Some(level.difference.difference),
         silhouette_iou: level.silhouette_iou,
-        pop_flip: level.pop_flip,
+        pop: level.pop,
     });
     let facts: Vec<Facts> = std::iter::once(first).chain(rest).collect();
     let levels: Vec<Shown<'_>> = surfaces

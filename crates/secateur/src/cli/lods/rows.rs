@@ -13,13 +13,16 @@ pub(super) fn facts(job: &Job<'_>, level: &ChainLevel) -> Map<String, Value> {
     let mut say = |name: &str, value: Value| facts.insert(name.to_owned(), value);
     say("kind", kind(level).into());
     say("distance", level.distance.into());
-    say("pixels_high", level.pixels_high.into());
+    if level.pixels_high.is_finite() {
+        say("pixels_high", level.pixels_high.into());
+    }
     say("screen_coverage", level.screen_coverage.into());
     say("triangles", level.triangles().into());
-    say("flip", level.flip_mean.into());
+    say("difference", level.difference.difference.into());
+    say("block_coverage", level.difference.block_coverage.into());
     say("shadow", format!("{}_LOD{}", job.name, level.shadow).into());
-    if let Some(pop) = level.pop_flip {
-        say("pop_flip", pop.into());
+    if let Some(pop) = level.pop {
+        say("pop", pop.into());
     }
     if let Some(sha256) = &level.order_sha256 {
         say("order_sha256", sha256.clone().into());
@@ -32,6 +35,7 @@ pub(super) fn facts(job: &Job<'_>, level: &ChainLevel) -> Map<String, Value> {
 
 fn kind(level: &ChainLevel) -> &'static str {
     match level.shape {
+        Shape::Original(_) => "original",
         Shape::Mesh(_) => "mesh",
         Shape::Impostor(_) => "impostor",
     }
@@ -56,14 +60,16 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
         let mut figures = json!({
             "kind": kind(level),
             "shadow": place(level.shadow),
-            "pop_flip": level.pop_flip,
+            "pop": level.pop,
             "leaves": level.leaves,
             "triangles": level.triangles(),
             "foliage_triangles": level.foliage_triangles,
             "wood_triangles": level.wood_triangles,
             "distance": level.distance,
-            "pixels_high": level.pixels_high,
+            "pixels_high": Some(level.pixels_high).filter(|px| px.is_finite()),
             "screen_coverage": level.screen_coverage,
+            "difference": level.difference.difference,
+            "block_coverage": level.difference.block_coverage,
             "flip_mean": level.flip_mean,
             "silhouette_iou": level.silhouette_iou,
             "vmi_error_percent": level.vmi_error_percent,
@@ -79,6 +85,7 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
                 (_, false) => json!("dilate"),
             },
             "texture_bytes": level.texture_bytes,
+            "coverage_ratio": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),
             "coverage_as_drawn": level.as_drawn.map(|seen| seen.begin.coverage_over_truth),
             "coverage_as_drawn_at_end": level.as_drawn.map(|seen| seen.end.coverage_over_truth),
             "specks_as_drawn": level.as_drawn.map(|seen| seen.begin.specks_per_view),
@@ -87,9 +94,9 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
         if let Shape::Impostor(made) = &level.shape {
             let against = json!({
                 "mesh_triangles": made.mesh_triangles,
-                "mesh_flip_mean": made.mesh_flip_mean,
+                "mesh_difference": made.mesh_difference,
                 "same_cost_triangles": made.same_cost.map(|(triangles, _)| triangles),
-                "same_cost_flip_mean": made.same_cost.map(|(_, flip)| flip),
+                "same_cost_difference": made.same_cost.map(|(_, difference)| difference),
             });
             figures["impostor"] = record::joined(made.impostor.facts(), against);
         }

@@ -2,7 +2,7 @@
 
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::WrittenChain;
-use secateur_scene::chain::{Chain, HEIGHTS_PX};
+use secateur_scene::chain::Chain;
 
 use super::super::args;
 use super::super::summary::{columns, grouped, size};
@@ -23,7 +23,7 @@ pub(super) fn pretty(
         "wood",
         "from",
         "pixels high",
-        "FLIP",
+        "difference",
         "covers",
         "textures",
     ];
@@ -46,8 +46,11 @@ pub(super) fn pretty(
             grouped(level.foliage_triangles),
             grouped(level.wood_triangles),
             format!("{:.1} m", level.distance),
-            format!("{:.0}", level.pixels_high),
-            format!("{:.3}", level.flip_mean),
+            match level.pixels_high.is_finite() {
+                true => format!("{:.0}", level.pixels_high),
+                false => String::new(),
+            },
+            format!("{:.2}", level.difference.difference),
             level.as_drawn.map_or_else(String::new, |seen| {
                 let [begin, end] = [seen.begin, seen.end].map(|shown| shown.coverage_over_truth);
                 format!("{begin:.2} to {end:.2}")
@@ -70,18 +73,6 @@ pub(super) fn pretty(
     );
     for note in made.notes.iter().chain(&written.notes) {
         say("note", note.clone());
-    }
-    let is_sought = args.levels.is_empty() && args.triangles.is_empty();
-    let wanted = args
-        .distances
-        .as_ref()
-        .map_or(HEIGHTS_PX.len(), |at| at.0.len());
-    if is_sought && made.levels.len() < wanted {
-        say(
-            "more",
-            "levels come of a lower `--max-flip`, or of shares of all triangles: `--levels 0.5,0.25,0.1`"
-                .to_owned(),
-        );
     }
     text
 }

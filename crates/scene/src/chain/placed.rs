@@ -1,0 +1,87 @@
+//! A level where it stands in a chain: with its textures, and judged as it is put down.
+
+use secateur_eval::Difference;
+use secateur_simplify::{Observer, Progress};
+
+use super::error::ChainError;
+use super::level_surfaces::retextured;
+use super::maker::{Made, Maker};
+use super::textures::{Chosen, Client};
+
+/// A level, where it is seen, and how far it looks from the plant there.
+#[derive(Clone)]
+pub(super) struct Placed {
+    pub(super) made: Made,
+    /// Its textures.
+    pub(super) chosen: Chosen,
+    /// Heights on the screen in pixels from which, and down to which, it is seen.
+    pub(super) range: [f64; 2],
+    /// With these textures, where it begins.
+    pub(super) difference: Difference,
+}
+
+impl Placed {
+    pub(super) fn triangles(&self) -> usize {
+        self.made.triangles()
+    }
+
+    /// Height on the screen where it begins, in pixels.
+    pub(super) fn begins(&self) -> f64 {
+        self.range[0]
+    }
+}
+
+impl Maker<'_> {
+    /// A level with leaves and textures that cover what they should over a range of heights, and judged with them.
+    /// Textures that would take it beyond the limits are not taken.
+    pub(super) fn placed(
+        &self,
+        made: Made,
+        range: [f64; 2],
+        is_first: bool,
+        client: &Client<'_>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Placed, ChainError> {
+        Progress::Finish.tell(observer)?;
+        let made = self.covering(made, range, client)?;
+        let level = &made.drawn.level;
+        let judged = |chosen: Chosen| {
+            let surfaces = retextured(level, &chosen.textures);
+            let difference = self.look.difference(&surfaces, range[0]);
+            (chosen, difference)
+        };
+        let mut best = judged(client.choose(level, range, self.options.textures, is_first));
+        let over = |difference: Difference| difference.over(self.look.limits);
+        if over(best.1) > 1.0 && !best.0.keeps_textures {
+            let kept = judged(client.kept(level, range));
+            if over(kept.1) < over(best.1) {
+                best = kept;
+            }
+        }
+        let (chosen, difference) = best;
+        Ok(Placed {
+            made,
+            chosen,
+            range,
+            difference,
+        })
+    }
+
+    /// The same level for a range that ends elsewhere, if it is within the limits there too.
+    pub(super) fn placed_down_to(
+        &self,
+        placed: Placed,
+        end: f64,
+        is_first: bool,
+        client: &Client<'_>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Placed, ChainError> {
+        let range = [placed.begins(), end];
+        if range == placed.range {
+            return Ok(placed);
+        }
+        let again = self.placed(placed.made.clone(), range, is_first, client, observer)?;
+        let is_within = again.difference.over(self.look.limits) <= 1.0;
+        Ok(if is_within { again } else { placed })
+    }
+}
