@@ -25,8 +25,9 @@ fn main() {
         let start = std::time::Instant::now();
         let d = judge.difference(&level, px, ViewCount::All);
         let first = start.elapsed().as_secs_f64();
+        let w = d.worst_wood;
         let start = std::time::Instant::now();
         let s = judge.difference(&level, px, ViewCount::Search);
-        println!("{}\t{}\t{}\t{:.4}\t{:.4}\t{:.4}\t{:.4}\t{:.4}\t{}\t{first:.2}\t{:.2}", text("level").replace("graded/",""), px, pair["grade"], d.difference, d.block_coverage, d.worst_block, d.mean, s.difference, judge.plant_count(), start.elapsed().as_secs_f64());
+        println!("{}\t{}\t{}\t{:.4}\t{:.4}\t{:.4}\t{:.4}\t{:.4}\t{}\t{first:.2}\t{:.2}\t{:.4}", text("level").replace("graded/",""), px, pair["grade"], d.difference, d.block_coverage, d.worst_block, d.mean, s.difference, judge.plant_count(), start.elapsed().as_secs_f64(), w);
     }
 }

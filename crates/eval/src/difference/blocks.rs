@@ -1,7 +1,10 @@
 //! The blocks of a picture, and the worst of them.
 
 /// A block is judged if at least this share of its pixels is in U.
-const LEAST_JUDGED: f64 = 0.25;
+pub(super) const LEAST_JUDGED: f64 = 0.25;
+
+/// The wood of a block is judged if at least this share of its pixels shows wood.
+pub(super) const LEAST_WOOD: f64 = 0.05;
 
 /// Coverage of a block is compared if the plant covers at least this share of it.
 const LEAST_PLANT: f64 = 0.1;
@@ -15,6 +18,8 @@ pub(super) struct ViewScores {
     pub(super) mean: f64,
     /// C.
     pub(super) block_coverage: f64,
+    /// W.
+    pub(super) worst_wood: f64,
 }
 
 /// Sums over a block.
@@ -24,9 +29,10 @@ struct Block {
     flip: f64,
 }
 
-/// The worst block, and the mean, of FLIP `errors` at the pixels `judged`; `block_of` names the block of a pixel.
-/// A picture none of whose blocks is judged has its mean for both.
+/// The worst block, and the mean, of FLIP `errors` at the pixels `judged`, of the blocks that have at least so large a
+/// share of them; `block_of` names the block of a pixel. A picture none of whose blocks is judged has its mean for both.
 pub(super) fn worst_and_mean(
+    least_judged: f64,
     (judged, errors): (&[u32], &[f32]),
     block_px: u32,
     block_count: usize,
@@ -44,7 +50,7 @@ pub(super) fn worst_and_mean(
         sum += f64::from(*error);
     }
     let mean = sum / judged.len() as f64;
-    let least_px = LEAST_JUDGED * f64::from(block_px).powi(2);
+    let least_px = least_judged * f64::from(block_px).powi(2);
     let is_judged = |block: &&Block| block.judged_px as f64 >= least_px;
     let means = blocks.iter().filter(is_judged);
     let means = means.map(|block| block.flip / block.judged_px as f64);
@@ -93,11 +99,11 @@ mod tests {
         let errors = [0.25, 0.25, 1.0, 0.5];
         let judged = [0, 1, 2, 9];
         let block_of = |pixel: u32| (pixel / 2) as usize;
-        let of = |block_px| worst_and_mean((&judged, &errors), block_px, 5, block_of);
+        let of = |block_px| worst_and_mean(0.25, (&judged, &errors), block_px, 5, block_of);
         assert_eq!(of(2), [1.0, 0.5]);
         // A quarter of 3 x 3 are more than two pixels: no block has them.
         assert_eq!(of(3), [0.5, 0.5]);
-        let none = worst_and_mean((&[], &[]), 2, 5, block_of);
+        let none = worst_and_mean(0.25, (&[], &[]), 2, 5, block_of);
         assert_eq!(none, [0.0, 0.0]);
     }
 

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use secateur_model::Surface;
 
-use super::blocks::{ViewScores, largest_coverage_difference, worst_and_mean};
+use super::blocks::{
+    LEAST_JUDGED, LEAST_WOOD, ViewScores, largest_coverage_difference, worst_and_mean,
+};
 use super::frame::Frame;
 use super::mask::judged_pixels;
 use crate::cut_mask::CutMasks;
@@ -15,6 +17,9 @@ use crate::visibility::AlphaFrom;
 
 /// The backgrounds, sRGB .92 and .08, in linear light.
 const BACKGROUNDS: [f32; 2] = [0.827_79, 0.007_27];
+
+/// A pixel shows wood where this share of it does.
+const MOSTLY: f32 = 0.5;
 
 /// A plant or a level from one view.
 #[derive(Debug)]
@@ -57,11 +62,19 @@ impl PlantPicture {
         let judged = judged_pixels(&self.coverage, &level.coverage, width);
         let [columns, rows] = frame.blocks();
         let block_of = |pixel: u32| frame.block_of(pixel);
-        let (mut worst_block, mut mean) = (0.0f64, 0.0f64);
+        let is_wood = |pixel: &u32| self.wood[*pixel as usize] >= MOSTLY;
+        let wood: Vec<u32> = judged.iter().copied().filter(is_wood).collect();
+        let of_block = |least: f64, pixels: &[u32], errors: &[f32]| {
+            let count = columns * rows;
+            worst_and_mean(least, (pixels, errors), frame.block_px, count, block_of)
+        };
+        let (mut worst_block, mut mean, mut worst_wood) = (0.0f64, 0.0f64, 0.0f64);
         for errors in self.flip.errors(&level.flip, &judged) {
-            let of_errors = (&judged[..], &errors[..]);
-            let [worst, of_all] =
-                worst_and_mean(of_errors, frame.block_px, columns * rows, block_of);
+            let [worst, of_all] = of_block(LEAST_JUDGED, &judged, &errors);
+            let pairs = judged.iter().zip(&errors);
+            let of_wood = pairs.filter(|(pixel, _)| is_wood(pixel));
+            let of_wood: Vec<f32> = of_wood.map(|(_, error)| *error).collect();
+            worst_wood = worst_wood.max(of_block(LEAST_WOOD, &wood, &of_wood)[0]);
             worst_block = worst_block.max(worst);
             mean = mean.max(of_all);
         }
@@ -69,6 +82,7 @@ impl PlantPicture {
         ViewScores {
             worst_block,
             mean,
+            worst_wood,
             block_coverage: largest_coverage_difference(
                 coverage,
                 frame.block_px,
