@@ -32,6 +32,11 @@ impl Reason {
     fn new(points: f64, text: String) -> Self {
         Self { points, text }
     }
+
+    /// A reason that decides by itself, without points.
+    pub(crate) fn of_role(text: &str) -> Self {
+        Self::new(0.0, text.to_owned())
+    }
 }
 
 /// Reasons are shown strongest first.

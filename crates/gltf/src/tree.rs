@@ -11,8 +11,10 @@ use secateur_model::{Foliage, Leaf, Memory};
 #[derive(Debug)]
 pub struct Tree {
     pub(crate) document: Document,
-    /// Every drawn primitive, in traversal order.
+    /// Every drawn primitive of the plant, in traversal order.
     pub(crate) parts: Vec<Part>,
+    /// What is drawn and not the plant, likewise.
+    pub(crate) others: Vec<Part>,
     pub(crate) foliage: Foliage,
     /// Where each leaf comes from, leaf 1 first.
     pub(crate) leaf_sources: Vec<LeafSource>,
@@ -88,7 +90,7 @@ impl Tree {
         self.inspection.wood_triangles
     }
 
-    /// All triangles, every instance counted.
+    /// All triangles of the plant, every instance counted.
     pub fn triangle_count(&self) -> u64 {
         self.leaf_triangle_count() + self.wood_triangle_count()
     }

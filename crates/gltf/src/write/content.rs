@@ -49,6 +49,9 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod, cutoffs: &Cutoffs) -> Result<C
     );
     let edits = LeafEdits::new(tree, lod);
     let mut draft = Draft::new(&tree.document);
+    draft
+        .notes
+        .extend(tree.document.note_of_others(&tree.others));
     let before = References::of(&mut draft.root);
     let empty = rewrite_meshes(&mut draft, tree, &edits)?;
     drop_meshes(&mut draft, &empty);

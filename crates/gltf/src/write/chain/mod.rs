@@ -12,6 +12,7 @@ mod merged;
 mod node_trees;
 mod on_disk;
 mod one_mesh;
+mod others;
 mod plan;
 mod retexture;
 mod scene;
@@ -196,8 +197,8 @@ impl Tree {
                 .collect(),
             Layout::Siblings | Layout::Msft => vec![(name, levels)],
         };
-        for (file, levels) in of_files {
-            let content = content(self, name, levels, layout).map_err(failed)?;
+        for (number, (file, levels)) in of_files.into_iter().enumerate() {
+            let content = content(self, name, levels, layout, number == 0).map_err(failed)?;
             chain.notes.extend(content.notes);
             let glb = glb_bytes(&content.root, content.buffer);
             chain.files.push(ChainFile {
@@ -238,8 +239,14 @@ fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProble
     Ok(())
 }
 
-/// The content of one file.
-fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<Content, Fault> {
+/// The content of one file, with what is not the plant or without.
+fn content(
+    tree: &Tree,
+    name: &str,
+    levels: &[Level],
+    layout: Layout,
+    with_others: bool,
+) -> Result<Content, Fault> {
     for level in levels {
         let LevelContent::Tree(lod) = level.content else {
             continue;
@@ -257,8 +264,15 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
     }
     let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);
-    let nodes = match plan::one_mesh(tree) {
-        Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan)?,
+    draft
+        .notes
+        .extend(tree.document.note_of_others(&tree.others));
+    let left_out = match with_others {
+        true => BTreeSet::new(),
+        false => others::leave_out(&mut draft, tree),
+    };
+    let mut nodes = match plan::one_mesh(tree) {
+        Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan, with_others)?,
         Err(obstacle) => {
             draft.notes.push(format!(
                 "the levels keep the node tree of the file instead of one mesh each: {obstacle}"
@@ -266,6 +280,7 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
             node_trees::build(&mut draft, tree, levels)?
         }
     };
+    nodes.needless.extend(left_out);
     let copies = cards_apart::clear_levels(&mut draft, tree, levels, &nodes.levels)?;
     retexture::retexture(&mut draft, levels, &nodes.levels, &copies);
     scene::arrange(&mut draft, name, levels, layout, nodes);

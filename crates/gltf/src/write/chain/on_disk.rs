@@ -156,6 +156,7 @@ impl Tree {
         Ok(Tree {
             document,
             parts,
+            others: Vec::new(),
             foliage: Foliage::new(Vec::new()),
             leaf_sources: Vec::new(),
             leaf_triangles: Vec::new(),

@@ -15,18 +15,20 @@ use super::merged::{LevelPrimitive, merged};
 use super::plan::OneMesh;
 use super::scene::{LevelNodes, children, holds_any, scene_roots, unlink};
 use super::vertices::Baker;
-use super::{Level, LevelContent, made};
+use super::{Level, LevelContent, made, others};
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
+use crate::roles;
 use crate::tree::Tree;
 
 /// Makes a mesh and a node of every level and takes away the nodes that drew the
-/// tree.
+/// tree, but for what they drew beside the plant, where that is wanted.
 pub(super) fn build(
     draft: &mut Draft,
     tree: &Tree,
     levels: &[Level],
     plan: &OneMesh,
+    with_others: bool,
 ) -> Result<LevelNodes, Fault> {
     let edits: Vec<Option<LeafEdits>> = levels
         .iter()
@@ -69,7 +71,7 @@ pub(super) fn build(
             baker.bake(draft, &mut primitive, matrix, &place)?;
             primitives.push(LevelPrimitive {
                 json: primitive,
-                is_foliage: part.is_foliage,
+                is_foliage: part.role == roles::Role::Leaf,
             });
         }
         let primitives = merged(draft, primitives)?;
@@ -100,7 +102,12 @@ pub(super) fn build(
         nodes.push(draft.push("nodes", node));
     }
     let joints = animated_and_joint_nodes(&draft.root);
-    plan.drawn.iter().for_each(|&node| take_away(draft, node));
+    for &node in &plan.drawn {
+        take_away(draft, node);
+        if with_others {
+            others::put_back(draft, tree, node);
+        }
+    }
     let roots = scene_roots(&draft.root);
     let needless = needless_nodes(&draft.root, &roots, &plan.drawn, &joints);
     let roots: Vec<usize> = roots
@@ -235,7 +242,7 @@ fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, baker: &Baker) {
 }
 
 /// Leaves a node in its place, drawing nothing, without levels of its own.
-fn take_away(draft: &mut Draft, node: usize) {
+pub(super) fn take_away(draft: &mut Draft, node: usize) {
     draft.take_mesh_away(node);
     let fields = &mut draft.root["nodes"][node];
     if let Some(extensions) = fields.get_mut("extensions").and_then(Value::as_object_mut) {
@@ -250,7 +257,7 @@ fn take_away(draft: &mut Draft, node: usize) {
 
 /// The nodes below these roots that drew the tree, or held only such, and have
 /// nothing else to do.
-fn needless_nodes(
+pub(super) fn needless_nodes(
     root: &Value,
     roots: &[usize],
     drawn: &[usize],

@@ -9,7 +9,11 @@ fn a_mirror_turns_triangles_normals_tangents_and_morphs() {
     let tree = fixture.tree();
     let chain = chain(&tree, Layout::Files);
     let level = document(&chain, 0);
-    let foliage = tree.parts.iter().find(|part| part.is_foliage).unwrap();
+    let foliage = tree
+        .parts
+        .iter()
+        .find(|part| part.role == crate::roles::Role::Leaf)
+        .unwrap();
     let world_from_local: DMat4 = foliage.world_from_local;
     // The leaves are made of material 1, the bark of material 0.
     let primitives = level.root["meshes"][0]["primitives"].as_array().unwrap();

@@ -5,6 +5,7 @@ mod drawn_by_clients;
 mod fixtures;
 mod materials;
 mod on_disk;
+mod others;
 mod sharing;
 mod trees_of_others;
 
