@@ -9,6 +9,7 @@ use super::choice::{self, Verdict};
 use super::cutouts::Cutouts;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::judged::Judged;
+use super::levels_inside::LevelsInside;
 use super::parts::Part;
 use super::picture::Pictures;
 use super::property;
@@ -29,6 +30,7 @@ struct Found {
     parts: Vec<Part>,
     /// The parts that are not the plant.
     others: Vec<Part>,
+    levels_inside: LevelsInside,
     leaves: FoundLeaves,
     /// The pieces of wood, where they are wanted.
     wood: FoundLeaves,
@@ -70,12 +72,14 @@ impl Document {
             Ok(Found {
                 parts,
                 others,
+                levels_inside,
                 leaves: found,
                 ..
             }) => Ok(Tree {
                 document: self.named_by(selectors),
                 parts,
                 others,
+                levels_inside,
                 foliage: found.foliage,
                 leaf_sources: found.leaf_sources,
                 leaf_triangles: found.leaf_triangles,
@@ -97,6 +101,7 @@ impl Document {
         let Found {
             parts,
             others,
+            levels_inside,
             leaves,
             wood,
         } = found.map_err(|fault| self.error(fault))?;
@@ -106,6 +111,7 @@ impl Document {
             document: self.named_by(selectors),
             parts,
             others,
+            levels_inside,
             foliage: items.foliage,
             leaf_sources: items.leaf_sources,
             leaf_triangles: items.leaf_triangles,
@@ -143,6 +149,8 @@ impl Document {
         report::primitives(inspection, self, &survey, &parts, reasons, selectors);
         report::extents(inspection, &survey, &parts);
         report::others(inspection, self, &others)?;
+        let levels_inside = self.levels_inside()?;
+        inspection.notes.extend(self.note_of_levels(&levels_inside));
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
         inspection.warnings.extend(pictures.warnings());
         inspection.warnings.extend(self.mixed(&survey, &parts));
@@ -164,6 +172,7 @@ impl Document {
         Ok(Found {
             parts,
             others,
+            levels_inside,
             leaves,
             wood,
         })

@@ -94,7 +94,7 @@
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
-//! | what is not the plant | `roles.rs`, `helper_names.rs` |
+//! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
 //! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
@@ -127,6 +127,7 @@ mod judged;
 mod kept_images;
 mod leaf_surfaces;
 mod leaves;
+mod levels_inside;
 mod material;
 mod meshopt;
 mod name_evidence;

@@ -48,14 +48,16 @@ impl Part {
 }
 
 impl Document {
-    /// The parts of the scene in depth-first order of the nodes, instance by
+    /// The parts of the scene, without those of coarser levels, in depth-first order of the nodes, instance by
     /// instance, primitive by primitive; all are taken for wood yet. Their number and
     /// that of their triangles are within the limits.
     pub(crate) fn parts(&self) -> Result<Vec<Part>, Fault> {
         let mut parts = Vec::new();
         let mut budget = self.budget;
         let mut triangles = 0u64;
-        for node in self.placed_nodes()? {
+        let levels = self.levels_inside()?;
+        let placed = self.placed_nodes()?.into_iter();
+        for node in placed.filter(|node| !levels.nodes.contains(&node.index)) {
             let json = property::entry(&self.root, "nodes", node.index)?;
             let place = || self.place("nodes", node.index);
             let Some(mesh) = property::index(json, "mesh").at(place)? else {

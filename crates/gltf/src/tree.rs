@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use super::levels_inside::LevelsInside;
 use super::parts::Part;
 use super::{Document, GltfError, Inspection, Selector};
 use secateur_model::{Foliage, Leaf, Memory};
@@ -15,6 +16,8 @@ pub struct Tree {
     pub(crate) parts: Vec<Part>,
     /// What is drawn and not the plant, likewise.
     pub(crate) others: Vec<Part>,
+    /// The coarser levels that the file has, which are left out.
+    pub(crate) levels_inside: LevelsInside,
     pub(crate) foliage: Foliage,
     /// Where each leaf comes from, leaf 1 first.
     pub(crate) leaf_sources: Vec<LeafSource>,

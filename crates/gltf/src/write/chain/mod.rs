@@ -18,7 +18,7 @@ mod retexture;
 mod scene;
 mod vertices;
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use serde_json::{Map, Value};
@@ -27,9 +27,9 @@ pub use on_disk::{PreparedChain, WrittenChain};
 
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;
-use super::drop_unreferenced::{References, drop_meshes};
+use super::drop_unreferenced::{References, drop_meshes, undrawn_meshes};
 use super::leaf_edits::LeafEdits;
-use super::references::{count_references, len, visit_mesh_numbers};
+use super::nodes::leave_out_levels;
 use super::skeleton::{drop_skeleton, rewrite_skeleton};
 use crate::chain_problem::{ChainProblem, MAX_LEVELS};
 use crate::container::glb_bytes;
@@ -267,10 +267,10 @@ fn content(
     draft
         .notes
         .extend(tree.document.note_of_others(&tree.others));
-    let left_out = match with_others {
-        true => BTreeSet::new(),
-        false => others::leave_out(&mut draft, tree),
-    };
+    let mut left_out = leave_out_levels(&mut draft, tree);
+    if !with_others {
+        left_out.extend(others::leave_out(&mut draft, tree));
+    }
     let mut nodes = match plan::one_mesh(tree) {
         Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan, with_others)?,
         Err(obstacle) => {
@@ -303,15 +303,4 @@ fn content(
 fn drop_undrawn_meshes(draft: &mut Draft) {
     let undrawn = undrawn_meshes(draft);
     drop_meshes(draft, &undrawn);
-}
-
-fn undrawn_meshes(draft: &mut Draft) -> BTreeSet<usize> {
-    let count = len(&draft.document.root, "meshes");
-    let mut original = draft.document.root.clone();
-    let was_drawn = count_references(&mut original, count, visit_mesh_numbers);
-    let all = len(&draft.root, "meshes");
-    let is_drawn = count_references(&mut draft.root, all, visit_mesh_numbers);
-    (0..count.min(all))
-        .filter(|&mesh| was_drawn[mesh] > 0 && is_drawn[mesh] == 0)
-        .collect()
 }

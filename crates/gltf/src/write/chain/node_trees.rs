@@ -19,7 +19,8 @@ use crate::tree::Tree;
 /// Makes a node of every level: the finest has the nodes of the file, the others
 /// have copies. Skeletons stay where they are, and all levels move with them.
 pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<LevelNodes, Fault> {
-    let original = |list: &str| tree.document.root.get(list).cloned();
+    let originals = draft.root.clone();
+    let original = |list: &str| originals.get(list).cloned();
     let no_plant: HashSet<usize> = nodes_without_plant(&tree.parts, &tree.others)
         .into_iter()
         .collect();

@@ -8,12 +8,13 @@ use serde_json::{Map, Value, json};
 use super::super::compact_vertices::compact;
 use super::super::draft::{Draft, NewElements, Role};
 use super::super::leaf_edits::LeafEdits;
+use super::super::nodes::{take_away, unlink};
 use super::super::primitive::rewrite_primitive;
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
 use super::merged::{LevelPrimitive, merged};
 use super::plan::OneMesh;
-use super::scene::{LevelNodes, children, holds_any, scene_roots, unlink};
+use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::vertices::Baker;
 use super::{Level, LevelContent, made, others};
 use crate::accessor::{Component, Shape};
@@ -38,7 +39,7 @@ pub(super) fn build(
         })
         .collect();
     let shrunk = lists_that_shrink(tree, &edits);
-    let kept_extras = extras_of_nodes(tree, plan);
+    let kept_extras = extras_of_nodes(&draft.root, tree, plan);
     let mut baker = Baker::default();
     let mut meshes = Vec::new();
     for (level, edits) in levels.iter().zip(&edits) {
@@ -185,10 +186,10 @@ fn mesh_json(level: &Level, plan: &OneMesh, primitives: Vec<Value>) -> Option<Va
 }
 
 /// What the nodes that go say in their extras: name, pivot in the scene, extras.
-fn extras_of_nodes(tree: &Tree, plan: &OneMesh) -> Vec<Value> {
-    let root = &tree.document.root;
+fn extras_of_nodes(root: &Value, tree: &Tree, plan: &OneMesh) -> Vec<Value> {
     let mut kept = Vec::new();
-    for placed in tree.document.placed_nodes().into_iter().flatten() {
+    let placed = tree.document.placed_nodes().into_iter().flatten();
+    for placed in placed.filter(|placed| !tree.levels_inside.nodes.contains(&placed.index)) {
         let node = &root["nodes"][placed.index];
         let mesh = node.get("mesh").and_then(as_index);
         let mesh_extras = mesh.and_then(|mesh| root["meshes"][mesh].get("extras"));
@@ -238,20 +239,6 @@ fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, baker: &Baker) {
         draft.notes.push(format!(
             "{place}: its quantised positions became f32, because the transform of its node was put into them"
         ));
-    }
-}
-
-/// Leaves a node in its place, drawing nothing, without levels of its own.
-pub(super) fn take_away(draft: &mut Draft, node: usize) {
-    draft.take_mesh_away(node);
-    let fields = &mut draft.root["nodes"][node];
-    if let Some(extensions) = fields.get_mut("extensions").and_then(Value::as_object_mut) {
-        extensions.shift_remove("MSFT_lod");
-        if extensions.is_empty()
-            && let Some(fields) = fields.as_object_mut()
-        {
-            fields.shift_remove("extensions");
-        }
     }
 }
 

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::super::draft::Draft;
+use super::super::nodes::{take_away, unlink};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
-use super::one_mesh::{needless_nodes, take_away};
-use super::scene::{scene_roots, unlink};
+use super::one_mesh::needless_nodes;
+use super::scene::scene_roots;
 use crate::roles::{mesh_of, nodes_without_plant, primitives_beside_plant};
 use crate::tree::Tree;
 
