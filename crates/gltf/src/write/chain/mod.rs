@@ -13,6 +13,7 @@ mod node_trees;
 mod on_disk;
 mod one_mesh;
 mod others;
+mod placement;
 mod plan;
 mod retexture;
 mod scene;
@@ -154,9 +155,10 @@ pub struct ChainFile {
 impl Tree {
     /// The levels of a chain, finest first, as GLB files.
     ///
-    /// Every level is a node without transform with one mesh, whose primitives
-    /// are wood and leaves; the transforms of the tree's nodes are put into the
-    /// vertices. Where that cannot be, since the tree is animated, instanced or
+    /// Every level is a node with one mesh, whose primitives are wood and leaves;
+    /// the transforms of the tree's nodes are put into the vertices, but for the
+    /// place of a tree that stands in one root: the node of a level, or of all
+    /// siblings, stands there too, and its mesh is about the tree's own pivot. Where that cannot be, since the tree is animated, instanced or
     /// has several skins, a level is a node that holds a copy of the node tree,
     /// and a note says so. Materials, textures, images and skins are there once
     /// for each file. The facts of a level are in its node's `extras`, with the
@@ -260,7 +262,8 @@ fn content(
     if let [level] = levels
         && let LevelContent::Surface(surface) = level.content
     {
-        return made::alone(&tree.document, level, surface);
+        let pivot = placement::placement(tree);
+        return made::alone(&tree.document, level, surface, pivot);
     }
     let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);

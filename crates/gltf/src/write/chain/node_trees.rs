@@ -10,6 +10,7 @@ use super::super::leaf_edits::LeafEdits;
 use super::super::meshes::rewrite_meshes;
 use super::super::references::{as_index, items, len};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
+use super::placement::{move_node, placement};
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::{Level, LevelContent, made};
 use crate::error::Fault;
@@ -32,13 +33,14 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
         .into_iter()
         .partition(|&root| holds_any(&draft.root, root, &joints));
     let animations = original("animations").unwrap_or_default();
+    let pivot = placement(tree);
     let mut lists: Option<[Value; 2]> = None;
     let mut level_nodes = Vec::new();
     for level in levels {
         let lod = match level.content {
             LevelContent::Tree(lod) => lod,
             LevelContent::Surface(surface) => {
-                level_nodes.push(made::push_node(draft, level, surface));
+                level_nodes.push(made::push_node(draft, level, surface, pivot));
                 if let Some(lists) = &mut lists {
                     *lists = ["nodes", "meshes"].map(|list| draft.root[list].clone());
                 }
@@ -72,6 +74,9 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
                 copied
             }
         };
+        for &child in &children {
+            move_node(&mut draft.root["nodes"][child], -pivot);
+        }
         let mut node = json!({"name": level.name});
         if !children.is_empty() {
             node["children"] = children.into();
@@ -86,6 +91,7 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
         levels: level_nodes,
         with_tree,
         others,
+        placement: pivot,
         needless: BTreeSet::new(),
     })
 }

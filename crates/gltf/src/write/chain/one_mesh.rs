@@ -1,8 +1,8 @@
-//! Levels of one mesh each, whose vertices are in the space of the scene.
+//! Levels of one mesh each, whose vertices are in the space of the scene, about the plant's pivot.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use glam::DMat4;
+use glam::{DMat4, DVec3};
 use serde_json::{Map, Value, json};
 
 use super::super::compact_vertices::compact;
@@ -13,12 +13,14 @@ use super::super::primitive::rewrite_primitive;
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
 use super::merged::{LevelPrimitive, merged};
+use super::placement::placement;
 use super::plan::OneMesh;
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::vertices::Baker;
 use super::{Level, LevelContent, made, others};
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
+use crate::parts::Part;
 use crate::roles;
 use crate::tree::Tree;
 
@@ -40,6 +42,7 @@ pub(super) fn build(
         .collect();
     let shrunk = lists_that_shrink(tree, &edits);
     let kept_extras = extras_of_nodes(&draft.root, tree, plan);
+    let pivot = placement(tree);
     let mut baker = Baker::default();
     let mut meshes = Vec::new();
     for (level, edits) in levels.iter().zip(&edits) {
@@ -52,7 +55,7 @@ pub(super) fn build(
             let place = tree.document.primitive_place(part.mesh, part.primitive);
             let matrix = match plan.skin {
                 Some(_) => DMat4::IDENTITY,
-                None => part.world_from_local,
+                None => pivot_from_local(pivot, part),
             };
             let mut primitive = tree.document.primitive(part.mesh, part.primitive)?.clone();
             if edits.is_changed(number) {
@@ -78,12 +81,12 @@ pub(super) fn build(
         let primitives = merged(draft, primitives)?;
         meshes.push(mesh_json(level, plan, primitives));
     }
-    note_changes(draft, tree, plan, &baker);
+    note_changes(draft, tree, plan, pivot, &baker);
 
     let mut nodes = Vec::new();
     for (level, mesh) in levels.iter().zip(meshes) {
         if let LevelContent::Surface(surface) = level.content {
-            nodes.push(made::push_node(draft, level, surface));
+            nodes.push(made::push_node(draft, level, surface, pivot));
             continue;
         }
         let mut node = json!({"name": level.name});
@@ -122,8 +125,17 @@ pub(super) fn build(
         levels: nodes,
         with_tree,
         others,
+        placement: pivot,
         needless,
     })
+}
+
+/// From a part's own space to that of its level.
+fn pivot_from_local(pivot: DVec3, part: &Part) -> DMat4 {
+    match pivot == DVec3::ZERO {
+        true => part.world_from_local,
+        false => DMat4::from_translation(-pivot) * part.world_from_local,
+    }
 }
 
 fn position_of(primitive: &Value) -> Option<usize> {
@@ -212,12 +224,12 @@ fn extras_of_nodes(root: &Value, tree: &Tree, plan: &OneMesh) -> Vec<Value> {
     kept
 }
 
-fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, baker: &Baker) {
+fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, pivot: DVec3, baker: &Baker) {
     if plan.skin.is_none() {
         let mut moved: BTreeSet<usize> = BTreeSet::new();
         let mut drawn_by: HashMap<usize, BTreeSet<usize>> = HashMap::new();
         for part in &tree.parts {
-            if part.world_from_local != DMat4::IDENTITY {
+            if pivot_from_local(pivot, part) != DMat4::IDENTITY {
                 moved.insert(part.node);
             }
             drawn_by.entry(part.mesh).or_default().insert(part.node);

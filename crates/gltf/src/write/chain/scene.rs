@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeSet, HashSet};
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::super::draft::Draft;
 use super::super::nodes::{LEVELS_EXTENSION, drop_nodes};
 use super::super::references::{as_index, len};
+use super::placement::move_node;
 use super::{Layout, Level};
 
 /// The nodes of a chain before it is put into the scene.
@@ -17,6 +19,8 @@ pub(super) struct LevelNodes {
     pub(super) with_tree: Vec<usize>,
     /// Other roots of the scene.
     pub(super) others: Vec<usize>,
+    /// Where the plant stands, in the scene: the levels' meshes are about this.
+    pub(super) placement: DVec3,
     /// Nodes that nothing needs any more.
     pub(super) needless: BTreeSet<usize>,
 }
@@ -29,6 +33,12 @@ pub(super) fn arrange(
     layout: Layout,
     nodes: LevelNodes,
 ) {
+    // What else moves with siblings stands where it stood.
+    if layout != Layout::Siblings || !nodes.with_tree.is_empty() {
+        for &node in &nodes.levels {
+            move_node(&mut draft.root["nodes"][node], nodes.placement);
+        }
+    }
     let mut roots = Vec::new();
     match layout {
         Layout::Siblings => {
@@ -38,7 +48,11 @@ pub(super) fn arrange(
                 .chain(&nodes.with_tree)
                 .copied()
                 .collect();
-            roots.push(draft.push("nodes", json!({"name": name, "children": children})));
+            let mut parent = json!({"name": name, "children": children});
+            if nodes.with_tree.is_empty() {
+                move_node(&mut parent, nodes.placement);
+            }
+            roots.push(draft.push("nodes", parent));
         }
         Layout::Msft | Layout::Files => {
             roots.push(nodes.levels[0]);
