@@ -6,6 +6,7 @@ use super::Document;
 use super::error::Problem;
 use super::evidence::{FOLIAGE_POINTS, Reason, WOOD_POINTS};
 use super::parts::Part;
+use super::roles::Role;
 use super::selector::Selector;
 use super::survey::{Group, Survey};
 
@@ -47,7 +48,9 @@ pub(crate) fn choose(
 ) -> Result<(), Problem> {
     if selectors.is_empty() {
         for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
-            part.is_foliage = verdicts[group] == Verdict::Foliage;
+            if verdicts[group] == Verdict::Foliage {
+                part.role = Role::Leaf;
+            }
         }
         return check_found(document, survey, verdicts);
     }
@@ -56,7 +59,7 @@ pub(crate) fn choose(
         let labels = document.labels(&survey.groups[group], part.node);
         for (selector, has_match) in selectors.iter().zip(&mut has_match) {
             if selector.matches(labels) {
-                part.is_foliage = true;
+                part.role = Role::Leaf;
                 *has_match = true;
             }
         }

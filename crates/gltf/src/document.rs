@@ -13,6 +13,7 @@ use super::folder;
 use super::input::read_within;
 use super::kept_images::KeptImages;
 use super::property;
+use super::selector::Selector;
 use super::uri;
 use secateur_model::{Budget, Memory};
 
@@ -38,6 +39,8 @@ pub struct Document {
     pub(crate) decompressed_bytes: AtomicU64,
     /// What stays decoded, which the levels of its tree share.
     pub(crate) kept_images: Arc<KeptImages>,
+    /// What its leaves were named by, where they were.
+    pub(crate) selectors: Vec<Selector>,
     /// How much memory it was opened with.
     pub(crate) memory: Memory,
     /// What the JSON and the buffers leave of it.
@@ -176,6 +179,7 @@ impl Document {
             decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
             decompressed_bytes: AtomicU64::new(0),
             kept_images: Arc::default(),
+            selectors: Vec::new(),
             memory,
             budget,
         })

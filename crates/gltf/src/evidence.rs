@@ -6,7 +6,7 @@ use super::Document;
 use super::cutouts::{cutoff, is_kept};
 use super::error::Fault;
 use super::material::MaterialLook;
-use super::name_evidence::{self, NameSays};
+use super::name_evidence::{self, NameSays, TellingWord};
 use super::picture::{Decoded, Pictures};
 use super::shape_evidence::{self, Pieces};
 use super::survey::Group;
@@ -31,6 +31,11 @@ pub struct Reason {
 impl Reason {
     fn new(points: f64, text: String) -> Self {
         Self { points, text }
+    }
+
+    /// A reason that decides by itself, without points.
+    pub(crate) fn of_role(text: &str) -> Self {
+        Self::new(0.0, text.to_owned())
     }
 }
 
@@ -57,12 +62,30 @@ pub(crate) fn gather(
         ("node", 2.0, each(groups, |g| node_names(document, g))),
         ("image", 2.0, each(groups, |g| image_names(document, g))),
     ];
-    let mut all = vec![Vec::new(); groups.len()];
-    for (what, points, names) in &names {
-        add_names(&mut all, groups, what, *points, names);
+    let mut of_textures = Vec::with_capacity(groups.len());
+    for group in groups {
+        of_textures.push(texture_reasons(&group.look, pictures)?);
     }
-    for (reasons, group) in all.iter_mut().zip(groups) {
-        add_texture(reasons, &group.look, pictures)?;
+    let mut all = vec![Vec::new(); groups.len()];
+    let mut counted = vec![Vec::new(); groups.len()];
+    for (what, points, names) in &names {
+        // Exporters copy no names of images.
+        if *what == "image" {
+            counted.iter_mut().for_each(Vec::clear);
+        }
+        let mut words = telling_words(names);
+        for (found, of_texture) in words.iter_mut().zip(&of_textures) {
+            let is_of_branches = found
+                .as_ref()
+                .is_some_and(|(word, _)| word.is_of_branches());
+            if of_texture.is_cut_out && is_of_branches {
+                *found = None;
+            }
+        }
+        add_names(&mut all, &mut counted, (what, *points), &words);
+    }
+    for ((reasons, of_texture), group) in all.iter_mut().zip(of_textures).zip(groups) {
+        reasons.extend(of_texture.reasons);
         add_pieces(reasons, group);
     }
     Ok(all)
@@ -93,53 +116,66 @@ fn image_names(document: &Document, group: &Group) -> Vec<String> {
         .collect()
 }
 
+/// For each group the first name that says something, and the word by which it does.
+type TellingNames = Vec<Option<(TellingWord, String)>>;
+
+fn telling_words(names: &[Vec<String>]) -> TellingNames {
+    let read = |name: &String| Some((name_evidence::read(name)?, name.clone()));
+    names
+        .iter()
+        .map(|list| list.iter().find_map(read))
+        .collect()
+}
+
 /// Adds what names say. A word that all groups share, such as that of a mesh
-/// which holds the whole tree, tells nothing apart.
+/// which holds the whole tree, tells nothing apart. One that a group has said before,
+/// as exporters copy names from materials to meshes and nodes, says nothing new.
 fn add_names(
     all: &mut [Vec<Reason>],
-    groups: &[Group],
-    what: &str,
-    points: f64,
-    names: &[Vec<String>],
+    counted: &mut [Vec<&'static str>],
+    (what, points): (&str, f64),
+    found: &TellingNames,
 ) {
-    let telling = |list: &Vec<String>| {
-        let read = |name: &String| (name_evidence::read(name), name.clone());
-        let mut read = list.iter().map(read);
-        read.find(|(says, _)| *says != NameSays::Nothing)
-    };
-    let found: Vec<_> = names.iter().map(telling).collect();
-    let says = |k: usize| found[k].as_ref().map(|(says, _)| *says);
-    let all_alike = groups.len() > 1 && (1..groups.len()).all(|k| says(k) == says(0));
+    let says = |k: usize| found[k].as_ref().map(|(word, _)| word.says);
+    let all_alike = found.len() > 1 && (1..found.len()).all(|k| says(k) == says(0));
     if all_alike {
         return;
     }
-    for (reasons, found) in all.iter_mut().zip(&found) {
-        match found {
-            Some((NameSays::Leaf, name)) => {
-                reasons.push(Reason::new(
-                    points,
-                    format!("{what} name `{name}` speaks of leaves"),
-                ));
-            }
-            Some((NameSays::Wood, name)) => {
-                reasons.push(Reason::new(
-                    -points,
-                    format!("{what} name `{name}` speaks of wood"),
-                ));
-            }
-            _ => {}
+    for ((reasons, counted), found) in all.iter_mut().zip(counted).zip(found) {
+        let Some((telling, name)) = found else {
+            continue;
+        };
+        if counted.contains(&telling.word) {
+            continue;
         }
+        counted.push(telling.word);
+        let (points, of) = match telling.says {
+            NameSays::Leaf => (points, "leaves"),
+            NameSays::Wood => (-points, "wood"),
+        };
+        reasons.push(Reason::new(
+            points,
+            format!("{what} name `{name}` speaks of {of}"),
+        ));
     }
+}
+
+/// What the look of a group says.
+struct TextureReasons {
+    reasons: Vec<Reason>,
+    /// Whether its texture cuts out a good part of its texels.
+    is_cut_out: bool,
 }
 
 /// Cut-out texels and green or brown colour. Only textures whose alpha matters
 /// are looked at.
-fn add_texture(
-    reasons: &mut Vec<Reason>,
+fn texture_reasons(
     look: &MaterialLook,
     pictures: &mut Pictures<'_>,
-) -> Result<(), Fault> {
+) -> Result<TextureReasons, Fault> {
     const LEAST_SHARE: f64 = 0.02;
+    let mut reasons = Vec::new();
+    let mut is_cut_out = false;
     let mut color = [0, 1, 2].map(|k| f64::from(look.base_color[k]));
     let image = look.texture.and_then(|t| t.image);
     if let (Some(cutoff), Some(image)) = (cutoff(look), image)
@@ -159,6 +195,7 @@ fn add_texture(
         let texels = u64::from(image.width()) * u64::from(image.height());
         let cut = 1.0 - kept as f64 / texels as f64;
         if cut > LEAST_SHARE && kept > 0 {
+            is_cut_out = true;
             let percent = (100.0 * cut).round();
             reasons.push(Reason::new(
                 3.0,
@@ -170,8 +207,11 @@ fn add_texture(
             *channel *= sum as f64 / kept.max(1) as f64 / 255.0;
         }
     }
-    add_color(reasons, color);
-    Ok(())
+    add_color(&mut reasons, color);
+    Ok(TextureReasons {
+        reasons,
+        is_cut_out,
+    })
 }
 
 fn add_color(reasons: &mut Vec<Reason>, [red, green, blue]: [f64; 3]) {

@@ -9,10 +9,12 @@ use super::choice::{self, Verdict};
 use super::cutouts::Cutouts;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::judged::Judged;
+use super::levels_inside::LevelsInside;
 use super::parts::Part;
 use super::picture::Pictures;
 use super::property;
 use super::report;
+use super::roles::Role;
 use super::shape_evidence;
 use super::survey::{Group, Survey};
 use super::tree::LeafSource;
@@ -22,6 +24,17 @@ use secateur_model::{Budget, Facing, Foliage, Leaf, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
+
+/// What is found in a document.
+struct Found {
+    parts: Vec<Part>,
+    /// The parts that are not the plant.
+    others: Vec<Part>,
+    levels_inside: LevelsInside,
+    leaves: FoundLeaves,
+    /// The pieces of wood, where they are wanted.
+    wood: FoundLeaves,
+}
 
 /// Leaves and where they come from.
 #[derive(Default)]
@@ -56,9 +69,17 @@ impl Document {
         let checked = check_references(&mut self.root);
         match found.and_then(|found| checked.map(|()| found).map_err(Fault::from)) {
             Err(fault) => Err(self.error(fault)),
-            Ok((parts, found, _)) => Ok(Tree {
-                document: self,
+            Ok(Found {
                 parts,
+                others,
+                levels_inside,
+                leaves: found,
+                ..
+            }) => Ok(Tree {
+                document: self.named_by(selectors),
+                parts,
+                others,
+                levels_inside,
                 foliage: found.foliage,
                 leaf_sources: found.leaf_sources,
                 leaf_triangles: found.leaf_triangles,
@@ -77,13 +98,20 @@ impl Document {
         let found = self.find(selectors, true, &mut inspection);
         let checked = check_references(&mut self.root);
         let found = found.and_then(|found| checked.map(|()| found).map_err(Fault::from));
-        let (parts, leaves, wood) = found.map_err(|fault| self.error(fault))?;
-        let wood = wood.unwrap_or_default();
+        let Found {
+            parts,
+            others,
+            levels_inside,
+            leaves,
+            wood,
+        } = found.map_err(|fault| self.error(fault))?;
         let items = leaves.joined(&wood);
         let items = items.map_err(|problem| self.error(Fault::from(problem)))?;
         let tree = Tree {
-            document: self,
+            document: self.named_by(selectors),
             parts,
+            others,
+            levels_inside,
             foliage: items.foliage,
             leaf_sources: items.leaf_sources,
             leaf_triangles: items.leaf_triangles,
@@ -96,59 +124,73 @@ impl Document {
         })
     }
 
-    /// The foliage, its sources and the parts, and the wood likewise where that is wanted; then
-    /// all parts are taken for parts with leaves. Fills the inspection as far as it gets.
+    fn named_by(mut self, selectors: &[Selector]) -> Self {
+        self.selectors = selectors.to_vec();
+        self
+    }
+
+    /// The parts, the foliage and its sources, and the wood likewise where that is wanted. Fills the
+    /// inspection as far as it gets.
     fn find(
         &self,
         selectors: &[Selector],
         with_wood: bool,
         inspection: &mut Inspection,
-    ) -> Result<(Vec<Part>, FoundLeaves, Option<FoundLeaves>), Fault> {
+    ) -> Result<Found, Fault> {
         let Judged {
             mut parts,
+            others,
             survey,
             mut pictures,
             reasons,
             verdicts,
-        } = self.judged()?;
+        } = self.judged(selectors)?;
         let choice = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
         report::primitives(inspection, self, &survey, &parts, reasons, selectors);
         report::extents(inspection, &survey, &parts);
+        report::others(inspection, self, &others)?;
+        let levels_inside = self.levels_inside()?;
+        inspection.notes.extend(self.note_of_levels(&levels_inside));
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
         inspection.warnings.extend(pictures.warnings());
         inspection.warnings.extend(self.mixed(&survey, &parts));
         choice?;
-        let found = self.collect(&survey, &parts, &mut pictures, &mut inspection.warnings)?;
-        report::foliage(inspection, &found.foliage);
-        if with_wood {
-            for part in &mut parts {
-                part.is_foliage = !part.is_foliage;
-            }
-            let wood = match parts.iter().any(|part| part.is_foliage) {
-                // Warnings about textures of wood are no matter of leaves.
-                true => self.collect(&survey, &parts, &mut pictures, &mut Vec::new())?,
-                false => FoundLeaves::default(),
-            };
-            for part in &mut parts {
-                part.is_foliage = true;
-            }
-            return Ok((parts, found, Some(wood)));
-        }
-        Ok((parts, found, None))
+        let surveyed = (&survey, &parts[..]);
+        let leaves = self.collect(
+            surveyed,
+            Role::Leaf,
+            &mut pictures,
+            &mut inspection.warnings,
+        )?;
+        report::foliage(inspection, &leaves.foliage);
+        let has_wood = parts.iter().any(|part| part.role == Role::Wood);
+        let wood = match with_wood && has_wood {
+            // Warnings about textures of wood are no matter of leaves.
+            true => self.collect(surveyed, Role::Wood, &mut pictures, &mut Vec::new())?,
+            false => FoundLeaves::default(),
+        };
+        Ok(Found {
+            parts,
+            others,
+            levels_inside,
+            leaves,
+            wood,
+        })
     }
 
+    /// The pieces of the parts with a role.
     fn collect(
         &self,
-        survey: &Survey,
-        parts: &[Part],
+        (survey, parts): (&Survey, &[Part]),
+        role: Role,
         pictures: &mut Pictures<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<FoundLeaves, Fault> {
-        check_size(survey, parts, &mut pictures.budget)?;
+        check_size((survey, parts), role, &mut pictures.budget)?;
         let mut cutouts = Cutouts::default();
         let mut skins: HashMap<usize, Skin> = HashMap::new();
         for (part, &index) in parts.iter().zip(&survey.group_of_part) {
-            if part.is_foliage && !skins.contains_key(&index) {
+            if part.role == role && !skins.contains_key(&index) {
                 let group = &survey.groups[index];
                 let skin = self.skin(group, &mut cutouts, pictures, warnings)?;
                 skins.insert(index, skin);
@@ -159,7 +201,7 @@ impl Document {
             ..FoundLeaves::default()
         };
         for (number, (part, index)) in parts.iter().zip(&survey.group_of_part).enumerate() {
-            if part.is_foliage {
+            if part.role == role {
                 let group = &survey.groups[*index];
                 found
                     .push_part(number as u32, part, group, &skins[index])
@@ -263,7 +305,7 @@ impl Document {
     fn mixed(&self, survey: &Survey, parts: &[Part]) -> Vec<String> {
         let mut are_leaves = vec![false; survey.groups.len()];
         for (part, group) in parts.iter().zip(&survey.group_of_part) {
-            are_leaves[*group] |= part.is_foliage;
+            are_leaves[*group] |= part.role == Role::Leaf;
         }
         let groups = survey.groups.iter().zip(are_leaves);
         let mixed = groups.filter_map(|(group, are_leaves)| {
@@ -314,14 +356,9 @@ impl Document {
     }
 }
 
-/// Everything that is drawn, piece by piece as if it were foliage.
+/// Everything that is drawn, ground too, piece by piece as if it were foliage.
 pub(crate) fn triangles_of_all(document: &Document) -> Result<Foliage, Fault> {
-    let mut parts = document.parts()?;
-    for part in &mut parts {
-        part.is_foliage = true;
-    }
-    let mut budget = document.budget;
-    let survey = document.survey(&parts, &mut budget)?;
+    let (parts, survey, budget) = document.scene_parts()?;
     if survey
         .groups
         .iter()
@@ -330,7 +367,8 @@ pub(crate) fn triangles_of_all(document: &Document) -> Result<Foliage, Fault> {
         return Ok(Foliage::default());
     }
     let mut pictures = Pictures::new(document, budget);
-    let found = document.collect(&survey, &parts, &mut pictures, &mut Vec::new())?;
+    let surveyed = (&survey, &parts[..]);
+    let found = document.collect(surveyed, Role::Wood, &mut pictures, &mut Vec::new())?;
     Ok(found.foliage)
 }
 
@@ -348,10 +386,14 @@ const BYTES_A_TRIANGLE: u64 = 2 * (size_of::<LeafTriangle>() + size_of::<u32>())
 /// The same of a leaf.
 const BYTES_A_LEAF: u64 = 2 * (size_of::<Leaf>() + size_of::<LeafSource>()) as u64;
 
-fn check_size(survey: &Survey, parts: &[Part], budget: &mut Budget) -> Result<(), Problem> {
+fn check_size(
+    (survey, parts): (&Survey, &[Part]),
+    role: Role,
+    budget: &mut Budget,
+) -> Result<(), Problem> {
     let (mut triangles, mut leaves) = (0, 0);
     for (part, &group) in parts.iter().zip(&survey.group_of_part) {
-        if part.is_foliage {
+        if part.role == role {
             let geometry = &survey.groups[group].geometry;
             triangles += geometry.triangles.len() as u64;
             leaves += geometry.pieces().len() as u64;

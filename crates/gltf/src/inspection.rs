@@ -23,8 +23,10 @@ pub struct Inspection {
     pub foliage: Option<FoliageReport>,
     /// Triangles of everything else, every placement counted.
     pub wood_triangles: u64,
-    /// The lowest and the highest corner of everything, in world units.
+    /// The lowest and the highest corner of the plant, in world units.
     pub extents: Option<[[f64; 3]; 2]>,
+    /// What is not the plant, one sentence each.
+    pub notes: Vec<String>,
     /// What was passed over, one sentence each.
     pub warnings: Vec<String>,
     /// Why there is no foliage, in one sentence; the flag to use where there is
@@ -42,6 +44,8 @@ pub enum TakenFor {
     FoliageInPart,
     /// All triangles are kept as they are: trunk, branches, pots and the like.
     Wood,
+    /// Not the plant: ground, and helpers such as collision shapes. It stays as it is.
+    NotPlant,
     /// Nothing: points, lines, or no vertices at all.
     Nothing,
 }
@@ -144,6 +148,7 @@ impl fmt::Display for TakenFor {
             Self::Foliage => "foliage",
             Self::FoliageInPart => "foliage in part",
             Self::Wood => "wood",
+            Self::NotPlant => "no plant",
             Self::Nothing => "nothing",
         })
     }
@@ -172,8 +177,11 @@ impl fmt::Display for Inspection {
         for primitive in &self.primitives {
             writeln!(f, "\n{primitive}")?;
         }
-        if !self.warnings.is_empty() {
+        if !self.warnings.is_empty() || !self.notes.is_empty() {
             writeln!(f)?;
+        }
+        for note in &self.notes {
+            writeln!(f, "note: {note}")?;
         }
         for warning in &self.warnings {
             writeln!(f, "warning: {warning}")?;
@@ -227,6 +235,16 @@ impl fmt::Display for PrimitiveReport {
             "    {} triangles in {} pieces",
             self.triangles, self.pieces
         )?;
+        if self.taken_for == TakenFor::NotPlant {
+            let reasons = self.reasons.iter().map(|reason| reason.text.as_str());
+            let reasons: Vec<&str> = reasons.collect();
+            return write!(
+                f,
+                "    taken for {}: {}",
+                self.taken_for,
+                reasons.join("; ")
+            );
+        }
         let by = if self.chosen_by_user {
             "as selected".to_owned()
         } else {

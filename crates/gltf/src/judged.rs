@@ -1,16 +1,21 @@
 //! The parts of a document and what each group of them is taken for, before anybody chooses.
 
-use super::Document;
 use super::choice::{self, Verdict};
 use super::error::Fault;
 use super::evidence::{self, Reason};
 use super::parts::Part;
 use super::picture::Pictures;
+use super::roles::SortedParts;
 use super::survey::Survey;
+use super::{Document, Selector};
 
 /// A document's parts, looked at.
 pub(crate) struct Judged<'a> {
+    /// Those of the plant.
     pub(crate) parts: Vec<Part>,
+    /// Those that are not.
+    pub(crate) others: Vec<Part>,
+    /// Of the plant's.
     pub(crate) survey: Survey,
     /// The images that the evidence needed, decoded, and the budget that they left.
     pub(crate) pictures: Pictures<'a>,
@@ -21,16 +26,20 @@ pub(crate) struct Judged<'a> {
 }
 
 impl Document {
-    /// Surveys the parts, gathers the evidence and judges by it.
-    pub(crate) fn judged(&self) -> Result<Judged<'_>, Fault> {
-        let parts = self.parts()?;
-        let mut budget = self.budget;
-        let survey = self.survey(&parts, &mut budget)?;
+    /// Sorts and surveys the parts, gathers the evidence and judges by it.
+    pub(crate) fn judged(&self, selectors: &[Selector]) -> Result<Judged<'_>, Fault> {
+        let SortedParts {
+            plant: parts,
+            survey,
+            others,
+            budget,
+        } = self.sorted_parts(selectors)?;
         let mut pictures = Pictures::new(self, budget);
         let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
         let verdicts = choice::judge(&survey.groups, &reasons);
         Ok(Judged {
             parts,
+            others,
             survey,
             pictures,
             reasons,

@@ -2,6 +2,7 @@
 
 use super::error::Fault;
 use super::picture::Pictures;
+use super::roles::Role;
 use super::surfaces::Detail;
 use super::{GltfError, Tree};
 use glam::DMat3;
@@ -11,11 +12,11 @@ use secateur_model::{LeafId, Surface};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LeafSurface {
-    /// The triangles of these leaves, with their material.
+    /// Triangles of one material.
     pub surface: Surface,
-    /// Whether it is foliage. Then every triangle is a leaf's.
+    /// Whether it is foliage.
     pub is_foliage: bool,
-    /// Its leaves; none where it is wood.
+    /// Its leaves; of wood its pieces, where those are edited too.
     pub leaves: Vec<SurfaceLeaf>,
 }
 
@@ -61,7 +62,7 @@ impl Tree {
                 let mut first = 0;
                 let mut leaves = Vec::new();
                 for (number, (part, of)) in parts {
-                    if *of != index || part.is_foliage != is_foliage {
+                    if *of != index || (part.role == Role::Leaf) != is_foliage {
                         continue;
                     }
                     let is_mirrored = DMat3::from_mat4(part.world_from_local).determinant() < 0.0;

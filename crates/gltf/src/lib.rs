@@ -94,6 +94,7 @@
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
+//! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
 //! | how a surface looks | `material.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
@@ -118,6 +119,7 @@ mod error;
 mod evidence;
 mod find;
 mod folder;
+mod helper_names;
 mod input;
 mod inspection;
 mod instances;
@@ -125,6 +127,7 @@ mod judged;
 mod kept_images;
 mod leaf_surfaces;
 mod leaves;
+mod levels_inside;
 mod material;
 mod meshopt;
 mod name_evidence;
@@ -135,6 +138,7 @@ mod picture;
 mod primitive;
 mod property;
 mod report;
+mod roles;
 mod scene;
 mod selector;
 mod shape_evidence;

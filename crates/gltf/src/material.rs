@@ -103,13 +103,14 @@ impl Document {
 
     fn read_look(&self, index: usize, json: &Value) -> Result<MaterialLook, Problem> {
         const NONE: Value = Value::Null;
-        let glossy = property::extension(json, "KHR_materials_pbrSpecularGlossiness");
-        let (pbr, color_name, texture_name) = match (json.get("pbrMetallicRoughness"), glossy) {
-            (None, Some(glossy)) => (glossy, "diffuseFactor", "diffuseTexture"),
-            (pbr, _) => (pbr.unwrap_or(&NONE), "baseColorFactor", "baseColorTexture"),
+        let pbr = json.get("pbrMetallicRoughness").unwrap_or(&NONE);
+        let glossy = property::extension(json, GLOSSY).filter(|_| is_base_color_diffuse(json));
+        let color = match glossy {
+            Some(glossy) => property::numbers::<4>(glossy, "diffuseFactor")?,
+            None => property::numbers::<4>(pbr, "baseColorFactor")?,
         };
-        let color = property::numbers::<4>(pbr, color_name)?.unwrap_or([1.0; 4]);
-        let texture = pbr.get(texture_name);
+        let color = color.unwrap_or([1.0; 4]);
+        let texture = base_color_texture(json);
         Ok(MaterialLook {
             material: Some(index),
             name: property::text(json, "name")?.unwrap_or("").to_owned(),
@@ -187,11 +188,28 @@ impl Document {
 
 /// How a material names its base colour texture.
 pub(crate) fn base_color_texture(material: &Value) -> Option<&Value> {
-    let glossy = property::extension(material, "KHR_materials_pbrSpecularGlossiness");
-    match (material.get("pbrMetallicRoughness"), glossy) {
-        (None, glossy) => glossy?.get("diffuseTexture"),
-        (Some(pbr), _) => pbr.get("baseColorTexture"),
+    material.pointer(base_color_pointer(material))
+}
+
+/// The same, as a JSON pointer.
+pub(crate) fn base_color_pointer(material: &Value) -> &'static str {
+    match is_base_color_diffuse(material) {
+        true => "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
+        false => BASE_COLOR_TEXTURE,
     }
+}
+
+/// The extension whose diffuse colour is a base colour of another name.
+const GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// Where a material of no such extension has its base colour texture.
+const BASE_COLOR_TEXTURE: &str = "/pbrMetallicRoughness/baseColorTexture";
+
+/// Whether the base colour is the extension's. Where a material has a texture for both, that is read which is
+/// drawn by clients without the extension too.
+fn is_base_color_diffuse(material: &Value) -> bool {
+    property::extension(material, GLOSSY).is_some()
+        && material.pointer(BASE_COLOR_TEXTURE).is_none()
 }
 
 /// A number that only looks depend on: what cannot be read is the default.

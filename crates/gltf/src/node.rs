@@ -17,6 +17,8 @@ pub(crate) const MAX_DEPTH: usize = 1024;
 pub(crate) struct PlacedNode {
     /// Its index in the file's `nodes`.
     pub(crate) index: usize,
+    /// The index of the node that it is a child of; none of roots.
+    pub(crate) parent: Option<usize>,
     /// From the node's own space to world space.
     pub(crate) world_from_node: DMat4,
 }
@@ -89,9 +91,10 @@ impl Document {
         let mut visited = vec![false; nodes.len()];
         let mut placed = Vec::new();
         let roots = self.root_nodes(nodes)?;
-        let mut stack: Vec<(usize, DMat4, usize)> = Vec::new();
-        stack.extend(roots.iter().rev().map(|&root| (root, DMat4::IDENTITY, 1)));
-        while let Some((index, world_from_parent, depth)) = stack.pop() {
+        let mut stack: Vec<(usize, Option<usize>, DMat4, usize)> = Vec::new();
+        let of_root = |&root: &usize| (root, None, DMat4::IDENTITY, 1);
+        stack.extend(roots.iter().rev().map(of_root));
+        while let Some((index, parent, world_from_parent, depth)) = stack.pop() {
             let json = property::entry(&self.root, "nodes", index)?;
             let place = || self.place("nodes", index);
             if std::mem::replace(&mut visited[index], true) {
@@ -106,11 +109,12 @@ impl Document {
             };
             placed.push(PlacedNode {
                 index,
+                parent,
                 world_from_node,
             });
             for child in property::list(json, "children").at(place)?.iter().rev() {
                 let child = property::list_index("children", child).at(place)?;
-                stack.push((child, world_from_node, depth + 1));
+                stack.push((child, Some(index), world_from_node, depth + 1));
             }
         }
         Ok(placed)

@@ -5,6 +5,7 @@ use glam::{DMat4, DVec3};
 use super::Document;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::property;
+use super::roles::Role;
 
 /// The most parts a file may have.
 pub(crate) const MAX_PARTS: u64 = 1 << 20;
@@ -28,8 +29,8 @@ pub(crate) struct Part {
     pub(crate) primitive: usize,
     /// From the primitive's own space to world space.
     pub(crate) world_from_local: DMat4,
-    /// Whether its triangles are leaves.
-    pub(crate) is_foliage: bool,
+    /// What it is.
+    pub(crate) role: Role,
 }
 
 impl Part {
@@ -47,14 +48,16 @@ impl Part {
 }
 
 impl Document {
-    /// The parts of the scene in depth-first order of the nodes, instance by
-    /// instance, primitive by primitive; none is foliage yet. Their number and
+    /// The parts of the scene, without those of coarser levels, in depth-first order of the nodes, instance by
+    /// instance, primitive by primitive; all are taken for wood yet. Their number and
     /// that of their triangles are within the limits.
     pub(crate) fn parts(&self) -> Result<Vec<Part>, Fault> {
         let mut parts = Vec::new();
         let mut budget = self.budget;
         let mut triangles = 0u64;
-        for node in self.placed_nodes()? {
+        let levels = self.levels_inside()?;
+        let placed = self.placed_nodes()?.into_iter();
+        for node in placed.filter(|node| !levels.nodes.contains(&node.index)) {
             let json = property::entry(&self.root, "nodes", node.index)?;
             let place = || self.place("nodes", node.index);
             let Some(mesh) = property::index(json, "mesh").at(place)? else {
@@ -105,7 +108,7 @@ impl Document {
                     mesh,
                     primitive,
                     world_from_local,
-                    is_foliage: false,
+                    role: Role::Wood,
                 }));
             }
         }

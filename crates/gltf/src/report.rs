@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
+use super::error::Fault;
 use super::evidence::{Reason, strongest_first};
 use super::inspection::{FoliageReport, PrimitiveReport, Spread, TakenFor};
 use super::parts::Part;
+use super::roles::Role;
 use super::survey::{Group, Survey};
 use super::{Document, Inspection, Selector};
 use secateur_model::{AlphaMode, Foliage};
@@ -34,7 +36,7 @@ pub(crate) fn primitives(
 ) {
     let mut foliage_placements = vec![0usize; survey.groups.len()];
     for (part, &group) in parts.iter().zip(&survey.group_of_part) {
-        foliage_placements[group] += usize::from(part.is_foliage);
+        foliage_placements[group] += usize::from(part.role == Role::Leaf);
     }
     let groups = survey.groups.iter().zip(reasons).zip(foliage_placements);
     for ((group, mut reasons), as_foliage) in groups {
@@ -91,7 +93,39 @@ fn described(document: &Document, group: &Group) -> PrimitiveReport {
     }
 }
 
-/// Measures everything that is drawn.
+/// Reports what is not the plant.
+pub(crate) fn others(
+    inspection: &mut Inspection,
+    document: &Document,
+    others: &[Part],
+) -> Result<(), Fault> {
+    if others.is_empty() {
+        return Ok(());
+    }
+    let mut budget = document.budget;
+    let survey = document.survey(others, &mut budget)?;
+    for (number, group) in survey.groups.iter().enumerate() {
+        let of_group = others.iter().zip(&survey.group_of_part);
+        let mut reasons: Vec<Reason> = Vec::new();
+        for (part, _) in of_group.filter(|(_, of)| **of == number) {
+            if let Role::NotPlant(why) = part.role {
+                let reason = Reason::of_role(why.reason());
+                if !reasons.contains(&reason) {
+                    reasons.push(reason);
+                }
+            }
+        }
+        inspection.primitives.push(PrimitiveReport {
+            taken_for: TakenFor::NotPlant,
+            reasons,
+            ..described(document, group)
+        });
+    }
+    inspection.notes.extend(document.note_of_others(others));
+    Ok(())
+}
+
+/// Measures everything of the plant that is drawn.
 pub(crate) fn extents(inspection: &mut Inspection, survey: &Survey, parts: &[Part]) {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;

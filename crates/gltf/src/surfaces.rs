@@ -12,6 +12,7 @@ use super::judged::Judged;
 use super::material::{TextureUse, base_color_texture};
 use super::parts::{Part, check_limit};
 use super::picture::Pictures;
+use super::roles::Role;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
 use secateur_model::{Finish, Hold, Material, Mips, NormalMap, Surface, Texture};
@@ -111,7 +112,7 @@ impl Document {
         images
     }
 
-    /// Everything that is drawn, as textured triangles in world space: a
+    /// Everything of the plant, as textured triangles in world space: a
     /// surface for each primitive, all its instances in it, with whether it is
     /// foliage (as the selectors say or the evidence shows; nothing is, where
     /// it can't be told).
@@ -157,7 +158,7 @@ impl Document {
                 mut pictures,
                 verdicts,
                 ..
-            } = self.judged()?;
+            } = self.judged(selectors)?;
             // Without foliage a tree can still be looked at.
             let _ = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
             self.surfaces_of(&parts, &survey, &mut pictures, detail)
@@ -171,9 +172,20 @@ impl Document {
     /// As [`Document::surfaces`].
     pub fn drawn_as_one(&self, detail: Detail) -> Result<Vec<DrawnSurface>, GltfError> {
         let read = || -> Result<_, Fault> {
-            let parts = self.parts()?;
-            let mut budget = self.budget;
-            let survey = self.survey(&parts, &mut budget)?;
+            let sorted = self.sorted_parts(&[])?;
+            let mut pictures = Pictures::new(self, sorted.budget);
+            self.surfaces_of(&sorted.plant, &sorted.survey, &mut pictures, detail)
+        };
+        read().map_err(|fault| self.error(fault))
+    }
+
+    /// As [`Document::drawn_as_one`], of a scene that may be anything: ground is drawn too.
+    ///
+    /// # Errors
+    /// As [`Document::surfaces`].
+    pub fn drawn_scene(&self, detail: Detail) -> Result<Vec<DrawnSurface>, GltfError> {
+        let read = || -> Result<_, Fault> {
+            let (parts, survey, budget) = self.scene_parts()?;
             let mut pictures = Pictures::new(self, budget);
             self.surfaces_of(&parts, &survey, &mut pictures, detail)
         };
@@ -215,8 +227,8 @@ impl Document {
             for is_foliage in [false, true] {
                 let placed = parts.iter().zip(&survey.group_of_part);
                 let mut surface = template.empty_surface();
-                for (part, _) in
-                    placed.filter(|(part, of)| **of == index && part.is_foliage == is_foliage)
+                for (part, _) in placed
+                    .filter(|(part, of)| **of == index && (part.role == Role::Leaf) == is_foliage)
                 {
                     template
                         .place(part, group, &mut surface)
@@ -337,7 +349,7 @@ pub(crate) fn texture_of(
 }
 
 impl Tree {
-    /// Everything that is drawn, as [`Document::surfaces`] with this tree's
+    /// Everything of the plant, as [`Document::surfaces`] with this tree's
     /// choice of foliage.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use super::levels_inside::LevelsInside;
 use super::parts::Part;
 use super::{Document, GltfError, Inspection, Selector};
 use secateur_model::{Foliage, Leaf, Memory};
@@ -11,8 +12,12 @@ use secateur_model::{Foliage, Leaf, Memory};
 #[derive(Debug)]
 pub struct Tree {
     pub(crate) document: Document,
-    /// Every drawn primitive, in traversal order.
+    /// Every drawn primitive of the plant, in traversal order.
     pub(crate) parts: Vec<Part>,
+    /// What is drawn and not the plant, likewise.
+    pub(crate) others: Vec<Part>,
+    /// The coarser levels that the file has, which are left out.
+    pub(crate) levels_inside: LevelsInside,
     pub(crate) foliage: Foliage,
     /// Where each leaf comes from, leaf 1 first.
     pub(crate) leaf_sources: Vec<LeafSource>,
@@ -88,7 +93,7 @@ impl Tree {
         self.inspection.wood_triangles
     }
 
-    /// All triangles, every instance counted.
+    /// All triangles of the plant, every instance counted.
     pub fn triangle_count(&self) -> u64 {
         self.leaf_triangle_count() + self.wood_triangle_count()
     }

@@ -6,7 +6,7 @@ use super::draft::Draft;
 use super::drop_unreferenced::drop_extension;
 use super::plant::png_bytes;
 use super::references::as_index;
-use crate::material::base_color_texture;
+use crate::material::{base_color_pointer, base_color_texture};
 use crate::surfaces::for_each_texture;
 use secateur_model::Texture;
 
@@ -29,12 +29,8 @@ pub(super) fn textures_of(root: &Value) -> impl Iterator<Item = &Value> {
 }
 
 pub(super) fn base_color_texture_mut(material: &mut Value) -> Option<&mut Value> {
-    const PLACES: [&str; 2] = [
-        "/pbrMetallicRoughness/baseColorTexture",
-        "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
-    ];
-    let place = usize::from(material.get("pbrMetallicRoughness").is_none());
-    material.pointer_mut(PLACES[place])
+    let place = base_color_pointer(material);
+    material.pointer_mut(place)
 }
 
 /// The images of a texture, in whatever format.

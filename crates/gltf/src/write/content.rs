@@ -10,10 +10,11 @@ use super::compact_vertices::drop_unused_vertices;
 use super::cutoffs::Cutoffs;
 use super::draft::Draft;
 use super::drop_unreferenced::{
-    References, drop_extension, drop_meshes, drop_unreferenced, remove_field,
+    References, drop_extension, drop_meshes, drop_unreferenced, remove_field, undrawn_meshes,
 };
 use super::leaf_edits::LeafEdits;
 use super::meshes::rewrite_meshes;
+use super::nodes::{drop_nodes, leave_out_levels};
 use super::packing::{PackProblem, ViewBytes, pack};
 use super::references::{items, len};
 use super::skeleton::rewrite_skeleton;
@@ -49,13 +50,21 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod, cutoffs: &Cutoffs) -> Result<C
     );
     let edits = LeafEdits::new(tree, lod);
     let mut draft = Draft::new(&tree.document);
+    draft
+        .notes
+        .extend(tree.document.note_of_others(&tree.others));
     let before = References::of(&mut draft.root);
-    let empty = rewrite_meshes(&mut draft, tree, &edits)?;
+    let left_out = leave_out_levels(&mut draft, tree);
+    let mut empty = rewrite_meshes(&mut draft, tree, &edits)?;
+    if !left_out.is_empty() {
+        empty.extend(undrawn_meshes(&mut draft));
+    }
     drop_meshes(&mut draft, &empty);
     rewrite_skeleton(&mut draft, tree, lod)?;
     drop_order(&mut draft, tree, lod);
     beyond_cards::clear(&mut draft, tree, lod, cutoffs)?;
     cutoffs.apply(&mut draft, tree);
+    drop_nodes(&mut draft.root, &left_out);
     drop_unused_vertices(&mut draft, &before)?;
     let triangles = count_triangles(tree, &edits)?;
     finished(draft, &before, triangles)

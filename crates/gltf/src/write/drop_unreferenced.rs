@@ -217,6 +217,18 @@ pub(super) fn drop_meshes(draft: &mut Draft, empty: &BTreeSet<usize>) {
     }
 }
 
+/// The meshes that were drawn in the file and are not any more.
+pub(super) fn undrawn_meshes(draft: &mut Draft) -> BTreeSet<usize> {
+    let count = len(&draft.document.root, "meshes");
+    let mut original = draft.document.root.clone();
+    let was_drawn = count_references(&mut original, count, visit_mesh_numbers);
+    let all = len(&draft.root, "meshes");
+    let is_drawn = count_references(&mut draft.root, all, visit_mesh_numbers);
+    (0..count.min(all))
+        .filter(|&mesh| was_drawn[mesh] > 0 && is_drawn[mesh] == 0)
+        .collect()
+}
+
 fn put_in_points(draft: &mut Draft, meshes: &BTreeSet<usize>) {
     const POINTS: u32 = 0;
     let zero = NewElements {

@@ -187,12 +187,16 @@ pub(super) struct Use {
 
 /// The places where each mesh is drawn, by mesh; those in file order.
 pub(super) fn uses_by_mesh(tree: &Tree) -> BTreeMap<usize, Vec<Use>> {
+    let mut holds_leaves = vec![false; tree.parts.len()];
+    for source in &tree.leaf_sources {
+        holds_leaves[source.part as usize] = true;
+    }
     let mut places: BTreeMap<(usize, usize, Option<usize>), Vec<usize>> = BTreeMap::new();
     for (number, part) in tree.parts.iter().enumerate() {
         let place = places
             .entry((part.mesh, part.node, part.instance))
             .or_default();
-        if part.is_foliage {
+        if holds_leaves[number] {
             place.push(number);
         }
     }

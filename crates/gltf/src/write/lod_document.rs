@@ -40,6 +40,7 @@ impl Tree {
             let mut document = Document::from_unpacked(&original.name, unpacked, folder)?;
             // Images keep their numbers.
             document.kept_images = Arc::clone(&original.kept_images);
+            document.selectors.clone_from(&original.selectors);
             Ok(document)
         };
         made().map_err(|fault| original.error(fault))

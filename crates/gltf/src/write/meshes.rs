@@ -21,7 +21,7 @@ pub(super) fn rewrite_meshes(
     tree: &Tree,
     edits: &LeafEdits,
 ) -> Result<BTreeSet<usize>, Fault> {
-    let drawn_by = nodes_by_mesh(&tree.document.root);
+    let drawn_by = nodes_by_mesh(&draft.root);
     let moved_by_others = animated_and_joint_nodes(&tree.document.root);
     let mut empty = BTreeSet::new();
     for (mesh, uses) in uses_by_mesh(tree) {

@@ -20,6 +20,7 @@ mod instances;
 mod leaf_edits;
 mod lod_document;
 mod meshes;
+mod nodes;
 mod packing;
 mod plant;
 mod primitive;

@@ -98,6 +98,83 @@ fn names_outweigh_shapes() {
     );
 }
 
+/// The points and the texts of what a primitive's names say.
+fn of_names(tree: &SmallTree, primitive: usize) -> Vec<(f64, String)> {
+    let inspection = tree.document().inspect(&[]);
+    let reasons = inspection.primitives[primitive].reasons.iter();
+    reasons
+        .filter(|reason| reason.text.contains("name"))
+        .map(|reason| (reason.points, reason.text.clone()))
+        .collect()
+}
+
+#[test]
+fn a_word_that_is_copied_counts_once() {
+    // Two meshes: else the mesh's name is that of all.
+    let two = |[material, mesh, node]: [&str; 3]| {
+        let tree = quads_and_box();
+        let boxed = tree.root["meshes"][0]["primitives"][1].clone();
+        let quads = tree.root["meshes"][0]["primitives"][0].clone();
+        tree.set("/materials", json!([{"name": material}, {}]))
+            .set(
+                "/meshes",
+                json!([{"name": mesh, "primitives": [quads]}, {"primitives": [boxed]}]),
+            )
+            .set("/nodes", json!([{"name": node, "mesh": 0}, {"mesh": 1}]))
+            .set("/scenes/0/nodes", json!([0, 1]))
+    };
+    let said = |names| of_names(&two(names), 0);
+    let once = [(-4.0, "material name `Tree_Bark` speaks of wood".to_owned())];
+    assert_eq!(said(["Tree_Bark", "Tree_Bark", "tree_bark.001"]), once);
+    // Another word is another witness.
+    let points = |names| {
+        said(names)
+            .iter()
+            .map(|(points, _)| *points)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(points(["Bark", "Trunk", "trunk.001"]), [-4.0, -3.0]);
+    assert_eq!(points(["Bark", "x", "Leaves"]), [-4.0, 2.0]);
+    assert_eq!(points(["x", "y", "Leaves"]), [2.0]);
+}
+
+#[test]
+fn branches_on_cut_out_cards_are_no_wood() {
+    let with = |name: &str, alpha: &str| {
+        let mut tree = quads_and_box();
+        let mut png = std::io::Cursor::new(Vec::new());
+        let half = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([90, 60, 30, 255 * x as u8]));
+        half.write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let view = tree.view(png.get_ref());
+        tree.append(
+            "images",
+            json!({"bufferView": view, "mimeType": "image/png"}),
+        );
+        tree.append("textures", json!({"source": 0}));
+        let pbr = json!({"baseColorTexture": {"index": 0}});
+        let cards = json!({"name": name, "alphaMode": alpha, "pbrMetallicRoughness": pbr});
+        tree.set("/materials", json!([cards, {"name": "x"}]))
+    };
+    assert_eq!(of_names(&with("Tree_Branches_01", "MASK"), 0), []);
+    assert_eq!(of_names(&with("twigs", "MASK"), 0), []);
+    assert_eq!(of_names(&with("Tree_Branches_01", "OPAQUE"), 0).len(), 1);
+    assert_eq!(of_names(&with("Bark", "MASK"), 0).len(), 1);
+}
+
+#[test]
+fn a_strangers_cards_of_branches_are_leaves() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
+    let path = std::path::Path::new(folder).join("branchcards2.glb");
+    if !path.is_file() {
+        eprintln!("SKIPPED: ../shared/cases/branchcards2.glb is not there");
+        return;
+    }
+    let inspection = secateur_gltf::Document::open(&path).unwrap().inspect(&[]);
+    let primitives = inspection.primitives.iter();
+    let taken: Vec<TakenFor> = primitives.take(2).map(|p| p.taken_for).collect();
+    assert_eq!(taken, [TakenFor::Wood, TakenFor::Foliage]);
+}
+
 #[test]
 fn a_selector_decides() {
     let tree = quads_and_box().set("/materials", json!([{"name": "oak_leaf"}, {}]));

@@ -8,6 +8,7 @@ mod encodings;
 mod links;
 mod placing;
 mod real_trees;
+mod roles;
 mod seeds;
 mod skeletons;
 mod small_tree;

@@ -255,3 +255,62 @@ fn normal_maps_are_read_when_asked_for_and_placed_as_the_colour() {
     let broken = alone.set("/materials/0/normalTexture/index", json!(7));
     assert_eq!(detailed(&broken).finish.normal_map, None);
 }
+
+/// A material of this extension whose base colour says nothing, with what the extension says.
+fn glossy(image: &[u8], pbr: Value, extension: Value) -> SmallTree {
+    textured(
+        image,
+        json!({"alphaMode": "MASK", "pbrMetallicRoughness": pbr}),
+    )
+    .set(
+        "/extensionsUsed",
+        json!(["KHR_materials_pbrSpecularGlossiness"]),
+    )
+    .set(
+        "/materials/0/extensions",
+        json!({"KHR_materials_pbrSpecularGlossiness": extension}),
+    )
+}
+
+#[test]
+fn the_diffuse_texture_and_factor_of_specular_glossiness_are_the_base_colour() {
+    let png = encoded(&row(&[100, 255]), ImageFormat::Png);
+    let diffuse = json!({"diffuseTexture": {"index": 0}, "diffuseFactor": [0.5, 1, 0.25, 1]});
+    for pbr in [
+        json!({"metallicFactor": 0}),
+        json!({"baseColorFactor": [1, 0, 0, 1]}),
+    ] {
+        let tree = glossy(&png, pbr, diffuse.clone());
+        assert_eq!(kept(&tree), Some(vec![false, true]));
+        let drawn = tree.document().surfaces(&[]).unwrap();
+        let material = &drawn[0].0.material;
+        assert_eq!(material.base_color, [0.5, 1.0, 0.25, 1.0]);
+        assert!(material.texture.is_some());
+        assert!(tree.document().images_of_material(0)[0].is_base_color);
+        let inspection = tree.document().inspect(&[]);
+        let reasons = inspection.primitives[0].reasons.iter();
+        let texts: Vec<&str> = reasons.map(|reason| reason.text.as_str()).collect();
+        assert!(
+            texts.contains(&"its texture cuts out 50 % of its texels"),
+            "{texts:?}"
+        );
+        assert!(texts.contains(&"its colour is green"), "{texts:?}");
+    }
+    // The factor alone, which hides everything; and a material that has a texture for both.
+    let faint = glossy(&png, json!({}), json!({"diffuseFactor": [1, 1, 1, 0.4]}));
+    assert_eq!(kept(&faint), Some(vec![false]));
+    let base = json!({"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 1, 0.4]});
+    assert_eq!(kept(&glossy(&png, base, diffuse)), Some(vec![false, false]));
+}
+
+#[test]
+fn a_strangers_diffuse_textures_are_read() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
+    let path = std::path::Path::new(folder).join("specgloss.glb");
+    if !path.is_file() {
+        eprintln!("SKIPPED: ../shared/cases/specgloss.glb is not there");
+        return;
+    }
+    let tree = secateur_gltf::Tree::open(&path, &[]).unwrap();
+    assert_eq!(tree.foliage().cutouts().len(), 1);
+}

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use secateur::{Document, Foliage, Memory, Options, Problem, Views, scene_views};
+use secateur::{Detail, Document, Foliage, Memory, Options, Problem, Views, scene_views};
 use secateur_scene::chain::SceneLook;
 use serde_json::{Value, json};
 
@@ -75,8 +75,8 @@ impl Surroundings {
     ) -> Result<Option<SceneLook>, Failure> {
         let mut obstacles = Vec::new();
         for path in args.files() {
-            let drawn = Document::open_within(path, memory)?.surfaces(&[])?;
-            obstacles.extend(drawn.into_iter().map(|(surface, _)| surface));
+            let drawn = Document::open_within(path, memory)?.drawn_scene(Detail::Color)?;
+            obstacles.extend(drawn.into_iter().map(|drawn| drawn.surface));
         }
         let cameras = match &self.views {
             Some(Views::Cameras(cameras)) => Some(cameras.clone()),

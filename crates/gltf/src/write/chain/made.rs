@@ -9,6 +9,7 @@ use super::super::draft::{Draft, NewElements, Role};
 use super::super::drop_unreferenced::References;
 use super::super::plant::{LINEAR, LINEAR_MIPMAP_LINEAR, png_bytes, wrap_code};
 use super::Level;
+use super::placement::move_node;
 use super::vertices::push_indices;
 use crate::Document;
 use crate::accessor::{Component, Shape};
@@ -16,11 +17,16 @@ use crate::container::glb_bytes;
 use crate::error::{Fault, Problem};
 use secateur_model::{AlphaMode, Material, Mips, Surface, Texture};
 
-/// The node of a level that is made of this surface.
-pub(super) fn push_node(draft: &mut Draft, level: &Level, surface: &Surface) -> usize {
+/// The node of a level that is made of this surface, its mesh about this point of the scene.
+pub(super) fn push_node(
+    draft: &mut Draft,
+    level: &Level,
+    surface: &Surface,
+    pivot: DVec3,
+) -> usize {
     let mut node = json!({"name": level.name});
     if !surface.triangles.is_empty() {
-        node["mesh"] = push_mesh(draft, &level.name, surface).into();
+        node["mesh"] = push_mesh(draft, &level.name, surface, pivot).into();
     }
     if !level.facts.is_empty() {
         node["extras"] = level.facts.clone().into();
@@ -28,11 +34,12 @@ pub(super) fn push_node(draft: &mut Draft, level: &Level, surface: &Surface) -> 
     draft.push("nodes", node)
 }
 
-/// A file with nothing but such a level; who made the tree is said in it too.
+/// A file with nothing but such a level, which stands there; who made the tree is said in it too.
 pub(super) fn alone(
     document: &Document,
     level: &Level,
     surface: &Surface,
+    pivot: DVec3,
 ) -> Result<Content, Fault> {
     let asset = document.root.get("asset").cloned();
     let asset = asset.unwrap_or_else(|| json!({"version": "2.0"}));
@@ -43,14 +50,18 @@ pub(super) fn alone(
     let empty = empty.unwrap_or_else(|error| unreachable!("a scene of nothing is read: {error}"));
     let mut draft = Draft::new(&empty);
     let before = References::of(&mut draft.root);
-    let node = push_node(&mut draft, level, surface);
+    let node = push_node(&mut draft, level, surface, pivot);
+    move_node(&mut draft.root["nodes"][node], pivot);
     draft.root["scenes"][0]["nodes"] = json!([node]);
     finished(draft, &before, surface.triangles.len() as u64)
 }
 
-fn push_mesh(draft: &mut Draft, name: &str, surface: &Surface) -> usize {
+fn push_mesh(draft: &mut Draft, name: &str, surface: &Surface, pivot: DVec3) -> usize {
     let mut attributes = Map::new();
-    let positions = surface.positions.iter().map(|p| p.as_vec3().to_array());
+    let positions = surface
+        .positions
+        .iter()
+        .map(|p| (p - pivot).as_vec3().to_array());
     let bounded = true;
     let accessor = push_floats(draft, positions.collect(), bounded);
     attributes.insert("POSITION".into(), accessor.into());

@@ -12,12 +12,14 @@ mod merged;
 mod node_trees;
 mod on_disk;
 mod one_mesh;
+mod others;
+mod placement;
 mod plan;
 mod retexture;
 mod scene;
 mod vertices;
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use serde_json::{Map, Value};
@@ -26,9 +28,9 @@ pub use on_disk::{PreparedChain, WrittenChain};
 
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;
-use super::drop_unreferenced::{References, drop_meshes};
+use super::drop_unreferenced::{References, drop_meshes, undrawn_meshes};
 use super::leaf_edits::LeafEdits;
-use super::references::{count_references, len, visit_mesh_numbers};
+use super::nodes::leave_out_levels;
 use super::skeleton::{drop_skeleton, rewrite_skeleton};
 use crate::chain_problem::{ChainProblem, MAX_LEVELS};
 use crate::container::glb_bytes;
@@ -153,9 +155,10 @@ pub struct ChainFile {
 impl Tree {
     /// The levels of a chain, finest first, as GLB files.
     ///
-    /// Every level is a node without transform with one mesh, whose primitives
-    /// are wood and leaves; the transforms of the tree's nodes are put into the
-    /// vertices. Where that cannot be, since the tree is animated, instanced or
+    /// Every level is a node with one mesh, whose primitives are wood and leaves;
+    /// the transforms of the tree's nodes are put into the vertices, but for the
+    /// place of a tree that stands in one root: the node of a level, or of all
+    /// siblings, stands there too, and its mesh is about the tree's own pivot. Where that cannot be, since the tree is animated, instanced or
     /// has several skins, a level is a node that holds a copy of the node tree,
     /// and a note says so. Materials, textures, images and skins are there once
     /// for each file. The facts of a level are in its node's `extras`, with the
@@ -196,8 +199,8 @@ impl Tree {
                 .collect(),
             Layout::Siblings | Layout::Msft => vec![(name, levels)],
         };
-        for (file, levels) in of_files {
-            let content = content(self, name, levels, layout).map_err(failed)?;
+        for (number, (file, levels)) in of_files.into_iter().enumerate() {
+            let content = content(self, name, levels, layout, number == 0).map_err(failed)?;
             chain.notes.extend(content.notes);
             let glb = glb_bytes(&content.root, content.buffer);
             chain.files.push(ChainFile {
@@ -238,8 +241,14 @@ fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProble
     Ok(())
 }
 
-/// The content of one file.
-fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<Content, Fault> {
+/// The content of one file, with what is not the plant or without.
+fn content(
+    tree: &Tree,
+    name: &str,
+    levels: &[Level],
+    layout: Layout,
+    with_others: bool,
+) -> Result<Content, Fault> {
     for level in levels {
         let LevelContent::Tree(lod) = level.content else {
             continue;
@@ -253,12 +262,20 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
     if let [level] = levels
         && let LevelContent::Surface(surface) = level.content
     {
-        return made::alone(&tree.document, level, surface);
+        let pivot = placement::placement(tree);
+        return made::alone(&tree.document, level, surface, pivot);
     }
     let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);
-    let nodes = match plan::one_mesh(tree) {
-        Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan)?,
+    draft
+        .notes
+        .extend(tree.document.note_of_others(&tree.others));
+    let mut left_out = leave_out_levels(&mut draft, tree);
+    if !with_others {
+        left_out.extend(others::leave_out(&mut draft, tree));
+    }
+    let mut nodes = match plan::one_mesh(tree) {
+        Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan, with_others)?,
         Err(obstacle) => {
             draft.notes.push(format!(
                 "the levels keep the node tree of the file instead of one mesh each: {obstacle}"
@@ -266,6 +283,7 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
             node_trees::build(&mut draft, tree, levels)?
         }
     };
+    nodes.needless.extend(left_out);
     let copies = cards_apart::clear_levels(&mut draft, tree, levels, &nodes.levels)?;
     retexture::retexture(&mut draft, levels, &nodes.levels, &copies);
     scene::arrange(&mut draft, name, levels, layout, nodes);
@@ -288,15 +306,4 @@ fn content(tree: &Tree, name: &str, levels: &[Level], layout: Layout) -> Result<
 fn drop_undrawn_meshes(draft: &mut Draft) {
     let undrawn = undrawn_meshes(draft);
     drop_meshes(draft, &undrawn);
-}
-
-fn undrawn_meshes(draft: &mut Draft) -> BTreeSet<usize> {
-    let count = len(&draft.document.root, "meshes");
-    let mut original = draft.document.root.clone();
-    let was_drawn = count_references(&mut original, count, visit_mesh_numbers);
-    let all = len(&draft.root, "meshes");
-    let is_drawn = count_references(&mut draft.root, all, visit_mesh_numbers);
-    (0..count.min(all))
-        .filter(|&mesh| was_drawn[mesh] > 0 && is_drawn[mesh] == 0)
-        .collect()
 }

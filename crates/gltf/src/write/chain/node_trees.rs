@@ -1,7 +1,7 @@
 //! Levels that keep the node tree: what cannot be put into one mesh stays as it
 //! was, and every level has its own copy of the nodes that draw.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use serde_json::{Value, json};
 
@@ -10,30 +10,37 @@ use super::super::leaf_edits::LeafEdits;
 use super::super::meshes::rewrite_meshes;
 use super::super::references::{as_index, items, len};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
+use super::placement::{move_node, placement};
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::{Level, LevelContent, made};
 use crate::error::Fault;
+use crate::roles::nodes_without_plant;
 use crate::tree::Tree;
 
 /// Makes a node of every level: the finest has the nodes of the file, the others
 /// have copies. Skeletons stay where they are, and all levels move with them.
 pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<LevelNodes, Fault> {
-    let original = |list: &str| tree.document.root.get(list).cloned();
+    let originals = draft.root.clone();
+    let original = |list: &str| originals.get(list).cloned();
+    let no_plant: HashSet<usize> = nodes_without_plant(&tree.parts, &tree.others)
+        .into_iter()
+        .collect();
     let (drawing, still): (Vec<usize>, Vec<usize>) = scene_roots(&draft.root)
         .into_iter()
-        .partition(|&root| draws(&draft.root, root));
+        .partition(|&root| draws(&draft.root, root, &no_plant));
     let joints = animated_and_joint_nodes(&draft.root);
     let (with_tree, others) = still
         .into_iter()
         .partition(|&root| holds_any(&draft.root, root, &joints));
     let animations = original("animations").unwrap_or_default();
+    let pivot = placement(tree);
     let mut lists: Option<[Value; 2]> = None;
     let mut level_nodes = Vec::new();
     for level in levels {
         let lod = match level.content {
             LevelContent::Tree(lod) => lod,
             LevelContent::Surface(surface) => {
-                level_nodes.push(made::push_node(draft, level, surface));
+                level_nodes.push(made::push_node(draft, level, surface, pivot));
                 if let Some(lists) = &mut lists {
                     *lists = ["nodes", "meshes"].map(|list| draft.root[list].clone());
                 }
@@ -55,6 +62,7 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
                 (draft.root["nodes"], draft.root["meshes"]) = (nodes, meshes);
                 let mut copy = Copy {
                     of_level,
+                    no_plant: &no_plant,
                     nodes: BTreeMap::new(),
                     meshes: BTreeMap::new(),
                 };
@@ -66,6 +74,9 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
                 copied
             }
         };
+        for &child in &children {
+            move_node(&mut draft.root["nodes"][child], -pivot);
+        }
         let mut node = json!({"name": level.name});
         if !children.is_empty() {
             node["children"] = children.into();
@@ -80,15 +91,16 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
         levels: level_nodes,
         with_tree,
         others,
+        placement: pivot,
         needless: BTreeSet::new(),
     })
 }
 
-/// Whether a node, or one below it, draws something.
-fn draws(root: &Value, node: usize) -> bool {
+/// Whether a node, or one below it, draws something of the plant.
+fn draws(root: &Value, node: usize, no_plant: &HashSet<usize>) -> bool {
     let mut left = vec![node];
     while let Some(node) = left.pop() {
-        if root["nodes"][node].get("mesh").is_some() {
+        if root["nodes"][node].get("mesh").is_some() && !no_plant.contains(&node) {
             return true;
         }
         left.extend(children(root, node));
@@ -97,20 +109,27 @@ fn draws(root: &Value, node: usize) -> bool {
 }
 
 /// The nodes of a coarser level, as they are copied.
-struct Copy {
+struct Copy<'o> {
     /// The lists of nodes and of meshes that the level would have by itself.
     of_level: [Value; 2],
+    /// Nodes that draw nothing of the plant: there is no copy of what they draw.
+    no_plant: &'o HashSet<usize>,
     /// The copies of nodes.
     nodes: BTreeMap<usize, usize>,
     /// The numbers of meshes in the chain.
     meshes: BTreeMap<usize, usize>,
 }
 
-impl Copy {
+impl Copy<'_> {
     /// Copies a node with all below it that draws, or nothing where that is
     /// nothing.
     fn node(&mut self, draft: &mut Draft, node: usize) -> Option<usize> {
         let mut copy = self.of_level[0][node].clone();
+        if self.no_plant.contains(&node)
+            && let Some(fields) = copy.as_object_mut()
+        {
+            fields.shift_remove("mesh");
+        }
         let below = copy.get("children").and_then(Value::as_array).cloned();
         let below: Vec<usize> = below
             .into_iter()

@@ -9,6 +9,7 @@ use super::{Layout, Level};
 use crate::Document;
 use crate::error::{GltfError, Problem};
 use crate::inspection::Inspection;
+use crate::levels_inside::LevelsInside;
 use crate::tree::Tree;
 use crate::write_problem::WriteProblem;
 use secateur_model::{Foliage, Lod};
@@ -156,6 +157,8 @@ impl Tree {
         Ok(Tree {
             document,
             parts,
+            others: Vec::new(),
+            levels_inside: LevelsInside::default(),
             foliage: Foliage::new(Vec::new()),
             leaf_sources: Vec::new(),
             leaf_triangles: Vec::new(),

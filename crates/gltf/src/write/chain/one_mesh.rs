@@ -1,32 +1,37 @@
-//! Levels of one mesh each, whose vertices are in the space of the scene.
+//! Levels of one mesh each, whose vertices are in the space of the scene, about the plant's pivot.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use glam::DMat4;
+use glam::{DMat4, DVec3};
 use serde_json::{Map, Value, json};
 
 use super::super::compact_vertices::compact;
 use super::super::draft::{Draft, NewElements, Role};
 use super::super::leaf_edits::LeafEdits;
+use super::super::nodes::{take_away, unlink};
 use super::super::primitive::rewrite_primitive;
 use super::super::references::{as_index, items, knows_all_extensions};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
 use super::merged::{LevelPrimitive, merged};
+use super::placement::placement;
 use super::plan::OneMesh;
-use super::scene::{LevelNodes, children, holds_any, scene_roots, unlink};
+use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::vertices::Baker;
-use super::{Level, LevelContent, made};
+use super::{Level, LevelContent, made, others};
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
+use crate::parts::Part;
+use crate::roles;
 use crate::tree::Tree;
 
 /// Makes a mesh and a node of every level and takes away the nodes that drew the
-/// tree.
+/// tree, but for what they drew beside the plant, where that is wanted.
 pub(super) fn build(
     draft: &mut Draft,
     tree: &Tree,
     levels: &[Level],
     plan: &OneMesh,
+    with_others: bool,
 ) -> Result<LevelNodes, Fault> {
     let edits: Vec<Option<LeafEdits>> = levels
         .iter()
@@ -36,7 +41,8 @@ pub(super) fn build(
         })
         .collect();
     let shrunk = lists_that_shrink(tree, &edits);
-    let kept_extras = extras_of_nodes(tree, plan);
+    let kept_extras = extras_of_nodes(&draft.root, tree, plan);
+    let pivot = placement(tree);
     let mut baker = Baker::default();
     let mut meshes = Vec::new();
     for (level, edits) in levels.iter().zip(&edits) {
@@ -49,7 +55,7 @@ pub(super) fn build(
             let place = tree.document.primitive_place(part.mesh, part.primitive);
             let matrix = match plan.skin {
                 Some(_) => DMat4::IDENTITY,
-                None => part.world_from_local,
+                None => pivot_from_local(pivot, part),
             };
             let mut primitive = tree.document.primitive(part.mesh, part.primitive)?.clone();
             if edits.is_changed(number) {
@@ -69,18 +75,18 @@ pub(super) fn build(
             baker.bake(draft, &mut primitive, matrix, &place)?;
             primitives.push(LevelPrimitive {
                 json: primitive,
-                is_foliage: part.is_foliage,
+                is_foliage: part.role == roles::Role::Leaf,
             });
         }
         let primitives = merged(draft, primitives)?;
         meshes.push(mesh_json(level, plan, primitives));
     }
-    note_changes(draft, tree, plan, &baker);
+    note_changes(draft, tree, plan, pivot, &baker);
 
     let mut nodes = Vec::new();
     for (level, mesh) in levels.iter().zip(meshes) {
         if let LevelContent::Surface(surface) = level.content {
-            nodes.push(made::push_node(draft, level, surface));
+            nodes.push(made::push_node(draft, level, surface, pivot));
             continue;
         }
         let mut node = json!({"name": level.name});
@@ -100,7 +106,12 @@ pub(super) fn build(
         nodes.push(draft.push("nodes", node));
     }
     let joints = animated_and_joint_nodes(&draft.root);
-    plan.drawn.iter().for_each(|&node| take_away(draft, node));
+    for &node in &plan.drawn {
+        take_away(draft, node);
+        if with_others {
+            others::put_back(draft, tree, node);
+        }
+    }
     let roots = scene_roots(&draft.root);
     let needless = needless_nodes(&draft.root, &roots, &plan.drawn, &joints);
     let roots: Vec<usize> = roots
@@ -114,8 +125,17 @@ pub(super) fn build(
         levels: nodes,
         with_tree,
         others,
+        placement: pivot,
         needless,
     })
+}
+
+/// From a part's own space to that of its level.
+fn pivot_from_local(pivot: DVec3, part: &Part) -> DMat4 {
+    match pivot == DVec3::ZERO {
+        true => part.world_from_local,
+        false => DMat4::from_translation(-pivot) * part.world_from_local,
+    }
 }
 
 fn position_of(primitive: &Value) -> Option<usize> {
@@ -178,10 +198,10 @@ fn mesh_json(level: &Level, plan: &OneMesh, primitives: Vec<Value>) -> Option<Va
 }
 
 /// What the nodes that go say in their extras: name, pivot in the scene, extras.
-fn extras_of_nodes(tree: &Tree, plan: &OneMesh) -> Vec<Value> {
-    let root = &tree.document.root;
+fn extras_of_nodes(root: &Value, tree: &Tree, plan: &OneMesh) -> Vec<Value> {
     let mut kept = Vec::new();
-    for placed in tree.document.placed_nodes().into_iter().flatten() {
+    let placed = tree.document.placed_nodes().into_iter().flatten();
+    for placed in placed.filter(|placed| !tree.levels_inside.nodes.contains(&placed.index)) {
         let node = &root["nodes"][placed.index];
         let mesh = node.get("mesh").and_then(as_index);
         let mesh_extras = mesh.and_then(|mesh| root["meshes"][mesh].get("extras"));
@@ -204,12 +224,12 @@ fn extras_of_nodes(tree: &Tree, plan: &OneMesh) -> Vec<Value> {
     kept
 }
 
-fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, baker: &Baker) {
+fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, pivot: DVec3, baker: &Baker) {
     if plan.skin.is_none() {
         let mut moved: BTreeSet<usize> = BTreeSet::new();
         let mut drawn_by: HashMap<usize, BTreeSet<usize>> = HashMap::new();
         for part in &tree.parts {
-            if part.world_from_local != DMat4::IDENTITY {
+            if pivot_from_local(pivot, part) != DMat4::IDENTITY {
                 moved.insert(part.node);
             }
             drawn_by.entry(part.mesh).or_default().insert(part.node);
@@ -234,23 +254,9 @@ fn note_changes(draft: &mut Draft, tree: &Tree, plan: &OneMesh, baker: &Baker) {
     }
 }
 
-/// Leaves a node in its place, drawing nothing, without levels of its own.
-fn take_away(draft: &mut Draft, node: usize) {
-    draft.take_mesh_away(node);
-    let fields = &mut draft.root["nodes"][node];
-    if let Some(extensions) = fields.get_mut("extensions").and_then(Value::as_object_mut) {
-        extensions.shift_remove("MSFT_lod");
-        if extensions.is_empty()
-            && let Some(fields) = fields.as_object_mut()
-        {
-            fields.shift_remove("extensions");
-        }
-    }
-}
-
 /// The nodes below these roots that drew the tree, or held only such, and have
 /// nothing else to do.
-fn needless_nodes(
+pub(super) fn needless_nodes(
     root: &Value,
     roots: &[usize],
     drawn: &[usize],

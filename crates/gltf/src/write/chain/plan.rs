@@ -87,7 +87,8 @@ pub(super) fn one_mesh(tree: &Tree) -> Result<OneMesh, Obstacle> {
     })
 }
 
-fn parents(root: &Value) -> BTreeMap<usize, usize> {
+/// The parent of each node that has one.
+pub(super) fn parents(root: &Value) -> BTreeMap<usize, usize> {
     let mut parents = BTreeMap::new();
     let nodes = root.get("nodes").and_then(Value::as_array);
     for (number, node) in nodes.into_iter().flatten().enumerate() {

@@ -2,14 +2,14 @@
 
 use std::collections::{BTreeSet, HashSet};
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::super::draft::Draft;
-use super::super::drop_unreferenced::remove_field;
-use super::super::references::{as_index, items, knows_all_extensions, len, visit_node_numbers};
+use super::super::nodes::{LEVELS_EXTENSION, drop_nodes};
+use super::super::references::{as_index, len};
+use super::placement::move_node;
 use super::{Layout, Level};
-
-pub(super) const EXTENSION: &str = "MSFT_lod";
 
 /// The nodes of a chain before it is put into the scene.
 pub(super) struct LevelNodes {
@@ -19,6 +19,8 @@ pub(super) struct LevelNodes {
     pub(super) with_tree: Vec<usize>,
     /// Other roots of the scene.
     pub(super) others: Vec<usize>,
+    /// Where the plant stands, in the scene: the levels' meshes are about this.
+    pub(super) placement: DVec3,
     /// Nodes that nothing needs any more.
     pub(super) needless: BTreeSet<usize>,
 }
@@ -31,6 +33,12 @@ pub(super) fn arrange(
     layout: Layout,
     nodes: LevelNodes,
 ) {
+    // What else moves with siblings stands where it stood.
+    if layout != Layout::Siblings || !nodes.with_tree.is_empty() {
+        for &node in &nodes.levels {
+            move_node(&mut draft.root["nodes"][node], nodes.placement);
+        }
+    }
     let mut roots = Vec::new();
     match layout {
         Layout::Siblings => {
@@ -40,7 +48,11 @@ pub(super) fn arrange(
                 .chain(&nodes.with_tree)
                 .copied()
                 .collect();
-            roots.push(draft.push("nodes", json!({"name": name, "children": children})));
+            let mut parent = json!({"name": name, "children": children});
+            if nodes.with_tree.is_empty() {
+                move_node(&mut parent, nodes.placement);
+            }
+            roots.push(draft.push("nodes", parent));
         }
         Layout::Msft | Layout::Files => {
             roots.push(nodes.levels[0]);
@@ -65,11 +77,11 @@ fn link_levels(root: &mut Value, levels: &[Level], nodes: &[usize]) {
         finest["extras"] = Map::new().into();
     }
     finest["extras"]["MSFT_screencoverage"] = coverages.into();
-    finest["extensions"][EXTENSION] = json!({"ids": nodes[1..]});
+    finest["extensions"][LEVELS_EXTENSION] = json!({"ids": nodes[1..]});
     match root.get_mut("extensionsUsed").and_then(Value::as_array_mut) {
-        Some(names) if names.iter().any(|name| name == EXTENSION) => {}
-        Some(names) => names.push(EXTENSION.into()),
-        None => root["extensionsUsed"] = json!([EXTENSION]),
+        Some(names) if names.iter().any(|name| name == LEVELS_EXTENSION) => {}
+        Some(names) => names.push(LEVELS_EXTENSION.into()),
+        None => root["extensionsUsed"] = json!([LEVELS_EXTENSION]),
     }
 }
 
@@ -121,40 +133,4 @@ pub(super) fn holds_any(root: &Value, node: usize, wanted: &HashSet<usize>) -> b
         left.extend(children(root, node));
     }
     false
-}
-
-/// Takes nodes from the lists of their parents and scenes.
-pub(super) fn unlink(draft: &mut Draft, gone: &BTreeSet<usize>) {
-    let is_gone = |number: &Value| as_index(number).is_some_and(|node| gone.contains(&node));
-    for (list, members) in [("nodes", "children"), ("scenes", "nodes")] {
-        for holder in items(&mut draft.root, list) {
-            let Some(numbers) = holder.get_mut(members).and_then(Value::as_array_mut) else {
-                continue;
-            };
-            numbers.retain(|number| !is_gone(number));
-            if numbers.is_empty() {
-                remove_field(holder, members);
-            }
-        }
-    }
-}
-
-/// Drops nodes that nothing names. Nodes behind them move up, unless an
-/// extension that is not known might name one: then an empty node keeps the place.
-fn drop_nodes(root: &mut Value, gone: &BTreeSet<usize>) {
-    if !knows_all_extensions(root) {
-        for &node in gone {
-            root["nodes"][node] = json!({});
-        }
-        return;
-    }
-    visit_node_numbers(root, &mut |number| {
-        if let Some(node) = as_index(number) {
-            *number = (node - gone.range(..node).count()).into();
-        }
-    });
-    if let Some(nodes) = root.get_mut("nodes").and_then(Value::as_array_mut) {
-        let mut number = 0..;
-        nodes.retain(|_| number.next().is_some_and(|node| !gone.contains(&node)));
-    }
 }

@@ -8,6 +8,7 @@ use serde_json::Value;
 use crate::Tree;
 use crate::accessor::{Component, Elements};
 use crate::parts::Part;
+use crate::roles::Role;
 use secateur_model::{LeafId, LeafTriangle, Lod};
 
 /// Checks a LOD that was written and read back against the tree it is from:
@@ -171,7 +172,7 @@ fn attributes(primitive: &Value) -> Vec<(usize, String, usize)> {
 /// Wood keeps its transform and every attribute of every corner.
 fn check_wood(before: &Tree, after: &Tree) {
     let wood = |tree: &'_ Tree| -> Vec<Part> {
-        let parts = tree.parts.iter().filter(|part| !part.is_foliage);
+        let parts = tree.parts.iter().filter(|part| part.role == Role::Wood);
         parts.cloned().collect()
     };
     let (old, new) = (wood(before), wood(after));

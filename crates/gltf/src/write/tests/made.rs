@@ -342,7 +342,11 @@ fn vertices_of_what_is_made_of_old_corners_keep_their_skin() {
     });
     let after = read(tree.lod_to_bytes(&lod).unwrap());
     let vertices = |tree: &Tree| -> Vec<[Vec<u8>; 3]> {
-        let part = tree.parts.iter().find(|part| part.is_foliage).unwrap();
+        let part = tree
+            .parts
+            .iter()
+            .find(|part| part.role == crate::roles::Role::Leaf)
+            .unwrap();
         let document = &tree.document;
         let primitive = document.primitive(part.mesh, part.primitive).unwrap();
         let of = |name: &str| {

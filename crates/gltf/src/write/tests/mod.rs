@@ -17,6 +17,7 @@ mod fixture;
 mod grown;
 mod images;
 mod left_on_disk;
+mod levels_inside;
 mod lod_document;
 mod made;
 mod on_disk;

@@ -9,8 +9,14 @@ fn a_mirror_turns_triangles_normals_tangents_and_morphs() {
     let tree = fixture.tree();
     let chain = chain(&tree, Layout::Files);
     let level = document(&chain, 0);
-    let foliage = tree.parts.iter().find(|part| part.is_foliage).unwrap();
-    let world_from_local: DMat4 = foliage.world_from_local;
+    let foliage = tree
+        .parts
+        .iter()
+        .find(|part| part.role == crate::roles::Role::Leaf)
+        .unwrap();
+    // The mesh of a level is about the place of the root, which its node has.
+    let pivot = DVec3::new(1.0, 2.0, 3.0);
+    let level_from_local = DMat4::from_translation(-pivot) * foliage.world_from_local;
     // The leaves are made of material 1, the bark of material 0.
     let primitives = level.root["meshes"][0]["primitives"].as_array().unwrap();
     let leaves = primitives.iter().position(|p| p["material"] == 1).unwrap();
@@ -25,7 +31,7 @@ fn a_mirror_turns_triangles_normals_tangents_and_morphs() {
     let tangents = level.elements(number(attributes, "TANGENT")).unwrap();
     let old = tree.document.positions(1, 0).unwrap();
     for (old, new) in old.iter().zip(&positions) {
-        assert!(world_from_local.transform_point3(*old).distance(*new) < 1e-5);
+        assert!(level_from_local.transform_point3(*old).distance(*new) < 1e-5);
     }
     for corners in level.triangles(0, leaves).unwrap() {
         let [a, b, c] = corners.map(|corner| positions[corner as usize]);
@@ -36,8 +42,8 @@ fn a_mirror_turns_triangles_normals_tangents_and_morphs() {
             "{outwards} is not {normal}"
         );
     }
-    let along = world_from_local.transform_vector3(DVec3::X).normalize();
-    let side = world_from_local.transform_vector3(DVec3::Y).normalize();
+    let along = level_from_local.transform_vector3(DVec3::X).normalize();
+    let side = level_from_local.transform_vector3(DVec3::Y).normalize();
     for ([x, y, z, w], normal) in tangents.vectors::<4>().zip(&normals) {
         let tangent = DVec3::new(x, y, z);
         assert!(tangent.distance(along) < 1e-5);
@@ -46,10 +52,10 @@ fn a_mirror_turns_triangles_normals_tangents_and_morphs() {
     }
     let target = &primitives[leaves]["targets"][0];
     let moves = vectors(number(target, "POSITION"));
-    let moved = world_from_local.transform_vector3(DVec3::new(1.0, 2.0, 3.0));
+    let moved = level_from_local.transform_vector3(DVec3::new(1.0, 2.0, 3.0));
     assert!(moves.iter().all(|found| found.distance(moved) < 1e-5));
     // A morphed normal is that of the morphed original, but for its length.
-    let of_normals = glam::DMat3::from_mat4(world_from_local)
+    let of_normals = glam::DMat3::from_mat4(level_from_local)
         .inverse()
         .transpose();
     let expected = (of_normals * DVec3::new(0.5, 0.0, 1.0)).normalize();
@@ -57,7 +63,7 @@ fn a_mirror_turns_triangles_normals_tangents_and_morphs() {
     for (normal, change) in normals.iter().zip(&changes) {
         assert!((*normal + *change).normalize().distance(expected) < 1e-5);
     }
-    let expected = world_from_local
+    let expected = level_from_local
         .transform_vector3(DVec3::new(1.0, 0.0, 0.5))
         .normalize();
     for change in vectors(number(target, "TANGENT")) {

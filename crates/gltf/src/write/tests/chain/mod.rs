@@ -5,6 +5,8 @@ mod drawn_by_clients;
 mod fixtures;
 mod materials;
 mod on_disk;
+mod others;
+mod placement;
 mod sharing;
 mod trees_of_others;
 
@@ -150,9 +152,17 @@ fn every_layout_of_every_encoding_reads_back() {
                 assert_eq!(found, chain.triangles[number], "{what}: level {number}");
                 let fields = &root["nodes"][node];
                 assert_eq!(fields["extras"]["distance"], json!(10 * number), "{what}");
-                for transform in ["matrix", "translation", "rotation", "scale"] {
+                for transform in ["matrix", "rotation", "scale"] {
                     assert_eq!(fields.get(transform), None, "{what}");
                 }
+                // Where a tree stands that has one root; of siblings their parent says it.
+                let stands = tree.document.root["nodes"][0].get("translation");
+                let stands = stands.filter(|_| layout != Layout::Siblings);
+                let numbers = |at: &Value| -> Vec<Option<f64>> {
+                    at.as_array().unwrap().iter().map(Value::as_f64).collect()
+                };
+                let found = fields.get("translation").map(numbers);
+                assert_eq!(found, stands.map(numbers), "{what}");
                 if !keeps_nodes {
                     let mesh = fields["mesh"].as_u64().unwrap() as usize;
                     assert_eq!(root["meshes"][mesh]["name"], fields["name"], "{what}");

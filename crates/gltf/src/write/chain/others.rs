@@ -1,0 +1,38 @@
+//! What is not the plant, in a chain: it stays as it is, once, beside the finest level.
+
+use std::collections::BTreeSet;
+
+use super::super::draft::Draft;
+use super::super::nodes::{take_away, unlink};
+use super::super::single_leaf_mesh::animated_and_joint_nodes;
+use super::one_mesh::needless_nodes;
+use super::scene::scene_roots;
+use crate::roles::{mesh_of, nodes_without_plant, primitives_beside_plant};
+use crate::tree::Tree;
+
+/// Takes what is not the plant out of the file of a coarser level. Returns the nodes that nothing needs any
+/// more, which no other node holds.
+pub(super) fn leave_out(draft: &mut Draft, tree: &Tree) -> BTreeSet<usize> {
+    let nodes = nodes_without_plant(&tree.parts, &tree.others);
+    let joints = animated_and_joint_nodes(&draft.root);
+    nodes.iter().for_each(|&node| take_away(draft, node));
+    let needless = needless_nodes(&draft.root, &scene_roots(&draft.root), &nodes, &joints);
+    unlink(draft, &needless);
+    needless
+}
+
+/// Gives a node that drew the plant a mesh of what of its own is not the plant, if there is such.
+pub(super) fn put_back(draft: &mut Draft, tree: &Tree, node: usize) {
+    let primitives = primitives_beside_plant(&tree.others, node);
+    let Some(part) = tree.others.iter().find(|part| part.node == node) else {
+        return;
+    };
+    let original = &tree.document.root;
+    let mesh = mesh_of(&original["meshes"][part.mesh], &primitives);
+    draft.root["nodes"][node]["mesh"] = draft.push("meshes", mesh).into();
+    for field in ["skin", "weights"] {
+        if let Some(value) = original["nodes"][node].get(field) {
+            draft.root["nodes"][node][field] = value.clone();
+        }
+    }
+}
