@@ -12,6 +12,10 @@
 
 mod rows;
 
+use meshoptimizer_rs::{
+    Workspace, analyze_vertex_cache, optimize_vertex_cache, optimize_vertex_cache_strip, stripify,
+    unstripify,
+};
 use rows::{Rows, shared_tree};
 use secateur::{Detail, Document, Surface, Tree};
 use secateur_simplify::{Options, Resolution, Target, simplify};
@@ -94,6 +98,7 @@ impl Form {
 
 fn compare(rows: &mut Rows, case: &str, surfaces: &[&Surface]) {
     let mut forms = ["list as is", "list", "strips", "strips of a list for them"].map(Form::new);
+    let mut space = Workspace::default();
     let mut triangles = 0;
     let mut vertices = Vec::new();
     for surface in surfaces {
@@ -105,11 +110,11 @@ fn compare(rows: &mut Rows, case: &str, surfaces: &[&Surface]) {
         triangles += surface.triangles.len();
         vertices.push(count);
         forms[0].add(indices.len(), count, indices.to_vec());
-        let list = meshopt::optimize_vertex_cache(indices, count);
-        let for_strips = meshopt::optimize_vertex_cache_strip(indices, count);
+        let list = optimize_vertex_cache(indices, count, &mut space).expect("a list");
+        let for_strips = optimize_vertex_cache_strip(indices, count, &mut space).expect("a list");
         for (form, of) in [(2, &list), (3, &for_strips)] {
-            let strips = meshopt::stripify(of, count, u32::MAX).expect("strips");
-            let drawn = meshopt::unstripify(&strips, u32::MAX).expect("a list");
+            let strips = stripify(of, count, u32::MAX, &mut space).expect("strips");
+            let drawn = unstripify(&strips, u32::MAX, &mut space).expect("a list");
             assert_eq!(drawn.len(), indices.len(), "strips draw every triangle");
             forms[form].add(strips.len(), count, drawn);
         }
@@ -127,8 +132,8 @@ fn compare(rows: &mut Rows, case: &str, surfaces: &[&Surface]) {
         for (cache, size, warp, group) in CACHES {
             let mut shaded = 0;
             for (drawn, count) in form.drawn.iter().zip(&vertices) {
-                let found = meshopt::analyze_vertex_cache(drawn, *count, size, warp, group);
-                shaded += u64::from(found.vertices_transformed);
+                let found = analyze_vertex_cache(drawn, *count, size, warp, group, &mut space);
+                shaded += u64::from(found.expect("figures").vertices_transformed);
             }
             let acmr = shaded as f64 / triangles as f64;
             let atvr = shaded as f64 / vertices.iter().sum::<usize>() as f64;

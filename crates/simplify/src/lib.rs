@@ -19,6 +19,7 @@ mod auto_views;
 #[cfg(feature = "plant")]
 pub mod by_branches;
 pub mod coarsen;
+mod edge_collapses;
 mod error;
 pub mod fit;
 pub mod fsa;

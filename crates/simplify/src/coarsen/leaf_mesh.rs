@@ -1,9 +1,11 @@
 //! One leaf as a mesh, and what collapses of its edges leave.
 
-use ::meshopt::{SimplifyOptions, VertexDataAdapter};
 use glam::{DVec2, DVec3};
+use meshoptimizer_rs::SimplifyOptions;
 use rustc_hash::FxHashMap;
 use secateur_model::LeafTriangle;
+
+use crate::edge_collapses::{IndexedTriangles, VertexAttributes};
 
 /// How many more triangles than asked for are tried where collapses leave none.
 const TRIES: usize = 4;
@@ -146,33 +148,30 @@ impl Mesh {
         })
     }
 
+    fn as_indexed(&self) -> IndexedTriangles<'_> {
+        IndexedTriangles {
+            positions: &self.positions,
+            indices: &self.indices,
+        }
+    }
+
     /// As [`Self::collapsed`], but attributes count too.
     fn collapsed_with(&self, attributes: &Attributes, triangles: usize) -> Vec<[u32; 3]> {
-        let bytes = ::meshopt::typed_to_bytes(&self.positions);
-        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
-            .expect("positions are whole vectors");
-        let kept = ::meshopt::simplify_with_attributes_and_locks(
-            &self.indices,
-            &vertices,
-            attributes.values.as_flattened(),
-            &attributes.weights,
-            size_of::<[f32; ATTRIBUTES]>(),
-            &attributes.is_locked,
-            3 * triangles,
-            f32::MAX,
-            SimplifyOptions::ErrorAbsolute,
-            None,
-        );
+        let attributes = VertexAttributes {
+            values: &attributes.values,
+            weights: &attributes.weights,
+            is_locked: &attributes.is_locked,
+        };
+        let options = SimplifyOptions::ERROR_ABSOLUTE;
+        let mesh = self.as_indexed();
+        let kept = mesh.collapsed_with(attributes, 3 * triangles, options);
         kept.as_chunks().0.to_vec()
     }
 
     /// Triangles, as vertices, that collapses to this number leave.
     fn collapsed(&self, triangles: usize) -> Vec<[u32; 3]> {
-        let bytes = ::meshopt::typed_to_bytes(&self.positions);
-        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
-            .expect("positions are whole vectors");
-        let (count, options) = (3 * triangles, SimplifyOptions::None);
-        let kept = ::meshopt::simplify(&self.indices, &vertices, count, f32::MAX, options, None);
+        let mesh = self.as_indexed();
+        let kept = mesh.collapsed(3 * triangles, SimplifyOptions::EMPTY);
         kept.as_chunks().0.to_vec()
     }
 

@@ -1,8 +1,7 @@
 //! What most people use today: a mesh simplifier on the mesh of all leaves.
 //!
-//! meshoptimizer (Arseny Kapoulkine, MIT) collapses edges by quadric error; its
-//! crate `meshopt` is called as it is, but compiled with `-ffp-contract=off`, so
-//! that it chooses alike on every processor. It knows triangles, not leaves: a level
+//! meshoptimizer (Arseny Kapoulkine, MIT) collapses edges by quadric error; its port to Rust is
+//! called as it is (`edge_collapses`). It knows triangles, not leaves: a level
 //! is asked for as a share of the triangles, and how many leaves are left is
 //! what comes of it. The border of what is left may be moved outwards to give back lost area:
 //! once, afterwards (`dilate`), or after each halving of the triangles, as meshoptimizer's
@@ -13,7 +12,7 @@
 mod dilate;
 mod halving;
 
-use ::meshopt::{SimplifyOptions, VertexDataAdapter};
+use meshoptimizer_rs::SimplifyOptions;
 use rustc_hash::FxHashMap;
 use secateur_model::{
     CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, NewLeaf, Place, PlantSkeleton,
@@ -22,6 +21,7 @@ use secateur_model::{
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::edge_collapses::IndexedTriangles;
 use crate::select::{Select, Selection, Steps, Task};
 
 /// Which of meshoptimizer's simplifiers.
@@ -166,16 +166,14 @@ impl Mesh {
         if target == 0 {
             return Vec::new();
         }
-        let bytes = ::meshopt::typed_to_bytes(&self.positions);
-        let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)
-            .expect("positions are whole vectors");
-        let no_limit = f32::MAX;
-        let run =
-            |options| ::meshopt::simplify(indices, &vertices, target, no_limit, options, None);
+        let triangles = IndexedTriangles {
+            positions: &self.positions,
+            indices,
+        };
         match mode {
-            Mode::Plain => run(SimplifyOptions::None),
-            Mode::Prune => run(SimplifyOptions::Prune),
-            Mode::Sloppy => ::meshopt::simplify_sloppy(indices, &vertices, target, no_limit, None),
+            Mode::Plain => triangles.collapsed(target, SimplifyOptions::EMPTY),
+            Mode::Prune => triangles.collapsed(target, SimplifyOptions::PRUNE),
+            Mode::Sloppy => triangles.joined_in_cells(target),
         }
     }
 
