@@ -60,9 +60,9 @@ fn page_of_surfaces(surfaces: &[Vec<(Surface, bool)>]) -> String {
             wood_triangles: triangles(false),
             distance: pixels_high.map_or(0.0, |pixels| screen.distance(height, pixels)),
             pixels_high,
-            flip_mean: (k > 0).then_some(0.0123),
+            difference: (k > 0).then_some(0.0123),
             silhouette_iou: (k > 0).then_some(0.987),
-            pop_flip: (k > 1).then_some(0.0456),
+            pop: (k > 1).then_some(0.0456),
         };
         Level { surfaces, facts }
     });

@@ -45,9 +45,9 @@ fn page_with(model: &LodModel) -> String {
             wood_triangles: tree.wood_triangle_count(),
             distance: 0.0,
             pixels_high: None,
-            flip_mean: None,
+            difference: None,
             silhouette_iou: None,
-            pop_flip: None,
+            pop: None,
         },
     }];
     let preview = Preview {

@@ -172,6 +172,7 @@ pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
 }
 
 /// A pixel of a [`CutOut`].
+#[derive(Clone, Copy, Debug, Default)]
 struct CutOutPixel {
     rgb: Vec3,
     coverage: f32,
@@ -229,41 +230,74 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
         sum / (per_side * per_side) as f32
     }
 
-    /// The plant's share of a pixel: see [`Self::pixel_color`].
+    /// The plant's share of a pixel. Of 2 x 2 samples that see one triangle the colour is found once, in their
+    /// middle.
     fn cut_out_pixel(&self, x: u32, y: u32, per_side: u32, roles: CutOutRoles) -> CutOutPixel {
-        let (mut rgb, mut covered, mut of_core) = (Vec3::ZERO, 0u32, 0u32);
+        let mut pixel = CutOutPixel::default();
         let mut lit = (NOTHING, Vec3::ZERO);
-        for sample in 0..per_side * per_side {
-            let column = x * per_side + sample % per_side;
-            let row = y * per_side + sample / per_side;
-            let index = self.seen.frontmost[row as usize * self.seen.width + column as usize];
-            let Some(triangle) = self.seen.triangles.get(index as usize) else {
-                continue;
+        let step = if per_side.is_multiple_of(2) { 2 } else { 1 };
+        for (row, column) in (0..per_side)
+            .step_by(step)
+            .flat_map(|row| (0..per_side).step_by(step).map(move |column| (row, column)))
+        {
+            let (column, row) = (x * per_side + column, y * per_side + row);
+            let index = |dx: u32, dy: u32| {
+                let at = (row + dy) as usize * self.seen.width + (column + dx) as usize;
+                self.seen.frontmost[at]
             };
-            let surface = triangle.face.surface as usize;
-            if surface >= roles.occluders {
+            let corner = Vec2::new(column as f32, row as f32);
+            if step == 1 {
+                self.add_samples(&mut pixel, &mut lit, (index(0, 0), corner + 0.5, 1.0), roles);
                 continue;
             }
-            let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
-            let Some(spot) = self.spot(index, at) else {
+            let four = [(0, 0), (1, 0), (0, 1), (1, 1)];
+            if four.iter().all(|(dx, dy)| index(*dx, *dy) == index(0, 0)) {
+                self.add_samples(&mut pixel, &mut lit, (index(0, 0), corner + 1.0, 4.0), roles);
                 continue;
-            };
-            covered += 1;
-            of_core += u32::from(surface < roles.core);
-            if lit.0 != index {
-                lit = (
-                    index,
-                    spot.light(&self.lens, &self.lighting, self.turns_normals),
-                );
             }
-            rgb += tone(spot.base_color(None) * lit.1);
+            for (dx, dy) in four {
+                let at = corner + Vec2::new(dx as f32, dy as f32) + 0.5;
+                self.add_samples(&mut pixel, &mut lit, (index(dx, dy), at, 1.0), roles);
+            }
         }
         let all = (per_side * per_side) as f32;
         CutOutPixel {
-            rgb: rgb / all,
-            coverage: covered as f32 / all,
-            core: of_core as f32 / all,
+            rgb: pixel.rgb / all,
+            coverage: pixel.coverage / all,
+            core: pixel.core / all,
         }
+    }
+
+    /// Adds `count` samples about a place, which see this triangle, to the sums of a pixel. `lit` is the triangle whose
+    /// light was found last, and that light.
+    fn add_samples(
+        &self,
+        pixel: &mut CutOutPixel,
+        lit: &mut (u32, Vec3),
+        (index, at, count): (u32, Vec2, f32),
+        roles: CutOutRoles,
+    ) {
+        let Some(triangle) = self.seen.triangles.get(index as usize) else {
+            return;
+        };
+        let surface = triangle.face.surface as usize;
+        if surface >= roles.occluders {
+            return;
+        }
+        let Some(spot) = self.spot(index, at) else {
+            return;
+        };
+        pixel.coverage += count;
+        if surface < roles.core {
+            pixel.core += count;
+        }
+        if lit.0 != index {
+            *lit = (
+                index,
+                spot.light(&self.lens, &self.lighting, self.turns_normals),
+            );
+        }
+        pixel.rgb += tone(spot.base_color(None) * lit.1) * count;
     }
 
     /// The mip chain of what a sample sees.

@@ -363,6 +363,15 @@ impl Tree {
     /// # Errors
     /// As [`Tree::surfaces`].
     pub fn surfaces_with(&self, detail: Detail) -> Result<Vec<(Surface, bool)>, GltfError> {
+        let drawn = self.drawn(detail)?.into_iter();
+        Ok(drawn.map(|d| (d.surface, d.is_foliage)).collect())
+    }
+
+    /// As [`Tree::surfaces_with`], with the material of each.
+    ///
+    /// # Errors
+    /// As [`Tree::surfaces`].
+    pub fn drawn(&self, detail: Detail) -> Result<Vec<DrawnSurface>, GltfError> {
         let document = &self.document;
         let read = || -> Result<_, Fault> {
             let mut budget = document.budget;
@@ -370,11 +379,7 @@ impl Tree {
             let mut pictures = Pictures::new(document, budget);
             document.surfaces_of(&self.parts, &survey, &mut pictures, detail)
         };
-        let drawn = read().map_err(|fault| document.error(fault))?;
-        Ok(drawn
-            .into_iter()
-            .map(|d| (d.surface, d.is_foliage))
-            .collect())
+        read().map_err(|fault| document.error(fault))
     }
 }
 

@@ -24,8 +24,8 @@ const LEAST_BLOCK_PX: f64 = 8.0;
 /// Least room about the plant in pixels: as far as the filters of FLIP reach, and what U grows by.
 const LEAST_MARGIN_PX: u32 = 12;
 
-/// Samples along a side of a pixel.
-const SAMPLES: [f64; 2] = [2.0, 8.0];
+/// Plants up to so many pixels a side are drawn with 4 x 4 samples a pixel, larger ones with 2 x 2.
+const SMALL_PX: f64 = 320.0;
 
 /// Where a view is taken from.
 #[derive(Clone, Copy, Debug)]
@@ -112,7 +112,7 @@ impl Frame {
         let margin = LEAST_MARGIN_PX.max(block / 2);
         let size = (extent * px_per_tangent).ceil();
         let size = [size.x, size.y].map(|side| side as u32 + 2 * margin);
-        let samples = (MOST_SIDE_PX / side).clamp(SAMPLES[0], SAMPLES[1]) as u32;
+        let samples = if side <= SMALL_PX { 4 } else { 2 };
         let corner = [
             low.x - f64::from(margin) / px_per_tangent,
             high.y + f64::from(margin) / px_per_tangent,

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use secateur_model::{BoundingSphere, Surface};
 
 /// Cells along the longer side of the ground.
-const CELLS: f64 = 512.0;
+const CELLS: f64 = 128.0;
 
 /// The least gap between plants, as a share of the largest one's extent.
 const LEAST_GAP: f64 = 0.05;

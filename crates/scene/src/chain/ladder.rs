@@ -11,7 +11,7 @@ use super::placed::Placed;
 use super::textures::Client;
 
 /// How many steps halve the triangles: from step to step there are 2 % fewer.
-pub(super) const STEPS_A_HALF: usize = 32;
+const STEPS_A_HALF: usize = 32;
 
 /// The number of shares of all triangles among which levels are sought. Step 0 is the tree as it is; the last has
 /// .1 % of all.
@@ -27,10 +27,13 @@ const LEAST_GAIN: usize = 2;
 const AIM: f64 = 0.98;
 
 /// A level that reaches this share of what is allowed is light enough.
-const ENOUGH: f64 = 0.94;
+const ENOUGH: f64 = 0.92;
+
+/// The step that is tried first where nothing is known: a fifth of all triangles.
+const FIRST: usize = 74;
 
 /// The most levels that are made whole, with their textures, for one place.
-const MOST_PLACED: usize = 4;
+const MOST_PLACED: usize = 3;
 
 /// After so many guesses in one search the rest is halved: guesses may creep.
 const MOST_GUESSES: usize = 4;
@@ -41,6 +44,8 @@ pub(super) struct Ladder<'a, 'm> {
     client: &'m Client<'m>,
     made: BTreeMap<usize, Made>,
     steps: usize,
+    /// How many times the limits a level may be in the pictures of a search, as the last place told.
+    goal: f64,
 }
 
 /// A step, and how many times the limits it is.
@@ -56,36 +61,37 @@ impl<'a, 'm> Ladder<'a, 'm> {
             client,
             made: BTreeMap::new(),
             steps: (0..STEPS).take_while(has_more).count().max(1),
+            goal: AIM,
         }
     }
 
-    /// The number of steps.
-    pub(super) fn steps(&self) -> usize {
-        self.steps
-    }
-
-    /// The level with the fewest triangles within the limits over this range of heights, or hardly more, of the
-    /// steps before `end`, and its step; none if none but the tree itself is. `guess` is the step that is tried first.
+    /// The level with the fewest triangles within the limits, or hardly more, at the first of these heights, where it
+    /// begins, and about so at the others, where it may have to serve too; and its step. None if no step from `first` on
+    /// is. `end_px` is where it is seen last.
     pub(super) fn lightest(
         &mut self,
-        range: [f64; 2],
-        is_first: bool,
-        (end, guess): (usize, usize),
+        heights: &[f64],
+        end_px: f64,
+        (first, is_finest): (usize, bool),
         observer: &mut Observer<'_>,
     ) -> Result<Option<(usize, Placed)>, ChainError> {
-        let mut steps = 1..end;
-        let mut goal = AIM;
+        let range = [heights[0], end_px];
+        let mut steps = first..self.steps;
         let mut best = None;
-        let mut guess = guess;
+        let mut guess = match is_finest {
+            true => FIRST,
+            // Whether any level pays is known from the finest that would.
+            false => first,
+        };
         for _ in 0..MOST_PLACED {
-            let found = self.coarsest(range[0], goal, steps.clone(), guess, observer)?;
+            let found = self.coarsest(heights, steps.clone(), guess, observer)?;
             let Some((step, in_search)) = found else {
                 break;
             };
             let made = self.level(step, observer)?.clone();
             let placed = self
                 .maker
-                .placed(made, range, is_first, self.client, observer)?;
+                .placed(made, range, is_finest, self.client, observer)?;
             let over = placed.difference.over(self.maker.look.limits);
             if over <= 1.0 {
                 best = Some((step, placed));
@@ -93,31 +99,30 @@ impl<'a, 'm> Ladder<'a, 'm> {
             } else {
                 steps.end = step;
             }
+            // What pictures of its size, with its own textures, show beyond those of the search is about the same for
+            // others.
+            if over > 0.0 && in_search > 0.0 {
+                self.goal = AIM * in_search / over;
+            }
             if steps.is_empty() || (ENOUGH..=1.0).contains(&over) {
                 break;
             }
-            // What pictures of its size, with its own textures, show beyond those of the search is about the same for
-            // others.
-            goal = match over > 0.0 {
-                true => AIM * in_search / over,
-                false => f64::INFINITY,
-            };
             guess = step;
         }
         Ok(best)
     }
 
-    /// The coarsest of some steps that is at most `goal` times the limits in the pictures of a search, and how many
-    /// times it is; none if none is.
+    /// The coarsest of some steps that does in the pictures of a search, and how many times the limits it is there;
+    /// none if none does.
     fn coarsest(
         &mut self,
-        pixels_high: f64,
-        goal: f64,
+        heights: &[f64],
         steps: Range<usize>,
         first: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
+        let goal = self.goal;
         for guesses in 0.. {
             let low = within.map_or(steps.start, |(step, _)| step + 1);
             let high = beyond.map_or(steps.end, |(step, _)| step);
@@ -129,7 +134,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 true => guess((within, beyond), goal, first, low..high),
                 false => low + (high - low) / 2,
             };
-            let over = self.over(next, pixels_high, observer)?;
+            let over = self.over(next, heights, observer)?;
             match over <= goal {
                 true => within = Some((next, over)),
                 false => beyond = Some((next, over)),
@@ -138,15 +143,24 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(within)
     }
 
+    /// How many times the limits a level is in the pictures of a search: at the first height as its goal has it, at the
+    /// others as it is.
     fn over(
         &mut self,
         step: usize,
-        pixels_high: f64,
+        heights: &[f64],
         observer: &mut Observer<'_>,
     ) -> Result<f64, ChainError> {
-        let look = &self.maker.look;
-        let made = self.level(step, observer)?;
-        Ok(look.over_in_search(&made.drawn, pixels_high))
+        let (look, goal) = (&self.maker.look, self.goal);
+        let drawn = &self.level(step, observer)?.drawn;
+        let mut over = look.over_in_search(drawn, heights[0]);
+        for height in &heights[1..] {
+            if over > goal {
+                break;
+            }
+            over = over.max(goal * look.over_in_search(drawn, *height));
+        }
+        Ok(over)
     }
 
     /// The level of a step.
@@ -158,6 +172,11 @@ impl<'a, 'm> Ladder<'a, 'm> {
         }
         Ok(&self.made[&step])
     }
+}
+
+/// The first step whose levels have at most this share of the triangles that a step has.
+pub(super) fn step_of_share(share: f64, of_step: usize) -> usize {
+    of_step + (-share.log2() * STEPS_A_HALF as f64).ceil() as usize
 }
 
 /// How many triangles a step has of all.
@@ -217,6 +236,8 @@ mod tests {
 
     #[test]
     fn a_step_has_two_per_cent_fewer_triangles() {
+        assert_eq!([step_of_share(0.5, 7), step_of_share(1.0, 7)], [39, 7]);
+        assert_eq!(step_of_share(2.0 / 3.0, 0), 19);
         let left = |steps: usize| triangles_of(steps, 1_000_000);
         assert_eq!(
             [left(0), left(32), left(STEPS - 1)],

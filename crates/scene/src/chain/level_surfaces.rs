@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use secateur_gltf::DrawnSurface;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Surface, Texture};
 
@@ -10,6 +11,16 @@ use secateur_model::{Surface, Texture};
 pub(super) struct LevelSurfaces {
     pub(super) surfaces: Vec<Surface>,
     pub(super) materials: Vec<Option<usize>>,
+}
+
+impl LevelSurfaces {
+    /// What is drawn of a file.
+    pub(super) fn of(drawn: Vec<DrawnSurface>) -> Self {
+        Self {
+            materials: drawn.iter().map(|drawn| drawn.material).collect(),
+            surfaces: drawn.into_iter().map(|drawn| drawn.surface).collect(),
+        }
+    }
 }
 
 /// The surfaces of a level with textures of its own.

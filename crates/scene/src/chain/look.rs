@@ -9,8 +9,8 @@ use secateur_eval::pictures::share_of_tight_frame;
 use secateur_eval::{
     Difference, DifferenceJudge, Judging, Limits, MeasureError, Pictures, ViewCount,
 };
-use secateur_gltf::{Detail, Document, GltfError};
-use secateur_model::{BoundingSphere, Foliage, Surface};
+use secateur_gltf::{Detail, Document, GltfError, WholeTree};
+use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::{View, ViewSet};
 
 use super::error::ChainError;
@@ -22,8 +22,8 @@ use crate::impostor::Impostor;
 use crate::impostor::judge::Judge;
 
 /// Levels are compared in pictures in which the plant is at most this many pixels high, and only what is found in
-/// those of its size: a picture of 1,024 pixels takes four times as long.
-const SEARCH_PX: f64 = 512.0;
+/// those of its size: a picture of 1,024 pixels takes seven times as long.
+const SEARCH_PX: f64 = 384.0;
 
 /// Leaves are judged in pictures of this many pixels a side.
 const LEAF_PICTURE_PX: u32 = 256;
@@ -49,7 +49,7 @@ impl Drawn {
     /// All that is drawn of a file.
     pub(super) fn of(document: &Document) -> Result<Self, GltfError> {
         Ok(Self {
-            level: surfaces(document)?,
+            level: LevelSurfaces::of(document.drawn_as_one(Detail::Color)?),
             overs: RefCell::default(),
         })
     }
@@ -61,6 +61,8 @@ pub(super) struct Look {
     judge: DifferenceJudge,
     /// The judge of impostors, whose normals are turned to the viewer.
     judge_of_impostors: OnceCell<DifferenceJudge>,
+    /// Of the surfaces of the original, which are wood.
+    is_wood: Vec<bool>,
     /// How much levels may differ.
     pub(super) limits: Limits,
     /// For FLIP over a frame and what clients draw: one set of some of the held-out views, or of the cameras of a
@@ -82,14 +84,12 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// The look of a plant of these items and leaves, drawn as the file has them; and the held-out
-    /// views that its leaves are judged from.
+    /// The look of a plant, drawn as the file has it; and the held-out views that its leaves are judged from.
     pub(super) fn new(
-        document: &Document,
-        items: &Foliage,
-        leaves: &Foliage,
+        tree: &WholeTree,
         options: &ChainOptions,
     ) -> Result<(Self, Judging), ChainError> {
+        let (items, leaves) = (tree.items().foliage(), tree.leaves());
         let scene = options.scene.as_ref();
         let sphere = items.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
         // Not with exact textures, as `measure` has them: they would take longer, and in
@@ -114,14 +114,17 @@ impl Look {
         let cameras = cameras.filter(|cameras| !cameras.is_empty());
         let obstacles = scene.map_or(&[][..], |scene| &scene.obstacles);
         let obstacles: Vec<Arc<Surface>> = obstacles.iter().cloned().map(Arc::new).collect();
-        let original = surfaces(document)?;
-        let judge = DifferenceJudge::new(original.surfaces.clone(), &[])
+        let drawn = tree.items().drawn(Detail::Color)?;
+        let is_wood: Vec<bool> = drawn.iter().map(|drawn| !drawn.is_foliage).collect();
+        let original = LevelSurfaces::of(drawn);
+        let judge = DifferenceJudge::new(original.surfaces.clone(), &is_wood)
             .in_scene(cameras.clone(), obstacles.clone());
         let size = judge.size();
         let look = Self {
             size,
             judge,
             judge_of_impostors: OnceCell::new(),
+            is_wood,
             limits: options.limits(),
             original,
             views: [ViewSet::new(cameras.clone().unwrap_or(views))],
@@ -142,14 +145,16 @@ impl Look {
         if let Some(over) = drawn.overs.borrow().get(&key) {
             return *over;
         }
-        let surfaces = &drawn.level.surfaces;
-        let count = ViewCount::Search;
-        let difference =
-            self.judge
-                .difference_within(surfaces, pixels_high, count, self.limits);
-        let over = difference.over(self.limits);
+        let over = self.over_of_surfaces(&drawn.level.surfaces, pixels_high);
         drawn.overs.borrow_mut().insert(key, over);
         over
+    }
+
+    /// As [`Self::over_in_search`], of surfaces that are looked at once.
+    pub(super) fn over_of_surfaces(&self, surfaces: &[Surface], pixels_high: f64) -> f64 {
+        let (px, count) = (pixels_high.min(SEARCH_PX), ViewCount::Search);
+        let difference = self.judge.difference_within(surfaces, px, count, self.limits);
+        difference.over(self.limits)
     }
 
     /// How far a level with its own textures looks from the original, as it is put down; of fewer views if it is
@@ -196,7 +201,7 @@ impl Look {
     /// What judges impostors.
     pub(super) fn judge_of_impostors(&self) -> &DifferenceJudge {
         self.judge_of_impostors.get_or_init(|| {
-            DifferenceJudge::new(self.original.surfaces.clone(), &[])
+            DifferenceJudge::new(self.original.surfaces.clone(), &self.is_wood)
                 .in_scene(self.cameras.clone(), self.obstacles.clone())
                 .with_turned_normals()
         })
@@ -242,15 +247,4 @@ fn tight(view: &View) -> View {
     let ahead = view.eye() + view.forward() * (view.near() * 1e3);
     let tight = View::look_at(view.eye(), ahead, view.up(), TIGHT_TANGENT, view.near());
     tight.unwrap_or(*view)
-}
-
-/// All that is drawn of a file.
-fn surfaces(document: &Document) -> Result<LevelSurfaces, GltfError> {
-    let drawn = document.drawn_as_one(Detail::Color)?;
-    let materials = drawn.iter().map(|drawn| drawn.material).collect();
-    let surfaces = drawn.into_iter().map(|drawn| drawn.surface).collect();
-    Ok(LevelSurfaces {
-        surfaces,
-        materials,
-    })
 }

@@ -77,7 +77,7 @@ impl<'a> Maker<'a> {
                 mode, foliage, leaves, wood, of_leaves, engine,
             )?),
         };
-        let (look, judging) = Look::new(items.document(), items.foliage(), leaves, options)?;
+        let (look, judging) = Look::new(tree, options)?;
         let dilated = match options.textures {
             Textures::Fit => dilated_textures(items)?,
             Textures::Keep => Vec::new(),

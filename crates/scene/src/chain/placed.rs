@@ -45,20 +45,17 @@ impl Maker<'_> {
         Progress::Finish.tell(observer)?;
         let made = self.covering(made, range, client)?;
         let level = &made.drawn.level;
-        let judged = |chosen: Chosen| {
-            let surfaces = retextured(level, &chosen.textures);
-            let difference = self.look.difference(&surfaces, range[0]);
-            (chosen, difference)
-        };
-        let mut best = judged(client.choose(level, range, self.options.textures, is_first));
-        let over = |difference: Difference| difference.over(self.look.limits);
-        if over(best.1) > 1.0 && !best.0.keeps_textures {
-            let kept = judged(client.kept(level, range));
-            if over(kept.1) < over(best.1) {
-                best = kept;
+        let mut chosen = client.choose(level, range, self.options.textures, is_first);
+        let mut surfaces = retextured(level, &chosen.textures);
+        if !chosen.keeps_textures {
+            let kept = self.look.over_in_search(&made.drawn, range[0]);
+            let own = self.look.over_of_surfaces(&surfaces, range[0]);
+            if own > kept.max(1.0) {
+                chosen = client.kept(level, range);
+                surfaces = retextured(level, &chosen.textures);
             }
         }
-        let (chosen, difference) = best;
+        let difference = self.look.difference(&surfaces, range[0]);
         Ok(Placed {
             made,
             chosen,

@@ -3,7 +3,7 @@
 use secateur_simplify::{Amount, Observer};
 
 use super::error::ChainError;
-use super::ladder::{Ladder, STEPS_A_HALF};
+use super::ladder::{Ladder, step_of_share};
 use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, Wanted};
 use super::placed::Placed;
@@ -15,12 +15,6 @@ pub(super) const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
 
 /// A level that is sought for a distance that was asked for has at most this share.
 const MOST_OF_ASKED: f64 = 0.9;
-
-/// Of how many times as many triangles a level is that begins twice as near, until two tell.
-const STEPS_A_DOUBLING: f64 = 0.9 * STEPS_A_HALF as f64;
-
-/// The step that is tried first where nothing is known: a tenth of all triangles.
-const FIRST: usize = 104;
 
 /// The least height at which a level of a given number of triangles may begin, in pixels: a block of the judge.
 const LEAST_PX: f64 = 8.0;
@@ -104,9 +98,6 @@ fn placed_below(
 
 /// For each place the fewest triangles within the limits, but for places that would save too little, and for the
 /// last where an impostor stands there whatever a mesh would look like.
-///
-/// The farthest place is sought for first: its pictures are the smallest, and what does there is more than does
-/// nearer.
 pub(super) fn lightest(
     maker: &Maker<'_>,
     client: &Client<'_>,
@@ -117,64 +108,35 @@ pub(super) fn lightest(
     if maker.options.impostor.is_demanded() && places.len() > 1 {
         places.pop();
     }
-    let found = sought(maker, &places, client, observer)?;
+    let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
     let most_of_before = match maker.options.wanted {
         Wanted::Distances(_) => MOST_OF_ASKED,
         Wanted::Heights(_) | Wanted::Triangles(_) => MOST_OF_BEFORE,
     };
+    let mut ladder = Ladder::new(maker, client);
     let mut placed: Vec<Placed> = Vec::new();
-    for ((_, place), found) in places.iter().zip(found) {
+    let mut before_step = 0;
+    for (k, (height, place)) in places.iter().enumerate() {
+        let end_px = end_of(*height, heights.get(k + 1).copied());
+        let first = step_of_share(most_of_before, before_step);
+        let is_finest = placed.is_empty();
+        let found = ladder.lightest(&heights[k..], end_px, (first, is_finest), observer)?;
         let (before, of_before) = match placed.last() {
             Some(before) => ("the level before", before.triangles()),
             None => ("the plant itself", maker.all),
         };
-        match found {
-            Some(found) if found.triangles() as f64 <= most_of_before * of_before as f64 => {
+        let pays = |found: &Placed| found.triangles() as f64 <= most_of_before * of_before as f64;
+        match found.filter(|(_, found)| pays(found)) {
+            Some((step, found)) => {
+                before_step = step;
                 placed.push(found);
             }
-            Some(found) => notes.push(format!(
-                "{} {before} of {of_before} triangles serves there, since {} would be needed",
-                no_level(place),
-                found.triangles()
-            )),
             None => notes.push(format!(
-                "{} {before} of {of_before} triangles serves there, since nothing lighter is within the difference",
-                no_level(place)
+                "{} {before} of {of_before} triangles serves there, since what is within the difference saves less than {:.0} %",
+                no_level(place),
+                100.0 * (1.0 - most_of_before)
             )),
         }
     }
     Ok(placed)
-}
-
-/// For each place the lightest level within the limits, if any is but the tree itself.
-fn sought(
-    maker: &Maker<'_>,
-    places: &[(f64, String)],
-    client: &Client<'_>,
-    observer: &mut Observer<'_>,
-) -> Result<Vec<Option<Placed>>, ChainError> {
-    let mut ladder = Ladder::new(maker, client);
-    let mut found: Vec<Option<Placed>> = Vec::new();
-    let mut farther: Option<(f64, usize)> = None;
-    for (k, (height, _)) in places.iter().enumerate().rev() {
-        let next = places.get(k + 1).map(|(height, _)| *height);
-        let (end, guess) = match farther {
-            // What is no lighter far off is none near by.
-            Some((_, 0)) => (1, 1),
-            Some((height_there, step)) => {
-                let doublings = (height / height_there).log2();
-                let finer = (STEPS_A_DOUBLING * doublings) as usize;
-                let end = step.max(1);
-                (end, step.saturating_sub(finer).max(1))
-            }
-            None => (ladder.steps(), FIRST),
-        };
-        let range = [*height, end_of(*height, next)];
-        let lightest = ladder.lightest(range, k == 0, (end, guess), observer)?;
-        let step = lightest.as_ref().map_or(0, |(step, _)| *step);
-        farther = Some((*height, step));
-        found.push(lightest.map(|(_, placed)| placed));
-    }
-    found.reverse();
-    Ok(found)
 }
