@@ -317,11 +317,13 @@ fn a_strangers_diffuse_textures_are_read() {
 
 /// The textured squares with these alphas in the colours of the vertices of each.
 fn colored(alphas: [f32; 2]) -> SmallTree {
+    colored_by_vertex([0, 1].map(|k| [alphas[k]; 4]).concat())
+}
+
+fn colored_by_vertex(alphas: Vec<f32>) -> SmallTree {
     let png = encoded(&row(&[255, 255]), ImageFormat::Png);
     let mut tree = textured(&png, json!({"alphaMode": "MASK"}));
-    let colors: Vec<f32> = (0..8)
-        .flat_map(|k| [0.5, 0.5, 0.5, alphas[k / 4]])
-        .collect();
+    let colors: Vec<f32> = (0..8).flat_map(|k| [0.5, 0.5, 0.5, alphas[k]]).collect();
     let colors = tree.floats("VEC4", &colors);
     tree.set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colors))
 }
@@ -354,9 +356,11 @@ fn alpha_of_vertices_that_hides_most_is_ignored_by_everyone() {
         "{warnings:?}"
     );
     // The level of a tree is read as the tree, even if half of what is left would be hidden.
-    let tree = tree.tree();
+    let mut alphas = vec![0.0; 8];
+    alphas[7] = 0.75;
+    let tree = colored_by_vertex(alphas).tree();
     let mut lod = secateur_model::Lod::original(2);
-    lod.remove(secateur_model::LeafId::from_index(1));
+    lod.remove(secateur_model::LeafId::from_index(0));
     let drawn = tree
         .lod_document(&lod)
         .unwrap()
