@@ -70,6 +70,20 @@ impl Cutouts {
                 .map_or([Wrap::Repeat; 2], |t: TextureUse| t.wrap),
             kept: kept_alphas(look.base_color[3], cutoff),
         };
+        self.of_key(key, pictures)
+    }
+
+    /// The index of a mask that keeps nothing.
+    pub(crate) fn of_nothing(&mut self, pictures: &mut Pictures<'_>) -> Result<Option<u32>, Fault> {
+        let key = Key {
+            image: None,
+            wrap: [Wrap::Repeat; 2],
+            kept: [0; 4],
+        };
+        self.of_key(key, pictures)
+    }
+
+    fn of_key(&mut self, key: Key, pictures: &mut Pictures<'_>) -> Result<Option<u32>, Fault> {
         if let Some(index) = self.known.get(&key) {
             return Ok(*index);
         }

@@ -41,6 +41,8 @@ pub struct Document {
     pub(crate) kept_images: Arc<KeptImages>,
     /// What its leaves were named by, where they were.
     pub(crate) selectors: Vec<Selector>,
+    /// Whether the alpha of vertex colours is a part of the look, where that is known already.
+    pub(crate) vertex_alpha_counts: Option<bool>,
     /// How much memory it was opened with.
     pub(crate) memory: Memory,
     /// What the JSON and the buffers leave of it.
@@ -180,6 +182,7 @@ impl Document {
             decompressed_bytes: AtomicU64::new(0),
             kept_images: Arc::default(),
             selectors: Vec::new(),
+            vertex_alpha_counts: None,
             memory,
             budget,
         })

@@ -18,6 +18,7 @@ use super::roles::Role;
 use super::shape_evidence;
 use super::survey::{Group, Survey};
 use super::tree::LeafSource;
+use super::vertex_alpha::{self, VertexAlphas};
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
 use secateur_model::{Budget, Facing, Foliage, Leaf, LeafTriangle};
@@ -31,6 +32,7 @@ struct Found {
     /// The parts that are not the plant.
     others: Vec<Part>,
     levels_inside: LevelsInside,
+    vertex_alpha_counts: bool,
     leaves: FoundLeaves,
     /// The pieces of wood, where they are wanted.
     wood: FoundLeaves,
@@ -73,10 +75,11 @@ impl Document {
                 parts,
                 others,
                 levels_inside,
+                vertex_alpha_counts,
                 leaves: found,
                 ..
             }) => Ok(Tree {
-                document: self.named_by(selectors),
+                document: self.decided(selectors, vertex_alpha_counts),
                 parts,
                 others,
                 levels_inside,
@@ -102,13 +105,14 @@ impl Document {
             parts,
             others,
             levels_inside,
+            vertex_alpha_counts,
             leaves,
             wood,
         } = found.map_err(|fault| self.error(fault))?;
         let items = leaves.joined(&wood);
         let items = items.map_err(|problem| self.error(Fault::from(problem)))?;
         let tree = Tree {
-            document: self.named_by(selectors),
+            document: self.decided(selectors, vertex_alpha_counts),
             parts,
             others,
             levels_inside,
@@ -124,8 +128,10 @@ impl Document {
         })
     }
 
-    fn named_by(mut self, selectors: &[Selector]) -> Self {
+    /// What was decided about it goes along.
+    fn decided(mut self, selectors: &[Selector], vertex_alpha_counts: bool) -> Self {
         self.selectors = selectors.to_vec();
+        self.vertex_alpha_counts = Some(vertex_alpha_counts);
         self
     }
 
@@ -153,6 +159,11 @@ impl Document {
         inspection.notes.extend(self.note_of_levels(&levels_inside));
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
         inspection.warnings.extend(pictures.warnings());
+        let hidden = self.hidden_by_vertices(&survey)?;
+        for group in hidden.iter().map(|&number| &survey.groups[number]) {
+            let place = self.primitive_place(group.mesh, group.primitive);
+            inspection.warnings.push(vertex_alpha::warning(&place));
+        }
         inspection.warnings.extend(self.mixed(&survey, &parts));
         choice?;
         let surveyed = (&survey, &parts[..]);
@@ -173,6 +184,7 @@ impl Document {
             parts,
             others,
             levels_inside,
+            vertex_alpha_counts: hidden.is_empty(),
             leaves,
             wood,
         })
@@ -187,12 +199,19 @@ impl Document {
         warnings: &mut Vec<String>,
     ) -> Result<FoundLeaves, Fault> {
         check_size((survey, parts), role, &mut pictures.budget)?;
+        let alpha_counts = self.vertex_alpha_counts(survey)?;
         let mut cutouts = Cutouts::default();
         let mut skins: HashMap<usize, Skin> = HashMap::new();
         for (part, &index) in parts.iter().zip(&survey.group_of_part) {
             if part.role == role && !skins.contains_key(&index) {
                 let group = &survey.groups[index];
-                let skin = self.skin(group, &mut cutouts, pictures, warnings)?;
+                let mut skin = self.skin(group, &mut cutouts, pictures, warnings)?;
+                if alpha_counts && let Some(alphas) = self.vertex_alphas(group)? {
+                    let corners = group.geometry.triangles.as_flattened();
+                    if corners.iter().any(|corner| alphas.hide([corner])) {
+                        skin.hidden = Some((alphas, cutouts.of_nothing(pictures)?));
+                    }
+                }
                 skins.insert(index, skin);
             }
         }
@@ -230,6 +249,7 @@ impl Document {
             return Ok(Skin {
                 uvs: Vec::new(),
                 cutout,
+                hidden: None,
             });
         };
         let uvs = self.texture_coordinates(group.mesh, group.primitive, texture.uv_set)?;
@@ -242,6 +262,7 @@ impl Document {
             return Ok(Skin {
                 uvs: Vec::new(),
                 cutout: None,
+                hidden: None,
             });
         };
         // NaN in a texture coordinate hides nothing that matters: zero serves.
@@ -252,6 +273,7 @@ impl Document {
         Ok(Skin {
             uvs: uvs.into_iter().map(apply).collect(),
             cutout: cutouts.index(&group.look, pictures)?,
+            hidden: None,
         })
     }
 
@@ -377,6 +399,8 @@ struct Skin {
     /// One per position, or none.
     uvs: Vec<DVec2>,
     cutout: Option<u32>,
+    /// Alphas of vertices that may hide leaves, and the mask of those that they hide.
+    hidden: Option<(VertexAlphas, Option<u32>)>,
 }
 
 /// What a triangle of a leaf takes, with room for more behind it, and once more where leaves and
@@ -455,8 +479,12 @@ impl FoundLeaves {
                     uvs: [a, b, c].map(corner_uv),
                 });
             }
-            self.foliage
-                .push_leaf_facing(&triangles, skin.cutout, facing)?;
+            let corners = leaf.iter().flat_map(|&t| &geometry.triangles[t as usize]);
+            let cutout = match &skin.hidden {
+                Some((alphas, of_nothing)) if alphas.hide(corners) => *of_nothing,
+                Some(_) | None => skin.cutout,
+            };
+            self.foliage.push_leaf_facing(&triangles, cutout, facing)?;
             self.leaf_sources.push(LeafSource {
                 part: number,
                 triangles: first + range.start..first + range.end,

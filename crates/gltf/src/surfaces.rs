@@ -218,12 +218,16 @@ impl Document {
         let what = || format!("{triangles} triangles of {vertices} vertices to draw");
         let taken = pictures.budget.take(bytes, what, ALLOW_MORE);
         taken.map_err(Problem::from)?;
+        let alpha_counts = self.vertex_alpha_counts(survey)?;
         let mut surfaces = Vec::new();
         for (index, group) in survey.groups.iter().enumerate() {
             if group.geometry.triangles.is_empty() {
                 continue;
             }
-            let template = self.template(group, pictures, detail)?;
+            let mut template = self.template(group, pictures, detail)?;
+            if !alpha_counts {
+                template.colors.iter_mut().for_each(|color| color.w = 1.0);
+            }
             for is_foliage in [false, true] {
                 let placed = parts.iter().zip(&survey.group_of_part);
                 let mut surface = template.empty_surface();
@@ -289,7 +293,7 @@ impl Document {
     }
 
     /// COLOR_0, with an alpha of 1 where it has none.
-    fn colors(&self, mesh: usize, primitive: usize) -> Result<Vec<Vec4>, Fault> {
+    pub(crate) fn colors(&self, mesh: usize, primitive: usize) -> Result<Vec<Vec4>, Fault> {
         let Some(index) = self.attribute(mesh, primitive, "COLOR_0")? else {
             return Ok(Vec::new());
         };

@@ -41,6 +41,7 @@ impl Tree {
             // Images keep their numbers.
             document.kept_images = Arc::clone(&original.kept_images);
             document.selectors.clone_from(&original.selectors);
+            document.vertex_alpha_counts = original.vertex_alpha_counts;
             Ok(document)
         };
         made().map_err(|fault| original.error(fault))

@@ -314,3 +314,87 @@ fn a_strangers_diffuse_textures_are_read() {
     let tree = secateur_gltf::Tree::open(&path, &[]).unwrap();
     assert_eq!(tree.foliage().cutouts().len(), 1);
 }
+
+/// The textured squares with these alphas in the colours of the vertices of each.
+fn colored(alphas: [f32; 2]) -> SmallTree {
+    colored_by_vertex([0, 1].map(|k| [alphas[k]; 4]).concat())
+}
+
+fn colored_by_vertex(alphas: Vec<f32>) -> SmallTree {
+    let png = encoded(&row(&[255, 255]), ImageFormat::Png);
+    let mut tree = textured(&png, json!({"alphaMode": "MASK"}));
+    let colors: Vec<f32> = (0..8).flat_map(|k| [0.5, 0.5, 0.5, alphas[k]]).collect();
+    let colors = tree.floats("VEC4", &colors);
+    tree.set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colors))
+}
+
+/// The alphas that renderers get, and whether the first leaf is hidden from who simplifies.
+fn alphas_and_hidden(tree: &SmallTree) -> (Vec<f32>, bool) {
+    let drawn = tree.document().drawn_as_one(Detail::Color).unwrap();
+    let alphas = drawn[0]
+        .surface
+        .colors
+        .iter()
+        .map(|color| color.w)
+        .collect();
+    let tree = tree.tree();
+    let mask = tree.foliage().leaves()[0].cutout();
+    let is_hidden =
+        mask.is_some_and(|mask| !tree.foliage().cutouts()[mask as usize].is_opaque(0, 0));
+    (alphas, is_hidden)
+}
+
+#[test]
+fn alpha_of_vertices_that_hides_most_is_ignored_by_everyone() {
+    let tree = colored([0.0, 0.0]);
+    assert_eq!(alphas_and_hidden(&tree), (vec![1.0; 8], false));
+    let warnings = tree.document().inspect(&[]).warnings;
+    let says =
+        "meshes[0].primitives[0]: the alpha of its COLOR_0 would hide most of it and is ignored";
+    assert!(
+        warnings.iter().any(|warning| warning.starts_with(says)),
+        "{warnings:?}"
+    );
+    // The level of a tree is read as the tree, even if half of what is left would be hidden.
+    let mut alphas = vec![0.0; 8];
+    alphas[7] = 0.75;
+    let tree = colored_by_vertex(alphas).tree();
+    let mut lod = secateur_model::Lod::original(2);
+    lod.remove(secateur_model::LeafId::from_index(0));
+    let drawn = tree
+        .lod_document(&lod)
+        .unwrap()
+        .drawn_as_one(Detail::Color)
+        .unwrap();
+    assert!(drawn[0].surface.colors.iter().all(|color| color.w == 1.0));
+}
+
+#[test]
+fn alpha_of_vertices_that_hides_some_hides_them_from_everyone() {
+    let half = [vec![0.0; 4], vec![0.75; 4]].concat();
+    let tree = colored([0.0, 0.75]);
+    assert_eq!(alphas_and_hidden(&tree), (half, true));
+    assert_eq!(tree.document().inspect(&[]).warnings, [""; 0]);
+    // What an opaque material does not test hides nothing.
+    let opaque = colored([0.0, 0.0]).set("/materials/0/alphaMode", json!("OPAQUE"));
+    assert_eq!(alphas_and_hidden(&opaque), (vec![0.0; 8], false));
+}
+
+#[test]
+fn a_strangers_wind_data_hides_no_leaf() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
+    let path = std::path::Path::new(folder).join("windcolor_a0.glb");
+    if !path.is_file() {
+        eprintln!("SKIPPED: ../shared/cases/windcolor_a0.glb is not there");
+        return;
+    }
+    let document = secateur_gltf::Document::open(&path).unwrap();
+    let warnings = document.inspect(&[]).warnings;
+    assert!(
+        warnings.iter().any(|warning| warning.contains("COLOR_0")),
+        "{warnings:?}"
+    );
+    for drawn in document.drawn_as_one(Detail::Color).unwrap() {
+        assert!(drawn.surface.colors.iter().all(|color| color.w == 1.0));
+    }
+}

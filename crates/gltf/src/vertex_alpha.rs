@@ -1,0 +1,79 @@
+//! The alpha of vertex colours: whether it is part of the look.
+//!
+//! By the specification it is a factor of the material's alpha. But many plants keep wind data in COLOR_0, whose
+//! alpha then hides all leaves. One reading holds for a whole file and for everybody who looks at it.
+
+use super::Document;
+use super::cutouts::cutoff;
+use super::error::Fault;
+use super::survey::{Group, Survey};
+
+/// From which share of a primitive's triangles on alpha that hides them is taken for something else.
+const MOST: f64 = 0.5;
+
+impl Document {
+    /// The primitives of which the alpha of vertex colours would hide most, as their places in the survey; it is
+    /// ignored in the whole file if there are any.
+    pub(crate) fn hidden_by_vertices(&self, survey: &Survey) -> Result<Vec<usize>, Fault> {
+        let mut hidden = Vec::new();
+        for (number, group) in survey.groups.iter().enumerate() {
+            let Some(alphas) = self.vertex_alphas(group)? else {
+                continue;
+            };
+            let triangles = &group.geometry.triangles;
+            let count = triangles
+                .iter()
+                .filter(|corners| alphas.hide(*corners))
+                .count();
+            if count as f64 > MOST * triangles.len() as f64 {
+                hidden.push(number);
+            }
+        }
+        Ok(hidden)
+    }
+
+    /// Whether the alpha of vertex colours is a part of the look.
+    pub(crate) fn vertex_alpha_counts(&self, survey: &Survey) -> Result<bool, Fault> {
+        match self.vertex_alpha_counts {
+            Some(known) => Ok(known),
+            None => Ok(self.hidden_by_vertices(survey)?.is_empty()),
+        }
+    }
+
+    /// The alphas of a primitive's vertices, where its material tests them.
+    pub(crate) fn vertex_alphas(&self, group: &Group) -> Result<Option<VertexAlphas>, Fault> {
+        let Some(cutoff) = cutoff(&group.look) else {
+            return Ok(None);
+        };
+        let colors = self.colors(group.mesh, group.primitive)?;
+        let factor = group.look.base_color[3];
+        // What the material hides by itself is no matter of vertices.
+        Ok(
+            (!colors.is_empty() && factor >= cutoff).then(|| VertexAlphas {
+                alphas: colors.iter().map(|color| color.w * factor).collect(),
+                cutoff,
+            }),
+        )
+    }
+}
+
+/// The alphas of vertices, the material's factor in them.
+pub(crate) struct VertexAlphas {
+    alphas: Vec<f32>,
+    cutoff: f32,
+}
+
+impl VertexAlphas {
+    /// Whether nothing can be seen of what these vertices span, however opaque its texture is.
+    pub(crate) fn hide<'v>(&self, vertices: impl IntoIterator<Item = &'v u32>) -> bool {
+        let mut vertices = vertices.into_iter();
+        vertices.all(|&vertex| self.alphas[vertex as usize] < self.cutoff)
+    }
+}
+
+/// The warning where the alpha of vertices is ignored.
+pub(crate) fn warning(place: &str) -> String {
+    format!(
+        "{place}: the alpha of its COLOR_0 would hide most of it and is ignored, as if it were wind data; engines that follow glTF hide it"
+    )
+}
