@@ -15,7 +15,7 @@ use crate::mips::MipChains;
 use crate::over_frames::OverFrames;
 use crate::pictures::camera_of;
 use crate::render::{DrawnPicture, draw};
-use crate::truth::{Truth, covered_px};
+use crate::truth::{Truth, coverage_over_truth, covered_px};
 use crate::visibility::AlphaFrom;
 
 /// Islands of at most this many pixels are specks.
@@ -109,7 +109,7 @@ impl AsDrawn {
         let drawn = |mips| ViewPictures::of(original, views, width_px, AlphaFrom::mips(mips));
         let [with_mips, without_mips] = [Some(&mips), None].map(drawn);
         let shown = |drawn: &ViewPictures| OriginalAsDrawn {
-            coverage_over_truth: drawn.covered_px() / covered_px(&truth),
+            coverage_over_truth: coverage_over_truth(drawn.covered_px(), covered_px(&truth)),
             truth_iou: truth_iou(&truth, drawn),
             specks_per_view: drawn.specks_per_view(width_px as usize),
             flip_mean: flip(&truth, drawn),
@@ -150,7 +150,7 @@ impl AsDrawn {
         }
         AsDrawnMeasurement {
             width_px: self.width_px,
-            coverage_over_truth: drawn.covered_px() / covered_px(&self.truth),
+            coverage_over_truth: coverage_over_truth(drawn.covered_px(), covered_px(&self.truth)),
             original_coverage_over_truth: self.original_shown.coverage_over_truth,
             silhouette_iou: if any == 0 {
                 1.0

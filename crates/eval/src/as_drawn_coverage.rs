@@ -13,6 +13,7 @@ use crate::cut_mask::CutMasks;
 use crate::mips::{MipChains, MipMaps};
 use crate::pictures::camera_of;
 use crate::render::is_covered;
+use crate::truth::coverage_over_truth;
 use crate::visibility::AlphaFrom;
 
 /// How much of a tree a client shows; see [`AsDrawnMeasurement`](crate::AsDrawnMeasurement).
@@ -91,7 +92,7 @@ impl AsDrawnCoverage {
         let specks: usize = counted.iter().map(|view| view.specks).sum();
         let truth_px: f64 = self.truth_px.iter().sum();
         Shown {
-            coverage_over_truth: covered_px as f64 / truth_px,
+            coverage_over_truth: coverage_over_truth(covered_px as f64, truth_px),
             specks_per_view: specks as f64 / counted.len() as f64,
         }
     }

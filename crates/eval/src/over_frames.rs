@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use crate::averaged::{AveragedPicture, Overlap, SAMPLES};
 use crate::mips::MipChains;
-use crate::truth::{Truth, covered_px};
+use crate::truth::{Truth, coverage_over_truth, covered_px};
 use crate::visibility::AlphaFrom;
 
 /// How the mean of a client's frames compares with what the original truly looks like; means over the
@@ -67,13 +67,17 @@ impl OverFrames {
         let flips: Vec<f64> = flips.map(|(truth, image)| truth.flip(image)).collect();
         let truly_covered = covered_px(truth);
         let truly_changing = truth.iter().map(|truth| truth.picture.changing_px());
+        let flicker = |changing: f64| match truly_covered > 0.0 {
+            true => changing / truly_covered,
+            false => 0.0,
+        };
         Self {
             frames: SAMPLES * SAMPLES,
-            coverage_over_truth: covered / truly_covered,
+            coverage_over_truth: coverage_over_truth(covered, truly_covered),
             truth_iou: overlap.iou(),
             flip_mean: flips.iter().sum::<f64>() / truth.len() as f64,
-            flicker: changing / truly_covered,
-            truth_flicker: truly_changing.sum::<f64>() / truly_covered,
+            flicker: flicker(changing),
+            truth_flicker: flicker(truly_changing.sum()),
         }
     }
 }

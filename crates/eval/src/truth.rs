@@ -54,7 +54,29 @@ impl Truth {
     }
 }
 
+/// Covered pixels over those that truly are. Where no sample of the truth shows the plant it is 1 if
+/// nothing is covered, else as for a truth of one sample a pixel that is covered: a finite number.
+pub(crate) fn coverage_over_truth(covered_px: f64, truth_px: f64) -> f64 {
+    match truth_px > 0.0 {
+        true => covered_px / truth_px,
+        false => covered_px.max(1.0),
+    }
+}
+
 /// Pixels that show the plant, over all views, parts of pixels counted.
 pub(crate) fn covered_px(truth: &[Truth]) -> f64 {
     truth.iter().map(|truth| truth.picture.covered_px()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coverage_of_a_truth_that_no_sample_shows_is_a_number() {
+        assert_eq!(coverage_over_truth(3.0, 6.0), 0.5);
+        assert_eq!(coverage_over_truth(0.0, 6.0), 0.0);
+        assert_eq!(coverage_over_truth(0.0, 0.0), 1.0);
+        assert_eq!(coverage_over_truth(3.0, 0.0), 3.0);
+    }
 }

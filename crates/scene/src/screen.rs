@@ -26,8 +26,12 @@ impl Screen {
         self.height_px * plant_height / (2.0 * distance * self.half_tangent())
     }
 
-    /// The distance at which a plant of this height is shown at this height in pixels.
+    /// The distance at which a plant of this height is shown at this height in pixels; 0 for a plant that lies
+    /// flat.
     pub fn distance(&self, plant_height: f64, pixels_high: f64) -> f64 {
+        if plant_height == 0.0 {
+            return 0.0;
+        }
         self.height_px * plant_height / (2.0 * pixels_high * self.half_tangent())
     }
 
@@ -50,5 +54,6 @@ mod tests {
         assert!((screen.pixels_high(2.0, 1.0) - 1000.0).abs() < 1e-9);
         assert!((screen.pixels_high(2.0, 4.0) - 250.0).abs() < 1e-9);
         assert!((screen.distance(2.0, 250.0) - 4.0).abs() < 1e-9);
+        assert_eq!(screen.distance(0.0, screen.pixels_high(0.0, 4.0)), 0.0);
     }
 }

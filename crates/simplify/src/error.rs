@@ -35,6 +35,19 @@ pub enum Error {
         /// Triangles of the wood.
         least: usize,
     },
+    /// The plant cannot be brought to a number of triangles.
+    #[error(
+        "{asked} of {there} triangles were asked for, and {nearest} is the {} that is possible: ask for {nearest}",
+        if nearest > asked { "least" } else { "most" }
+    )]
+    BudgetNotMet {
+        /// Triangles that the plant may keep.
+        asked: usize,
+        /// The number that it comes to.
+        nearest: usize,
+        /// Triangles of the plant as it is.
+        there: usize,
+    },
     /// What hides leaves hides all, or the views look elsewhere.
     #[error(
         "no leaf is seen in any of the {views} views: all are hidden, or out of sight; move what stands before them, or the cameras"

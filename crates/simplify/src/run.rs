@@ -11,6 +11,7 @@ use secateur_raster::{MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene};
 use crate::audit::audit;
 use crate::auto_views::views_for;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
+use crate::fill::fill;
 use crate::last_look::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
 use crate::observe::observe;
@@ -23,7 +24,7 @@ use crate::sizes::{SizePass, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
 use crate::warning::{Ended, Warning, warnings};
-use crate::{Error, Options, Simplified, Stopped, Target, as_seen, sphere_of};
+use crate::{Error, LeafTriangles, Options, Simplified, Stopped, Target, as_seen, sphere_of};
 
 /// Simplifies a foliage.
 ///
@@ -325,7 +326,13 @@ impl PassContext<'_> {
         if self.options.widens_needles() {
             passes.widen_needles(self.foliage, held_by);
         }
-        let is_as_found = is_as_found && passes.needles.is_empty();
+        let is_filled = match (at_most, self.options.leaf_triangles) {
+            (Some(at_most), LeafTriangles::Auto) => {
+                fill(&mut passes, self.foliage, at_most, chosen)
+            }
+            _ => false,
+        };
+        let is_as_found = is_as_found && passes.needles.is_empty() && !is_filled;
         let mut stopped = match self.target {
             Target::Triangles(_) => Stopped::AtTriangles,
             Target::MaxErrorPercent(_) if is_at_max_error => Stopped::AtMaxError,
@@ -347,6 +354,7 @@ impl PassContext<'_> {
         let is_coarse_the_same = passes.coarse.as_ref().is_none_or(Coarse::shows_the_same);
         Ok(Draft {
             shows_the_same: is_driven
+                && !is_filled
                 && passes.needles.is_empty()
                 && are_all_left
                 && is_coarse_the_same,

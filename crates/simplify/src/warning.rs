@@ -57,6 +57,13 @@ pub enum Warning {
         /// The number of all leaves.
         there: usize,
     },
+    /// Wood that carries the crown to the ground is gone.
+    SupportsGone {
+        /// How many pieces of it are gone.
+        gone: usize,
+        /// The number of all of them.
+        there: usize,
+    },
     /// The GPU failed for this reason, and the CPU took over.
     GpuFailed(String),
 }
@@ -96,6 +103,10 @@ impl fmt::Display for Warning {
             Self::SingleSidedLeaves { count, there } => write!(
                 f,
                 "{count} of {there} leaves have a material that is not doubleSided: clients cull their back faces, so about half of them are not drawn, and leaves seen from behind count for nothing; set doubleSided if that is not meant"
+            ),
+            Self::SupportsGone { gone, there } => write!(
+                f,
+                "{gone} of {there} stems, pots or trunks that carry the crown are gone: they do not fit the budget; ask for more triangles"
             ),
             Self::GpuFailed(reason) => {
                 write!(f, "the GPU failed and the CPU took over: {reason}")

@@ -7,13 +7,14 @@ use secateur_raster::occluders::Occluded;
 use secateur_raster::{OpenEngine, Rasteriser, ViewSet};
 use serde::{Deserialize, Serialize};
 
+use crate::fill::{check_met, is_met};
 use crate::observe::observe;
 use crate::rest::HeldBy;
 use crate::stage::Observer;
-use crate::wood::{Parts, Wood, WoodBudget, hanging_on};
+use crate::wood::{Chosen, Parts, Wood, WoodBudget, hanging_on};
 use crate::{
-    Error, Fitting, Options, Shared, Simplified, Target, Views, simplify_on, simplify_sharing,
-    sphere_of,
+    Error, Fitting, Options, Shared, Simplified, Target, Views, Warning, simplify_on,
+    simplify_sharing, sphere_of,
 };
 
 /// Views of this many pixels a side say how much of each piece of wood is seen: enough for what
@@ -125,6 +126,14 @@ pub struct WholeLevel {
     /// what is further is gone, where triangles were the target. Nothing where no leaf was looked at
     /// for it.
     pub leaf_gap: Option<f64>,
+}
+
+/// What is left of the wood.
+#[derive(Clone, Debug)]
+struct WoodLevel {
+    chosen: Chosen,
+    lod: Lod,
+    triangles: usize,
 }
 
 impl<'a> WholePlant<'a> {
@@ -294,20 +303,43 @@ impl<'a> WholePlant<'a> {
             fit: Fitting::None,
             audit: false,
             shows_what_is_left: false,
-            target: Target::triangles((triangles - plain.1) as u64),
+            target: Target::triangles((triangles - plain.triangles) as u64),
             ..options.clone()
         };
         let sketch = simplify_sharing(engine, self.leaves, &sketch, Some(&mut *shared), observer)?;
-        let ((wood, wood_triangles), held_by) = self.held(plain, &sketch.lod, triangles);
+        let (mut wood, held_by) = self.held(plain, &sketch.lod, triangles);
         let leaf_gap = held_by.as_ref().map(|held_by| held_by.largest_gap);
         options.held_by = held_by.map(Arc::new);
-        options.target = Target::triangles((triangles - wood_triangles) as u64);
+        options.target = Target::triangles((triangles - wood.triangles) as u64);
+        let mut leaves = simplify_sharing(engine, self.leaves, &options, Some(shared), observer)?;
+        let of_leaves = leaves.lod.foliage(self.leaves).triangles().len();
+        self.use_rest(&mut wood, of_leaves, triangles);
+        leaves.warnings.extend(self.warning_of(&wood));
         Ok(WholeLevel {
-            leaves: simplify_sharing(engine, self.leaves, &options, Some(shared), observer)?,
-            wood,
-            wood_triangles,
+            leaves,
+            wood: wood.lod,
+            wood_triangles: wood.triangles,
             leaf_gap,
         })
+    }
+
+    /// Has wood the triangles of a budget that leaves cannot use, where these are many of them.
+    fn use_rest(&self, wood: &mut WoodLevel, of_leaves: usize, triangles: usize) {
+        let left = of_leaves + wood.triangles;
+        if left >= triangles || is_met(triangles, left) {
+            return;
+        }
+        let lod = self.levels.refined(&wood.chosen, triangles - left);
+        let count = lod.foliage(self.wood).triangles().len();
+        if (wood.triangles..=triangles - of_leaves).contains(&count) {
+            (wood.lod, wood.triangles) = (lod, count);
+        }
+    }
+
+    /// That pieces which carry the crown are gone.
+    fn warning_of(&self, wood: &WoodLevel) -> Option<Warning> {
+        let [gone, there] = self.levels.carriers_gone(&wood.chosen);
+        (gone > 0).then_some(Warning::SupportsGone { gone, there })
     }
 
     /// The wood of a plant of `triangles` triangles, with what its leaves are to hang on: wood that bears them
@@ -316,16 +348,16 @@ impl<'a> WholePlant<'a> {
     /// left beside `plain` wood.
     fn held(
         &self,
-        plain: (Lod, usize),
+        plain: WoodLevel,
         sketch: &Lod,
         triangles: usize,
-    ) -> ((Lod, usize), Option<HeldBy>) {
+    ) -> (WoodLevel, Option<HeldBy>) {
         let most = (MOST_HOLDING * triangles as f64) as usize;
-        let of_leaves = triangles.saturating_sub(plain.1);
+        let of_leaves = triangles.saturating_sub(plain.triangles);
         let most_going = (MOST_GOING * of_leaves as f64) as usize;
         for doubled in 0..MOST_DOUBLED {
             let largest_gap = self.levels.leaf_gap() * f64::from(1 << doubled);
-            let Some(beside) = self.held_by(&plain.0, largest_gap) else {
+            let Some(beside) = self.held_by(&plain.lod, largest_gap) else {
                 break;
             };
             let mut hanging_px = vec![0.0; self.leaves.leaves().len()];
@@ -334,8 +366,8 @@ impl<'a> WholePlant<'a> {
                 return (plain, Some(beside));
             }
             let wood = self.wood_of(&hanging_px, triangles);
-            let more = wood.1.saturating_sub(plain.1);
-            let Some(held_by) = self.held_by(&wood.0, largest_gap) else {
+            let more = wood.triangles.saturating_sub(plain.triangles);
+            let Some(held_by) = self.held_by(&wood.lod, largest_gap) else {
                 break;
             };
             if more <= most {
@@ -348,13 +380,17 @@ impl<'a> WholePlant<'a> {
         (plain, None)
     }
 
-    /// The wood of a plant of `triangles` triangles, and the number of triangles in that wood.
-    fn wood_of(&self, hanging_px: &[f64], triangles: usize) -> (Lod, usize) {
+    /// The wood of a plant of `triangles` triangles.
+    fn wood_of(&self, hanging_px: &[f64], triangles: usize) -> WoodLevel {
         let most = self.wood_budget_bearing(hanging_px, triangles);
         let budget = WoodBudget::of_plant(most.min(triangles), triangles);
-        let (wood, _) = self.levels.bearing(hanging_px, budget);
-        let count = wood.foliage(self.wood).triangles().len();
-        (wood, count)
+        let chosen = self.levels.chosen(hanging_px, budget);
+        let lod = self.levels.lod(&chosen);
+        WoodLevel {
+            triangles: lod.foliage(self.wood).triangles().len(),
+            chosen,
+            lod,
+        }
     }
 
     /// For leaves that hang in the air in a plant of `triangles` triangles: adds to each, in `hanging_px`, the
@@ -388,7 +424,7 @@ impl<'a> WholePlant<'a> {
     /// the air; wood gets as many triangles as it has in a plant with as many triangles of leaves.
     ///
     /// # Errors
-    /// As [`simplify_on`].
+    /// [`Error::BudgetNotMet`] if the plant has no such number of triangles; else as [`simplify_on`].
     pub fn simplified(
         &self,
         options: &Options,
@@ -398,7 +434,11 @@ impl<'a> WholePlant<'a> {
         options.target.check()?;
         if let Target::Triangles(amount) = options.target {
             let triangles = amount.of(self.triangle_count());
-            return self.level(triangles, options, engine, None, observer);
+            let level = self.level(triangles, options, engine, None, observer)?;
+            let of_leaves = level.leaves.lod.foliage(self.leaves).triangles().len();
+            let left = of_leaves + level.wood_triangles;
+            check_met(triangles, left, self.triangle_count())?;
+            return Ok(level);
         }
         let options = Options {
             occluders: Some(self.hiding(options)?),
@@ -408,11 +448,11 @@ impl<'a> WholePlant<'a> {
         let left = leaves.lod.foliage(self.leaves).triangles().len();
         let triangles = left + self.wood_beside(left);
         let plain = self.wood_of(&[], triangles);
-        let ((wood, wood_triangles), held_by) = self.held(plain, &leaves.lod, triangles);
+        let (wood, held_by) = self.held(plain, &leaves.lod, triangles);
         Ok(WholeLevel {
             leaves,
-            wood,
-            wood_triangles,
+            wood: wood.lod,
+            wood_triangles: wood.triangles,
             leaf_gap: held_by.map(|held_by| held_by.largest_gap),
         })
     }

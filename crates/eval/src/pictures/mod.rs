@@ -259,11 +259,13 @@ impl Pictures {
         Self::of_sets(vec![views.views().par_iter().map(picture).collect()])
     }
 
+    /// Pictures have at least one pixel.
     fn options(resolution: u32) -> RenderOptions {
+        let resolution = resolution.max(1);
         RenderOptions {
             width: resolution,
             height: resolution,
-            samples: (Self::SAMPLES / resolution.max(1)).clamp(2, 8),
+            samples: (Self::SAMPLES / resolution).clamp(2, 8),
             shadows: false,
             turns_normals: false,
         }

@@ -100,12 +100,16 @@ impl<'a> Client<'a> {
         screen: Screen,
         plant_height: f64,
     ) -> Self {
+        let or = |size: f64, other: f64| if size > 0.0 { size } else { other };
+        // All of a plant may be one point.
+        let radius = or(sphere.radius, 1.0);
         Self {
             original,
             directions,
-            sphere,
+            sphere: BoundingSphere { radius, ..sphere },
             screen,
-            plant_height,
+            // A plant that lies flat is as high as it is wide.
+            plant_height: or(plant_height, 2.0 * radius),
             truths: RefCell::default(),
             mips: MipMaps::of_cut_outs(original),
             dilated: Vec::new(),
@@ -227,6 +231,11 @@ impl<'a> Client<'a> {
 
     /// What a client shows of a level, and of the original.
     fn shown(&self, surfaces: &[Surface], mips: &MipMaps, pixels_high: f64) -> (Shown, Shown) {
+        // What lies flat is no pixel high, or any number of them.
+        let pixels_high = match pixels_high > 0.0 && pixels_high.is_finite() {
+            true => pixels_high,
+            false => 1.0,
+        };
         let mut truths = self.truths.borrow_mut();
         let truth = truths.entry(pixels_high.to_bits());
         let truth = truth.or_insert_with(|| {

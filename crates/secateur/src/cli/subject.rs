@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use secateur::{
     Foliage, Lod, Memory, Observer, OpenEngine, Options, PlantSkeleton, Selector, Simplified,
-    SimplifyError, Target, Tree, WholePlant, WholeTree, WoodMode, simplify_keeping_wood,
+    SimplifyError, Target, Tree, WholePlant, WholeTree, WoodMode, check_met, simplify_keeping_wood,
     simplify_with,
 };
 
@@ -115,6 +115,8 @@ impl Subject {
         let (tree, mode) = match self {
             Self::Leaves(tree) => {
                 let result = simplify_with(tree.foliage(), options, observer)?;
+                let left = result.lod.foliage(tree.foliage()).triangles().len();
+                check_budget(options.target, left, tree.foliage().triangles().len())?;
                 return Ok(Outcome {
                     lod: result.lod.clone(),
                     result,
@@ -131,10 +133,21 @@ impl Subject {
             mode => WholePlant::by(mode, tree.items().foliage(), leaves, wood, options, &engine)?
                 .simplified(options, &engine, observer)?,
         };
+        let left = level.leaves.lod.foliage(leaves).triangles().len() + level.wood_triangles;
+        let there = leaves.triangles().len() + wood.triangles().len();
+        check_budget(options.target, left, there)?;
         Ok(Outcome {
             lod: tree.joined(&level.leaves.lod, &level.wood),
             result: level.leaves,
             wood_triangles: level.wood_triangles as u64,
         })
+    }
+}
+
+/// Whether as many triangles of those that are counted are left as were asked for.
+fn check_budget(target: Target, left: usize, there: usize) -> Result<(), SimplifyError> {
+    match target {
+        Target::Triangles(asked) => check_met(asked.of(there), left, there),
+        Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(()),
     }
 }

@@ -63,6 +63,20 @@ pub(crate) fn halvings(triangles: &[LeafTriangle], kept: Kept<'_>) -> Vec<Vec<[u
     levels
 }
 
+/// What collapses leave that are to get to this number of triangles, as [`halvings`] does; none if they leave
+/// none, or all.
+pub(crate) fn collapsed_within(
+    triangles: &[LeafTriangle],
+    kept: Kept<'_>,
+    at_most: usize,
+) -> Option<Vec<[u32; 3]>> {
+    let mesh = Mesh::of(triangles)?;
+    let attributes = Attributes::of(&mesh, triangles, kept);
+    let kept = mesh.collapsed_with(&attributes, at_most);
+    let is_coarser = !kept.is_empty() && kept.len() < triangles.len();
+    is_coarser.then(|| mesh.corners_of(triangles, &kept))
+}
+
 /// Texture coordinates and normal of a vertex.
 const ATTRIBUTES: usize = 5;
 

@@ -7,7 +7,7 @@ use secateur_raster::ViewSet;
 use secateur_raster::cpu::LeafFragments;
 
 use super::triangle::{self, CornerTriple};
-use super::{Cards, Sheets, collapsed, leaf_mesh};
+use super::{Cards, Sheets, by_position, collapsed, leaf_mesh};
 
 /// Width and height in pixels of the largest images in which leaves are drawn: the judge's.
 const MAX_RESOLUTION_PX: f64 = 512.0;
@@ -198,7 +198,16 @@ fn coarser(
         Some(three) => {
             triangle::flat(foliage, leaf, three).or_else(|| collapsed(foliage, leaf, at_most))
         }
-        None => collapsed(foliage, leaf, at_most),
+        None => {
+            let made = collapsed(foliage, leaf, at_most);
+            let is_large = foliage.triangles_of(leaf).len() > MAX_TRIANGLES;
+            let is_near = |made: &NewLeaf| made.triangles.len() <= at_most + at_most / 8;
+            match is_large && !made.as_ref().is_some_and(is_near) {
+                // What is large is not to go whole.
+                true => by_position::within(foliage, leaf, at_most),
+                false => made,
+            }
+        }
     }
 }
 

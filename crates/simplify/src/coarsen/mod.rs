@@ -15,6 +15,7 @@
 //! centre stay.
 
 mod budget;
+pub(crate) mod by_position;
 mod card_textures;
 mod cards;
 mod enclosing_triangle;

@@ -3,15 +3,16 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
-use secateur_model::{Facing, Foliage, LeafId};
+use secateur_model::{Facing, Foliage, LeafId, LeafTriangle};
 use secateur_raster::cpu::LeafFragments;
 
 use super::distance::corners_of;
+use super::last_forms::last_forms;
 use super::loss::{Judges, Original};
 use super::parts::Parts;
 use super::rings::tubes;
 use super::thickness::thickness;
-use crate::coarsen::leaf_mesh::{Kept, halvings};
+use crate::coarsen::leaf_mesh::{Kept, collapsed_within, halvings};
 
 /// A texture that would be off by its whole width counts as much as a surface that is off by this
 /// share of the piece's length: little, since bark repeats along a branch. Other values were not
@@ -29,6 +30,8 @@ pub(super) struct Level {
     pub(super) reaches: bool,
     /// Whether it does, and is seen from all sides: what carries the crown may become that.
     pub(super) stands: bool,
+    /// Whether it is only for what carries the crown, where nothing else fits a budget.
+    pub(super) is_last_form: bool,
 }
 
 /// A normal that would be off by its whole length counts as much as a surface that is off by this
@@ -71,12 +74,45 @@ pub(super) fn levels(
                 loss: lost.loss.min(MOST_LOST),
                 reaches,
                 stands: reaches && lost.least_shown >= LEAST_SHOWN,
+                is_last_form: false,
             }
         }))
     };
     let all = collapsed.into_par_iter().enumerate();
     let buffer = || LeafFragments::new(judges.resolution);
     all.map_init(buffer, of_piece).collect()
+}
+
+/// The last forms of a piece, for where nothing else of it fits a budget.
+pub(super) fn last_levels(wood: &Foliage, piece: LeafId) -> Vec<Level> {
+    let forms = last_forms(wood.triangles_of(piece)).into_iter();
+    let level = |triangles| Level {
+        triangles,
+        loss: MOST_LOST,
+        reaches: true,
+        stands: true,
+        is_last_form: true,
+    };
+    forms.map(level).collect()
+}
+
+/// A piece with a number of triangles in a range; none if collapses get to none. Where `is_joint` says so, they
+/// leave vertices.
+pub(super) fn collapsed_to(
+    wood: &Foliage,
+    piece: LeafId,
+    is_joint: &dyn Fn(DVec3) -> bool,
+    counts: std::ops::RangeInclusive<usize>,
+) -> Option<Vec<[u32; 3]>> {
+    let triangles = wood.triangles_of(piece);
+    let plain = triangles.iter().map(|t| LeafTriangle::plain(t.corners));
+    let plain: Vec<LeafTriangle> = plain.collect();
+    // Where collapses along textures stall, corners are welded by position alone.
+    [triangles, &plain].into_iter().find_map(|triangles| {
+        let kept = kept(wood, piece, is_joint);
+        let kept = collapsed_within(triangles, kept, *counts.end())?;
+        counts.contains(&kept.len()).then_some(kept)
+    })
 }
 
 /// What collapses of edges by geometry leave of all pieces. Where `is_joint` says so, they leave vertices.
@@ -96,6 +132,11 @@ fn collapsed_of(
     piece: LeafId,
     is_joint: &dyn Fn(DVec3) -> bool,
 ) -> Vec<Vec<[u32; 3]>> {
+    halvings(wood.triangles_of(piece), kept(wood, piece, is_joint))
+}
+
+/// What collapses of a piece are to keep.
+fn kept<'a>(wood: &Foliage, piece: LeafId, is_joint: &'a dyn Fn(DVec3) -> bool) -> Kept<'a> {
     let triangles = wood.triangles_of(piece);
     let thickness = thickness(wood, piece);
     let first = triangles[0].corners[0];
@@ -105,12 +146,11 @@ fn collapsed_of(
         true => NORMAL_WEIGHT * thickness / size,
         false => 0.0,
     };
-    let kept = Kept {
+    Kept {
         uv_weight: UV_WEIGHT,
         normal_weight: normal_weight as f32,
         is_locked: is_joint,
-    };
-    halvings(triangles, kept)
+    }
 }
 
 /// [`tubes`] of a piece that have every joint which it has.
@@ -175,7 +215,7 @@ pub(super) fn joints(parts: &Parts) -> impl Fn(DVec3) -> bool + Sync + use<> {
 #[cfg(test)]
 mod tests {
     use glam::{DMat3, DVec2};
-    use secateur_model::{BoundingSphere, LeafTriangle};
+    use secateur_model::BoundingSphere;
     use secateur_raster::ViewSet;
 
     use super::super::nearest::nearest;

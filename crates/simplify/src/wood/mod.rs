@@ -13,6 +13,7 @@ mod bearing;
 mod distance;
 mod forks;
 mod gaps;
+mod last_forms;
 mod levels;
 mod loss;
 mod nearest;
@@ -27,13 +28,14 @@ mod vmi;
 mod welded;
 mod widening;
 
+use rustc_hash::FxHashMap;
 use secateur_model::{Foliage, LeafId, Lod, NewCorner, NewLeaf};
 use secateur_raster::{Rasteriser, ViewSet};
 
 use crate::Error;
 use bearing::{Bearing, Borne, Needs, needs};
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
-use levels::{Level, collapsed, joints, levels};
+use levels::{Level, collapsed, collapsed_to, joints, last_levels, levels};
 use loss::Judges;
 pub use parts::Parts;
 pub use spend::WoodBudget;
@@ -54,6 +56,10 @@ pub struct Wood {
     carriers: Vec<Carrier>,
     leaf_gap: f64,
 }
+
+/// The level of each part that is left: 0 for the part as it is, else one more than an index of its levels.
+#[derive(Clone, Debug)]
+pub struct Chosen(Vec<Option<usize>>);
 
 #[derive(Clone, Debug)]
 struct Piece {
@@ -160,9 +166,12 @@ impl Wood {
         self.leaf_gap = largest_gap;
         let is_cut_out = leaves.leaves().iter().any(|leaf| leaf.cutout().is_some());
         self.makes_up = !is_cut_out;
-        self.carriers = carriers(&self.pieces, &nearest, seen_px);
+        self.carriers = carriers(&self.parts, &self.pieces, &nearest, seen_px);
         for carrier in &self.carriers {
-            self.pieces[carrier.piece].carries = true;
+            let piece = &mut self.pieces[carrier.piece];
+            piece.carries = true;
+            let part = LeafId::from_index(carrier.piece);
+            piece.levels.extend(last_levels(self.parts.foliage(), part));
         }
         self
     }
@@ -188,19 +197,59 @@ impl Wood {
     /// [`Self::within`], where leaves that it bears save pixels too. `hanging_px`: what each leaf of
     /// [`Self::with_leaves`] loses if nothing bears it; those at the end may be left out.
     pub fn bearing(&self, hanging_px: &[f64], budget: WoodBudget) -> (Lod, f64) {
+        let chosen = self.chosen(hanging_px, budget);
+        let pieces = self.pieces.iter().zip(&chosen.0);
+        let lost = pieces.map(|(piece, level)| piece.lost_px(*level)).sum();
+        (self.lod(&chosen), lost)
+    }
+
+    /// The levels of [`Self::bearing`].
+    pub fn chosen(&self, hanging_px: &[f64], budget: WoodBudget) -> Chosen {
         if budget.triangles >= self.triangle_count() {
-            return (Lod::original(self.parts.piece_count()), 0.0);
+            return Chosen(vec![Some(0); self.pieces.len()]);
         }
-        let chosen = self.choose(hanging_px, budget, 0.0);
-        let lost = self
-            .pieces
-            .iter()
-            .zip(&chosen)
-            .map(|(piece, level)| match level {
-                None => piece.seen_px,
-                Some(level) => piece.loss(*level),
-            });
-        (self.lod(&chosen), lost.sum())
+        Chosen(self.choose(hanging_px, budget, 0.0))
+    }
+
+    /// What is left of each piece.
+    pub fn lod(&self, chosen: &Chosen) -> Lod {
+        self.lod_with(&chosen.0, &FxHashMap::default())
+    }
+
+    /// How many of the pieces that carry the crown to the ground are gone, and how many there are.
+    pub fn carriers_gone(&self, chosen: &Chosen) -> [usize; 2] {
+        let is_gone = |carrier: &&Carrier| chosen.0[carrier.piece].is_none();
+        let gone = self.carriers.iter().filter(is_gone).count();
+        [gone, self.carriers.len()]
+    }
+
+    /// [`Self::lod`] with up to `more` triangles more, where pieces have levels in between: those that lose the most
+    /// pixels get finer first.
+    pub fn refined(&self, chosen: &Chosen, more: usize) -> Lod {
+        let chosen = &chosen.0;
+        let lost_px = |part: &usize| self.pieces[*part].lost_px(chosen[*part]);
+        let can_grow = |part: &usize| {
+            let support = self.pieces[*part].support;
+            chosen[*part] != Some(0) && support.is_none_or(|support| chosen[support].is_some())
+        };
+        let mut parts: Vec<usize> = (0..chosen.len()).filter(can_grow).collect();
+        parts.sort_by(|a, b| lost_px(b).total_cmp(&lost_px(a)).then(a.cmp(b)));
+        let is_joint = joints(&self.parts);
+        let mut left = more;
+        let mut finer: FxHashMap<usize, Vec<[u32; 3]>> = FxHashMap::default();
+        for part in parts {
+            let now = self.pieces[part].count(chosen[part]);
+            let at_most = (now + left).min(self.pieces[part].triangles.saturating_sub(1));
+            if at_most <= now {
+                continue;
+            }
+            let (wood, piece) = (self.parts.foliage(), LeafId::from_index(part));
+            if let Some(level) = collapsed_to(wood, piece, &is_joint, now + 1..=at_most) {
+                left -= level.len() - now;
+                finer.insert(part, level);
+            }
+        }
+        self.lod_with(chosen, &finer)
     }
 
     /// How many triangles carry the crown to the ground or save at least `px_a_triangle` pixels each, the
@@ -228,7 +277,8 @@ impl Wood {
     }
 
     /// What is left of each piece: all of it where all its parts are as they are. Thin parts are as wide as they were.
-    fn lod(&self, chosen: &[Option<usize>]) -> Lod {
+    /// `finer`: by part, a level to be taken instead.
+    fn lod_with(&self, chosen: &[Option<usize>], finer: &FxHashMap<usize, Vec<[u32; 3]>>) -> Lod {
         let seen_px = |part: usize| self.pieces[part].seen_px;
         let for_others = match self.makes_up {
             true => self
@@ -241,13 +291,14 @@ impl Wood {
         };
         let mut lod = Lod::original(self.parts.piece_count());
         for piece in (0..self.parts.piece_count()).map(LeafId::from_index) {
-            let of_piece = &chosen[self.parts.of_piece(piece)];
-            if of_piece.iter().all(|level| *level == Some(0)) {
+            let parts = self.parts.of_piece(piece);
+            if parts.clone().all(|part| chosen[part] == Some(0)) {
                 continue;
             }
             lod.remove(piece);
-            if of_piece.iter().any(Option::is_some) {
-                lod.make(self.made(piece, chosen, widened));
+            let is_left = |part: usize| chosen[part].is_some() || finer.contains_key(&part);
+            if parts.clone().any(is_left) {
+                lod.make(self.made(piece, chosen, finer, widened));
             }
         }
         lod
@@ -259,10 +310,15 @@ impl Wood {
         &self,
         piece: LeafId,
         chosen: &[Option<usize>],
+        finer: &FxHashMap<usize, Vec<[u32; 3]>>,
         made: impl Fn(usize, &[[u32; 3]]) -> Vec<[NewCorner; 3]>,
     ) -> NewLeaf {
         let mut triangles = Vec::new();
         for part in self.parts.of_piece(piece) {
+            if let Some(level) = finer.get(&part) {
+                triangles.extend(made(part, level));
+                continue;
+            }
             match chosen[part] {
                 None => {}
                 Some(0) => triangles.extend(self.parts.whole(part)),
@@ -287,6 +343,16 @@ impl Piece {
             Some(0) => self.triangles,
             Some(level) => self.levels[level - 1].triangles.len(),
         }
+    }
+
+    /// Whether a level is only for what carries the crown, where nothing else fits.
+    fn is_last_form(&self, level: usize) -> bool {
+        level > 0 && self.levels[level - 1].is_last_form
+    }
+
+    /// Pixels lost at a level, all where nothing is left.
+    fn lost_px(&self, level: Option<usize>) -> f64 {
+        level.map_or(self.seen_px, |level| self.loss(level))
     }
 
     /// Pixels lost at a level.

@@ -1,5 +1,6 @@
 //! All levels of the wood as one removal order of its pieces.
 
+use rustc_hash::FxHashMap;
 use secateur_model::{LeafId, NewLeaf, RemovalOrder, Step};
 
 use super::{Wood, WoodBudget};
@@ -43,7 +44,7 @@ impl Wood {
             shown[piece.index()] = (LeafId::from_index(order.name_count()), left);
             let made: Option<NewLeaf> = (left > 0).then(|| {
                 let made = |part: usize, level: &[[u32; 3]]| self.parts.made(part, level);
-                self.made(piece, &levels, made)
+                self.made(piece, &levels, &FxHashMap::default(), made)
             });
             order.push_step(Step {
                 removed: &[name],

@@ -77,8 +77,10 @@ pub struct WoodBudget {
     /// The most triangles of all wood together.
     pub triangles: usize,
     /// The most of these triangles that go to pieces which carry the crown to the ground, whatever pixels
-    /// they save. The piece that carries the most may exceed this, up to `triangles`.
+    /// they save. The piece that carries the most may exceed this.
     pub standing: usize,
+    /// The most of the piece that carries the most, even where it exceeds `triangles`.
+    pub first: usize,
 }
 
 impl WoodBudget {
@@ -87,6 +89,8 @@ impl WoodBudget {
         Self {
             triangles: of_wood,
             standing: (MOST_STANDING * of_plant as f64) as usize,
+            // Something is to hang on it.
+            first: of_plant.saturating_sub(1),
         }
     }
 
@@ -95,6 +99,7 @@ impl WoodBudget {
         Self {
             triangles,
             standing: triangles,
+            first: triangles,
         }
     }
 }
@@ -126,7 +131,7 @@ impl Wood {
         };
         let mut is_queued = vec![false; self.pieces.len()];
         let mut queue = BinaryHeap::new();
-        spending.stand(budget.standing, &mut take);
+        spending.stand(budget, &mut take);
         for (piece, is_queued) in is_queued.iter_mut().enumerate() {
             if let Some(offer) = spending.offer(piece) {
                 *is_queued = true;
@@ -162,18 +167,40 @@ impl Wood {
 }
 
 impl Spending<'_> {
-    /// Takes what carries the crown, what carries most first, each at the coarsest level that stands.
-    fn stand(&mut self, triangles_at_most: usize, take: &mut impl FnMut(Offer, Option<usize>)) {
+    /// Takes what carries the crown, what carries most first, each at the coarsest level that stands, or in
+    /// the finest of its last forms that fits.
+    fn stand(&mut self, budget: WoodBudget, take: &mut impl FnMut(Offer, Option<usize>)) {
         let mut spent = 0;
-        for carrier in &self.wood.carriers {
-            let count = self.wood.pieces[carrier.piece].count(Some(carrier.level));
-            let is_first = spent == 0;
-            if count <= self.left && (is_first || spent + count <= triangles_at_most) {
+        let wood = self.wood;
+        for carrier in &wood.carriers {
+            let piece = &wood.pieces[carrier.piece];
+            if piece
+                .support
+                .is_some_and(|support| self.chosen[support].is_none())
+            {
+                continue;
+            }
+            let last = (1..=piece.levels.len()).filter(|level| piece.is_last_form(*level));
+            let mut forms = std::iter::once(carrier.level).chain(last);
+            let most_standing = match spent {
+                0 => self.left,
+                spent => self.left.min(budget.standing.saturating_sub(spent)),
+            };
+            let fits = |level: &usize| {
+                let most = match spent == 0 && piece.is_last_form(*level) {
+                    true => budget.first,
+                    false => most_standing,
+                };
+                piece.count(Some(*level)) <= most
+            };
+            if let Some(level) = forms.find(fits) {
                 let offer = Offer {
                     px_a_triangle: f64::INFINITY,
                     piece: carrier.piece,
-                    level: carrier.level,
+                    level,
                 };
+                let count = piece.count(Some(level));
+                self.left = self.left.max(count);
                 take(offer, self.take(offer));
                 spent += count;
             }
@@ -244,12 +271,16 @@ impl Spending<'_> {
             borne_px += hanging_px[level];
             let worth = Worth {
                 px: lost_now - piece.loss(level) + borne_px,
-                triangles: piece.count(Some(level)) - piece.count(now),
+                // A last form may have more than a level that does not stand.
+                triangles: piece.count(Some(level)).saturating_sub(piece.count(now)),
             };
             let is_better =
                 |(_, known): &(usize, Worth)| worth.px_a_triangle() > known.px_a_triangle();
             let is_more = (1..=self.left).contains(&worth.triangles);
-            let can_be = is_more && fits(level) && (!piece.carries || reaches(level));
+            let can_be = is_more
+                && !piece.is_last_form(level)
+                && fits(level)
+                && (!piece.carries || reaches(level));
             if can_be && best.as_ref().is_none_or(is_better) {
                 best = Some((level, worth));
             }

@@ -6,7 +6,11 @@
 //! coarsest form that still goes where they went and is seen from all sides; more triangles they get only
 //! for the pixels these save.
 
+use glam::DVec3;
+use secateur_model::{Foliage, LeafId};
+
 use super::Piece;
+use super::parts::Parts;
 
 /// A piece that grows on none carries the crown if it carries this share of what the one that carries most does,
 /// itself or by what grows on it, in pixels that the views show of the leaves. Of the eleven stems of `ez_bush2` the last
@@ -22,12 +26,21 @@ pub(super) struct Carrier {
     pub(super) level: usize,
 }
 
-/// Pieces that carry the crown, what carries most first. `nearest`: by leaf, the piece that it hangs on;
-/// `seen_px`: by leaf, how many pixels the views show of it.
+/// A piece that grows on another piece carries the crown too if it carries this share of what that does: the trunk
+/// in a pot.
+const MOST_OF_CARRIED: f64 = 0.5;
+
+/// Pieces that carry the crown, what carries most first, and then what these stand on. `nearest`: by leaf, the
+/// piece that it hangs on; `seen_px`: by leaf, how many pixels the views show of it.
 ///
 /// # Panics
 /// If there is not one number for each leaf.
-pub(super) fn carriers(pieces: &[Piece], nearest: &[Option<u32>], seen_px: &[f64]) -> Vec<Carrier> {
+pub(super) fn carriers(
+    parts: &Parts,
+    pieces: &[Piece],
+    nearest: &[Option<u32>],
+    seen_px: &[f64],
+) -> Vec<Carrier> {
     assert_eq!(nearest.len(), seen_px.len());
     let mut own_px = vec![0.0; pieces.len()];
     for (piece, px) in nearest.iter().zip(seen_px) {
@@ -49,13 +62,82 @@ pub(super) fn carriers(pieces: &[Piece], nearest: &[Option<u32>], seen_px: &[f64
         .map(|piece| carried_px[*piece])
         .fold(0.0, f64::max);
     let carries = |px: f64| px > 0.0 && px >= LEAST_CARRIED * most_px;
-    found.retain(|piece| carries(carried_px[*piece]));
+    let (mut found, others): (Vec<usize>, Vec<usize>) = found
+        .drain(..)
+        .partition(|piece| carries(carried_px[*piece]));
     found.sort_by(|&a, &b| carried_px[b].total_cmp(&carried_px[a]).then(a.cmp(&b)));
+    let mut all = with_trunks(parts, pieces, &carried_px, found);
+    let bounds = |piece: usize| Bounds::of(parts.foliage(), piece);
+    let stand: Vec<Bounds> = all.iter().map(|piece| bounds(*piece)).collect();
+    all.extend(others.into_iter().filter(|piece| {
+        let below = bounds(*piece);
+        stand.iter().any(|above| below.is_stood_on_by(above))
+    }));
     let carrier = |piece: usize| Carrier {
         piece,
         level: standing(&pieces[piece]),
     };
-    found.into_iter().map(carrier).collect()
+    all.into_iter().map(carrier).collect()
+}
+
+/// Each of these, followed by pieces that grow on it and carry most of what it does.
+fn with_trunks(
+    parts: &Parts,
+    pieces: &[Piece],
+    carried_px: &[f64],
+    found: Vec<usize>,
+) -> Vec<usize> {
+    let mut all = Vec::new();
+    for root in found {
+        let mut next = Some(root);
+        while let Some(piece) = next {
+            all.push(piece);
+            let is_trunk = |other: &usize| {
+                let is_of_another = parts.piece_of(*other) != parts.piece_of(piece);
+                let is_most = carried_px[*other] > MOST_OF_CARRIED * carried_px[piece];
+                pieces[*other].support == Some(piece) && is_of_another && is_most
+            };
+            next = (0..pieces.len()).find(is_trunk);
+        }
+    }
+    all
+}
+
+/// The place that a piece takes.
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+    /// Its lowest place.
+    foot: DVec3,
+}
+
+impl Bounds {
+    fn of(wood: &Foliage, piece: usize) -> Self {
+        let triangles = wood.triangles_of(LeafId::from_index(piece));
+        let mut bounds = Self {
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+            foot: DVec3::INFINITY,
+        };
+        for corner in triangles.iter().flat_map(|t| t.corners) {
+            bounds.low = bounds.low.min(corner);
+            bounds.high = bounds.high.max(corner);
+            if corner.y < bounds.foot.y {
+                bounds.foot = corner;
+            }
+        }
+        bounds
+    }
+
+    /// Whether what is above has its foot within it, and it goes further down: as a pot does.
+    fn is_stood_on_by(&self, above: &Self) -> bool {
+        let foot = above.foot;
+        let is_within = |low: f64, at: f64, high: f64| low <= at && at <= high;
+        self.low.y < foot.y
+            && is_within(self.low.x, foot.x, self.high.x)
+            && is_within(self.low.z, foot.z, self.high.z)
+            && foot.y <= self.high.y + (self.high.y - self.low.y)
+    }
 }
 
 /// The coarsest level of a piece that stands; 0 where none does.
@@ -186,6 +268,7 @@ mod tests {
             let budget = WoodBudget {
                 triangles,
                 standing,
+                first: triangles,
             };
             wood.worth(&[], px, budget)
         };

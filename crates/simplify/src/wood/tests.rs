@@ -186,6 +186,7 @@ fn a_twig_is_worth_the_leaves_that_it_bears() {
     let budget = WoodBudget {
         triangles: 40,
         standing: 0,
+        first: 0,
     };
     let bare = hanging(leafy.bearing(&[], budget));
     assert!(bare.iter().any(Option::is_some));
