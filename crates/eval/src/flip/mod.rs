@@ -19,8 +19,9 @@ pub(crate) use cut_out::CutOutFlip;
 pub(crate) use error_map::error_map;
 use filters::{Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, features, gaussian};
 
-/// Pixels a degree of the viewer's sight: a screen .7 m wide with 3,840 pixels, from .7 m (the paper's default).
-pub(crate) const PIXELS_PER_DEGREE: f32 = 67.020_64;
+/// Pixels a degree of the viewer's sight, the default of the reference implementation: a screen .7 m wide with 3,840
+/// pixels, seen from .7 m.
+pub(crate) const PIXELS_PER_DEGREE: f32 = 67.0;
 
 /// A picture as FLIP sees it, one value a pixel in each list, row by row.
 #[derive(Clone, Debug)]
