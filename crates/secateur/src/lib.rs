@@ -98,12 +98,15 @@ mod scene;
 
 pub use error::Error;
 #[cfg(feature = "eval")]
-pub use measure::{measure, measure_as_drawn, measure_by, measure_pictures, measure_pictures_by};
+pub use measure::{
+    difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,
+    measure_pictures_by,
+};
 pub use scene::scene_views;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
-    AsDrawnMeasurement, Judging, JudgingViews, MeasureError, Measurement, OriginalAsDrawn,
+    AsDrawnMeasurement, Difference, DifferenceJudge, Judging, JudgingViews, MeasureError, Measurement, OriginalAsDrawn,
     PictureMeasurement,
 };
 pub use secateur_gltf::{

@@ -1,6 +1,9 @@
 //! Judging by views that no simplifier sees.
 
-use secateur_eval::{AsDrawnMeasurement, JudgingViews, Measurement, PictureMeasurement, Pictures};
+use secateur_eval::{
+    AsDrawnMeasurement, Difference, DifferenceJudge, JudgingViews, Measurement, PictureMeasurement,
+    Pictures, ViewCount,
+};
 use secateur_gltf::Tree;
 use secateur_model::{Foliage, Surface};
 
@@ -86,6 +89,31 @@ pub fn measure_as_drawn(
         views,
         width_px,
     ))
+}
+
+/// How far a simplified tree looks from its original where the screen shows the original's largest extent as so many
+/// pixels: the [`Difference`] that levels of detail are chosen by.
+///
+/// # Errors
+/// [`Error`] if what is drawn of either can't be read.
+pub fn difference_at(
+    original: &Tree,
+    simplified: &Tree,
+    pixels_high: f64,
+) -> Result<Difference, Error> {
+    let judge = difference_judge(original)?;
+    Ok(judge.difference(&surfaces(simplified)?, pixels_high, ViewCount::All))
+}
+
+/// What judges [`difference_at`] any number of heights and levels.
+///
+/// # Errors
+/// [`Error`] if what is drawn of the original can't be read.
+pub fn difference_judge(original: &Tree) -> Result<DifferenceJudge, Error> {
+    let drawn = original.surfaces()?;
+    let is_wood: Vec<bool> = drawn.iter().map(|(_, is_foliage)| !is_foliage).collect();
+    let surfaces = drawn.into_iter().map(|(surface, _)| surface).collect();
+    Ok(DifferenceJudge::new(surfaces, &is_wood))
 }
 
 /// All that is drawn of a tree, wood included.

@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{AsDrawnMeasurement, Measurement, PictureMeasurement, Tree};
+use secateur::{AsDrawnMeasurement, Difference, Measurement, PictureMeasurement, Tree};
+use secateur_eval::ViewCount;
 use secateur_eval::measure::{Scores, VMI_ERROR_PERCENT};
 use secateur_eval::pictures::PictureScores;
+use secateur_model::Surface;
 use serde_json::json;
 
 use super::args;
@@ -13,7 +15,11 @@ use super::failure::Failure;
 use super::names::text;
 use super::print::Printed;
 use super::summary::grouped;
+use super::simplify::warn_all;
 use super::{interrupt, output, record};
+
+/// A result that differs by more than this is another plant.
+const ANOTHER_PLANT: f64 = 0.5;
 
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
@@ -38,6 +44,22 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     interrupt::check()?;
     let pictured = secateur::measure_pictures_by(views, &original, &simplified)
         .map_err(Failure::about(&args.original))?;
+    interrupt::check()?;
+    let judge = secateur::difference_judge(&original).map_err(Failure::about(&args.original))?;
+    let of_simplified = simplified.surfaces()?.into_iter();
+    let of_simplified: Vec<Surface> = of_simplified.map(|(surface, _)| surface).collect();
+    let at = |pixels_high: &f64| {
+        let seen = judge.difference(&of_simplified, *pixels_high, ViewCount::All);
+        (*pixels_high, seen)
+    };
+    let differences: Vec<(f64, Difference)> = args.pixels_high.iter().map(at).collect();
+    let worst = |of: fn(&Difference) -> f64| {
+        let all = differences.iter().map(|(_, seen)| of(seen));
+        all.fold(0.0, f64::max)
+    };
+    let difference = worst(|seen| seen.difference);
+    let warnings = another_plant(difference);
+    warn_all(&warnings);
     let drawn = match args.as_drawn {
         Some(width_px) => {
             let drawn = secateur::measure_as_drawn(&original, &simplified, width_px);
@@ -57,6 +79,12 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             "original": original.triangle_count(),
             "simplified": simplified.triangle_count(),
         },
+        "difference": difference,
+        "block_coverage": worst(|seen| seen.block_coverage),
+        "differences": differences.iter().map(|(pixels_high, seen)| {
+            record::joined(json!({ "pixels_high": pixels_high }), json!(seen))
+        }).collect::<Vec<_>>(),
+        "warnings": warnings,
         "as_drawn": drawn,
         "alpha": text(args.alpha),
         "sides": text(args.sides),
@@ -69,14 +97,24 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     record::write(args.report.as_deref(), &record)?;
     let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
     Ok(Printed::single(
-        pretty(&measured, &pictured, drawn.as_ref(), args, counts),
+        pretty(&measured, (&pictured, &differences), drawn.as_ref(), args, counts),
         record,
     ))
 }
 
+/// A sentence where a result is another plant.
+pub(crate) fn another_plant(difference: f64) -> Vec<String> {
+    let sentence = || {
+        format!(
+            "the result looks like another plant: its difference is {difference:.2}, where above {ANOTHER_PLANT} it is coarser than for backgrounds"
+        )
+    };
+    (difference > ANOTHER_PLANT).then(sentence).into_iter().collect()
+}
+
 fn pretty(
     measured: &Measurement,
-    pictured: &PictureMeasurement,
+    (pictured, differences): (&PictureMeasurement, &[(f64, Difference)]),
     drawn: Option<&AsDrawnMeasurement>,
     args: &args::Measure,
     leaves: [u64; 2],
@@ -138,6 +176,17 @@ fn pretty(
             "visible difference of shaded pictures, 0 is best",
         ),
     ];
+    for (pixels_high, seen) in differences {
+        let what = format!(
+            "what people see {pixels_high} pixels high: up to .18 cannot be told, .28 is good, .5 is coarse; coverage of the worst block is {:.3} off",
+            seen.block_coverage
+        );
+        lines.push(line(
+            "difference",
+            [format!("{:.4}", seen.difference), String::new()],
+            &what,
+        ));
+    }
     if let Some(drawn) = drawn {
         let at = format!("as clients draw it {} pixels wide", drawn.width_px);
         let without = drawn.original_without_mips;

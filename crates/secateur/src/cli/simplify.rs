@@ -9,11 +9,15 @@ use secateur::{
     StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
     read_cameras,
 };
+use secateur_eval::ViewCount;
+use secateur_gltf::Detail;
+use secateur_model::Surface;
 use secateur_raster::Scene;
 use secateur_scene::material_changes;
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
+use super::measure::another_plant;
 use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
@@ -22,6 +26,10 @@ use super::record::{self, RunRecord};
 use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
 use super::{colors, cutoffs, interrupt, machine, order, output};
+
+/// The height on the screen, in pixels, at which a result is looked at for whether it is the plant still: what is
+/// coarse so small is so at any size.
+const WARNED_AT_PX: f64 = 128.0;
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -74,6 +82,17 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         let lod = &outcome.lod;
         Ok(colors::chosen(tree, lod, &options, args, &mut warnings))
     })?;
+    interrupt::check()?;
+    let of_look = timed(&mut stages, "difference", || {
+        let document = tree.lod_document(&outcome.lod)?;
+        let level = document.drawn_as_one(Detail::Color)?;
+        let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
+        let judge = secateur::difference_judge(tree)?;
+        let seen = judge.difference(&level, WARNED_AT_PX, ViewCount::Search);
+        Ok(another_plant(seen.difference))
+    })?;
+    warn_all(&of_look);
+    warnings.extend(of_look);
     interrupt::writing()?;
     machine::give_back_free_memory();
     // All files are written before the first appears: what fails leaves nothing.

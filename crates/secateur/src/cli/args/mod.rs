@@ -148,6 +148,9 @@ pub(crate) struct Measure {
     /// From which sides leaves are seen.
     #[arg(long, value_enum, default_value_t = SidesName::Material)]
     pub(crate) sides: SidesName,
+    /// The heights on the screen in pixels at which the difference that people see is taken, such as 1080,270.
+    #[arg(long, value_name = "PX,PX,...", value_delimiter = ',', default_value = "540", value_parser = height)]
+    pub(crate) pixels_high: Vec<f64>,
     /// Also draw pictures this many pixels wide as clients do (mip maps, alpha test, culling), and
     /// compare them with the original as it truly looks.
     #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u32).range(8..=2048))]
@@ -155,6 +158,10 @@ pub(crate) struct Measure {
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    number(text, |px| (8.0..=1e5).contains(&px), "of pixels from 8 to 100000")
 }
 
 #[derive(Args, Debug)]

@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 
 use super::args::{self, Common, TexturesName};
 use super::failure::Failure;
+use super::measure::another_plant;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::surroundings::Surroundings;
@@ -141,7 +142,7 @@ fn make(
     surroundings.apply(&mut options.leaves);
     options.scene = surroundings.look(&args.scene, args.memory.memory)?;
     let tree = opened(args, job)?;
-    let warnings = tree.items().inspection().warnings.clone();
+    let mut warnings = tree.items().inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
     let engine =
@@ -152,6 +153,10 @@ fn make(
     })
     .map_err(|error| Failure(about(job.tree, &error.to_string())))?;
     drop(progress_bar);
+    let differences = made.levels.iter().map(|level| level.difference.difference);
+    let of_levels = another_plant(differences.fold(0.0, f64::max));
+    super::simplify::warn_all(&of_levels);
+    warnings.extend(of_levels);
 
     let mut staged = StagedFiles::new();
     if job.place != args.output {
