@@ -247,12 +247,22 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
             };
             let corner = Vec2::new(column as f32, row as f32);
             if step == 1 {
-                self.add_samples(&mut pixel, &mut lit, (index(0, 0), corner + 0.5, 1.0), roles);
+                self.add_samples(
+                    &mut pixel,
+                    &mut lit,
+                    (index(0, 0), corner + 0.5, 1.0),
+                    roles,
+                );
                 continue;
             }
             let four = [(0, 0), (1, 0), (0, 1), (1, 1)];
             if four.iter().all(|(dx, dy)| index(*dx, *dy) == index(0, 0)) {
-                self.add_samples(&mut pixel, &mut lit, (index(0, 0), corner + 1.0, 4.0), roles);
+                self.add_samples(
+                    &mut pixel,
+                    &mut lit,
+                    (index(0, 0), corner + 1.0, 4.0),
+                    roles,
+                );
                 continue;
             }
             for (dx, dy) in four {

@@ -106,8 +106,8 @@ pub use scene::scene_views;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
-    AsDrawnMeasurement, Difference, DifferenceJudge, Judging, JudgingViews, MeasureError, Measurement, OriginalAsDrawn,
-    PictureMeasurement,
+    AsDrawnMeasurement, Difference, DifferenceJudge, Judging, JudgingViews, MeasureError,
+    Measurement, OriginalAsDrawn, PictureMeasurement,
 };
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,

@@ -25,7 +25,7 @@ const LEAST_BLOCK_PX: f64 = 8.0;
 const LEAST_MARGIN_PX: u32 = 12;
 
 /// Plants up to so many pixels a side are drawn with 4 x 4 samples a pixel, larger ones with 2 x 2.
-const SMALL_PX: f64 = 320.0;
+const SMALL_PX: f64 = 160.0;
 
 /// Where a view is taken from.
 #[derive(Clone, Copy, Debug)]

@@ -12,7 +12,10 @@ pub(super) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {
     let is_plant: Vec<bool> = pairs.map(|(a, b)| a.max(*b) >= LEAST_COVERAGE).collect();
     let across = grown(&is_plant, width, 1);
     let all = grown(&across, width, width);
-    (0..).zip(all).filter_map(|(k, is)| is.then_some(k)).collect()
+    (0..)
+        .zip(all)
+        .filter_map(|(k, is)| is.then_some(k))
+        .collect()
 }
 
 /// A mask grown both ways along a row (`step` 1) or a column (`step` of a row's width).

@@ -82,7 +82,9 @@ impl Difference {
         let (worst_block, mean_flip) = (mean(|v| v.worst_block), mean(|v| v.mean));
         let worst_wood = mean(|v| v.worst_wood);
         Self {
-            difference: worst_block.max(OF_MEAN * mean_flip).max(OF_WOOD * worst_wood),
+            difference: worst_block
+                .max(OF_MEAN * mean_flip)
+                .max(OF_WOOD * worst_wood),
             block_coverage: mean(|v| v.block_coverage),
             worst_block,
             mean: mean_flip,
@@ -152,9 +154,13 @@ pub struct DifferenceJudge {
     drawn: Mutex<Vec<DrawnAt>>,
 }
 
-/// Pictures of the plants are kept of this many heights: a search looks at a level in small pictures, then in large
-/// ones.
-const HEIGHTS_KEPT: usize = 2;
+/// Pictures of the plants are kept of this many heights: a search looks at a level in small pictures, then in a large
+/// one, and then at the next.
+const HEIGHTS_KEPT: usize = 5;
+
+/// Larger pictures are kept of a few plants only: one takes up to 60 MB, and there are six of each plant.
+const MOST_KEPT_PX: f64 = 400.0;
+const MOST_PLANTS_KEPT: usize = 2;
 
 /// The pictures of the plants at a height in pixels, by plant and view.
 #[derive(Debug)]
@@ -290,6 +296,9 @@ impl DifferenceJudge {
         let frame = Frame::around(surfaces, eye, px_per_unit);
         let picture = self.draw(&surfaces.iter().collect::<Vec<_>>(), wood, &frame);
         let made = Arc::new((frame, picture));
+        if pixels_high > MOST_KEPT_PX && self.plants.len() > MOST_PLANTS_KEPT {
+            return made;
+        }
         self.kept(pixels_high, |pictures| {
             pictures.insert(key, Arc::clone(&made))
         });

@@ -179,7 +179,10 @@ impl Ground {
             .collect();
         let largest = extents.iter().copied().fold(0.0, f64::max);
         let is_plant = |(cells, extent): (&Vec<usize>, &f64)| {
-            let bottom = cells.iter().map(|k| lowest[*k]).fold(f64::INFINITY, f64::min);
+            let bottom = cells
+                .iter()
+                .map(|k| lowest[*k])
+                .fold(f64::INFINITY, f64::min);
             bottom - low <= GROUND * (high - low) && *extent >= LEAST_EXTENT * largest
         };
         let plants = clusters.iter().zip(&extents).filter(|pair| is_plant(*pair));
@@ -323,7 +326,9 @@ pub(super) fn sphere_of(surfaces: &[Surface]) -> BoundingSphere {
         };
     }
     let corners = surfaces.iter().flat_map(triangles).flatten();
-    let radius = corners.map(|c| c.distance_squared(centre)).fold(0.0, f64::max);
+    let radius = corners
+        .map(|c| c.distance_squared(centre))
+        .fold(0.0, f64::max);
     BoundingSphere {
         centre,
         radius: radius.sqrt(),

@@ -136,7 +136,10 @@ fn plants_that_stand_apart_are_judged_each_alone() {
     assert!((judge.size() / DifferenceJudge::new(plant.to_vec(), &[]).size() - 1.0).abs() < 0.05);
     for levels in [row([&plant, &level]), row([&level, &plant])] {
         let worst = judge.difference(&levels, 150.0, ViewCount::All).difference;
-        assert!((worst / alone.difference - 1.0).abs() < 0.1, "{worst} {alone:?}");
+        assert!(
+            (worst / alone.difference - 1.0).abs() < 0.1,
+            "{worst} {alone:?}"
+        );
     }
     // Shoots that stand close are one plant.
     let close = [plant.to_vec(), moved(&plant, 1.0, DVec3::X * 1.6)].concat();

@@ -140,4 +140,3 @@ impl Colors {
 fn product(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
     matrix.map(|row| row[0] * a + row[1] * b + row[2] * c)
 }
-

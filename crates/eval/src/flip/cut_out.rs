@@ -5,9 +5,7 @@
 //! once, whatever the grey.
 
 use super::color::{ColorScale, Colors, HypotOf};
-use super::filters::{
-    Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, gaussian, responses,
-};
+use super::filters::{Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, gaussian, responses};
 use super::{FlipPicture, FlipPixel};
 
 /// A plant as FLIP sees it before each of some greys.
@@ -144,10 +142,15 @@ mod tests {
         let all: Vec<u32> = (0..48 * 40).collect();
         let found = flips[0].errors(&flips[1], &all);
         for (errors, grey) in found.zip(greys) {
-            let [a, b] = plants.each_ref().map(|plant| FlipPicture::of(&composed(plant, grey)));
+            let [a, b] = plants
+                .each_ref()
+                .map(|plant| FlipPicture::of(&composed(plant, grey)));
             let mean = errors.iter().map(|e| f64::from(*e)).sum::<f64>() / errors.len() as f64;
             let expected = a.mean_error(&b);
-            assert!(expected > 0.02 && (mean / expected - 1.0).abs() < 0.01, "{mean} {expected}");
+            assert!(
+                expected > 0.02 && (mean / expected - 1.0).abs() < 0.01,
+                "{mean} {expected}"
+            );
         }
     }
 }

@@ -165,4 +165,3 @@ fn add(sums: &mut [f32], values: &[f32], weight: f32) {
         *sum += weight * value;
     }
 }
-

@@ -118,7 +118,9 @@ fn levels(tree: &WholeTree, wanted: Wanted, wood: WoodMode, answers: &mut Answer
     let options = ChainOptions {
         wanted,
         screen: Screen::default(),
-        max_flip: 0.02,
+        max_difference: 0.28,
+        original: false,
+        plant_height_m: None,
         leaves: leaf_options(),
         wood,
         impostor: Choice::Auto,
@@ -132,7 +134,13 @@ fn levels(tree: &WholeTree, wanted: Wanted, wood: WoodMode, answers: &mut Answer
             assert!(!chain.levels.is_empty());
             for level in &chain.levels {
                 assert!(level.triangles() > 0, "an empty level");
-                let figures = [level.distance, level.pixels_high, level.flip_mean];
+                let figures = [
+                    level.distance,
+                    level.pixels_high,
+                    level.difference.difference,
+                    level.difference.block_coverage,
+                    level.flip_mean,
+                ];
                 assert!(figures.iter().all(|f| f.is_finite()), "{figures:?}");
             }
             answers.levels += chain.levels.len();

@@ -188,7 +188,9 @@ impl Maker<'_> {
     pub(super) fn difference_beside_impostor(&self, made: &Made, height: f64) -> f64 {
         let judge = self.look.judge_of_impostors();
         let surfaces = &made.drawn.level.surfaces;
-        judge.difference(surfaces, height, ViewCount::All).difference
+        judge
+            .difference(surfaces, height, ViewCount::All)
+            .difference
     }
 
     /// What cards and planes are held against where the screen shows the plant at this height.
@@ -225,7 +227,9 @@ impl Maker<'_> {
             pixels_high: begins_px,
             screen_coverage: 0.0,
             difference,
-            flip_mean: self.look.flip_mean(&picture, (begins_px, self.options.screen)),
+            flip_mean: self
+                .look
+                .flip_mean(&picture, (begins_px, self.options.screen)),
             pop: None,
             shadow: 0,
             silhouette_iou: None,

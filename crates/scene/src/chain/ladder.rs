@@ -6,6 +6,7 @@ use std::ops::Range;
 use secateur_simplify::Observer;
 
 use super::error::ChainError;
+use super::look::SEARCH_PX;
 use super::maker::{Made, Maker};
 use super::placed::Placed;
 use super::textures::Client;
@@ -26,8 +27,12 @@ const LEAST_GAIN: usize = 2;
 /// Levels are aimed at this share of what is allowed: the difference is not monotonic.
 const AIM: f64 = 0.98;
 
+/// The share that is aimed at in the pictures of a search for a place whose own pictures are larger, until one has
+/// told: these show about a fifth more.
+const AIM_OF_LARGER: f64 = 0.8;
+
 /// A level that reaches this share of what is allowed is light enough.
-const ENOUGH: f64 = 0.92;
+const ENOUGH: f64 = 0.88;
 
 /// The step that is tried first where nothing is known: a fifth of all triangles.
 const FIRST: usize = 74;
@@ -44,8 +49,8 @@ pub(super) struct Ladder<'a, 'm> {
     client: &'m Client<'m>,
     made: BTreeMap<usize, Made>,
     steps: usize,
-    /// How many times the limits a level may be in the pictures of a search, as the last place told.
-    goal: f64,
+    /// How many times the limits a level may be in the pictures of a search, once a place has told.
+    goal: Option<f64>,
 }
 
 /// A step, and how many times the limits it is.
@@ -61,7 +66,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             client,
             made: BTreeMap::new(),
             steps: (0..STEPS).take_while(has_more).count().max(1),
-            goal: AIM,
+            goal: None,
         }
     }
 
@@ -102,7 +107,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             // What pictures of its size, with its own textures, show beyond those of the search is about the same for
             // others.
             if over > 0.0 && in_search > 0.0 {
-                self.goal = AIM * in_search / over;
+                self.goal = Some(AIM * in_search / over);
             }
             if steps.is_empty() || (ENOUGH..=1.0).contains(&over) {
                 break;
@@ -122,7 +127,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
-        let goal = self.goal;
+        let goal = self.goal(heights[0]);
         for guesses in 0.. {
             let low = within.map_or(steps.start, |(step, _)| step + 1);
             let high = beyond.map_or(steps.end, |(step, _)| step);
@@ -143,6 +148,14 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(within)
     }
 
+    /// How many times the limits a level may be in the pictures of a search for a place at this height.
+    fn goal(&self, pixels_high: f64) -> f64 {
+        self.goal.unwrap_or(match pixels_high > SEARCH_PX {
+            true => AIM_OF_LARGER,
+            false => AIM,
+        })
+    }
+
     /// How many times the limits a level is in the pictures of a search: at the first height as its goal has it, at the
     /// others as it is.
     fn over(
@@ -151,7 +164,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         heights: &[f64],
         observer: &mut Observer<'_>,
     ) -> Result<f64, ChainError> {
-        let (look, goal) = (&self.maker.look, self.goal);
+        let (look, goal) = (&self.maker.look, self.goal(heights[0]));
         let drawn = &self.level(step, observer)?.drawn;
         let mut over = look.over_in_search(drawn, heights[0]);
         for height in &heights[1..] {

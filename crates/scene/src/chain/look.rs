@@ -23,7 +23,7 @@ use crate::impostor::judge::Judge;
 
 /// Levels are compared in pictures in which the plant is at most this many pixels high, and only what is found in
 /// those of its size: a picture of 1,024 pixels takes seven times as long.
-const SEARCH_PX: f64 = 384.0;
+pub(super) const SEARCH_PX: f64 = 384.0;
 
 /// Leaves are judged in pictures of this many pixels a side.
 const LEAF_PICTURE_PX: u32 = 256;
@@ -153,7 +153,9 @@ impl Look {
     /// As [`Self::over_in_search`], of surfaces that are looked at once.
     pub(super) fn over_of_surfaces(&self, surfaces: &[Surface], pixels_high: f64) -> f64 {
         let (px, count) = (pixels_high.min(SEARCH_PX), ViewCount::Search);
-        let difference = self.judge.difference_within(surfaces, px, count, self.limits);
+        let difference = self
+            .judge
+            .difference_within(surfaces, px, count, self.limits);
         difference.over(self.limits)
     }
 
@@ -177,12 +179,10 @@ impl Look {
             (LevelPicture::Mesh(mesh), other) | (other, LevelPicture::Mesh(mesh)) => {
                 (mesh.surfaces.clone(), other)
             }
-            (LevelPicture::Impostor(impostor), other) => {
-                (vec![impostor.surface.clone()], other)
-            }
+            (LevelPicture::Impostor(impostor), other) => (vec![impostor.surface.clone()], other),
         };
-        let judge = DifferenceJudge::new(fixed, &[])
-            .in_scene(self.cameras.clone(), self.obstacles.clone());
+        let judge =
+            DifferenceJudge::new(fixed, &[]).in_scene(self.cameras.clone(), self.obstacles.clone());
         let px = pixels_high * judge.size() / self.size;
         let no_limit = Limits::of_difference(f64::INFINITY);
         let count = ViewCount::Search;

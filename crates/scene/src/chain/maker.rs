@@ -13,9 +13,9 @@ use secateur_simplify::{Error, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
+use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
 use super::options::{ChainOptions, Wanted};
-use super::level_surfaces::{LevelSurfaces, retextured};
 use super::placed::Placed;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Client, Textures};
@@ -236,7 +236,10 @@ impl<'a> Maker<'a> {
     }
 
     /// A level of the chain, and what is drawn of it.
-    pub(super) fn finished(&self, placed: Placed) -> Result<(LevelPicture, ChainLevel), ChainError> {
+    pub(super) fn finished(
+        &self,
+        placed: Placed,
+    ) -> Result<(LevelPicture, ChainLevel), ChainError> {
         let Placed {
             made,
             chosen,

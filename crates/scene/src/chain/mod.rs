@@ -74,9 +74,16 @@ pub fn chain(
         }
         (false, _) => {}
     }
-    let ends: Vec<f64> = levels.iter().skip(1).map(|level| level.pixels_high).collect();
+    let ends: Vec<f64> = levels
+        .iter()
+        .skip(1)
+        .map(|level| level.pixels_high)
+        .collect();
     let is_picture = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
-    let last_mesh = levels.iter().rposition(|level| !is_picture(level)).unwrap_or(0);
+    let last_mesh = levels
+        .iter()
+        .rposition(|level| !is_picture(level))
+        .unwrap_or(0);
     for (index, level) in levels.iter_mut().enumerate() {
         let end = ends.get(index).copied().unwrap_or(0.0);
         level.screen_coverage = end / options.screen.height_px;

@@ -77,6 +77,20 @@ impl Maker<'_> {
         if range == placed.range {
             return Ok(placed);
         }
+        // Colours and outlines where it begins are what they were.
+        let surfaces = retextured(&placed.made.drawn.level, &placed.chosen.textures);
+        let as_drawn = client.as_drawn(&surfaces, range);
+        if as_drawn.is_within() {
+            let chosen = Chosen {
+                as_drawn,
+                ..placed.chosen
+            };
+            return Ok(Placed {
+                chosen,
+                range,
+                ..placed
+            });
+        }
         let again = self.placed(placed.made.clone(), range, is_first, client, observer)?;
         let is_within = again.difference.over(self.look.limits) <= 1.0;
         Ok(if is_within { again } else { placed })

@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{Amount, Options, StagedFiles, Target, WoodMode, plant_to_glb};
+use secateur_eval::Limits;
 use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_gltf::{Document, WholeTree};
 use secateur_plant::{GrowOptions, Species, grow};
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
-use secateur_eval::Limits;
 use secateur_scene::chain::{Chain, ChainOptions, Shape, Textures, Wanted, chain};
 use secateur_scene::impostor::Choice;
 use serde_json::{Value, json};

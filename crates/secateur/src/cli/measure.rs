@@ -14,8 +14,8 @@ use super::args;
 use super::failure::Failure;
 use super::names::text;
 use super::print::Printed;
-use super::summary::grouped;
 use super::simplify::warn_all;
+use super::summary::grouped;
 use super::{interrupt, output, record};
 
 /// A result that differs by more than this is another plant.
@@ -97,7 +97,13 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     record::write(args.report.as_deref(), &record)?;
     let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
     Ok(Printed::single(
-        pretty(&measured, (&pictured, &differences), drawn.as_ref(), args, counts),
+        pretty(
+            &measured,
+            (&pictured, &differences),
+            drawn.as_ref(),
+            args,
+            counts,
+        ),
         record,
     ))
 }
@@ -109,7 +115,10 @@ pub(crate) fn another_plant(difference: f64) -> Vec<String> {
             "the result looks like another plant: its difference is {difference:.2}, where above {ANOTHER_PLANT} it is coarser than for backgrounds"
         )
     };
-    (difference > ANOTHER_PLANT).then(sentence).into_iter().collect()
+    (difference > ANOTHER_PLANT)
+        .then(sentence)
+        .into_iter()
+        .collect()
 }
 
 fn pretty(

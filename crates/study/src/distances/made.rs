@@ -113,7 +113,11 @@ impl<'a> Maker<'a> {
 
     /// What `lods --distances` makes.
     pub(super) fn for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
-        let options = format!("--distances {} --max-difference {}", joined(distances_m), Limits::GOOD.difference);
+        let options = format!(
+            "--distances {} --max-difference {}",
+            joined(distances_m),
+            Limits::GOOD.difference
+        );
         self.levels(
             Wanted::Distances(distances_m.to_vec()),
             Choice::Auto,

@@ -5,12 +5,10 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use secateur_model::{AlphaMode, BoundingSphere, Finish, Material, Random};
-use secateur_raster::ViewSet;
+use secateur_model::{AlphaMode, Finish, Material, Random};
 use secateur_simplify::Progress;
 
 use super::*;
-use crate::Screen;
 
 /// Many small leaves in a ball of radius 1.
 fn crown() -> Surface {
@@ -43,19 +41,17 @@ fn crown() -> Surface {
     }
 }
 
-fn seen(surfaces: &[Surface]) -> Seen {
-    Seen::new(surfaces, judge(60.0), 60.0)
+fn judge(surfaces: &[Surface]) -> DifferenceJudge {
+    DifferenceJudge::new(surfaces.to_vec(), &[]).with_turned_normals()
 }
 
-const SPHERE: BoundingSphere = BoundingSphere {
-    centre: DVec3::ZERO,
-    radius: 1.0,
-};
-
-fn judge(pixels_high: f64) -> Judge {
-    let [views, ..] = ViewSet::held_out(SPHERE);
-    Judge::new(&views, SPHERE, 2.0, Screen::default(), pixels_high)
+/// The crown where it is 60 pixels high, from which cards may look this far.
+fn seen(judge: &DifferenceJudge, difference: f64) -> Seen<'_> {
+    Seen::new(judge, 60.0, Limits::of_difference(difference))
 }
+
+/// Differences that take many cards, fewer and few.
+const LIMITS: [f64; 3] = [0.8, 1.0, 1.2];
 
 /// Walls about the crown: squares of side 4 in these directions.
 fn walls(toward: impl IntoIterator<Item = DVec3>) -> Surface {
@@ -75,6 +71,26 @@ fn walls(toward: impl IntoIterator<Item = DVec3>) -> Surface {
     walls
 }
 
+#[test]
+fn probe() {
+    let surfaces = [crown()];
+    let judge = judge(&surfaces);
+    let mut search = Search::new(&surfaces);
+    for step in 0..STEPS {
+        let seen = seen(&judge, 1.0);
+        let found = search
+            .finished(number(step), &seen, f64::INFINITY, |made| made, &mut go_on)
+            .unwrap()
+            .unwrap();
+        eprintln!(
+            "{step} {} {:?} {}",
+            number(step),
+            found.difference,
+            found.difference.over(seen.limits)
+        );
+    }
+}
+
 fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -82,42 +98,42 @@ fn go_on(_: Progress) -> ControlFlow<()> {
 #[test]
 fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
     let surfaces = [crown()];
-    let seen = seen(&surfaces);
+    let judge = judge(&surfaces);
     let mut search = Search::new(&surfaces);
-    let mut found = |most_flip: f64| {
-        let found = search.fewest(&seen, most_flip, most(), |made| made, &mut go_on);
-        found.unwrap()
-    };
-    let [all, many, few] = [0.037, 0.05, 0.07].map(|most_flip| {
-        let found = found(most_flip);
-        found.map(|found| {
-            assert!(found.flip <= most_flip);
+    let mut found = |difference: f64, most: usize| {
+        let seen = seen(&judge, difference);
+        let found = search.fewest(&seen, most, |made| made, &mut go_on);
+        found.unwrap().map(|found| {
+            assert!(found.difference.over(seen.limits) <= 1.0);
             found.impostor.surface.triangles.len()
         })
-    });
+    };
+    let [all, many, few] = LIMITS.map(|difference| found(difference, most()));
     assert!(
         all > many && many > few && few.is_some(),
         "{all:?} {many:?} {few:?}"
     );
+    for (difference, most) in [(0.01, most()), (2.0, 7)] {
+        let found = found(difference, most);
+        assert!(found.is_none(), "within {difference} of at most {most}");
+    }
     // Hardly fewer would do.
+    let seen = seen(&judge, LIMITS[2]);
     let fewer = (few.unwrap() as f64 / 2.0 / STEP / STEP).round() as usize;
     let of_fewer = search
         .finished(fewer, &seen, f64::INFINITY, |made| made, &mut go_on)
         .unwrap()
         .unwrap();
-    assert!(of_fewer.flip > 0.07, "{fewer} cards: {}", of_fewer.flip);
-    for (most_flip, most) in [(1e-4, most()), (1.0, 7)] {
-        let found = search.fewest(&seen, most_flip, most, |made| made, &mut go_on);
-        let found = found.unwrap();
-        assert!(found.is_none(), "within {most_flip} of at most {most}");
-    }
+    let over = of_fewer.difference.over(seen.limits);
+    assert!(over > 1.0, "{fewer} cards: {over}");
 }
 
 /// However far it is, a search that is to stop neither bakes nor looks at another number of cards.
 #[test]
 fn a_search_stops_wherever_it_is_told_to() {
     let surfaces = [crown()];
-    let seen = seen(&surfaces);
+    let judge = judge(&surfaces);
+    let seen = seen(&judge, LIMITS[1]);
     // What one run has made the next goes on from.
     let mut search = Search::new(&surfaces);
     for last in 1.. {
@@ -134,7 +150,7 @@ fn a_search_stops_wherever_it_is_told_to() {
                 false => ControlFlow::Break(()),
             }
         };
-        let found = search.fewest(&seen, 0.05, most(), finish, observer);
+        let found = search.fewest(&seen, most(), finish, observer);
         if let Ok(found) = found {
             // Eight numbers of cards, and three questions about each of those with fine textures.
             assert!(found.is_some() && last > 10, "asked {asked} times");
@@ -154,66 +170,54 @@ fn the_fewest_cards_do_where_nothing_is_seen() {
     let surfaces = [crown()];
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let walls = Arc::new(walls(axes.into_iter().flat_map(|axis| [axis, -axis])));
-    let seen = Seen::new(&surfaces, judge(60.0).among(vec![walls]), 60.0);
+    let judge = judge(&surfaces).in_scene(None, vec![walls]);
     let mut search = Search::new(&surfaces);
-    let found = search.fewest(&seen, 0.05, most(), |made| made, &mut go_on);
+    let found = search.fewest(&seen(&judge, 0.05), most(), |made| made, &mut go_on);
     let found = found.unwrap().unwrap();
-    assert_eq!(found.flip, 0.0);
+    assert_eq!(found.difference, Difference::default());
     assert_eq!(found.impostor.surface.triangles.len(), 2 * number(0));
-}
-
-/// What pictures of its size show of a plant is seen from where no wall hides it.
-#[test]
-fn large_pictures_are_of_a_view_in_which_the_plant_is_seen() {
-    let surfaces = [crown()];
-    let of_size = |judge: Judge| {
-        let seen = Seen::new(&surfaces, judge, 600.0);
-        let cards = Cards::new(&surfaces, 60);
-        let cards = Impostor::cards(&cards, 600.0, f64::INFINITY).unwrap();
-        [seen.flip(&cards), seen.flip_at_its_size(&cards)]
-    };
-    let judge = || judge(600.0);
-    let [usual, large] = of_size(judge());
-    let [views, ..] = ViewSet::held_out(SPHERE);
-    let first = views.views()[0].eye().normalize();
-    let [usual_behind, large_behind] = of_size(judge().among(vec![Arc::new(walls([first]))]));
-    assert!(usual_behind < usual, "the wall hides it in the first view");
-    let [beyond, beyond_behind] = [large / usual, large_behind / usual_behind];
-    assert!(
-        beyond > 1.02 && (beyond_behind / beyond - 1.0).abs() < 0.01,
-        "{beyond} {beyond_behind}"
-    );
 }
 
 #[test]
 fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
     let surfaces = [crown()];
-    let seen = seen(&surfaces);
+    let judge = judge(&surfaces);
+    let seen = seen(&judge, LIMITS[1]);
     let cards = Cards::new(&surfaces, 60);
     let impostor = Impostor::cards(&cards, 60.0, f64::INFINITY).unwrap();
-    let flip = seen.flip_at_its_size(&impostor);
-    let with_flip = |flip: f64| Found {
-        impostor: impostor.clone(),
-        flip,
+    let over = |found: &Found| found.difference.over(seen.limits);
+    let all = Found {
+        difference: seen.difference(&impostor),
+        impostor,
     };
-    let half = seen.with_half_normals(&with_flip(flip)).unwrap();
-    assert!(half.flip <= AS_NEAR * flip);
+    let half = seen.with_half_normals(&all).unwrap();
+    assert!(over(&half) <= AS_NEAR * over(&all));
     let sizes = |impostor: &Impostor| {
         let material = &impostor.surface.material;
         let normals = &material.finish.normal_map.as_ref().unwrap().texture;
         let colors = material.texture.as_ref().unwrap();
         [colors, normals].map(|texture| [texture.width, texture.height])
     };
-    let [colors, normals] = sizes(&impostor);
+    let [colors, normals] = sizes(&all.impostor);
     assert_eq!(colors, normals);
     assert_eq!(
         sizes(&half.impostor),
         [colors, normals.map(|side| side / 2)]
     );
     // They are no nearer than this.
-    let nearer = with_flip(0.9 * half.flip);
+    let nearer = |figure: f64| 0.9 * figure;
+    let nearer = Found {
+        impostor: all.impostor.clone(),
+        difference: Difference {
+            difference: nearer(half.difference.difference),
+            block_coverage: nearer(half.difference.block_coverage),
+            ..half.difference
+        },
+    };
     assert!(seen.with_half_normals(&nearer).is_none());
-    let impostor = impostor.flat();
-    let flat = Found { impostor, flip };
+    let flat = Found {
+        impostor: all.impostor.flat(),
+        ..all
+    };
     assert!(seen.with_half_normals(&flat).is_none());
 }

@@ -161,7 +161,11 @@ pub(crate) struct Measure {
 }
 
 fn height(text: &str) -> Result<f64, String> {
-    number(text, |px| (8.0..=1e5).contains(&px), "of pixels from 8 to 100000")
+    number(
+        text,
+        |px| (8.0..=1e5).contains(&px),
+        "of pixels from 8 to 100000",
+    )
 }
 
 #[derive(Args, Debug)]
