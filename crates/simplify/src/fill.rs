@@ -4,9 +4,12 @@
 //! where less than nine tenths are used leaves that went last come back, and what is left gets finer, each leaf
 //! with as many triangles as are over.
 
-use secateur_model::{CornerRef, Foliage, Growth, LeafId, Lod, NewCorner, NewLeaf, Place, Step};
+use rustc_hash::FxHashMap;
+use secateur_model::{
+    CornerRef, Foliage, Growth, LeafId, Lod, NewCorner, NewLeaf, Place, RemovalOrder, Step,
+};
 
-use crate::coarsen::by_position;
+use crate::coarsen::{Coarse, by_position};
 use crate::{Error, Passes};
 
 /// A budget is met if at least this share of it is used.
@@ -33,16 +36,14 @@ pub fn check_met(asked: usize, left: usize, there: usize) -> Result<(), Error> {
     }
 }
 
-/// A leaf of a level.
+/// What is left of a leaf.
 #[derive(Clone, Copy)]
 struct Left {
-    /// Its name in the order.
-    name: LeafId,
     triangles: usize,
     area_scale: f64,
 }
 
-/// A leaf as it is to be: what takes its place, and what goes for that.
+/// A leaf as it is to be, and what was left of it.
 struct Change {
     made: NewLeaf,
     before: Option<Left>,
@@ -58,8 +59,8 @@ struct Filling<'a> {
 }
 
 /// Has the leaves use at least nine tenths of a budget of triangles, if they may become coarser and are not
-/// merged. `removals` is how many steps of the order took leaves that may come back first: what
-/// follows took those that hang in the air. Whether anything was changed.
+/// merged. `removals` is how many steps of the order took leaves that may come back: what follows took those
+/// that hang in the air, which stay away while anything is left. Whether anything was changed.
 pub(crate) fn fill(
     passes: &mut Passes,
     foliage: &Foliage,
@@ -70,9 +71,16 @@ pub(crate) fn fill(
     if at_most == 0 || !passes.order.made().is_empty() {
         return false;
     }
+    let steps = passes.order.steps().take(removals);
+    let count: usize = steps.map(|step| step.removed.len()).sum();
+    let (back_first, hanging) = passes.order.removed().split_at(count);
+    let coarse = passes.coarse.as_ref().map_or(foliage, Coarse::foliage);
+    let of_hanging = hanging.iter().map(|leaf| coarse.triangles_of(*leaf).len());
+    let of_hanging: usize = of_hanging.sum();
     let by_leaf = left_by_leaf(passes, foliage);
     let left: usize = by_leaf.iter().flatten().map(|left| left.triangles).sum();
-    if is_met(at_most, left) || left > at_most {
+    let is_used = left + of_hanging >= at_most || is_met(at_most, left + of_hanging);
+    if left > 0 && is_used {
         return false;
     }
     let mut filling = Filling {
@@ -81,11 +89,6 @@ pub(crate) fn fill(
         left,
         changes: Vec::new(),
     };
-    let count = |steps: usize| -> usize {
-        let steps = passes.order.steps().take(steps);
-        steps.map(|step| step.removed.len()).sum()
-    };
-    let (back_first, hanging) = passes.order.removed().split_at(count(removals));
     for leaf in back_first.iter().rev() {
         filling.put(*leaf, None);
     }
@@ -101,12 +104,14 @@ pub(crate) fn fill(
     for (leaf, left) in there {
         filling.put(LeafId::from_index(leaf), Some(left));
     }
-    for leaf in hanging {
-        filling.put(*leaf, None);
+    if filling.left == 0 {
+        for leaf in hanging {
+            filling.put(*leaf, None);
+        }
     }
     let changes = filling.changes;
     if !changes.is_empty() {
-        put_into(passes, &changes);
+        put_into(passes, foliage, &changes);
     }
     !changes.is_empty()
 }
@@ -122,9 +127,8 @@ fn left_by_leaf(passes: &Passes, foliage: &Foliage) -> Vec<Option<Left>> {
         .made()
         .map(|(made, _)| (made.donor, made.triangles.len()));
     let mut by_leaf = vec![None; foliage.leaves().len()];
-    for ((name, area_scale), (leaf, triangles)) in lod.all_leaves().zip(originals.chain(made)) {
+    for ((_, area_scale), (leaf, triangles)) in lod.all_leaves().zip(originals.chain(made)) {
         by_leaf[leaf.index()] = Some(Left {
-            name,
             triangles,
             area_scale,
         });
@@ -173,28 +177,46 @@ fn whole(foliage: &Foliage, leaf: LeafId) -> NewLeaf {
     }
 }
 
-/// A step more, in which leaves take the place of others or come back.
-fn put_into(passes: &mut Passes, changes: &[Change]) {
-    let mut order = passes.in_one_order();
-    let first = order.name_count();
-    let grown = changes.iter().enumerate().filter_map(|(k, change)| {
-        let area_scale = change.before?.area_scale;
-        (area_scale != 1.0).then_some(Growth {
-            leaf: LeafId::from_index(first + k),
-            area_scale,
-        })
-    });
-    let grown: Vec<Growth> = grown.collect();
-    let removed = changes
-        .iter()
-        .filter_map(|change| Some(change.before?.name));
-    let made: Vec<NewLeaf> = changes.iter().map(|change| change.made.clone()).collect();
-    let survivors_area_scale = order.survivors_area_scale_after(order.len());
+/// All that was done as one step, with these changes: leaves that are gone cannot come back later.
+fn put_into(passes: &mut Passes, foliage: &Foliage, changes: &[Change]) {
+    let lod = passes.lod();
+    let mut made_of: FxHashMap<LeafId, (NewLeaf, f64)> = FxHashMap::default();
+    for (made, area_scale) in lod.made() {
+        made_of.insert(made.donor, (made.clone(), area_scale));
+    }
+    for Change { made, before } in changes {
+        let area_scale = before.map_or(1.0, |left| left.area_scale);
+        made_of.insert(made.donor, (made.clone(), area_scale));
+    }
+    let mut order = RemovalOrder::new(foliage.leaves().len() as u32);
+    let (mut removed, mut made, mut grown) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, area_scale) in lod.area_scales().iter().enumerate() {
+        let leaf = LeafId::from_index(index);
+        let (name, area_scale) = match (made_of.remove(&leaf), area_scale) {
+            (Some((form, area_scale)), _) => {
+                removed.push(leaf);
+                made.push(form);
+                let name = LeafId::from_index(foliage.leaves().len() + made.len() - 1);
+                (name, area_scale)
+            }
+            (None, Some(area_scale)) => (leaf, *area_scale),
+            (None, None) => {
+                removed.push(leaf);
+                continue;
+            }
+        };
+        if area_scale != 1.0 {
+            grown.push(Growth {
+                leaf: name,
+                area_scale,
+            });
+        }
+    }
     order.push_step(Step {
-        removed: &removed.collect::<Vec<_>>(),
+        removed: &removed,
         grown: &grown,
         made: &made,
-        survivors_area_scale,
+        survivors_area_scale: 1.0,
     });
     *passes = Passes {
         coarse: None,
@@ -202,4 +224,89 @@ fn put_into(passes: &mut Passes, changes: &[Change]) {
         needles: Vec::new(),
         sizes: None,
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use secateur_model::LeafTriangle;
+
+    use super::*;
+
+    /// Leaves of these numbers of triangles, which do not meet.
+    fn leaves(counts: &[usize]) -> Foliage {
+        let mut foliage = Foliage::default();
+        for (leaf, count) in counts.iter().enumerate() {
+            let triangle = |k: usize| {
+                let at = DVec3::new(2.0 * k as f64, 2.0 * leaf as f64, 0.0);
+                LeafTriangle::plain([at, at + DVec3::X, at + DVec3::Y])
+            };
+            let triangles: Vec<LeafTriangle> = (0..*count).map(triangle).collect();
+            foliage.push_leaf(&triangles, None).unwrap();
+        }
+        foliage
+    }
+
+    /// Triangles of each leaf, after leaves went in this order and the rest of a budget was used.
+    fn filled(counts: &[usize], gone: &[usize], removals: usize, at_most: usize) -> Vec<usize> {
+        let foliage = leaves(counts);
+        let mut order = RemovalOrder::new(counts.len() as u32);
+        for leaf in gone {
+            order.push(LeafId::from_index(*leaf), &[]);
+        }
+        let mut passes = Passes {
+            coarse: None,
+            order,
+            needles: Vec::new(),
+            sizes: None,
+        };
+        let before = passes.clone();
+        let is_changed = fill(&mut passes, &foliage, at_most, removals);
+        assert_eq!(is_changed, passes.lod() != before.lod());
+        passes.in_one_order().check(&foliage).unwrap();
+        let left = left_by_leaf(&passes, &foliage);
+        let count = |left: &Option<Left>| left.map_or(0, |left| left.triangles);
+        left.iter().map(count).collect()
+    }
+
+    #[test]
+    fn what_went_last_comes_back_as_coarse_as_the_budget_asks_for() {
+        // A plant in one piece is not dropped.
+        assert_eq!(filled(&[450], &[0], 1, 225), [225]);
+        assert_eq!(filled(&[450], &[0], 1, 1), [1]);
+        // The last one as it was, and of the one before what fits.
+        assert_eq!(filled(&[9, 40, 1, 200], &[0, 3, 1], 3, 100), [0, 40, 1, 59]);
+        // Nine tenths are enough.
+        assert_eq!(filled(&[9, 91], &[0], 1, 100), [0, 91]);
+        assert_eq!(filled(&[450], &[0], 1, 0), [0]);
+    }
+
+    /// The second leaf hangs in the air.
+    #[test]
+    fn what_hangs_in_the_air_stays_away_while_anything_is_left() {
+        assert_eq!(filled(&[10, 50, 40], &[0, 1], 1, 90), [0, 0, 40]);
+        assert_eq!(filled(&[10, 50], &[1, 0], 0, 60), [10, 50]);
+    }
+
+    #[test]
+    fn a_budget_is_met_or_refused() {
+        for (asked, left, is_met) in [
+            (100, 100, true),
+            (100, 90, true),
+            (100, 89, false),
+            (100, 101, false),
+            (200, 100, true),
+            (0, 0, false),
+            (1, 1, true),
+        ] {
+            assert_eq!(
+                check_met(asked, left, 100).is_ok(),
+                is_met,
+                "{left} of {asked}"
+            );
+        }
+        let said = |asked, left| check_met(asked, left, 450).unwrap_err().to_string();
+        assert!(said(225, 4).ends_with("4 is the most that is possible: ask for 4"));
+        assert!(said(0, 0).ends_with("1 is the least that is possible: ask for 1"));
+    }
 }

@@ -26,7 +26,7 @@ mod which;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
-use secateur_simplify::Observer;
+use secateur_simplify::{Observer, sphere_of};
 
 pub use error::ChainError;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
@@ -51,6 +51,8 @@ pub fn chain(
     observer: &mut Observer<'_>,
 ) -> Result<Chain, ChainError> {
     options.check()?;
+    // Cameras stand around all of it, whatever becomes of the wood.
+    sphere_of(tree.items().foliage())?;
     let maker = Maker::new(tree, options, engine)?;
     let client = maker.client();
     let mut notes = maker.remarks()?;

@@ -21,11 +21,12 @@ pub(super) fn last_forms(triangles: &[LeafTriangle]) -> Vec<Vec<[u32; 3]>> {
         [low.min(y), high.max(y)]
     });
     let end = END * (high - low);
-    let of_end = |is_in: &dyn Fn(f64) -> bool| {
-        let corners: Vec<u32> = corners.clone().filter(|c| is_in(at(*c).y)).collect();
-        End::of(&corners, at)
+    let of_end = |y: f64| {
+        let is_in = |corner: &u32| (at(*corner).y - y).abs() <= end;
+        let corners: Vec<u32> = corners.clone().filter(is_in).collect();
+        End::of(&corners, y, at)
     };
-    let [bottom, top] = [of_end(&|y| y <= low + end), of_end(&|y| y >= high - end)];
+    let [bottom, top] = [low, high].map(of_end);
     let (base, tip) = match bottom.width >= top.width {
         true => (&bottom, &top),
         false => (&top, &bottom),
@@ -72,13 +73,13 @@ struct End {
 }
 
 impl End {
-    /// Of at least one corner.
-    fn of(corners: &[u32], at: impl Fn(u32) -> DVec3) -> Self {
+    /// Of at least one corner, at this height: the nearer to that, the better.
+    fn of(corners: &[u32], y: f64, at: impl Fn(u32) -> DVec3) -> Self {
         let centre = corners.iter().map(|c| at(*c)).sum::<DVec3>() / corners.len() as f64;
         let best = |value: &dyn Fn(DVec3) -> f64| {
             let mut best = (f64::NEG_INFINITY, corners[0]);
             for &corner in corners {
-                let value = value(at(corner));
+                let value = value(at(corner)) - 2.0 * (at(corner).y - y).abs();
                 if value > best.0 {
                     best = (value, corner);
                 }
@@ -89,7 +90,7 @@ impl End {
         let reach = sides.map(|corner| (at(corner) - centre).length());
         Self {
             corners: sides,
-            middle: best(&|place: DVec3| -place.distance_squared(centre)),
+            middle: best(&|place: DVec3| -place.distance(centre)),
             centre,
             width: reach.iter().sum(),
         }

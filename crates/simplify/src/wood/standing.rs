@@ -301,4 +301,80 @@ mod tests {
         );
         assert!(of(&|_| 0.0).is_empty());
     }
+
+    /// A pot that is no tube, a trunk that rises from within it where there is one, and leaves on a ring above.
+    fn potted(trunk: Option<f64>) -> (Foliage, Foliage) {
+        let (mut wood, mut leaves) = (Foliage::default(), Foliage::default());
+        wood.push_leaf(&tube(DVec3::ZERO, 0.8 * DVec3::Y, 0.6, 24), None)
+            .unwrap();
+        if let Some(radius) = trunk {
+            let trunk = tube(0.4 * DVec3::Y, 4.0 * DVec3::Y, radius, 16);
+            wood.push_leaf(&trunk, None).unwrap();
+        }
+        let high = if trunk.is_some() { 4.0 } else { 1.0 };
+        for k in 0..12 {
+            let (sin, cos) = f64::from(k).sin_cos();
+            let at = DVec3::new(0.3 * cos, high, 0.3 * sin);
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|c| at + 0.5 * c);
+            leaves
+                .push_leaf(&[LeafTriangle::plain(corners)], None)
+                .unwrap();
+        }
+        (wood, leaves)
+    }
+
+    fn ready((wood, leaves): &(Foliage, Foliage)) -> Wood {
+        let px = vec![100.0; leaves.leaves().len()];
+        by_geometry(wood, &vec![1.0; wood.leaves().len()]).with_leaves(leaves, &px)
+    }
+
+    #[test]
+    fn a_pot_stays_while_anything_of_it_fits() {
+        let plant = potted(None);
+        let mut wood = ready(&plant);
+        // As where nothing that collapses leave stands.
+        wood.carriers[0].level = 0;
+        for of_plant in [4, 7, 12, 21, 42] {
+            // Pixels of wood are worth nothing beside those of leaves.
+            let budget = WoodBudget::of_plant(of_plant / 2, of_plant);
+            let count = wood.worth(&[], f64::INFINITY, budget);
+            assert!((3..of_plant).contains(&count), "{count} of {of_plant}");
+            let budget = WoodBudget::of_plant(count, of_plant);
+            let chosen = wood.chosen(&[], budget);
+            assert_eq!(wood.carriers_gone(&chosen), [0, 1]);
+            let left = wood.lod(&chosen).foliage(&plant.0);
+            let count = left.triangles().len();
+            assert!((3..of_plant).contains(&count), "{count} of {of_plant}");
+        }
+        let chosen = wood.chosen(&[], WoodBudget::of_plant(1, 3));
+        assert_eq!(wood.carriers_gone(&chosen), [1, 1]);
+    }
+
+    /// The pot carries a thin trunk, and a thick trunk stands on the pot.
+    #[test]
+    fn a_trunk_and_its_pot_stay_whichever_is_larger() {
+        for radius in [0.1, 0.5] {
+            let plant = potted(Some(radius));
+            let wood = ready(&plant);
+            let mut pieces: Vec<usize> = wood.carriers.iter().map(|c| c.piece).collect();
+            pieces.sort_unstable();
+            assert_eq!(pieces, [0, 1], "{radius}");
+        }
+    }
+
+    #[test]
+    fn pieces_get_levels_in_between() {
+        let plant = potted(Some(0.1));
+        let wood = ready(&plant);
+        let count = |lod: &Lod| lod.foliage(&plant.0).triangles().len();
+        let chosen = wood.chosen(&[], WoodBudget::all(40));
+        let before = count(&wood.lod(&chosen));
+        for more in [0, 5, 11, 17] {
+            let now = count(&wood.refined(&chosen, more));
+            assert!(
+                now <= before + more && now + 2 >= before + more,
+                "{now} of {before} + {more}"
+            );
+        }
+    }
 }
