@@ -20,7 +20,7 @@ mod auto_views;
 pub mod by_branches;
 pub mod coarsen;
 mod error;
-pub mod fill;
+mod fill;
 pub mod fit;
 pub mod fsa;
 mod last_look;
