@@ -2,9 +2,10 @@
 
 use secateur::{Foliage, Tree, plant_to_glb};
 use secateur_plant::{GrowOptions, Species, grow};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::program::{Bench, OAK_LEAVES};
+use crate::small_files::put_changed;
 
 /// 40 leaves of 18 triangles, with cut-outs.
 fn with_rowan() -> Bench {
@@ -250,5 +251,37 @@ fn coarser_leaves_are_the_same_on_every_processor() {
         let found =
             ["order_sha256", "areas_sha256"].map(|key| &report[key].as_str().unwrap()[..12]);
         assert_eq!(found, [order, areas], "{options:?}");
+    }
+}
+
+/// Two leaves of two triangles, and no wood.
+#[test]
+fn a_budget_is_met_or_refused_with_what_is_possible() {
+    let bench = Bench::new();
+    put_changed(&bench, "/nodes/0/name", json!("tree"));
+    let files = [
+        "simplify",
+        "tree.gltf",
+        "-o",
+        "out.glb",
+        "--report",
+        "r.json",
+    ];
+    for budget in ["1", "2", "3", "4"] {
+        bench
+            .run(&[&files[..], &["--triangles", budget]].concat())
+            .succeeded();
+        assert_eq!(
+            bench.json("r.json")["triangles"]["final"].to_string(),
+            budget
+        );
+    }
+    let whole = ["--leaf-triangles", "keep"];
+    for (budget, options, said) in [
+        ("0", &[][..], "1 is the least that is possible"),
+        ("3", &whole, "2 is the most that is possible"),
+    ] {
+        let arguments = [&files[..], &["--triangles", budget], options].concat();
+        bench.run(&arguments).failed_saying(&[said]);
     }
 }

@@ -9,7 +9,7 @@ use check::{Answers, check};
 use plants::odd_plant;
 
 /// As many as take a few seconds.
-const COUNT: u64 = 40;
+const COUNT: u64 = 30;
 
 #[test]
 fn odd_plants_give_levels_or_a_sentence() {
@@ -22,5 +22,5 @@ fn odd_plants_give_levels_or_a_sentence() {
         all.sentences += answers.sentences;
     }
     // Not all are refused, and not all are simplified.
-    assert!(all.levels > 40 && all.sentences > 10, "{all:?}");
+    assert!(all.levels > 30 && all.sentences > 10, "{all:?}");
 }

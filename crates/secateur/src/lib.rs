@@ -130,7 +130,6 @@ pub use secateur_raster::{
 #[cfg(feature = "plant")]
 pub use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
 pub use secateur_simplify::coarsen::Coarse;
-pub use secateur_simplify::fill::check_met;
 pub use secateur_simplify::fit::Objective;
 pub use secateur_simplify::fsa::{Corners, FsaOptions, Hausdorff};
 pub use secateur_simplify::meshopt::{

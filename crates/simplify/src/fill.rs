@@ -10,7 +10,7 @@ use secateur_model::{
 };
 
 use crate::coarsen::{Coarse, by_position};
-use crate::{Error, Passes};
+use crate::{Error, LeafTriangles, Options, Passes, Target};
 
 /// A budget is met if at least this share of it is used.
 const LEAST_USED: f64 = 0.9;
@@ -22,10 +22,7 @@ pub(crate) fn is_met(asked: usize, left: usize) -> bool {
 
 /// Whether a plant of `left` of `there` triangles is what was asked for: all of it, or nine tenths of the budget
 /// or more, and never more than that.
-///
-/// # Errors
-/// [`Error::BudgetNotMet`] if it is not.
-pub fn check_met(asked: usize, left: usize, there: usize) -> Result<(), Error> {
+fn check_met(asked: usize, left: usize, there: usize) -> Result<(), Error> {
     match left == there && asked >= there || is_met(asked, left) {
         true => Ok(()),
         false => Err(Error::BudgetNotMet {
@@ -33,6 +30,27 @@ pub fn check_met(asked: usize, left: usize, there: usize) -> Result<(), Error> {
             nearest: left.max(1),
             there,
         }),
+    }
+}
+
+impl Options {
+    /// Whether a plant of `left` of `there` triangles, those that the target counts, meets the target if that is
+    /// one of triangles. Where leaves may keep no more than a number of triangles any budget above what they come
+    /// to is met.
+    ///
+    /// # Errors
+    /// [`Error::BudgetNotMet`] if it does not.
+    pub fn check_met(&self, left: usize, there: usize) -> Result<(), Error> {
+        let Target::Triangles(amount) = self.target else {
+            return Ok(());
+        };
+        let asked = amount.of(there);
+        match self.leaf_triangles {
+            LeafTriangles::AtMost(_) if (1..=asked).contains(&left) => Ok(()),
+            LeafTriangles::AtMost(_) | LeafTriangles::Auto | LeafTriangles::Keep => {
+                check_met(asked, left, there)
+            }
+        }
     }
 }
 

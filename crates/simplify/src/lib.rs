@@ -21,7 +21,7 @@ pub mod by_branches;
 pub mod coarsen;
 mod edge_collapses;
 mod error;
-pub mod fill;
+mod fill;
 pub mod fit;
 pub mod fsa;
 mod last_look;

@@ -7,7 +7,7 @@ use secateur_raster::occluders::Occluded;
 use secateur_raster::{OpenEngine, Rasteriser, ViewSet};
 use serde::{Deserialize, Serialize};
 
-use crate::fill::{check_met, is_met};
+use crate::fill::is_met;
 use crate::observe::observe;
 use crate::rest::HeldBy;
 use crate::stage::Observer;
@@ -437,7 +437,7 @@ impl<'a> WholePlant<'a> {
             let level = self.level(triangles, options, engine, None, observer)?;
             let of_leaves = level.leaves.lod.foliage(self.leaves).triangles().len();
             let left = of_leaves + level.wood_triangles;
-            check_met(triangles, left, self.triangle_count())?;
+            options.check_met(left, self.triangle_count())?;
             return Ok(level);
         }
         let options = Options {

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use secateur::{
-    Foliage, Lod, Memory, Observer, OpenEngine, Options, PlantSkeleton, Selector, Simplified,
-    SimplifyError, Target, Tree, WholePlant, WholeTree, WoodMode, check_met, simplify_keeping_wood,
-    simplify_with,
+    Amount, Foliage, Lod, Memory, Observer, OpenEngine, Options, PlantSkeleton, Selector,
+    Simplified, SimplifyError, Target, Tree, WholePlant, WholeTree, WoodMode,
+    simplify_keeping_wood, simplify_with,
 };
 
 use super::failure::Failure;
@@ -116,7 +116,11 @@ impl Subject {
             Self::Leaves(tree) => {
                 let result = simplify_with(tree.foliage(), options, observer)?;
                 let left = result.lod.foliage(tree.foliage()).triangles().len();
-                check_budget(options.target, left, tree.foliage().triangles().len())?;
+                // Wood is a plant without leaves.
+                let is_bare = left == 0 && tree.wood_triangle_count() > 0;
+                if !(is_bare && asks_for_none(options.target)) {
+                    options.check_met(left, tree.foliage().triangles().len())?;
+                }
                 return Ok(Outcome {
                     lod: result.lod.clone(),
                     result,
@@ -135,7 +139,7 @@ impl Subject {
         };
         let left = level.leaves.lod.foliage(leaves).triangles().len() + level.wood_triangles;
         let there = leaves.triangles().len() + wood.triangles().len();
-        check_budget(options.target, left, there)?;
+        options.check_met(left, there)?;
         Ok(Outcome {
             lod: tree.joined(&level.leaves.lod, &level.wood),
             result: level.leaves,
@@ -144,10 +148,11 @@ impl Subject {
     }
 }
 
-/// Whether as many triangles of those that are counted are left as were asked for.
-fn check_budget(target: Target, left: usize, there: usize) -> Result<(), SimplifyError> {
+/// Whether no triangle is to be left of what is counted.
+fn asks_for_none(target: Target) -> bool {
     match target {
-        Target::Triangles(asked) => check_met(asked.of(there), left, there),
-        Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(()),
+        Target::Triangles(Amount::Count(count)) => count == 0,
+        Target::Triangles(Amount::Share(share)) => share == 0.0,
+        Target::Leaves(_) | Target::MaxErrorPercent(_) => false,
     }
 }
