@@ -25,7 +25,10 @@ const LEAST_BLOCK_PX: f64 = 8.0;
 const LEAST_MARGIN_PX: u32 = 12;
 
 /// Plants up to so many pixels a side are drawn with 4 x 4 samples a pixel, larger ones with 2 x 2.
-const SMALL_PX: f64 = 160.0;
+const SMALL_PX: f64 = 320.0;
+
+/// What is nearer to an eye than this share of the plant's radius is not drawn.
+const NEAR_RADII: f64 = 0.01;
 
 /// Where a view is taken from.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +65,8 @@ impl Eye {
             number,
             at: sphere.centre + away * (radii * radius),
             axes: ViewAxes::looking(-away, DVec3::Y),
-            near: radius,
+            // What stands before a plant may stand close before the eye.
+            near: NEAR_RADII * radius,
             distance: radii * radius,
             most_tangent: 1.0,
         }
