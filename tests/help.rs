@@ -31,7 +31,7 @@ fn help_names_every_flag() {
                 "--levels",
                 "--triangles",
                 "--layout",
-                "--max-flip",
+                "--max-difference",
                 "--screen-height",
                 "--fov",
                 "--scene",

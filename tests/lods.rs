@@ -163,7 +163,7 @@ fn a_record_says_of_a_level_what_measure_says_of_its_file() {
 fn a_default_chain_says_where_a_tree_is_too_light_for_four_levels() {
     let bench = Bench::new();
     let lods = ["lods", "oak.glb", "-o", "chain", "--impostor", "none"];
-    let heavier = ["--max-flip", "0.0125", "--report", "r.json"];
+    let heavier = ["--max-difference", "0.0125", "--report", "r.json"];
     bench.run(&[&lods[..], &heavier].concat()).succeeded();
     let record = bench.json("r.json");
     let notes = record["notes"].as_array().unwrap();
@@ -190,7 +190,7 @@ fn each_distance_gets_the_fewest_triangles_within_the_difference_at_its_height()
         "60",
         "--screen-height",
         "1080",
-        "--max-flip",
+        "--max-difference",
         "0.05",
         "--report",
         "r.json",
@@ -332,7 +332,7 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     lods(&["--levels", "0.000001"]).failed_saying(&["no leaf and no piece of wood is left"]);
     lods(&["--levels", "1.5"]).misused_saying(&["from 0 to 1"]);
     lods(&["--levels", "0.5", "--triangles", "9"]).misused_saying(&["cannot be used with"]);
-    lods(&["--max-flip", "0"]).misused_saying(&["above 0"]);
+    lods(&["--max-difference", "0"]).misused_saying(&["above 0"]);
     lods(&["--distances", "20,5"]).misused_saying(&["distances must rise"]);
     lods(&["--distances", "5,5"]).misused_saying(&["distances must rise"]);
     lods(&["--distances", "0,5"]).misused_saying(&["from 0.01 to 1000000"]);

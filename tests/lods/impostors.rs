@@ -46,7 +46,7 @@ fn crossed_planes_end_a_chain_in_every_layout() {
         assert!((4..=8).contains(&count(&last["triangles"])), "{last}");
         assert_eq!(last["leaves"], 0);
         assert_eq!(last["silhouette_iou"], Value::Null);
-        for figure in [&last["flip_mean"], &last["impostor"]["mesh_flip_mean"]] {
+        for figure in [&last["flip_mean"], &last["impostor"]["mesh_difference"]] {
             assert!((0.0..1.0).contains(&figure.as_f64().unwrap()), "{last}");
         }
         assert!(last["distance"].as_f64() > made[1]["distance"].as_f64());
@@ -85,7 +85,7 @@ fn octahedral_views_say_how_they_lie() {
         "o.glb",
         "--distances",
         "20,200",
-        "--max-flip",
+        "--max-difference",
         "0.05",
         "--impostor",
         "octahedral",
@@ -129,7 +129,7 @@ fn an_impostor_is_taken_unasked_only_where_it_looks_no_worse() {
             "c",
             "--distances",
             "200",
-            "--max-flip",
+            "--max-difference",
             max_flip,
             "--report",
             "r.json",
@@ -157,7 +157,7 @@ fn cards_stand_for_a_plant_far_off() {
             output,
             "--distances",
             "20,60",
-            "--max-flip",
+            "--max-difference",
             max_flip,
             "--impostor",
             impostor,
@@ -211,7 +211,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
             .succeeded();
         bench.json("r.json")
     };
-    let at = ["--distances", "20,60,200", "--max-flip", "0.05"];
+    let at = ["--distances", "20,60,200", "--max-difference", "0.05"];
     let chosen = lods(&at);
     let meshes = lods(&[&at[..], &["--impostor", "none"]].concat());
     let lightest = count(&levels(&meshes).last().unwrap()["triangles"]);
@@ -238,7 +238,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
         "{distances:?}"
     );
     // Levels for heights on the screen are meshes.
-    let heights = lods(&["--max-flip", "0.05"]);
+    let heights = lods(&["--max-difference", "0.05"]);
     assert!(!levels(&heights).iter().any(|level| is_cards(&level)));
 }
 
