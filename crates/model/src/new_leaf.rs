@@ -50,7 +50,9 @@ pub struct NewCorner {
     /// How its position follows from original corners.
     pub place: Place,
     /// The corner of the donor, numbered as in [`CornerRef`], whose texture
-    /// coordinates and other attributes it has, but for those of [`Place::InPlaneOf`].
+    /// coordinates and other attributes it has, but for those of [`Place::InPlaneOf`]. At
+    /// [another corner of the donor](Place::Of) it has texture coordinates only, and in files
+    /// tangents, of this one, and all else of that one.
     pub like: u32,
 }
 

@@ -43,6 +43,9 @@ pub(super) struct MadeCorner {
     /// A triangle of the primitive's list and which of its corners: the vertex
     /// to be copied.
     pub(super) like: (u32, usize),
+    /// The vertex whose normal, colours, bones and morph displacements the copy has, where it has
+    /// texture coordinates of another one.
+    pub(super) surface_of: Option<(u32, usize)>,
     /// Where the copy goes, in the primitive's local space.
     pub(super) position_local: DVec3,
     /// What the copy's texture coordinates, normal and morph displacements are, where they are
@@ -102,8 +105,13 @@ impl<'t> LeafEdits<'t> {
                 }),
                 Place::Of(_) | Place::At(_) => None,
             };
+            let surface_of = match corner.place {
+                Place::Of(at) if at.leaf == donor && at.corner != corner.like => Some(at.corner),
+                Place::Of(_) | Place::At(_) | Place::InPlaneOf { .. } => None,
+            };
             MadeCorner {
                 like: in_list(corner.like),
+                surface_of: surface_of.map(in_list),
                 position_local: origin_of_point(world_from_local, position_world),
                 blend,
             }

@@ -29,6 +29,7 @@ pub(super) fn rewrite_primitive(
         triangles: kept,
         resizes,
         blends,
+        surfaces,
     } = kept_triangles(draft, edits, part_number, part)?;
     if kept.is_empty() {
         return Ok(None);
@@ -43,16 +44,16 @@ pub(super) fn rewrite_primitive(
         }
         None => corner_vertices(&kept),
     };
-    let sources: Rc<[u32]> = vertices.sources.as_slice().into();
     let moves = Moves {
         vertices: &vertices,
         resizes: &resizes,
         blends: &blends,
+        sources: Sources::of(&vertices, &surfaces),
         place: document.primitive_place(part.mesh, part.primitive),
     };
-    moves.rewrite_attributes(draft, &mut primitive["attributes"], &sources, Mover::Point)?;
+    moves.rewrite_attributes(draft, &mut primitive["attributes"], Mover::Point)?;
     for target in super::references::items(&mut primitive, "targets") {
-        moves.rewrite_attributes(draft, target, &sources, Mover::Delta)?;
+        moves.rewrite_attributes(draft, target, Mover::Delta)?;
     }
     if let (Some(old), Some(triangles)) = (old_indices, &vertices.triangles) {
         let new = new_indices(draft, old, triangles.as_flattened(), vertices.sources.len())?;
@@ -82,6 +83,43 @@ struct Kept {
     /// By resize: old vertices, and how much what it moves has of each, where it has not all
     /// of one.
     blends: HashMap<u32, ([u32; 3], [f64; 3])>,
+    /// By resize: the old vertex of whose surface what it moves is, where that has texture
+    /// coordinates of another one.
+    surfaces: HashMap<u32, u32>,
+}
+
+/// The old vertices that new ones are copies of.
+struct Sources {
+    /// For texture coordinates, and tangents, which follow them.
+    textures: Rc<[u32]>,
+    /// For all else.
+    surfaces: Rc<[u32]>,
+}
+
+impl Sources {
+    fn of(vertices: &Vertices, surfaces: &HashMap<u32, u32>) -> Self {
+        let textures: Rc<[u32]> = vertices.sources.as_slice().into();
+        let mut of_surfaces = Rc::clone(&textures);
+        if !surfaces.is_empty() {
+            let of_surfaces = Rc::make_mut(&mut of_surfaces);
+            for (vertex, resize) in &vertices.moved {
+                if let Some(old) = surfaces.get(resize) {
+                    of_surfaces[*vertex as usize] = *old;
+                }
+            }
+        }
+        Self {
+            textures,
+            surfaces: of_surfaces,
+        }
+    }
+
+    fn of_attribute(&self, semantic: &str) -> &Rc<[u32]> {
+        match semantic.starts_with("TEXCOORD_") || semantic == "TANGENT" {
+            true => &self.textures,
+            false => &self.surfaces,
+        }
+    }
 }
 
 fn kept_triangles(
@@ -120,27 +158,32 @@ fn kept_triangles(
     // are alike and at one place stay one vertex.
     let mut placed = HashMap::new();
     let mut blends = HashMap::new();
+    let mut surfaces = HashMap::new();
     for triangle in edits.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
         let mut resize = |k: usize| {
             let MadeCorner {
                 position_local,
                 blend,
+                surface_of,
                 ..
             } = triangle[k];
             let bits = position_local.to_array().map(f64::to_bits);
             let blend_bits = blend.map(|t: Blend| (t.corners, t.weights.map(f64::to_bits)));
-            *placed.entry((bits, blend_bits)).or_insert_with(|| {
-                let number = resizes.len() as u32;
-                resizes.push(Resize {
-                    centre_local: position_local,
-                    linear_scale: 0.0,
-                });
-                let vertex = |(triangle, k): (u32, usize)| triangles[triangle as usize][k];
-                let of_vertices = |t: Blend| (t.corners.map(vertex), t.weights);
-                blends.extend(blend.map(|t| (number, of_vertices(t))));
-                number
-            })
+            *placed
+                .entry((bits, blend_bits, surface_of))
+                .or_insert_with(|| {
+                    let number = resizes.len() as u32;
+                    resizes.push(Resize {
+                        centre_local: position_local,
+                        linear_scale: 0.0,
+                    });
+                    let vertex = |(triangle, k): (u32, usize)| triangles[triangle as usize][k];
+                    let of_vertices = |t: Blend| (t.corners.map(vertex), t.weights);
+                    blends.extend(blend.map(|t| (number, of_vertices(t))));
+                    surfaces.extend(surface_of.map(|corner| (number, vertex(corner))));
+                    number
+                })
         };
         kept.push(KeptTriangle {
             corners,
@@ -151,6 +194,7 @@ fn kept_triangles(
         triangles: kept,
         resizes,
         blends,
+        surfaces,
     })
 }
 
@@ -169,6 +213,7 @@ struct Moves<'a> {
     vertices: &'a Vertices,
     resizes: &'a [Resize],
     blends: &'a HashMap<u32, ([u32; 3], [f64; 3])>,
+    sources: Sources,
     place: String,
 }
 
@@ -177,7 +222,6 @@ impl Moves<'_> {
         &self,
         draft: &mut Draft,
         attributes: &mut Value,
-        sources: &Rc<[u32]>,
         mover: Mover,
     ) -> Result<(), Fault> {
         let Some(attributes) = attributes.as_object_mut() else {
@@ -187,6 +231,7 @@ impl Moves<'_> {
             let Some(old) = as_index(number) else {
                 continue;
             };
+            let sources = self.sources.of_attribute(semantic);
             let moves = semantic == "POSITION" && !self.vertices.moved.is_empty();
             let is_blended = matches!(mover, Mover::Point) && !self.blends.is_empty();
             let new = if moves {

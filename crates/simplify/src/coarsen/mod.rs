@@ -7,9 +7,8 @@
 //! off with two.
 //!
 //! A leaf becomes coarser in one of four ways: by edge collapses (`leaf_mesh`: meshoptimizer, by
-//! quadric error, in f32; the same triangles on every processor if its C++ is compiled with
-//! `-ffp-contract=off`, as this workspace does), by a triangle around what its texture shows
-//! (`enclosing_triangle`), which for bent leaves is put into a plane of three of their corners
+//! quadric error, in f32; the same triangles on every processor), by a triangle around what its
+//! texture shows (`enclosing_triangle`), which for bent leaves is put into a plane of three of their corners
 //! (`sheets`), or by a triangle of three of its corners in its mean plane
 //! (`triangle`). In the first and last way it is then scaled and moved, so that its area and its
 //! centre stay.

@@ -10,6 +10,7 @@
 //! A piece is left only if the one that it grows on is, at a level that still meets it.
 
 mod bearing;
+mod charts;
 mod distance;
 mod forks;
 mod gaps;

@@ -1,10 +1,13 @@
 //! The wood by its parts: pieces, and where a connected piece has forks what is between these.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
+use glam::DVec2;
 use rayon::prelude::*;
 use secateur_model::{CornerRef, Foliage, LeafId, LeafTriangle, NewCorner, Place};
 
+use super::charts::Charts;
 use super::forks;
 
 /// The parts of a plant's wood.
@@ -24,6 +27,8 @@ struct Piece {
     /// How many it has as it is.
     triangles: usize,
     parts: Range<usize>,
+    /// Where its bark is cut into charts.
+    charts: Option<Charts>,
 }
 
 /// Where a part comes from.
@@ -43,15 +48,19 @@ impl Parts {
     /// If the wood has nearly as many triangles as a foliage can hold, and forks.
     pub fn of(wood: &Foliage) -> Self {
         let pieces = (0..wood.leaves().len()).into_par_iter();
-        let split: Vec<Option<Vec<forks::Part>>> = pieces
-            .map(|piece| forks::parts(wood.triangles_of(LeafId::from_index(piece))))
-            .collect();
+        let of_piece = |piece: usize| {
+            let triangles = wood.triangles_of(LeafId::from_index(piece));
+            let is_cut_out = wood.leaf(LeafId::from_index(piece)).cutout().is_some();
+            let charts = (!is_cut_out).then(|| Charts::of(triangles)).flatten();
+            (forks::parts(triangles), charts)
+        };
+        let split: Vec<(Option<Vec<forks::Part>>, Option<Charts>)> = pieces.map(of_piece).collect();
         let mut parts = Self {
             foliage: Foliage::new(wood.cutouts().to_vec()),
             origins: Vec::new(),
             pieces: Vec::new(),
         };
-        for (index, split) in split.into_iter().enumerate() {
+        for (index, (split, charts)) in split.into_iter().enumerate() {
             let piece = LeafId::from_index(index);
             let all = wood.triangles_of(piece);
             let first = parts.origins.len();
@@ -59,6 +68,7 @@ impl Parts {
             parts.pieces.push(Piece {
                 triangles: all.len(),
                 parts: first..first + count,
+                charts,
             });
             let Some(split) = split else {
                 parts.push(all, wood, piece, (None, None));
@@ -85,12 +95,19 @@ impl Parts {
         piece: LeafId,
         (on, corners): (Option<usize>, Option<Vec<u32>>),
     ) {
-        let pushed = self.foliage.push_leaf_like(triangles, wood.leaf(piece));
+        let mut triangles = Cow::Borrowed(triangles);
+        if self.pieces[piece.index()].charts.is_some() {
+            for triangle in triangles.to_mut() {
+                triangle.uvs = [DVec2::ZERO; 3];
+            }
+        }
+        let pushed = self.foliage.push_leaf_like(&triangles, wood.leaf(piece));
         pushed.expect("triangles of the wood");
         self.origins.push(Origin { piece, on, corners });
     }
 
-    /// The parts, each a leaf: those of a piece follow each other, the first one first.
+    /// The parts, each a leaf: those of a piece follow each other, the first one first. Where bark is cut
+    /// into charts all texture coordinates are zero, so that nothing collapses or stays for them.
     pub fn foliage(&self) -> &Foliage {
         &self.foliage
     }
@@ -125,21 +142,31 @@ impl Parts {
         self.origins[part].on
     }
 
-    /// Triangles of the corners of a part, as corners of its piece.
+    /// Triangles of the corners of a part, as corners of its piece. Of bark that is cut into charts each has
+    /// its texture from one chart.
     pub(super) fn made(&self, part: usize, triangles: &[[u32; 3]]) -> Vec<[NewCorner; 3]> {
         let origin = &self.origins[part];
-        let at = |corner: u32| {
-            let corner = match &origin.corners {
-                Some(corners) => corners[corner as usize],
-                None => corner,
-            };
-            let leaf = origin.piece;
-            NewCorner {
-                place: Place::Of(CornerRef { leaf, corner }),
-                like: corner,
-            }
+        let leaf = origin.piece;
+        let of_piece = |corner: u32| match &origin.corners {
+            Some(corners) => corners[corner as usize],
+            None => corner,
         };
-        triangles.iter().map(|t| t.map(at)).collect()
+        let charts = &self.pieces[leaf.index()].charts;
+        let made = |triangle: &[u32; 3]| {
+            let corners = triangle.map(of_piece);
+            let like = match charts {
+                Some(charts) => charts.texture_of(corners),
+                None => corners,
+            };
+            [0, 1, 2].map(|k| NewCorner {
+                place: Place::Of(CornerRef {
+                    leaf,
+                    corner: corners[k],
+                }),
+                like: like[k],
+            })
+        };
+        triangles.iter().map(made).collect()
     }
 
     /// All triangles of a part, as [`Self::made`].

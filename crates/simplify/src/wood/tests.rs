@@ -331,3 +331,34 @@ fn places_of_two_pieces_stay() {
     let mut of_first = of_first.filter(|corner| is_joint(*corner));
     assert!(of_first.all(|corner| is_kept(&corner)));
 }
+
+/// A bough of 60 triangles is offered at ever fewer, down to a tube of three sides and less, so that it need
+/// not go at once: the levels of each halving lose less than half, and go from its foot to its tip.
+#[test]
+fn a_bough_has_levels_between_what_it_is_and_nothing() {
+    let bough = |cut: bool| {
+        let from = DVec3::new(0.3, 4.0, 0.0);
+        let mut bough = tube(from, from + DVec3::new(3.0, 1.0, 0.0), 0.1, 4);
+        for (triangle, number) in bough.iter_mut().zip(0..).filter(|_| cut) {
+            for uv in &mut triangle.uvs {
+                uv.x += 7.0 * f64::from(number);
+            }
+        }
+        bough
+    };
+    for cut in [false, true] {
+        let mut foliage = Foliage::default();
+        let trunk = tube(DVec3::ZERO, 8.0 * DVec3::Y, 0.4, 12);
+        foliage.push_leaf(&trunk, None).unwrap();
+        foliage.push_leaf(&bough(cut), None).unwrap();
+        let wood = by_geometry(&foliage, &[1000.0, 100.0]);
+        let piece = &wood.pieces[1];
+        assert_eq!(piece.triangles, 64);
+        for most in [32, 16, 12, 6] {
+            let levels = piece.levels.iter();
+            let mut offered = levels.filter(|level| level.triangles.len() <= most);
+            let best = offered.next().unwrap();
+            assert!(best.reaches && best.loss < 0.5, "{most}: {best:?}");
+        }
+    }
+}
