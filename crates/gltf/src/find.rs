@@ -21,7 +21,7 @@ use super::tree::LeafSource;
 use super::vertex_alpha::{self, VertexAlphas};
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
-use secateur_model::{Budget, Facing, Foliage, Leaf, LeafTriangle};
+use secateur_model::{Budget, Facing, Foliage, Leaf, LeafId, LeafTriangle};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
@@ -83,6 +83,7 @@ impl Document {
                 parts,
                 others,
                 levels_inside,
+                first_of_wood: LeafId::from_index(found.foliage.leaves().len()),
                 foliage: found.foliage,
                 leaf_sources: found.leaf_sources,
                 leaf_triangles: found.leaf_triangles,
@@ -116,6 +117,7 @@ impl Document {
             parts,
             others,
             levels_inside,
+            first_of_wood: LeafId::from_index(leaves.foliage.leaves().len()),
             foliage: items.foliage,
             leaf_sources: items.leaf_sources,
             leaf_triangles: items.leaf_triangles,

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::levels_inside::LevelsInside;
 use super::parts::Part;
 use super::{Document, GltfError, Inspection, Selector};
-use secateur_model::{Foliage, Leaf, Memory};
+use secateur_model::{Foliage, Leaf, LeafId, Memory};
 
 /// A glTF file with its leaves found.
 #[derive(Debug)]
@@ -23,6 +23,8 @@ pub struct Tree {
     pub(crate) leaf_sources: Vec<LeafSource>,
     /// Triangle numbers that `leaf_sources` point into.
     pub(crate) leaf_triangles: Vec<u32>,
+    /// From this leaf on they are pieces of wood.
+    pub(crate) first_of_wood: LeafId,
     pub(crate) inspection: Inspection,
 }
 

@@ -50,8 +50,8 @@ pub struct NewCorner {
     /// How its position follows from original corners.
     pub place: Place,
     /// The corner of the donor, numbered as in [`CornerRef`], whose texture
-    /// coordinates and other attributes it has, but for those of [`Place::InPlaneOf`]. At
-    /// [another corner of the donor](Place::Of) it has texture coordinates only, and in files
+    /// coordinates and other attributes it has, but for those of [`Place::InPlaneOf`]. Wood
+    /// at [another of its corners](Place::Of) has texture coordinates only, and in files
     /// tangents, of this one, and all else of that one.
     pub like: u32,
 }

@@ -43,7 +43,7 @@ pub(super) struct MadeCorner {
     /// A triangle of the primitive's list and which of its corners: the vertex
     /// to be copied.
     pub(super) like: (u32, usize),
-    /// The vertex whose normal, colours, bones and morph displacements the copy has, where it has
+    /// The vertex whose normal, colours, bones and morph displacements the copy has, where wood has
     /// texture coordinates of another one.
     pub(super) surface_of: Option<(u32, usize)>,
     /// Where the copy goes, in the primitive's local space.
@@ -105,8 +105,11 @@ impl<'t> LeafEdits<'t> {
                 }),
                 Place::Of(_) | Place::At(_) => None,
             };
+            let is_wood = donor >= self.tree.first_of_wood;
             let surface_of = match corner.place {
-                Place::Of(at) if at.leaf == donor && at.corner != corner.like => Some(at.corner),
+                Place::Of(at) if is_wood && at.leaf == donor && at.corner != corner.like => {
+                    Some(at.corner)
+                }
                 Place::Of(_) | Place::At(_) | Place::InPlaneOf { .. } => None,
             };
             MadeCorner {

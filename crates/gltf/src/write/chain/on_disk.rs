@@ -12,7 +12,7 @@ use crate::inspection::Inspection;
 use crate::levels_inside::LevelsInside;
 use crate::tree::Tree;
 use crate::write_problem::WriteProblem;
-use secateur_model::{Foliage, Lod};
+use secateur_model::{Foliage, LeafId, Lod};
 
 /// The files of a chain that were written, and what they hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -162,6 +162,7 @@ impl Tree {
             foliage: Foliage::new(Vec::new()),
             leaf_sources: Vec::new(),
             leaf_triangles: Vec::new(),
+            first_of_wood: LeafId::from_index(0),
             inspection: Inspection::default(),
         })
     }
