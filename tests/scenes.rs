@@ -203,7 +203,7 @@ fn chains_are_made_for_scenes_too() {
     put(&bench, "scene.gltf", &scene(&nodes));
     put(&bench, "bare.gltf", &scene(&cameras()));
     let order = |scene: &str, folder: &str| {
-        let lods = ["lods", "oak.glb", "--levels", "0.01", "--report", "r.json"];
+        let lods = ["lods", "oak.glb", "--levels", "0.3", "--report", "r.json"];
         let own = ["--scene", scene, "-o", folder];
         bench.run(&[&lods[..], &own].concat()).succeeded();
         let record = bench.json("r.json");
@@ -224,10 +224,9 @@ fn levels_are_judged_from_the_cameras_of_a_scene_among_its_obstacles() {
     put(&bench, "bare.gltf", &scene(&[camera]));
     let level = |scene: &str| {
         let wanted = [
+            "--no-original",
             "--distances",
             "20",
-            "--max-flip",
-            "0.02",
             "--impostor",
             "none",
         ];
@@ -243,7 +242,7 @@ fn levels_are_judged_from_the_cameras_of_a_scene_among_its_obstacles() {
         let run = bench.run(&[&files[..], &wanted, &["--scene", scene]].concat());
         run.succeeded();
         let level = bench.json("r.json")["levels"][0].clone();
-        assert!(level["flip_mean"].as_f64().unwrap() <= 0.02, "{level}");
+        assert!(level["difference"].as_f64().unwrap() <= 0.28, "{level}");
         level["triangles"].as_u64().unwrap()
     };
     let [behind, bare] = ["scene.gltf", "bare.gltf"].map(level);

@@ -28,6 +28,7 @@ fn crossed_planes_end_a_chain_in_every_layout() {
             output,
             "--layout",
             layout,
+            "--no-original",
             "--levels",
             "0.3,0.1",
             "--impostor",
@@ -40,6 +41,9 @@ fn crossed_planes_end_a_chain_in_every_layout() {
         bench.run(&lods).succeeded();
         let record = bench.json("r.json");
         let made = levels(&record);
+        // It was asked for by name, and stands there whatever it looks like.
+        let notes = record["notes"].to_string();
+        assert!(notes.contains("as `--impostor` asks for it"), "{notes}");
         let kinds: Vec<&str> = made.iter().map(|l| l["kind"].as_str().unwrap()).collect();
         assert_eq!(kinds, ["mesh", "mesh", "impostor"]);
         let last = &made[2];
@@ -85,8 +89,7 @@ fn octahedral_views_say_how_they_lie() {
         "o.glb",
         "--distances",
         "20,200",
-        "--max-difference",
-        "0.05",
+        "--no-original",
         "--impostor",
         "octahedral",
         "--report",
@@ -121,16 +124,17 @@ fn octahedral_views_say_how_they_lie() {
 #[test]
 fn an_impostor_is_taken_unasked_only_where_it_looks_no_worse() {
     let bench = Bench::new();
-    for (max_flip, is_taken) in [("0.9", true), ("0.01", false)] {
+    for (max_difference, is_taken) in [("0.9", true), ("0.28", false)] {
         let lods = [
             "lods",
             "oak.glb",
             "-o",
             "c",
+            "--no-original",
             "--distances",
             "200",
             "--max-difference",
-            max_flip,
+            max_difference,
             "--report",
             "r.json",
             "--overwrite",
@@ -149,7 +153,7 @@ fn an_impostor_is_taken_unasked_only_where_it_looks_no_worse() {
 #[test]
 fn cards_stand_for_a_plant_far_off() {
     let bench = Bench::new();
-    let lods = |impostor: &str, max_flip: &str, output: &str| {
+    let lods = |impostor: &str, max_difference: &str, output: &str| {
         let lods = [
             "lods",
             "oak.glb",
@@ -158,7 +162,7 @@ fn cards_stand_for_a_plant_far_off() {
             "--distances",
             "20,60",
             "--max-difference",
-            max_flip,
+            max_difference,
             "--impostor",
             impostor,
             "--report",
@@ -168,13 +172,13 @@ fn cards_stand_for_a_plant_far_off() {
         bench.run(&lods).succeeded();
         bench.json("r.json")
     };
-    let record = lods("cards", "0.05", "c");
+    let record = lods("cards", "0.4", "c");
     let last = levels(&record).last().unwrap();
     assert_eq!(last["kind"], "impostor");
     let said = &last["impostor"];
     assert_eq!(said["layout"], "cards");
     assert_eq!(count(&last["triangles"]), 2 * count(&said["cards"]));
-    assert!(last["flip_mean"].as_f64().unwrap() <= 0.05, "{last}");
+    assert!(last["difference"].as_f64().unwrap() <= 0.4, "{last}");
     for coverage in ["coverage_as_drawn", "coverage_as_drawn_at_end"] {
         let coverage = last[coverage].as_f64().unwrap();
         assert!((0.9..=1.1).contains(&coverage), "{last}");
@@ -195,7 +199,7 @@ fn cards_stand_for_a_plant_far_off() {
     let reads_none = sampler["minFilter"] == 9729;
     assert_eq!(read == secateur::Mips::None, reads_none, "{sampler}");
     // With a smaller difference there are more of them.
-    let finer = lods("cards", "0.03", "f");
+    let finer = lods("cards", "0.36", "f");
     let finer = levels(&finer).last().unwrap();
     assert!(count(&finer["triangles"]) > count(&last["triangles"]));
 }
@@ -211,7 +215,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
             .succeeded();
         bench.json("r.json")
     };
-    let at = ["--distances", "20,60,200", "--max-difference", "0.05"];
+    let at = ["--distances", "20,60,200", "--max-difference", "0.4"];
     let chosen = lods(&at);
     let meshes = lods(&[&at[..], &["--impostor", "none"]].concat());
     let lightest = count(&levels(&meshes).last().unwrap()["triangles"]);
@@ -221,7 +225,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
     let mut before = lightest;
     for level in cards {
         assert!(3 * count(&level["triangles"]) <= 2 * before, "{level}");
-        assert!(level["flip_mean"].as_f64().unwrap() <= 0.05, "{level}");
+        assert!(level["difference"].as_f64().unwrap() <= 0.4, "{level}");
         assert!(count(&level["impostor"]["mesh_triangles"]) >= lightest);
         before = count(&level["triangles"]);
     }
@@ -238,7 +242,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
         "{distances:?}"
     );
     // Levels for heights on the screen are meshes.
-    let heights = lods(&["--max-difference", "0.05"]);
+    let heights = lods(&["--max-difference", "0.4"]);
     assert!(!levels(&heights).iter().any(|level| is_cards(&level)));
 }
 

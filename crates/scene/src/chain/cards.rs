@@ -28,10 +28,7 @@ impl Maker<'_> {
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
         let mut all: Vec<PlacedImpostor> = Vec::new();
-        let Some(lightest) = placed.last() else {
-            return Ok(all);
-        };
-        let lightest = lightest.triangles() as f64;
+        let lightest = self.triangles_beside(placed.last().map(|mesh| &mesh.made)) as f64;
         let mut before: Option<usize> = None;
         let mut search = Search::new(&self.look.original.surfaces);
         // Beside the plant stands a mesh, if there is more than one place.
@@ -41,10 +38,12 @@ impl Maker<'_> {
             if !search.has_room(*height) {
                 continue;
             }
-            let most_triangles = match (before, drawn_at(placed, *height)) {
-                (Some(cards), _) => MOST_OF_BEFORE * cards as f64,
-                (None, Some(mesh)) => lightest.min(MOST_OF_BEFORE * mesh.triangles() as f64),
-                (None, None) => continue,
+            let most_triangles = match before {
+                Some(cards) => MOST_OF_BEFORE * cards as f64,
+                None => {
+                    let there = self.triangles_beside(drawn_at(placed, *height));
+                    lightest.min(MOST_OF_BEFORE * there as f64)
+                }
             };
             let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
@@ -67,7 +66,7 @@ impl Maker<'_> {
                 _ => found,
             };
             before = Some(found.impostor.surface.triangles.len());
-            all.extend(self.beside_mesh(placed, found, *height, observer)?);
+            all.push(self.beside_mesh(placed, found, *height, observer)?);
         }
         Ok(all)
     }
@@ -142,7 +141,7 @@ impl Maker<'_> {
             half.difference.over(limits) <= most_over && (hides(half) || !hides(&found))
         });
         let found = half.unwrap_or(found);
-        self.beside_mesh(placed, found, height, observer)
+        Ok(Some(self.beside_mesh(placed, found, height, observer)?))
     }
 
     /// Cards beside the mesh that would be drawn there.
@@ -152,36 +151,33 @@ impl Maker<'_> {
         found: Found,
         height: f64,
         observer: &mut Observer<'_>,
-    ) -> Result<Option<PlacedImpostor>, ChainError> {
-        let Some(mesh) = drawn_at(placed, height) else {
-            return Ok(None);
-        };
+    ) -> Result<PlacedImpostor, ChainError> {
+        let mesh = drawn_at(placed, height);
         poll(observer)?;
         let triangles = found.impostor.surface.triangles.len();
         let mut same_cost = None;
-        if triangles < mesh.triangles()
+        if triangles < self.triangles_beside(mesh)
             && let Some(equal) = self.level_if_any(triangles, observer)?
         {
-            let of_equal = self.difference_beside_impostor(&equal, height);
+            let of_equal = self.difference_beside_impostor(Some(&equal), height);
             same_cost = Some((equal.triangles() as u64, of_equal));
         }
         let level = ImpostorLevel {
-            mesh_triangles: mesh.triangles() as u64,
+            mesh_triangles: self.triangles_beside(mesh) as u64,
             mesh_difference: self.difference_beside_impostor(mesh, height),
             impostor: found.impostor,
             same_cost,
         };
-        Ok(Some(PlacedImpostor {
+        Ok(PlacedImpostor {
             level,
             begins_px: height,
             difference: found.difference,
-        }))
+        })
     }
 }
 
-/// The mesh that is drawn where the screen shows the plant at this height.
+/// The mesh that is drawn where the screen shows the plant at this height; none where that is the plant itself.
 fn drawn_at(placed: &[Placed], height: f64) -> Option<&Made> {
     let has_begun = |mesh: &&Placed| mesh.begins() >= height;
-    let found = placed.iter().rev().find(has_begun).or(placed.first())?;
-    Some(&found.made)
+    placed.iter().rev().find(has_begun).map(|mesh| &mesh.made)
 }

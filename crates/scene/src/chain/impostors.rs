@@ -7,7 +7,7 @@ use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
 use super::look::LevelPicture;
 use super::maker::{Made, Maker};
-use super::options::Wanted;
+use super::options::{HEIGHTS_PX, Wanted};
 use super::placed::Placed;
 use super::texture_bytes::bytes_of;
 use super::textures::Client;
@@ -47,17 +47,18 @@ impl Maker<'_> {
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
         let choice = self.options.impostor;
-        let Some(last) = placed.last().filter(|_| choice != Choice::None) else {
+        if choice == Choice::None {
             return Ok(Vec::new());
-        };
+        }
         // Where heights are asked for, the last of them; else where the last level is half as high.
         let mut places = self.heights();
         let last = places.pop().unwrap_or_else(|| {
-            let height = last.begins() / 2.0;
-            (height, format!("{height} pixels"))
+            let before = placed.last().map_or(HEIGHTS_PX[0], Placed::begins);
+            (before / 2.0, format!("{} pixels", before / 2.0))
         });
         if choice == Choice::Cards {
             let cards = self.demanded_cards(placed, last.0, client, observer)?;
+            self.note_beyond(&last.1, cards.iter(), notes);
             return Ok(cards.into_iter().collect());
         }
         let mut found = Vec::new();
@@ -66,7 +67,7 @@ impl Maker<'_> {
         // Levels for heights are for any distance, and nearer to the plant than cards can be.
         if choice == Choice::Auto && matches!(self.options.wanted, Wanted::Distances(_)) {
             if of_last.is_none() {
-                places.push(last);
+                places.push(last.clone());
             }
             let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
             found.extend(self.cards(placed, &heights, client, observer)?);
@@ -75,8 +76,27 @@ impl Maker<'_> {
         if found.is_empty() {
             notes.append(&mut own_notes);
         }
+        self.note_beyond(&last.1, of_last.iter(), notes);
         found.extend(of_last);
         Ok(found)
+    }
+
+    /// Says of impostors that were asked for by name where they differ by more than levels may.
+    fn note_beyond<'i>(
+        &self,
+        place: &str,
+        found: impl Iterator<Item = &'i PlacedImpostor>,
+        notes: &mut Vec<String>,
+    ) {
+        let limits = self.look.limits;
+        for impostor in found.filter(|one| one.difference.over(limits) > 1.0) {
+            notes.push(format!(
+                "the impostor at {place} has a difference of {:.3} and a block coverage of {:.2}, beyond `--max-difference {}`: it stands there as `--impostor` asks for it",
+                impostor.difference.difference,
+                impostor.difference.block_coverage,
+                limits.difference
+            ));
+        }
     }
 
     /// Takes back notes of places where an impostor stands in the end, and adds those of places for which a mesh
@@ -108,19 +128,19 @@ impl Maker<'_> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<PlacedImpostor>, ChainError> {
         let (choice, height) = (self.options.impostor, *height);
-        let Some(mesh) = placed.last() else {
-            return Ok(None);
-        };
+        let mesh = placed.last();
+        let mesh_triangles = self.triangles_beside(mesh.map(|mesh| &mesh.made));
         poll(observer)?;
         let seen = self.seen(height);
         if choice == Choice::Auto
-            && let Some([of_planes, of_mesh]) = self.hopeless(mesh, &seen, height)
+            && let Some(of_planes) = self.hopeless(&seen, height)
         {
-            notes.push(no_impostor(place, of_planes, mesh.triangles(), of_mesh));
+            let of_mesh = mesh.map_or(0.0, |mesh| mesh.difference.difference);
+            notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
             return Ok(None);
         }
         poll(observer)?;
-        let of_mesh = self.difference_beside_impostor(&mesh.made, height);
+        let of_mesh = self.difference_beside_impostor(mesh.map(|mesh| &mesh.made), height);
         let original = &self.look.original.surfaces;
         let baked_px = self.look.of_height(height);
         let found = match choice {
@@ -136,14 +156,14 @@ impl Maker<'_> {
         let difference = seen.difference(&impostor);
         let of_planes = difference.difference;
         let triangles = impostor.surface.triangles.len();
-        let is_lighter = triangles < mesh.triangles();
+        let is_lighter = triangles < mesh_triangles;
         let is_near = difference.over(self.look.limits) <= 1.0;
         let mut same_cost = None;
         if is_lighter
             && (is_near || choice != Choice::Auto)
             && let Some(equal) = self.level_if_any(triangles, observer)?
         {
-            let of_equal = self.difference_beside_impostor(&equal, height);
+            let of_equal = self.difference_beside_impostor(Some(&equal), height);
             same_cost = Some((equal.triangles() as u64, of_equal));
         }
         if let Some((triangles, of_equal)) = same_cost
@@ -156,12 +176,12 @@ impl Maker<'_> {
             return Ok(None);
         }
         if choice == Choice::Auto && !(is_lighter && is_near) {
-            notes.push(no_impostor(place, of_planes, mesh.triangles(), of_mesh));
+            notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
             return Ok(None);
         }
         let level = ImpostorLevel {
             impostor,
-            mesh_triangles: mesh.triangles() as u64,
+            mesh_triangles: mesh_triangles as u64,
             mesh_difference: of_mesh,
             same_cost,
         };
@@ -172,22 +192,27 @@ impl Maker<'_> {
         }))
     }
 
-    /// From few views the differences of the fewest crossed planes and of a mesh, if the planes are so far from the
-    /// plant there that more of them will not do.
-    fn hopeless(&self, mesh: &Placed, seen: &Seen<'_>, height: f64) -> Option<[f64; 2]> {
+    /// From few views the difference of the fewest crossed planes, if they are so far from the plant there that more of
+    /// them will not do.
+    fn hopeless(&self, seen: &Seen<'_>, height: f64) -> Option<f64> {
         let original = &self.look.original.surfaces;
         let fewest = Impostor::crossed(original, Planes::ALL[0], self.look.of_height(height))?;
-        let over = seen.over_at_a_glance(&fewest);
-        (over > HOPELESS).then(|| {
-            let of_planes = over * self.look.limits.difference;
-            [of_planes, mesh.difference.difference]
-        })
+        let found = seen.at_a_glance(&fewest);
+        (found.over(self.look.limits) > HOPELESS).then_some(found.difference)
     }
 
-    /// How far a mesh looks from the plant by the judge of impostors.
-    pub(super) fn difference_beside_impostor(&self, made: &Made, height: f64) -> f64 {
+    /// The triangles of a mesh, or of the plant itself where no mesh stands.
+    pub(super) fn triangles_beside(&self, mesh: Option<&Made>) -> usize {
+        mesh.map_or(self.all, Made::triangles)
+    }
+
+    /// How far a mesh looks from the plant by the judge of impostors: not at all where the plant itself stands.
+    pub(super) fn difference_beside_impostor(&self, mesh: Option<&Made>, height: f64) -> f64 {
+        let Some(mesh) = mesh else {
+            return 0.0;
+        };
         let judge = self.look.judge_of_impostors();
-        let surfaces = &made.drawn.level.surfaces;
+        let surfaces = &mesh.drawn.level.surfaces;
         judge
             .difference(surfaces, height, ViewCount::All)
             .difference

@@ -49,8 +49,9 @@ pub(super) struct Ladder<'a, 'm> {
     client: &'m Client<'m>,
     made: BTreeMap<usize, Made>,
     steps: usize,
-    /// How many times the limits a level may be in the pictures of a search, once a place has told.
-    goal: Option<f64>,
+    /// How many times the limits a level may be in the pictures of a search, once a place has told: for places whose
+    /// own pictures are as large, and for those whose own are larger.
+    goals: [Option<f64>; 2],
 }
 
 /// A step, and how many times the limits it is.
@@ -66,7 +67,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             client,
             made: BTreeMap::new(),
             steps: (0..STEPS).take_while(has_more).count().max(1),
-            goal: None,
+            goals: [None; 2],
         }
     }
 
@@ -107,7 +108,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             // What pictures of its size, with its own textures, show beyond those of the search is about the same for
             // others.
             if over > 0.0 && in_search > 0.0 {
-                self.goal = Some(AIM * in_search / over);
+                self.goals[is_larger(heights[0])] = Some(AIM * in_search / over);
             }
             if steps.is_empty() || (ENOUGH..=1.0).contains(&over) {
                 break;
@@ -150,10 +151,8 @@ impl<'a, 'm> Ladder<'a, 'm> {
 
     /// How many times the limits a level may be in the pictures of a search for a place at this height.
     fn goal(&self, pixels_high: f64) -> f64 {
-        self.goal.unwrap_or(match pixels_high > SEARCH_PX {
-            true => AIM_OF_LARGER,
-            false => AIM,
-        })
+        let at = is_larger(pixels_high);
+        self.goals[at].unwrap_or([AIM, AIM_OF_LARGER][at])
     }
 
     /// How many times the limits a level is in the pictures of a search: at the first height as its goal has it, at the
@@ -185,6 +184,11 @@ impl<'a, 'm> Ladder<'a, 'm> {
         }
         Ok(&self.made[&step])
     }
+}
+
+/// 1 for a place whose own pictures are larger than those of a search, else 0.
+fn is_larger(pixels_high: f64) -> usize {
+    usize::from(pixels_high > SEARCH_PX)
 }
 
 /// The first step whose levels have at most this share of the triangles that a step has.

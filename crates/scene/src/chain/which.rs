@@ -114,29 +114,51 @@ pub(super) fn lightest(
         Wanted::Heights(_) | Wanted::Triangles(_) => MOST_OF_BEFORE,
     };
     let mut ladder = Ladder::new(maker, client);
-    let mut placed: Vec<Placed> = Vec::new();
-    let mut before_step = 0;
-    for (k, (height, place)) in places.iter().enumerate() {
-        let end_px = end_of(*height, heights.get(k + 1).copied());
-        let first = step_of_share(most_of_before, before_step);
-        let is_finest = placed.is_empty();
-        let found = ladder.lightest(&heights[k..], end_px, (first, is_finest), observer)?;
-        let (before, of_before) = match placed.last() {
-            Some(before) => ("the level before", before.triangles()),
+    // The levels, each with its step and the place where it begins.
+    let mut found: Vec<(usize, usize, Placed)> = Vec::new();
+    // Further heights at which the level of a place has to do, as none is lighter there.
+    let mut serves: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
+    let mut place = 0;
+    while place < places.len() {
+        let height = heights[place];
+        let end_px = end_of(height, heights.get(place + 1).copied());
+        let before = found.last();
+        let first = step_of_share(most_of_before, before.map_or(0, |(step, ..)| *step));
+        let start = (first, before.is_none());
+        let at = [&[height], &serves[place][..]].concat();
+        let sought = ladder.lightest(&at, end_px, start, observer)?;
+        let of_before = before.map_or(maker.all, |(.., before)| before.triangles());
+        let pays = |level: &Placed| level.triangles() as f64 <= most_of_before * of_before as f64;
+        match (sought.filter(|(_, level)| pays(level)), before) {
+            (Some((step, level)), _) => found.push((step, place, level)),
+            // What stands before it must do there too, or is sought again so that it does.
+            (None, Some((_, from, level)))
+                if !serves[*from].contains(&height)
+                    && maker.look.over_in_search(&level.made.drawn, height) > 1.0 =>
+            {
+                place = *from;
+                serves[place].push(height);
+                found.pop();
+                continue;
+            }
+            (None, _) => {}
+        }
+        place += 1;
+    }
+    for (k, (_, place)) in places.iter().enumerate() {
+        if found.iter().any(|(_, at, _)| *at == k) {
+            continue;
+        }
+        let before = found.iter().rfind(|(_, at, _)| *at < k);
+        let (before, of_before) = match before {
+            Some((.., level)) => ("the level before", level.triangles()),
             None => ("the plant itself", maker.all),
         };
-        let pays = |found: &Placed| found.triangles() as f64 <= most_of_before * of_before as f64;
-        match found.filter(|(_, found)| pays(found)) {
-            Some((step, found)) => {
-                before_step = step;
-                placed.push(found);
-            }
-            None => notes.push(format!(
-                "{} {before} of {of_before} triangles serves there, since what is within the difference saves less than {:.0} %",
-                no_level(place),
-                100.0 * (1.0 - most_of_before)
-            )),
-        }
+        notes.push(format!(
+            "{} {before} of {of_before} triangles serves there, since what is within the difference saves less than {:.0} %",
+            no_level(place),
+            100.0 * (1.0 - most_of_before)
+        ));
     }
-    Ok(placed)
+    Ok(found.into_iter().map(|(.., level)| level).collect())
 }

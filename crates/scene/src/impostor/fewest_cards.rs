@@ -88,10 +88,10 @@ impl<'a> Seen<'a> {
         difference.over(self.limits)
     }
 
-    /// How many times the limits an impostor is where it stands, from few views.
-    pub fn over_at_a_glance(&self, impostor: &Impostor) -> f64 {
-        let seen = self.judged(impostor, self.pixels_high, ViewCount::Search, self.limits);
-        seen.over(self.limits)
+    /// How far an impostor looks from the plant where it stands, from few views: at least so far where that is beyond
+    /// the limits.
+    pub fn at_a_glance(&self, impostor: &Impostor) -> Difference {
+        self.judged(impostor, self.pixels_high, ViewCount::Search, self.limits)
     }
 
     /// How far an impostor looks from the plant in pictures as large as the screen shows it.

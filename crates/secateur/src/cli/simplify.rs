@@ -6,7 +6,7 @@ use std::time::Instant;
 use secateur::{
     ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders, MeshoptOptions,
     Method, Objective, Options, PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles,
-    StochasticOptions, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
+    StochasticOptions, Stopped, Tree, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
     read_cameras,
 };
 use secateur_eval::ViewCount;
@@ -84,15 +84,13 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     })?;
     interrupt::check()?;
     let of_look = timed(&mut stages, "difference", || {
-        let document = tree.lod_document(&outcome.lod)?;
-        let level = document.drawn_as_one(Detail::Color)?;
-        let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
-        let judge = secateur::difference_judge(tree)?;
-        let seen = judge.difference(&level, WARNED_AT_PX, ViewCount::Search);
-        Ok(another_plant(seen.difference))
+        Ok(look_at(tree, &outcome.lod).unwrap_or_else(|error| {
+            vec![format!(
+                "whether the result looks like the plant is not known: {error}"
+            )]
+        }))
     })?;
-    warn_all(&of_look);
-    warnings.extend(of_look);
+    warnings.extend(of_look.iter().cloned());
     interrupt::writing()?;
     machine::give_back_free_memory();
     // All files are written before the first appears: what fails leaves nothing.
@@ -135,7 +133,17 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let record = record::of_simplify(&run, args);
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
+    warn_all(&of_look);
     Ok(Printed::single(pretty(&run, args), record))
+}
+
+/// A sentence where a level is another plant.
+fn look_at(tree: &Tree, lod: &Lod) -> Result<Vec<String>, Error> {
+    let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
+    let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
+    let judge = secateur::difference_judge(tree)?;
+    let seen = judge.difference(&level, WARNED_AT_PX, ViewCount::Search);
+    Ok(another_plant(seen.difference))
 }
 
 /// The outputs, none of which is known to be in the way of another file.
