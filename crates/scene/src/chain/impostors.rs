@@ -1,8 +1,12 @@
 //! The impostors that a chain ends in.
 
+use std::ops::RangeInclusive;
+use std::slice::from_ref;
+
 use secateur_eval::{Difference, ViewCount};
 use secateur_simplify::Observer;
 
+use super::card_cutoffs::Covering;
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
 use super::look::LevelPicture;
@@ -10,7 +14,7 @@ use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, Wanted};
 use super::placed::Placed;
 use super::texture_bytes::bytes_of;
-use super::textures::Client;
+use super::textures::{Client, end_of};
 use super::which::no_level;
 use crate::impostor::crossed::Planes;
 use crate::impostor::fewest_cards::Seen;
@@ -20,6 +24,9 @@ use crate::impostor::{Choice, Impostor, poll};
 /// Two crossed planes that are this many times what is wanted are given up: to bake more of them takes as long as to
 /// make a level.
 const HOPELESS: f64 = 2.0;
+
+/// How much of a plant, of what there is, a client shows with an impostor that nobody asked for by name.
+const COVERS: RangeInclusive<f64> = 0.8..=1.25;
 
 fn no_impostor(place: &str, of_planes: f64, triangles: usize, of_mesh: f64) -> String {
     format!(
@@ -63,7 +70,7 @@ impl Maker<'_> {
         }
         let mut found = Vec::new();
         let mut own_notes = Vec::new();
-        let of_last = self.impostor(placed, &last, &mut own_notes, observer)?;
+        let of_last = self.impostor(placed, &last, client, &mut own_notes, observer)?;
         // Levels for heights are for any distance, and nearer to the plant than cards can be.
         if choice == Choice::Auto && matches!(self.options.wanted, Wanted::Distances(_)) {
             if of_last.is_none() {
@@ -124,6 +131,7 @@ impl Maker<'_> {
         &self,
         placed: &[Placed],
         (height, place): &(f64, String),
+        client: &Client<'_>,
         notes: &mut Vec<String>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<PlacedImpostor>, ChainError> {
@@ -153,6 +161,11 @@ impl Maker<'_> {
         let Some(impostor) = found else {
             return Ok(None);
         };
+        let range = [height, end_of(height, None)];
+        let impostor = match choice {
+            Choice::Auto => Covering::new(client, range).of(impostor),
+            Choice::None | Choice::Crossed | Choice::Octahedral | Choice::Cards => impostor,
+        };
         let difference = seen.difference(&impostor);
         let of_planes = difference.difference;
         let triangles = impostor.surface.triangles.len();
@@ -178,6 +191,16 @@ impl Maker<'_> {
         if choice == Choice::Auto && !(is_lighter && is_near) {
             notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
             return Ok(None);
+        }
+        if choice == Choice::Auto {
+            let shown = client.as_drawn(from_ref(&impostor.surface), range);
+            let covers = shown.begin.coverage_over_truth;
+            if !COVERS.contains(&covers) {
+                notes.push(format!(
+                    "no impostor at {place}: a client would show {covers:.2} times what there is of the plant"
+                ));
+                return Ok(None);
+            }
         }
         let level = ImpostorLevel {
             impostor,

@@ -27,9 +27,12 @@ const LEAST_GAIN: usize = 2;
 /// Levels are aimed at this share of what is allowed: the difference is not monotonic.
 const AIM: f64 = 0.98;
 
-/// The share that is aimed at in the pictures of a search for a place whose own pictures are larger, until one has
-/// told: these show about a fifth more.
-const AIM_OF_LARGER: f64 = 0.8;
+/// By which power of their size larger pictures than those of a search show more, until a place has told: a fourth
+/// more at 1,080 pixels.
+const USUAL_POWER: f64 = 0.217;
+
+/// How many times as large as in a search pictures must be to tell of that power.
+const LARGE: f64 = 1.5;
 
 /// A level that reaches this share of what is allowed is light enough.
 const ENOUGH: f64 = 0.88;
@@ -49,9 +52,7 @@ pub(super) struct Ladder<'a, 'm> {
     client: &'m Client<'m>,
     made: BTreeMap<usize, Made>,
     steps: usize,
-    /// How many times the limits a level may be in the pictures of a search, once a place has told: for places whose
-    /// own pictures are as large, and for those whose own are larger.
-    goals: [Option<f64>; 2],
+    goals: Goals,
 }
 
 /// A step, and how many times the limits it is.
@@ -67,7 +68,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             client,
             made: BTreeMap::new(),
             steps: (0..STEPS).take_while(has_more).count().max(1),
-            goals: [None; 2],
+            goals: Goals::default(),
         }
     }
 
@@ -108,7 +109,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             // What pictures of its size, with its own textures, show beyond those of the search is about the same for
             // others.
             if over > 0.0 && in_search > 0.0 {
-                self.goals[is_larger(heights[0])] = Some(AIM * in_search / over);
+                self.goals.learn(heights[0], over / in_search);
             }
             if steps.is_empty() || (ENOUGH..=1.0).contains(&over) {
                 break;
@@ -128,7 +129,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
-        let goal = self.goal(heights[0]);
+        let goal = self.goals.at(heights[0]);
         for guesses in 0.. {
             let low = within.map_or(steps.start, |(step, _)| step + 1);
             let high = beyond.map_or(steps.end, |(step, _)| step);
@@ -149,12 +150,6 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(within)
     }
 
-    /// How many times the limits a level may be in the pictures of a search for a place at this height.
-    fn goal(&self, pixels_high: f64) -> f64 {
-        let at = is_larger(pixels_high);
-        self.goals[at].unwrap_or([AIM, AIM_OF_LARGER][at])
-    }
-
     /// How many times the limits a level is in the pictures of a search: at the first height as its goal has it, at the
     /// others as it is.
     fn over(
@@ -163,7 +158,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         heights: &[f64],
         observer: &mut Observer<'_>,
     ) -> Result<f64, ChainError> {
-        let (look, goal) = (&self.maker.look, self.goal(heights[0]));
+        let (look, goal) = (&self.maker.look, self.goals.at(heights[0]));
         let drawn = &self.level(step, observer)?.drawn;
         let mut over = look.over_in_search(drawn, heights[0]);
         for height in &heights[1..] {
@@ -186,9 +181,43 @@ impl<'a, 'm> Ladder<'a, 'm> {
     }
 }
 
-/// 1 for a place whose own pictures are larger than those of a search, else 0.
-fn is_larger(pixels_high: f64) -> usize {
-    usize::from(pixels_high > SEARCH_PX)
+/// How many times the limits a level may be in the pictures of a search.
+struct Goals {
+    /// Where a place's own pictures are as large.
+    of_small: f64,
+    /// By which power of their size larger pictures show more.
+    power: f64,
+}
+
+impl Default for Goals {
+    fn default() -> Self {
+        Self {
+            of_small: AIM,
+            power: USUAL_POWER,
+        }
+    }
+}
+
+impl Goals {
+    /// For a place at this height.
+    fn at(&self, pixels_high: f64) -> f64 {
+        self.of_small * size_over_search(pixels_high).powf(-self.power)
+    }
+
+    /// A level at this height was so many times what the pictures of a search showed.
+    fn learn(&mut self, pixels_high: f64, times: f64) {
+        let size = size_over_search(pixels_high);
+        if size > LARGE {
+            self.power = (times.ln() / size.ln()).clamp(0.0, 1.0);
+        } else {
+            self.of_small = AIM * size.powf(self.power) / times;
+        }
+    }
+}
+
+/// How many times as high as in the pictures of a search a plant is in a place's own; 1 where those are no larger.
+fn size_over_search(pixels_high: f64) -> f64 {
+    (pixels_high / SEARCH_PX).max(1.0)
 }
 
 /// The first step whose levels have at most this share of the triangles that a step has.

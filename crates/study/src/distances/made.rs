@@ -172,7 +172,10 @@ impl<'a> Maker<'a> {
             levels,
             begins_m,
             seconds,
-            command: format!("secateur lods {} -o levels {words}", self.path.display()),
+            command: format!(
+                "secateur lods {} -o levels --no-original --textures keep {words}",
+                self.path.display()
+            ),
         })
     }
 
