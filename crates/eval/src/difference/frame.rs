@@ -24,8 +24,9 @@ const LEAST_BLOCK_PX: f64 = 8.0;
 /// Least room about the plant in pixels: as far as the filters of FLIP reach, and what U grows by.
 const LEAST_MARGIN_PX: u32 = 12;
 
-/// Plants up to so many pixels a side are drawn with 4 x 4 samples a pixel, larger ones with 2 x 2.
-const SMALL_PX: f64 = 320.0;
+/// Plants are drawn with as many samples along a side of a pixel as come to no more than this along the plant, but at
+/// least 2 and at most 4.
+const SAMPLES: f64 = 1024.0;
 
 /// What is nearer to an eye than this share of the plant's radius is not drawn.
 const NEAR_RADII: f64 = 0.01;
@@ -116,7 +117,7 @@ impl Frame {
         let margin = LEAST_MARGIN_PX.max(block / 2);
         let size = (extent * px_per_tangent).ceil();
         let size = [size.x, size.y].map(|side| side as u32 + 2 * margin);
-        let samples = if side <= SMALL_PX { 4 } else { 2 };
+        let samples = (SAMPLES / side).floor().clamp(2.0, 4.0) as u32;
         let corner = [
             low.x - f64::from(margin) / px_per_tangent,
             high.y + f64::from(margin) / px_per_tangent,

@@ -22,7 +22,7 @@ const STEPS: usize = 10 * STEPS_A_HALF + 1;
 const USUAL_SLOPE: f64 = 0.0125;
 
 /// A search ends where the next level to try is fewer steps from what is known to do.
-const LEAST_GAIN: usize = 2;
+const LEAST_GAIN: usize = 3;
 
 /// Levels are aimed at this share of what is allowed: the difference is not monotonic.
 const AIM: f64 = 0.98;
@@ -37,6 +37,9 @@ const LARGE: f64 = 1.5;
 /// A level that reaches this share of what is allowed is light enough.
 const ENOUGH: f64 = 0.88;
 
+/// A level that reaches this share of the goal of a search ends it.
+const NEAR: f64 = 0.97;
+
 /// The step that is tried first where nothing is known: a fifth of all triangles.
 const FIRST: usize = 74;
 
@@ -44,7 +47,7 @@ const FIRST: usize = 74;
 const MOST_PLACED: usize = 3;
 
 /// After so many guesses in one search the rest is halved: guesses may creep.
-const MOST_GUESSES: usize = 4;
+const MOST_GUESSES: u32 = 4;
 
 /// Levels of shares of all triangles, made as they are asked for.
 pub(super) struct Ladder<'a, 'm> {
@@ -134,13 +137,11 @@ impl<'a, 'm> Ladder<'a, 'm> {
             let low = within.map_or(steps.start, |(step, _)| step + 1);
             let high = beyond.map_or(steps.end, |(step, _)| step);
             let is_near = within.is_some() && high < low + LEAST_GAIN;
-            if low >= high || is_near {
+            let is_enough = within.is_some_and(|(_, over)| over >= NEAR * goal);
+            if low >= high || is_near || is_enough {
                 break;
             }
-            let next = match guesses < MOST_GUESSES {
-                true => guess((within, beyond), goal, first, low..high),
-                false => low + (high - low) / 2,
-            };
+            let next = guess((within, beyond), goal, (first, guesses), low..high);
             let over = self.over(next, heights, observer)?;
             match over <= goal {
                 true => within = Some((next, over)),
@@ -231,29 +232,45 @@ fn triangles_of(step: usize, all: usize) -> usize {
     (share * all as f64).round() as usize
 }
 
-/// The next step to try, of `steps`: where a line through what is known crosses the goal.
+/// The next step to try, of `steps`: where a line through what is known crosses the goal; `first` where nothing is
+/// known. After some guesses the rest is halved, and while only one side is known each goes twice as far.
 fn guess(
     (within, beyond): (Option<Tried>, Option<Tried>),
     goal: f64,
-    first: usize,
+    (first, guesses): (usize, u32),
     steps: Range<usize>,
 ) -> usize {
     let above = |over: f64| (over / goal).ln();
     let is_number = |tried: &Tried| above(tried.1).is_finite();
     let last = steps.end - 1;
-    let at = match (within.filter(is_number), beyond.filter(is_number)) {
-        (Some((fine, under)), Some((coarse, over))) => {
-            let (under, over) = (above(under), above(over));
-            // At least a quarter of the way off either end: else it may creep.
-            let share = (-under / (over - under)).clamp(0.25, 0.75);
-            fine as f64 + share * (coarse - fine) as f64
+    let middle = (steps.start + last) as f64 / 2.0;
+    // Each is further off than the one before, but not off the end.
+    let away = |(step, over): Tried| {
+        let by = (above(over) / USUAL_SLOPE).abs().max(1.0);
+        let by = by * f64::from(2u32.pow(guesses.saturating_sub(1).min(8)));
+        match over <= goal {
+            true => (step as f64 + by).min(middle.max(step as f64 + 1.0)),
+            false => step as f64 - by,
         }
-        (Some((step, under)), None) => step as f64 - above(under) / USUAL_SLOPE,
-        (None, Some((step, over))) => step as f64 - above(over) / USUAL_SLOPE,
-        (None, None) => match within.is_none() && beyond.is_none() {
-            true => first as f64,
-            // Where nothing differs, or all does, no slope is known.
-            false => (steps.start + last) as f64 / 2.0,
+    };
+    let at = match (within, beyond) {
+        (None, None) => first as f64,
+        (Some(fine), Some(coarse)) => {
+            let both = is_number(&fine) && is_number(&coarse) && guesses < MOST_GUESSES;
+            let (under, over) = (above(fine.1), above(coarse.1));
+            match both {
+                // At least a quarter of the way off either end: else it may creep.
+                true => {
+                    let share = (-under / (over - under)).clamp(0.25, 0.75);
+                    fine.0 as f64 + share * (coarse.0 - fine.0) as f64
+                }
+                false => middle,
+            }
+        }
+        // Where nothing differs, or all does, no slope is known.
+        (Some(one), None) | (None, Some(one)) => match is_number(&one) {
+            true => away(one),
+            false => middle,
         },
     };
     (at.floor().max(0.0) as usize).clamp(steps.start, last)
@@ -265,7 +282,7 @@ mod tests {
 
     #[test]
     fn the_next_step_is_where_the_goal_should_be_crossed() {
-        let known = |within, beyond, steps| guess((within, beyond), 1.0, 104, steps);
+        let known = |within, beyond, steps| guess((within, beyond), 1.0, (104, 1), steps);
         assert_eq!(known(None, None, 1..300), 104);
         assert_eq!(known(None, None, 110..300), 110);
         // What is e^.3 times the limits is 24 steps beyond them.

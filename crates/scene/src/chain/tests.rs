@@ -298,14 +298,14 @@ fn the_fewest_triangles_stand_where_nothing_is_seen_of_a_plant() {
     let free = options(&DISTANCES);
     let maker = Maker::new(&tree, &free, &engine).unwrap();
     let BoundingSphere { centre, radius } = maker.look.sphere;
-    let eye = centre + DVec3::Z * 1.5 * radius;
+    let eye = centre + DVec3::Z * 1.1 * radius;
     let away = centre + DVec3::Z * 9.0 * radius;
     for (target, impostor) in [(centre, Choice::Auto), (away, Choice::Cards)] {
         let camera = View::look_at(eye, target, DVec3::Y, 0.5, 0.1).unwrap();
         let options = ChainOptions {
             scene: Some(SceneLook {
                 cameras: Some(ViewSet::new(vec![camera])),
-                obstacles: vec![courtyard(&maker, 2.0 * radius)],
+                obstacles: vec![courtyard(&maker, 1.2 * radius)],
             }),
             max_pop: Some(0.1),
             impostor,
