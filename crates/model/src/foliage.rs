@@ -1,5 +1,6 @@
 //! The leaves of a plant in world space.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -121,6 +122,18 @@ pub struct Foliage {
     triangles: Vec<LeafTriangle>,
     leaves: Vec<Leaf>,
     cutouts: Vec<Arc<Cutout>>,
+}
+
+impl<'a> From<&'a Foliage> for Cow<'a, Foliage> {
+    fn from(foliage: &'a Foliage) -> Self {
+        Cow::Borrowed(foliage)
+    }
+}
+
+impl From<Foliage> for Cow<'_, Foliage> {
+    fn from(foliage: Foliage) -> Self {
+        Cow::Owned(foliage)
+    }
 }
 
 impl Foliage {

@@ -163,19 +163,46 @@ impl Lod {
             made: self.made.clone(),
         };
         let renamed = |leaf: LeafId| LeafId::from_index(before + leaf.index());
-        joined.made.extend(other.made.iter().map(|made| {
-            made.as_ref().map(|made| {
-                let mut made = made.clone();
-                made.leaf.donor = renamed(made.leaf.donor);
-                for corner in made.leaf.triangles.iter_mut().flatten() {
-                    if let Place::Of(at) = &mut corner.place {
-                        at.leaf = renamed(at.leaf);
-                    }
-                }
-                made
-            })
-        }));
+        joined.made.extend(other.made_renamed(renamed));
         joined
+    }
+
+    /// The level of a foliage of `leaf_count` leaves of which these are parts: each the level of some of its leaves,
+    /// and which those are. Leaves of no part are gone.
+    ///
+    /// # Panics
+    /// If a part has more leaves than are named, or a name is beyond `leaf_count`.
+    pub fn of_parts(leaf_count: usize, parts: &[(&Self, &[LeafId])]) -> Self {
+        let mut whole = Self {
+            area_scales: vec![None; leaf_count],
+            made: Vec::new(),
+        };
+        for (part, names) in parts {
+            for (area_scale, name) in part.area_scales.iter().zip(*names) {
+                whole.area_scales[name.index()] = *area_scale;
+            }
+            whole
+                .made
+                .extend(part.made_renamed(|leaf| names[leaf.index()]));
+        }
+        whole
+    }
+
+    /// The leaves that were made, with other names of the originals that they are like.
+    fn made_renamed(
+        &self,
+        renamed: impl Fn(LeafId) -> LeafId,
+    ) -> impl Iterator<Item = Option<MadeLeaf>> {
+        self.made.iter().map(move |made| {
+            let mut made = made.clone()?;
+            made.leaf.donor = renamed(made.leaf.donor);
+            for corner in made.leaf.triangles.iter_mut().flatten() {
+                if let Place::Of(at) = &mut corner.place {
+                    at.leaf = renamed(at.leaf);
+                }
+            }
+            Some(made)
+        })
     }
 
     /// Whether only original leaves are left.

@@ -1,5 +1,6 @@
 //! Whole plants: one budget of triangles for leaves and wood.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use secateur_model::{Foliage, LeafId, Lod, RemovalOrder};
@@ -101,8 +102,8 @@ fn level_resolution(views: usize) -> u32 {
 /// A plant's leaves and wood, looked at once for any number of levels.
 #[derive(Clone, Debug)]
 pub struct WholePlant<'a> {
-    leaves: &'a Foliage,
-    wood: &'a Foliage,
+    leaves: Cow<'a, Foliage>,
+    wood: Cow<'a, Foliage>,
     /// The wood as it was, which hides leaves at every level, so that levels share one order. With it
     /// FLIP at a tenth of all triangles was .0220 instead of .0231 on a willow, .0220 for .0224 on
     /// an oak, .0260 for .0262 on a birch, the same on `quat_commontree_1`, and .0641 for .0639 on a
@@ -176,12 +177,13 @@ impl<'a> WholePlant<'a> {
     pub fn by(
         mode: WoodMode,
         items: &Foliage,
-        leaves: &'a Foliage,
-        wood: &'a Foliage,
+        leaves: impl Into<Cow<'a, Foliage>>,
+        wood: impl Into<Cow<'a, Foliage>>,
         options: &Options,
         engine: &OpenEngine,
     ) -> Result<Self, Error> {
-        sphere_of(leaves)?;
+        let (leaves, wood) = (leaves.into(), wood.into());
+        sphere_of(&leaves)?;
         let sphere = sphere_of(items)?;
         let occluders = options.occluders.as_deref();
         let views = match (&options.views, occluders) {
@@ -208,7 +210,7 @@ impl<'a> WholePlant<'a> {
             }
             Ok(px)
         };
-        let parts = Parts::of(wood);
+        let parts = Parts::of(&wood);
         let seen = match parts.are_pieces() {
             true => px(items)?,
             false => px(&leaves.followed_by(parts.foliage())?)?,
@@ -228,11 +230,11 @@ impl<'a> WholePlant<'a> {
         };
         let of_leaves = &seen[..leaves.leaves().len()];
         Ok(Self {
+            occluders: Arc::new(wood.clone().into_owned()),
+            leaves_px: of_leaves.iter().sum(),
+            levels: levels.with_leaves(&leaves, of_leaves),
             leaves,
             wood,
-            occluders: Arc::new(wood.clone()),
-            leaves_px: of_leaves.iter().sum(),
-            levels: levels.with_leaves(leaves, of_leaves),
         })
     }
 
@@ -306,13 +308,13 @@ impl<'a> WholePlant<'a> {
             target: Target::triangles((triangles - plain.triangles) as u64),
             ..options.clone()
         };
-        let sketch = simplify_sharing(engine, self.leaves, &sketch, Some(&mut *shared), observer)?;
+        let sketch = simplify_sharing(engine, &self.leaves, &sketch, Some(&mut *shared), observer)?;
         let (mut wood, held_by) = self.held(plain, &sketch.lod, triangles);
         let leaf_gap = held_by.as_ref().map(|held_by| held_by.largest_gap);
         options.held_by = held_by.map(Arc::new);
         options.target = Target::triangles((triangles - wood.triangles) as u64);
-        let mut leaves = simplify_sharing(engine, self.leaves, &options, Some(shared), observer)?;
-        let of_leaves = leaves.lod.foliage(self.leaves).triangles().len();
+        let mut leaves = simplify_sharing(engine, &self.leaves, &options, Some(shared), observer)?;
+        let of_leaves = leaves.lod.foliage(&self.leaves).triangles().len();
         self.use_rest(&mut wood, of_leaves, triangles);
         leaves.warnings.extend(self.warning_of(&wood));
         Ok(WholeLevel {
@@ -330,7 +332,7 @@ impl<'a> WholePlant<'a> {
             return;
         }
         let lod = self.levels.refined(&wood.chosen, triangles - left);
-        let count = lod.foliage(self.wood).triangles().len();
+        let count = lod.foliage(&self.wood).triangles().len();
         if (wood.triangles..=triangles - of_leaves).contains(&count) {
             (wood.lod, wood.triangles) = (lod, count);
         }
@@ -387,7 +389,7 @@ impl<'a> WholePlant<'a> {
         let chosen = self.levels.chosen(hanging_px, budget);
         let lod = self.levels.lod(&chosen);
         WoodLevel {
-            triangles: lod.foliage(self.wood).triangles().len(),
+            triangles: lod.foliage(&self.wood).triangles().len(),
             chosen,
             lod,
         }
@@ -402,7 +404,7 @@ impl<'a> WholePlant<'a> {
         triangles: usize,
         hanging_px: &mut [f64],
     ) -> usize {
-        let left = leaves.foliage(self.leaves);
+        let left = leaves.foliage(&self.leaves);
         let lowest = hanging_on(&left, &held_by.wood, held_by.largest_gap);
         let originals = leaves.leaves().map(|(leaf, _)| leaf.index());
         let donors = leaves.made().map(|(made, _)| made.donor.index());
@@ -435,7 +437,7 @@ impl<'a> WholePlant<'a> {
         if let Target::Triangles(amount) = options.target {
             let triangles = amount.of(self.triangle_count());
             let level = self.level(triangles, options, engine, None, observer)?;
-            let of_leaves = level.leaves.lod.foliage(self.leaves).triangles().len();
+            let of_leaves = level.leaves.lod.foliage(&self.leaves).triangles().len();
             let left = of_leaves + level.wood_triangles;
             options.check_met(left, self.triangle_count())?;
             return Ok(level);
@@ -444,8 +446,8 @@ impl<'a> WholePlant<'a> {
             occluders: Some(self.hiding(options)?),
             ..options.clone()
         };
-        let leaves = simplify_on(engine, self.leaves, &options, observer)?;
-        let left = leaves.lod.foliage(self.leaves).triangles().len();
+        let leaves = simplify_on(engine, &self.leaves, &options, observer)?;
+        let left = leaves.lod.foliage(&self.leaves).triangles().len();
         let triangles = left + self.wood_beside(left);
         let plain = self.wood_of(&[], triangles);
         let (wood, held_by) = self.held(plain, &leaves.lod, triangles);
@@ -460,7 +462,7 @@ impl<'a> WholePlant<'a> {
     /// What leaves hang on beside this wood; nothing where there is none.
     fn held_by(&self, wood: &Lod, largest_gap: f64) -> Option<HeldBy> {
         (wood.leaf_count() > 0).then(|| HeldBy {
-            wood: wood.foliage(self.wood),
+            wood: wood.foliage(&self.wood),
             largest_gap,
         })
     }

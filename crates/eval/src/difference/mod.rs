@@ -203,6 +203,11 @@ impl DifferenceJudge {
         self.plants.len()
     }
 
+    /// The plant, of [so many](Self::plant_count), that stands where a point in world space is.
+    pub fn plant_at(&self, point: DVec3) -> usize {
+        self.plants.at(point)
+    }
+
     /// The largest extent of the largest plant along an axis, in world units: what is `pixels_high` on the screen.
     pub fn size(&self) -> f64 {
         self.plants.size()

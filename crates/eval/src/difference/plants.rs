@@ -94,6 +94,12 @@ impl Plants {
         if largest > 0.0 { largest } else { 1.0 }
     }
 
+    /// The plant that stands where a point is.
+    pub(super) fn at(&self, point: DVec3) -> usize {
+        let of_cell = |ground: &Ground| usize::from(ground.plant_at(point));
+        self.ground.as_ref().map_or(0, of_cell)
+    }
+
     /// What of a level stands where each plant does.
     pub(super) fn parts(&self, level: &[Surface]) -> Vec<Vec<Surface>> {
         match &self.ground {
@@ -275,6 +281,11 @@ impl Ground {
         }
     }
 
+    fn plant_at(&self, point: DVec3) -> u8 {
+        let [column, row] = self.cell_of(point);
+        self.plant_of[row * self.size[0] + column]
+    }
+
     fn cell_of(&self, corner: DVec3) -> [usize; 2] {
         let at = (DVec2::new(corner.x, corner.z) - self.low) / self.cell;
         let within = |at: f64, count: usize| (at.max(0.0) as usize).min(count - 1);
@@ -287,8 +298,7 @@ impl Ground {
             let own = |surface: &Surface| {
                 let is_own = |corners: &&[u32; 3]| {
                     let corners = corners.map(|c| surface.positions[c as usize]);
-                    let [column, row] = self.cell_of(corners.iter().sum::<DVec3>() / 3.0);
-                    self.plant_of[row * self.size[0] + column] == plant
+                    self.plant_at(corners.iter().sum::<DVec3>() / 3.0) == plant
                 };
                 Surface {
                     triangles: surface.triangles.iter().filter(is_own).copied().collect(),

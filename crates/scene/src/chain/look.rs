@@ -198,6 +198,11 @@ impl Look {
         difference.difference
     }
 
+    /// What tells the plants of the file apart, and judges levels of them.
+    pub(super) fn judge(&self) -> &DifferenceJudge {
+        &self.judge
+    }
+
     /// What judges impostors.
     pub(super) fn judge_of_impostors(&self) -> &DifferenceJudge {
         self.judge_of_impostors.get_or_init(|| {

@@ -8,7 +8,7 @@ use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood_sharing};
+use secateur_simplify::whole::{WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Error, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
@@ -17,6 +17,7 @@ use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
 use super::options::{ChainOptions, Wanted};
 use super::placed::Placed;
+use super::stands::Stands;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Client, Textures};
 use crate::dilated_textures;
@@ -27,7 +28,9 @@ const USUAL_HEIGHTS_M: RangeInclusive<f64> = 0.2..=60.0;
 /// A level before its distance is known.
 #[derive(Clone)]
 pub(super) struct Made {
-    pub(super) level: WholeLevel,
+    /// Of each plant of the file that is made lighter by itself.
+    pub(super) parts: Vec<WholeLevel>,
+    pub(super) leaves: Lod,
     pub(super) lod: Lod,
     pub(super) drawn: Drawn,
     pub(super) foliage_triangles: usize,
@@ -35,7 +38,11 @@ pub(super) struct Made {
 
 impl Made {
     pub(super) fn triangles(&self) -> usize {
-        self.foliage_triangles + self.level.wood_triangles
+        self.foliage_triangles + self.wood_triangles()
+    }
+
+    pub(super) fn wood_triangles(&self) -> usize {
+        self.parts.iter().map(|part| part.wood_triangles).sum()
     }
 }
 
@@ -43,7 +50,7 @@ impl Made {
 pub(super) struct Maker<'a> {
     pub(super) tree: &'a WholeTree,
     /// Nothing where the wood stays as it is.
-    plant: Option<WholePlant<'a>>,
+    stands: Option<Stands<'a>>,
     pub(super) options: &'a ChainOptions,
     /// How leaves are simplified, with the memory that the tree leaves for it.
     leaf_options: Options,
@@ -70,14 +77,11 @@ impl<'a> Maker<'a> {
         items.document().keep_images();
         let [leaves, wood] = [tree.leaves(), tree.wood()];
         let of_leaves = &options.leaves;
-        let foliage = items.foliage();
-        let plant = match options.wood {
-            WoodMode::Keep | WoodMode::Ignore => None,
-            mode => Some(WholePlant::by(
-                mode, foliage, leaves, wood, of_leaves, engine,
-            )?),
-        };
         let (look, judging) = Look::new(tree, options)?;
+        let stands = match options.wood {
+            WoodMode::Keep | WoodMode::Ignore => None,
+            mode => Some(Stands::of(tree, look.judge(), mode, of_leaves, engine)?),
+        };
         let dilated = match options.textures {
             Textures::Fit => dilated_textures(items)?,
             Textures::Keep => Vec::new(),
@@ -96,7 +100,7 @@ impl<'a> Maker<'a> {
                 ..options.leaves.clone()
             },
             tree,
-            plant,
+            stands,
             options,
             engine,
             look,
@@ -122,33 +126,44 @@ impl<'a> Maker<'a> {
         triangles: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Made, ChainError> {
-        let mut shared = self.shared.borrow_mut();
-        let (options, shared) = (&self.leaf_options, Some(&mut *shared));
-        let level = match &self.plant {
-            Some(plant) => plant.level(triangles, options, self.engine, shared, observer)?,
+        let options = &self.leaf_options;
+        let parts = match &self.stands {
+            Some(stands) => stands.level(triangles, options, self.engine, observer)?,
             None => {
                 let (leaves, wood) = (self.tree.leaves(), self.tree.wood());
                 let options = Options {
                     target: Target::triangles(triangles as u64),
                     ..options.clone()
                 };
-                simplify_keeping_wood_sharing(
+                let shared = &mut *self.shared.borrow_mut();
+                let level = simplify_keeping_wood_sharing(
                     leaves,
                     wood,
                     &options,
                     self.engine,
-                    shared,
+                    Some(shared),
                     observer,
-                )?
+                )?;
+                vec![level]
             }
         };
-        let lod = self.tree.joined(&level.leaves.lod, &level.wood);
+        self.made(parts)
+    }
+
+    /// Levels of the plants of the file as a level of the whole.
+    pub(super) fn made(&self, parts: Vec<WholeLevel>) -> Result<Made, ChainError> {
+        let [leaves, wood] = match (&self.stands, &parts[..]) {
+            (Some(stands), parts) => stands.joined(parts),
+            (None, parts) => [parts[0].leaves.lod.clone(), parts[0].wood.clone()],
+        };
+        let lod = self.tree.joined(&leaves, &wood);
         let document = self.tree.items().lod_document(&lod)?;
-        let left = level.leaves.lod.foliage(self.tree.leaves());
+        let left = leaves.foliage(self.tree.leaves());
         Ok(Made {
             foliage_triangles: left.triangles().len(),
             drawn: Drawn::of(&document)?,
-            level,
+            parts,
+            leaves,
             lod,
         })
     }
@@ -172,7 +187,7 @@ impl<'a> Maker<'a> {
 
     /// Of how many triangles a level has more: all of the wood, where it stays as it is.
     pub(super) fn least_triangles(&self) -> usize {
-        match self.plant {
+        match self.stands {
             Some(_) => 0,
             None => self.tree.wood().triangles().len(),
         }
@@ -247,9 +262,14 @@ impl<'a> Maker<'a> {
             difference,
         } = placed;
         let leaves = self.tree.leaves();
-        let left = made.level.leaves.lod.foliage(leaves);
+        let left = made.leaves.foliage(leaves);
         let seen = self.leaves.measure(&left);
-        let order = made.level.leaves.passes.in_one_order();
+        // Several plants have an order each, and none together.
+        let [of_first, ..] = &made.parts[..] else {
+            unreachable!("a level is one of at least one plant")
+        };
+        let order = of_first.leaves.passes.in_one_order();
+        let is_alone = made.parts.len() == 1;
         let materials = &made.drawn.level.materials;
         let document = self.tree.items().document();
         let texture_bytes = texture_bytes(document, materials, &chosen.textures);
@@ -260,7 +280,7 @@ impl<'a> Maker<'a> {
         let level = ChainLevel {
             leaves: left.leaves().len() as u64,
             foliage_triangles: made.foliage_triangles as u64,
-            wood_triangles: made.level.wood_triangles as u64,
+            wood_triangles: made.wood_triangles() as u64,
             distance: self.distance_m(height),
             pixels_high: height,
             screen_coverage: 0.0,
@@ -270,9 +290,9 @@ impl<'a> Maker<'a> {
             shadow: 0,
             silhouette_iou: Some(seen.silhouette_iou()),
             vmi_error_percent: Some(seen.vmi_error_percent()),
-            order_sha256: Some(order.sha256()),
-            view_count: Some(made.level.leaves.views.len()),
-            order: Some(order),
+            order_sha256: is_alone.then(|| order.sha256()),
+            view_count: Some(of_first.leaves.views.len()),
+            order: is_alone.then_some(order),
             textures: chosen.textures,
             keeps_textures: chosen.keeps_textures,
             texture_bytes,

@@ -18,6 +18,7 @@ mod opaque;
 mod options;
 mod placed;
 mod scene_look;
+mod stands;
 #[cfg(test)]
 mod tests;
 mod texture_bytes;

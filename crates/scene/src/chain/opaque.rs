@@ -7,7 +7,6 @@
 use secateur_model::AlphaMode;
 
 use super::error::ChainError;
-use super::look::Drawn;
 use super::maker::{Made, Maker};
 use super::textures::Client;
 
@@ -66,20 +65,15 @@ impl Maker<'_> {
 
     /// The level with leaves of this many times the area.
     fn resized(&self, made: &Made, factor: f64) -> Result<Made, ChainError> {
-        let mut level = made.level.clone();
-        let passes = &mut level.leaves.passes;
-        let count = level.leaves.lod.all_leaves().count();
-        let sizes = passes.sizes.take().unwrap_or_else(|| vec![1.0; count]);
-        passes.sizes = Some(sizes.into_iter().map(|size| size * factor).collect());
-        level.leaves.lod = level.leaves.passes.lod();
-        let lod = self.tree.joined(&level.leaves.lod, &level.wood);
-        let document = self.tree.items().lod_document(&lod)?;
-        Ok(Made {
-            drawn: Drawn::of(&document)?,
-            level,
-            lod,
-            foliage_triangles: made.foliage_triangles,
-        })
+        let mut parts = made.parts.clone();
+        for level in &mut parts {
+            let passes = &mut level.leaves.passes;
+            let count = level.leaves.lod.all_leaves().count();
+            let sizes = passes.sizes.take().unwrap_or_else(|| vec![1.0; count]);
+            passes.sizes = Some(sizes.into_iter().map(|size| size * factor).collect());
+            level.leaves.lod = level.leaves.passes.lod();
+        }
+        self.made(parts)
     }
 }
 

@@ -1,0 +1,230 @@
+//! The plants of a file, each made lighter by itself: one of several is as light as it would be alone.
+
+use std::cell::RefCell;
+
+use secateur_eval::DifferenceJudge;
+use secateur_gltf::WholeTree;
+use secateur_model::{Foliage, LeafId, Lod};
+use secateur_raster::OpenEngine;
+use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode};
+use secateur_simplify::{Error, Observer, Options, Shared};
+
+/// A plant of a file.
+struct Stand<'a> {
+    plant: WholePlant<'a>,
+    /// Which of the file's leaves, and which pieces of its wood, it has; nothing where it has all.
+    names: Option<[Vec<LeafId>; 2]>,
+    /// What its levels share.
+    shared: RefCell<Shared>,
+}
+
+/// The plants of a file.
+pub(super) struct Stands<'a> {
+    stands: Vec<Stand<'a>>,
+    triangles: usize,
+    /// How many leaves, and pieces of wood, the file has.
+    counts: [usize; 2],
+}
+
+impl<'a> Stands<'a> {
+    /// The plants that a judge tells apart, if each has leaves and wood of its own; else all as one.
+    pub(super) fn of(
+        tree: &'a WholeTree,
+        judge: &DifferenceJudge,
+        mode: WoodMode,
+        options: &Options,
+        engine: &OpenEngine,
+    ) -> Result<Self, Error> {
+        let all = [tree.leaves(), tree.wood()];
+        let counts = all.map(|foliage| foliage.leaves().len());
+        let triangles = all.iter().map(|foliage| foliage.triangles().len()).sum();
+        let apart = match judge.plant_count() {
+            1 => Vec::new(),
+            count => (0..count)
+                .map(|k| all.map(|f| standing_at(f, judge, k)))
+                .collect(),
+        };
+        let has_all = |names: &[Vec<LeafId>; 2]| names.iter().all(|names| !names.is_empty());
+        let stands = match !apart.is_empty() && apart.iter().all(has_all) {
+            true => {
+                let stand = |names: [Vec<LeafId>; 2]| {
+                    let [leaves, wood] = [0, 1].map(|k| only(all[k], &names[k]));
+                    let items = leaves.followed_by(&wood)?;
+                    Ok(Stand {
+                        plant: WholePlant::by(mode, &items, leaves, wood, options, engine)?,
+                        names: Some(names),
+                        shared: RefCell::default(),
+                    })
+                };
+                apart.into_iter().map(stand).collect::<Result<_, Error>>()?
+            }
+            false => {
+                let [leaves, wood] = all;
+                let items = tree.items().foliage();
+                vec![Stand {
+                    plant: WholePlant::by(mode, items, leaves, wood, options, engine)?,
+                    names: None,
+                    shared: RefCell::default(),
+                }]
+            }
+        };
+        Ok(Self {
+            stands,
+            triangles,
+            counts,
+        })
+    }
+
+    /// A level of each plant, all with the same share of their triangles.
+    pub(super) fn level(
+        &self,
+        triangles: usize,
+        options: &Options,
+        engine: &OpenEngine,
+        observer: &mut Observer<'_>,
+    ) -> Result<Vec<WholeLevel>, Error> {
+        let mut levels = Vec::with_capacity(self.stands.len());
+        let (mut before, mut given) = (0, 0);
+        for stand in &self.stands {
+            // Shares are rounded so that they come to the whole.
+            before += stand.plant.triangle_count();
+            let until =
+                (triangles as u128 * before as u128 / self.triangles.max(1) as u128) as usize;
+            let shared = &mut *stand.shared.borrow_mut();
+            let level =
+                stand
+                    .plant
+                    .level(until - given, options, engine, Some(shared), observer)?;
+            given = until;
+            levels.push(level);
+        }
+        Ok(levels)
+    }
+
+    /// The leaves, and the wood, of levels of each plant as those of the whole file.
+    pub(super) fn joined(&self, levels: &[WholeLevel]) -> [Lod; 2] {
+        if let [only] = levels {
+            return [only.leaves.lod.clone(), only.wood.clone()];
+        }
+        let of = |which: usize| {
+            let part = |(stand, level): (&'_ Stand<'a>, &'_ WholeLevel)| {
+                let lod = [&level.leaves.lod, &level.wood][which].clone();
+                let names = stand.names.as_ref().map(|names| names[which].clone());
+                (lod, names.unwrap_or_default())
+            };
+            let parts: Vec<(Lod, Vec<LeafId>)> = self.stands.iter().zip(levels).map(part).collect();
+            let parts: Vec<(&Lod, &[LeafId])> =
+                parts.iter().map(|(lod, names)| (lod, &names[..])).collect();
+            Lod::of_parts(self.counts[which], &parts)
+        };
+        [of(0), of(1)]
+    }
+}
+
+/// The leaves of a plant of a judge, by their middles.
+fn standing_at(foliage: &Foliage, judge: &DifferenceJudge, plant: usize) -> Vec<LeafId> {
+    let ids = (0..foliage.leaves().len()).map(LeafId::from_index);
+    ids.filter(|id| judge.plant_at(foliage.leaf(*id).centre()) == plant)
+        .collect()
+}
+
+/// A foliage of these leaves alone.
+fn only(foliage: &Foliage, names: &[LeafId]) -> Foliage {
+    let mut lod = Lod::original(foliage.leaves().len());
+    let mut names = names.iter().copied().peekable();
+    for leaf in (0..foliage.leaves().len()).map(LeafId::from_index) {
+        match names.peek() == Some(&leaf) {
+            true => {
+                names.next();
+            }
+            false => lod.remove(leaf),
+        }
+    }
+    lod.foliage(foliage)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use glam::DVec3;
+    use secateur_gltf::{Detail, Document, plant_to_glb};
+    use secateur_model::{Plant, Surface};
+    use secateur_plant::{GrowOptions, Species, grow};
+    use secateur_simplify::{Preset, Target};
+
+    use super::*;
+
+    fn oak() -> Plant {
+        let options = GrowOptions {
+            leaves: 40,
+            seed: 5,
+        };
+        let mut oak = grow(Species::Oak, &options).unwrap();
+        (oak.skeleton, oak.holds) = (None, None);
+        for surface in [&mut oak.wood, &mut oak.leaves] {
+            surface.holds = Vec::new();
+        }
+        oak
+    }
+
+    /// The same plant twice, 40 m apart.
+    fn twice(mut plant: Plant) -> Plant {
+        let double = |surface: &mut Surface| {
+            let count = surface.positions.len();
+            let beside: Vec<DVec3> = surface
+                .positions
+                .iter()
+                .map(|p| *p + 40.0 * DVec3::X)
+                .collect();
+            surface.positions.extend(beside);
+            surface.normals.extend_from_within(..);
+            surface.uvs.extend_from_within(..);
+            surface.colors.extend_from_within(..);
+            let triangles: Vec<[u32; 3]> = surface
+                .triangles
+                .iter()
+                .map(|corners| corners.map(|corner| corner + count as u32))
+                .collect();
+            surface.triangles.extend(triangles);
+        };
+        double(&mut plant.wood);
+        double(&mut plant.leaves);
+        plant.triangles_per_leaf.extend_from_within(..);
+        plant
+    }
+
+    /// The triangles of leaves and of wood of a level of this many triangles.
+    fn level(plant: &Plant, triangles: usize) -> [usize; 2] {
+        let document = Document::from_bytes("oak.glb", plant_to_glb(plant), None).unwrap();
+        let tree = document.into_whole_tree(&[]).unwrap();
+        let drawn = tree.items().drawn(Detail::Color).unwrap();
+        let is_wood: Vec<bool> = drawn.iter().map(|drawn| !drawn.is_foliage).collect();
+        let surfaces = drawn.into_iter().map(|drawn| drawn.surface).collect();
+        let judge = DifferenceJudge::new(surfaces, &is_wood);
+        let options = Options {
+            audit: false,
+            ..Options::with_preset(Preset::Look, Target::triangle_share(1.0))
+        };
+        let engine = OpenEngine::cpu();
+        let stands = Stands::of(&tree, &judge, WoodMode::Auto, &options, &engine).unwrap();
+        let mut go_on = |_| ControlFlow::Continue(());
+        let levels = stands
+            .level(triangles, &options, &engine, &mut go_on)
+            .unwrap();
+        let lods = stands.joined(&levels);
+        [(&lods[0], tree.leaves()), (&lods[1], tree.wood())]
+            .map(|(lod, all)| lod.foliage(all).triangles().len())
+    }
+
+    #[test]
+    fn of_two_plants_each_is_made_as_light_as_alone() {
+        let oak = oak();
+        let one = level(&oak, 900);
+        assert!(one[0] > 0 && one[1] > 0 && one[0] + one[1] <= 900);
+        assert_eq!(
+            level(&twice(oak), 1_800),
+            one.map(|triangles| 2 * triangles)
+        );
+    }
+}
