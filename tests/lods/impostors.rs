@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use secateur::Document;
+use secateur::{Document, plant_to_glb};
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
 use super::{count, height_of, levels};
@@ -147,6 +148,27 @@ fn an_impostor_is_taken_unasked_only_where_it_looks_no_worse() {
         let says = |note: &Value| note.as_str().unwrap().starts_with("no impostor at 200 m");
         assert_eq!(notes.iter().any(says), !is_taken, "{notes:?}");
     }
+}
+
+/// Crossed planes with the cutoff that planes have at first would cover .57 of what there is where these begin.
+#[test]
+fn planes_that_nobody_asked_for_show_what_there_is_of_the_plant() {
+    let bench = Bench::new();
+    let options = GrowOptions {
+        leaves: 30,
+        seed: 5,
+    };
+    let small = grow(Species::Oak, &options).unwrap();
+    bench.put("small.glb", &plant_to_glb(&small));
+    let lods = ["lods", "small.glb", "-o", "c", "--distances", "400,800"];
+    bench
+        .run(&[&lods[..], &["--report", "r.json"]].concat())
+        .succeeded();
+    let record = bench.json("r.json");
+    let last = levels(&record).last().unwrap();
+    assert_eq!(last["impostor"]["layout"], "crossed", "{record}");
+    let covers = last["coverage_as_drawn"].as_f64().unwrap();
+    assert!((0.8..=1.25).contains(&covers), "{last}");
 }
 
 /// Cards are ordinary quads, as few as are within the difference, which show as much as there is of the plant.

@@ -168,14 +168,14 @@ mod tests {
         oak
     }
 
-    /// The same plant twice, 40 m apart.
-    fn twice(mut plant: Plant) -> Plant {
+    /// A plant, and 40 m from it a quarter as large.
+    fn beside_a_small_one(mut plant: Plant) -> Plant {
         let double = |surface: &mut Surface| {
             let count = surface.positions.len();
             let beside: Vec<DVec3> = surface
                 .positions
                 .iter()
-                .map(|p| *p + 40.0 * DVec3::X)
+                .map(|p| 0.25 * *p + 40.0 * DVec3::X)
                 .collect();
             surface.positions.extend(beside);
             surface.normals.extend_from_within(..);
@@ -194,8 +194,8 @@ mod tests {
         plant
     }
 
-    /// The triangles of leaves and of wood of a level of this many triangles.
-    fn level(plant: &Plant, triangles: usize) -> [usize; 2] {
+    /// How many triangles of leaves and of wood a level of this many has in the plant at the origin, and beyond it.
+    fn level(plant: &Plant, triangles: usize) -> [[usize; 2]; 2] {
         let document = Document::from_bytes("oak.glb", plant_to_glb(plant), None).unwrap();
         let tree = document.into_whole_tree(&[]).unwrap();
         let drawn = tree.items().drawn(Detail::Color).unwrap();
@@ -213,18 +213,23 @@ mod tests {
             .level(triangles, &options, &engine, &mut go_on)
             .unwrap();
         let lods = stands.joined(&levels);
-        [(&lods[0], tree.leaves()), (&lods[1], tree.wood())]
-            .map(|(lod, all)| lod.foliage(all).triangles().len())
+        let left = [lods[0].foliage(tree.leaves()), lods[1].foliage(tree.wood())];
+        [false, true].map(|is_beyond| {
+            left.each_ref().map(|foliage| {
+                let triangles = foliage.triangles().iter();
+                let there = triangles.filter(|t| (t.corners[0].x > 20.0) == is_beyond);
+                there.count()
+            })
+        })
     }
 
+    /// Made lighter together, the small one would go first.
     #[test]
     fn of_two_plants_each_is_made_as_light_as_alone() {
         let oak = oak();
-        let one = level(&oak, 900);
+        let [one, none] = level(&oak, 900);
         assert!(one[0] > 0 && one[1] > 0 && one[0] + one[1] <= 900);
-        assert_eq!(
-            level(&twice(oak), 1_800),
-            one.map(|triangles| 2 * triangles)
-        );
+        assert_eq!(none, [0, 0]);
+        assert_eq!(level(&beside_a_small_one(oak), 1_800), [one; 2]);
     }
 }
