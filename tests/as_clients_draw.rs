@@ -155,15 +155,7 @@ fn crown(cutoff: f32, is_there: impl Fn(u32, u32) -> bool) -> Plant {
             finish: Finish::default(),
         })
     };
-    let surface = |material| Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material,
-    };
+    let surface = |material| Surface::empty(material);
     let mut leaves = surface(material("leaves", Some(texture)));
     for k in 0..CARDS {
         // Evenly over a ball of radius 3, each turned another way.

@@ -398,15 +398,7 @@ struct Template {
 
 impl Template {
     fn empty_surface(&self) -> Surface {
-        Surface {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            colors: Vec::new(),
-            holds: Vec::new(),
-            triangles: Vec::new(),
-            material: Arc::clone(&self.material),
-        }
+        Surface::empty(Arc::clone(&self.material))
     }
 
     fn place(&self, part: &Part, group: &Group, surface: &mut Surface) -> Result<(), Problem> {

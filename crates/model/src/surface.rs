@@ -135,3 +135,18 @@ pub struct Surface {
     /// Colour, texture, alpha and finish of all its triangles.
     pub material: Arc<Material>,
 }
+
+impl Surface {
+    /// A surface of this material without triangles.
+    pub fn empty(material: Arc<Material>) -> Self {
+        Self {
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles: Vec::new(),
+            material,
+        }
+    }
+}

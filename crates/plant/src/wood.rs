@@ -31,15 +31,7 @@ pub(crate) fn wood_surface(
     starts_m: &[f64],
     material: Arc<Material>,
 ) -> (Surface, Vec<Hold>) {
-    let mut surface = Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material,
-    };
+    let mut surface = Surface::empty(material);
     let mut holds = Vec::new();
     let mut end_rings: Vec<Ring> = Vec::with_capacity(skeleton.segments.len());
     for (index, segment) in skeleton.segments.iter().enumerate() {

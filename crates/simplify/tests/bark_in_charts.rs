@@ -122,22 +122,14 @@ fn trunk(cut: Cut) -> Surface {
 }
 
 fn empty(name: &str, texture: Option<Texture>) -> Surface {
-    Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material: Arc::new(Material {
-            name: name.to_owned(),
-            base_color: [1.0; 4],
-            texture: texture.map(Arc::new),
-            alpha_mode: AlphaMode::Opaque,
-            double_sided: name == "Leaves",
-            finish: Finish::default(),
-        }),
-    }
+    Surface::empty(Arc::new(Material {
+        name: name.to_owned(),
+        base_color: [1.0; 4],
+        texture: texture.map(Arc::new),
+        alpha_mode: AlphaMode::Opaque,
+        double_sided: name == "Leaves",
+        finish: Finish::default(),
+    }))
 }
 
 /// Sixteen leaves about the top.

@@ -12,22 +12,14 @@ use serde_json::json;
 
 /// Leaves of an arch of two quads each, on a cylinder about y, seen from outside only.
 fn crown() -> Surface {
-    let mut surface = Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material: std::sync::Arc::new(Material {
-            name: "leaf".to_owned(),
-            base_color: [0.2, 0.6, 0.1, 1.0],
-            texture: None,
-            alpha_mode: AlphaMode::Opaque,
-            double_sided: false,
-            finish: Finish::default(),
-        }),
-    };
+    let mut surface = Surface::empty(std::sync::Arc::new(Material {
+        name: "leaf".to_owned(),
+        base_color: [0.2, 0.6, 0.1, 1.0],
+        texture: None,
+        alpha_mode: AlphaMode::Opaque,
+        double_sided: false,
+        finish: Finish::default(),
+    }));
     for k in 0..48 {
         let turn = DQuat::from_euler(EulerRot::YXZ, TAU * f64::from(k) / 12.0, 0.0, 0.4);
         let base = DVec3::new(0.0, f64::from(k / 12) * 0.6, 0.0);

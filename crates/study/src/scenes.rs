@@ -377,22 +377,14 @@ fn trunk() -> Surface {
 }
 
 fn surface(name: &str, base_color: [f32; 4]) -> Surface {
-    Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material: Arc::new(Material {
-            name: name.to_owned(),
-            base_color,
-            texture: None,
-            alpha_mode: AlphaMode::Opaque,
-            double_sided: true,
-            finish: Finish::default(),
-        }),
-    }
+    Surface::empty(Arc::new(Material {
+        name: name.to_owned(),
+        base_color,
+        texture: None,
+        alpha_mode: AlphaMode::Opaque,
+        double_sided: true,
+        finish: Finish::default(),
+    }))
 }
 
 #[cfg(test)]

@@ -182,7 +182,7 @@ impl DifferenceJudge {
         }
     }
 
-    /// The same, with the normals of double-sided materials turned to the viewer as glTF asks clients to: for
+    /// This judge with the normals of double-sided materials turned to the viewer as glTF asks clients to: for
     /// impostors, whose normals are those that a client would see.
     #[must_use]
     pub fn with_turned_normals(mut self) -> Self {
@@ -190,7 +190,7 @@ impl DifferenceJudge {
         self
     }
 
-    /// The same from the cameras of a scene, each as narrow as holds the plant, behind what stands before it.
+    /// This judge, looking from the cameras of a scene, each as narrow as holds the plant, behind what stands before it.
     #[must_use]
     pub fn in_scene(mut self, cameras: Option<Vec<View>>, occluders: Vec<Arc<Surface>>) -> Self {
         self.cameras = cameras.filter(|cameras| !cameras.is_empty());
@@ -203,7 +203,8 @@ impl DifferenceJudge {
         self.plants.len()
     }
 
-    /// The plant, of [so many](Self::plant_count), that stands where a point in world space is.
+    /// The number of the plant that stands at a point in world space, from 0 to one less than
+    /// [`plant_count`](Self::plant_count).
     pub fn plant_at(&self, point: DVec3) -> usize {
         self.plants.at(point)
     }
@@ -220,7 +221,7 @@ impl DifferenceJudge {
         self.difference_within(level, pixels_high, count, no_limit)
     }
 
-    /// As [`difference`](Self::difference), but looked at from no more views once it is certain that the level is
+    /// [`difference`](Self::difference), but from no more views once it is certain that the level is
     /// beyond the limits; the figures are then of the views that were looked from.
     pub fn difference_within(
         &self,

@@ -92,7 +92,7 @@ struct Kept {
 struct Sources {
     /// For texture coordinates, and tangents, which follow them.
     textures: Rc<[u32]>,
-    /// For all else.
+    /// For positions, normals, colours and all other attributes.
     surfaces: Rc<[u32]>,
 }
 

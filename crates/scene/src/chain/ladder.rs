@@ -205,7 +205,7 @@ impl Goals {
         self.of_small * size_over_search(pixels_high).powf(-self.power)
     }
 
-    /// A level at this height was so many times what the pictures of a search showed.
+    /// Takes in that a level differed `times` as much in its own pictures, this high in pixels, as in those of a search.
     fn learn(&mut self, pixels_high: f64, times: f64) {
         let size = size_over_search(pixels_high);
         if size > LARGE {

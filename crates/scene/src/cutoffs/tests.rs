@@ -32,15 +32,7 @@ fn crown_of(side: f64, alpha: impl Fn(u32, u32) -> u8) -> Tree {
             finish: Finish::default(),
         })
     };
-    let surface = |material| Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material,
-    };
+    let surface = |material| Surface::empty(material);
     let mut leaves = surface(material("leaves", Some(texture)));
     for k in 0..CARDS {
         let part = (f64::from(k) + 0.5) / f64::from(CARDS);

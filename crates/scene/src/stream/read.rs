@@ -319,15 +319,7 @@ impl StreamedPlant {
 }
 
 fn empty(material: &Arc<Material>) -> Surface {
-    Surface {
-        positions: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        holds: Vec::new(),
-        triangles: Vec::new(),
-        material: Arc::clone(material),
-    }
+    Surface::empty(Arc::clone(material))
 }
 
 fn append(surface: &mut Surface, head: &SurfaceHead, part: &Part, scale: f32) {
