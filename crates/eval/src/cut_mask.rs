@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 use secateur_model::{Material, Texture, Wrap};
 
 use crate::texel::{alpha_cutoff, is_whole, low_texel};
@@ -75,13 +75,61 @@ impl CutMask {
         if alphas != [self.factor; 3] || uv.is_nan() {
             return None;
         }
-        let number = low_texel(self.size, self.wrap, uv);
+        self.of_texel(low_texel(self.size, self.wrap, uv))
+    }
+
+    /// What the test comes to for samples that read this texel first; nothing where the texels must be asked.
+    #[inline]
+    pub(crate) fn of_texel(&self, number: usize) -> Option<bool> {
         match self.bits[number / 4] >> (2 * (number % 4)) & 3 {
             PASSES => Some(true),
             FAILS => Some(false),
             _ => None,
         }
     }
+
+    /// The texels that four samples read first, for [`Self::of_texel`]; nothing where each must be asked by itself.
+    #[inline]
+    pub(crate) fn four_texels(&self, uvs: [Vec4; 2], alphas: [f32; 3]) -> Option<[u32; 4]> {
+        if alphas != [self.factor; 3] {
+            return None;
+        }
+        let [width, height] = self.size;
+        let columns = texels_of(uvs[0] * width as f32 - 0.5, self.wrap[0], width)?;
+        let rows = texels_of(uvs[1] * height as f32 - 0.5, self.wrap[1], height)?;
+        let mut texels = columns;
+        for (texel, row) in texels.iter_mut().zip(rows) {
+            *texel += row * width;
+        }
+        Some(texels)
+    }
+}
+
+/// The whole numbers not above four values, wrapped; nothing where that takes a division, or for a value that is not
+/// within 2^22 of 0.
+#[inline]
+fn texels_of(at: Vec4, wrap: Wrap, size: u32) -> Option<[u32; 4]> {
+    /// Values of this size differ by 1 from one to the next: what is added to them is rounded.
+    const WHOLE: f32 = 12_582_912.0;
+    /// The bits of such a sum that hold the whole number.
+    const NUMBER: u32 = (1 << 22) - 1;
+    if !at.abs().cmplt(Vec4::splat(4_194_304.0)).all() {
+        return None;
+    }
+    let nearest = (at + WHOLE) - WHOLE;
+    let floor = nearest - Vec4::select(nearest.cmpgt(at), Vec4::ONE, Vec4::ZERO);
+    let (floor, mask) = match wrap {
+        _ if size > NUMBER => return None,
+        Wrap::Repeat if size.is_power_of_two() => (floor, size - 1),
+        Wrap::ClampToEdge => {
+            let last = Vec4::splat((size - 1) as f32);
+            (floor.max(Vec4::ZERO).min(last), NUMBER)
+        }
+        Wrap::Repeat | Wrap::MirroredRepeat => return None,
+    };
+    let [a, b, c, d] = (floor + WHOLE).to_array();
+    let texel = |sum: f32| sum.to_bits() & mask;
+    Some([texel(a), texel(b), texel(c), texel(d)])
 }
 
 /// The masks of what is drawn again and again.
@@ -126,6 +174,41 @@ mod tests {
     use crate::texel::sample_alpha;
     use proptest::prelude::*;
     use secateur_model::Filters;
+
+    proptest! {
+        #[test]
+        fn four_texels_are_those_of_each_sample(
+            us in prop::array::uniform4(-3.0f32..3.0),
+            vs in prop::array::uniform4(-3.0f32..3.0),
+            (width, height) in (1u32..40, 1u32..40),
+            wraps in (0usize..3, 0usize..3),
+        ) {
+            let wraps = [WRAPS[wraps.0], WRAPS[wraps.1]];
+            let mask = CutMask { size: [width, height], wrap: wraps, factor: 1.0, bits: Vec::new() };
+            let uvs = [us, vs].map(Vec4::from_array);
+            if let Some(texels) = mask.four_texels(uvs, [1.0; 3]) {
+                for lane in 0..4 {
+                    let expected = low_texel(mask.size, wraps, Vec2::new(us[lane], vs[lane]));
+                    prop_assert_eq!(texels[lane] as usize, expected);
+                }
+            } else {
+                let sizes = [width, height];
+                let takes_a_division = (0..2).any(|axis| match wraps[axis] {
+                    Wrap::Repeat => !sizes[axis].is_power_of_two(),
+                    Wrap::MirroredRepeat => true,
+                    Wrap::ClampToEdge => false,
+                });
+                prop_assert!(takes_a_division);
+            }
+        }
+    }
+
+    #[test]
+    fn four_samples_far_off_are_asked_one_by_one() {
+        let far = Vec4::new(0.0, 1.0, f32::NAN, 0.5);
+        assert_eq!(texels_of(far, Wrap::ClampToEdge, 8), None);
+        assert_eq!(texels_of(Vec4::splat(5e6), Wrap::ClampToEdge, 8), None);
+    }
 
     const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat];
 

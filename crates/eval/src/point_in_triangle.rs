@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 
 use crate::screen_triangle::ScreenTriangle;
 
@@ -67,6 +67,19 @@ pub(crate) fn face_weights(triangle: &ScreenTriangle, weights: [f32; 3]) -> [f32
     }
     shares /= total;
     [1.0 - shares.x - shares.y, shares.x, shares.y]
+}
+
+/// As [`face_weights`], of four samples: each rounds as it would alone.
+pub(crate) fn four_face_weights(triangle: &ScreenTriangle, weights: [Vec4; 3]) -> [Vec4; 3] {
+    let (mut second, mut third, mut total) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
+    for (i, weight) in weights.into_iter().enumerate() {
+        let part = weight * triangle.corners[i].inverse_w;
+        second += part * triangle.shares[i].x;
+        third += part * triangle.shares[i].y;
+        total += part;
+    }
+    (second, third) = (second / total, third / total);
+    [Vec4::ONE - second - third, second, third]
 }
 
 /// How far texture coordinates go from a sample to the next pixel to the right, and down.

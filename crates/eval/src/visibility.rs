@@ -4,14 +4,16 @@ use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 use secateur_model::{Material, Surface};
 
 use crate::cut_mask::{CutMask, CutMasks};
 use crate::lens::Lens;
 use crate::mips::{MipChains, MipSampler};
-use crate::point_in_triangle::{EDGE_SLACK, PointInTriangle, face_weights, uv_steps};
+use crate::point_in_triangle::{
+    EDGE_SLACK, PointInTriangle, face_weights, four_face_weights, uv_steps,
+};
 use crate::screen_triangle::{ScreenTriangle, screen_triangles};
 use crate::texel::{alpha_cutoff, sample_alpha};
 
@@ -253,29 +255,27 @@ impl<'a> Band<'a> {
                     let known = &self.nearness[start..row * self.width + end];
                     let y = (row + self.first_row) as f32 + 0.5;
                     let found = lanes.at([first, row + self.first_row], known);
-                    let mut left = found.nearer & in_box;
-                    while left != 0 {
-                        let lane = left.trailing_zeros() as usize;
-                        left &= left - 1;
-                        let sample = start + lane;
-                        let near = found.nearness[lane];
-                        // Of equally near triangles the first of the scene is seen, whichever is
-                        // drawn first.
-                        if near == self.nearness[sample] && index > self.frontmost[sample] {
-                            continue;
+                    let mut sought = found.nearer & in_box;
+                    // Of equally near triangles the first of the scene is seen, whichever is drawn first.
+                    for lane in lanes_of(sought) {
+                        let is_equal = found.near(lane) == self.nearness[start + lane];
+                        if is_equal && index > self.frontmost[start + lane] {
+                            sought &= !(1 << lane);
                         }
-                        let at = Vec2::new((first + lane) as f32 + 0.5, y);
-                        let weights = found.weights.map(|of_corner| of_corner[lane]);
-                        let cutout =
-                            cutout.get_or_insert_with(|| Cut::of(triangle, surface, alpha));
-                        if cutout.is_there(triangle, &place, at, weights) {
-                            self.nearness[sample] = match self.seek {
-                                Seek::Frontmost => near,
-                                Seek::Any => f32::INFINITY,
-                            };
-                            self.frontmost[sample] = index;
-                            is_changed = true;
-                        }
+                    }
+                    if sought == 0 {
+                        continue;
+                    }
+                    let cutout = cutout.get_or_insert_with(|| Cut::of(triangle, surface, alpha));
+                    let corner = Vec2::new(first as f32 + 0.5, y);
+                    let there = cutout.there(triangle, &place, corner, &found.weights, sought);
+                    is_changed |= there != 0;
+                    for lane in lanes_of(there) {
+                        self.nearness[start + lane] = match self.seek {
+                            Seek::Frontmost => found.near(lane),
+                            Seek::Any => f32::INFINITY,
+                        };
+                        self.frontmost[start + lane] = index;
                     }
                 }
                 let block = block_row * self.width.div_ceil(BLOCK) + block_column;
@@ -312,9 +312,27 @@ struct Lanes {
 struct LanesFound {
     /// A bit for each sample in the triangle at which it is as near as what is known, or nearer.
     nearer: u32,
-    nearness: [f32; BLOCK],
-    /// The barycentric weight of each corner at each sample.
-    weights: [[f32; BLOCK]; 3],
+    /// By four samples.
+    nearness: [Vec4; BLOCK / 4],
+    /// By four samples, the barycentric weight of each corner.
+    weights: [[Vec4; 3]; BLOCK / 4],
+}
+
+impl LanesFound {
+    fn near(&self, lane: usize) -> f32 {
+        self.nearness[lane / 4][lane % 4]
+    }
+}
+
+/// The places of the bits that are set, the lowest first.
+fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            lane
+        })
+    })
 }
 
 impl Lanes {
@@ -328,37 +346,36 @@ impl Lanes {
             third,
         } = self.place;
         let down = row as f32 + 0.5 - origin.y;
-        let mut weights = [[0.0; BLOCK]; 3];
-        let mut nearness = [0.0; BLOCK];
         let behind: [f32; BLOCK] = known.try_into().unwrap_or_else(|_| {
             let mut behind = [f32::INFINITY; BLOCK];
             behind[..known.len()].copy_from_slice(known);
             behind
         });
-        let mut is_nearer = [false; BLOCK];
-        for lane in 0..BLOCK {
-            let right = (column + lane) as f32 + 0.5 - origin.x;
+        let mut found = LanesFound {
+            nearer: 0,
+            nearness: [Vec4::ZERO; BLOCK / 4],
+            weights: [[Vec4::ZERO; 3]; BLOCK / 4],
+        };
+        for half in 0..BLOCK / 4 {
+            let columns = Vec4::new(0.5, 1.5, 2.5, 3.5) + (column + 4 * half) as f32;
+            let right = columns - origin.x;
             // In the order of `PointInTriangle::weights`, so that both round alike.
-            let of_second = second.x * right + second.y * down;
-            let of_third = third.x * right + third.y * down;
-            let of_first = 1.0 - of_second - of_third;
-            let near = weighted(self.nearness, [of_first, of_second, of_third]);
-            weights[0][lane] = of_first;
-            weights[1][lane] = of_second;
-            weights[2][lane] = of_third;
-            nearness[lane] = near;
-            is_nearer[lane] = (of_first >= EDGE_SLACK)
-                & (of_second >= EDGE_SLACK)
-                & (of_third >= EDGE_SLACK)
-                & (near >= behind[lane])
-                & (behind[lane] < f32::INFINITY);
+            let of_second = right * second.x + second.y * down;
+            let of_third = right * third.x + third.y * down;
+            let of_first = Vec4::ONE - of_second - of_third;
+            let near = of_first * self.nearness[0]
+                + of_second * self.nearness[1]
+                + of_third * self.nearness[2];
+            let behind = Vec4::from_slice(&behind[4 * half..]);
+            let least = of_first.min(of_second).min(of_third);
+            let is_nearer = least.cmpge(Vec4::splat(EDGE_SLACK))
+                & near.cmpge(behind)
+                & behind.cmplt(Vec4::INFINITY);
+            found.nearer |= is_nearer.bitmask() << (4 * half);
+            found.nearness[half] = near;
+            found.weights[half] = [of_first, of_second, of_third];
         }
-        let bits = is_nearer.iter().enumerate();
-        LanesFound {
-            nearer: bits.fold(0, |bits, (lane, is)| bits | (u32::from(*is) << lane)),
-            nearness,
-            weights,
-        }
+        found
     }
 }
 
@@ -414,23 +431,44 @@ impl<'a> Cut<'a> {
         )
     }
 
-    fn is_there(
+    /// Of the `sought` among samples of a row, from a place on, those at which the face is there: a bit each.
+    fn there(
         &self,
         triangle: &ScreenTriangle,
         place: &PointInTriangle,
-        at: Vec2,
-        weights: [f32; 3],
-    ) -> bool {
+        first: Vec2,
+        weights: &[[Vec4; 3]; BLOCK / 4],
+        sought: u32,
+    ) -> u32 {
         let Some(face) = &self.0 else {
-            return true;
+            return sought;
         };
-        let weights = face_weights(triangle, weights);
-        let uv = face.uv(weights);
         let mask = face.alpha.mask.filter(|_| face.alpha.mips.is_none());
-        if let Some(passes) = mask.and_then(|mask| mask.passes(uv, face.alphas)) {
-            return passes;
+        let mut there = 0;
+        for (half, weights) in weights.iter().enumerate() {
+            let bits = sought >> (4 * half) & 0b1111;
+            if bits == 0 {
+                continue;
+            }
+            let weights = four_face_weights(triangle, *weights);
+            let uvs = face.four_uvs(weights);
+            let texels = mask.and_then(|mask| mask.four_texels(uvs, face.alphas));
+            for lane in lanes_of(bits) {
+                let uv = Vec2::new(uvs[0][lane], uvs[1][lane]);
+                let known = match (mask, texels) {
+                    (Some(mask), Some(texels)) => mask.of_texel(texels[lane] as usize),
+                    (Some(mask), None) => mask.passes(uv, face.alphas),
+                    (None, _) => None,
+                };
+                let is_there = known.unwrap_or_else(|| {
+                    let at = Vec2::new(first.x + (4 * half + lane) as f32, first.y);
+                    let weights = weights.map(|of_corner| of_corner[lane]);
+                    face.alpha_at(triangle, place, (at, uv), weights) >= face.cutoff
+                });
+                there |= u32::from(is_there) << (4 * half + lane);
+            }
         }
-        face.alpha_at(triangle, place, (at, uv), weights) >= face.cutoff
+        there
     }
 
     /// The ratio of alpha to its cutoff; infinite where there is none, or it is 0.
@@ -455,6 +493,15 @@ impl<'a> Cut<'a> {
 impl CutFace<'_> {
     fn uv(&self, weights: [f32; 3]) -> Vec2 {
         self.uvs[0] * weights[0] + self.uvs[1] * weights[1] + self.uvs[2] * weights[2]
+    }
+
+    /// As [`Self::uv`], of four samples.
+    fn four_uvs(&self, weights: [Vec4; 3]) -> [Vec4; 2] {
+        let of = |uv: fn(&Vec2) -> f32| {
+            let [a, b, c] = self.uvs.each_ref().map(uv);
+            weights[0] * a + weights[1] * b + weights[2] * c
+        };
+        [of(|uv| uv.x), of(|uv| uv.y)]
     }
 
     /// Alpha where the face has these weights, the material's and the vertices' included.

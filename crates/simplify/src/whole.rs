@@ -33,11 +33,9 @@ const MOST_PIXELS: usize = 1 << 23;
 /// Other values were not tried.
 const HIDDEN_WEIGHT: f64 = 0.1;
 
-/// What another triangle of leaves saves, as a share of what the views show of leaves for each
-/// triangle of the budget: the first triangles save more than the last. Of .1, .25, .6 and 1, tried
-/// at a tenth of all triangles, .25 had the least FLIP on an oak and a palmetto, .1 and .25 on
-/// `quat_commontree_1` and a birch, whose outline .6 kept better.
-const LEAF_MARGIN: f64 = 0.3;
+/// [`Budget::leaf_margin`] unless another is asked for: of .05, .07, .1, .15, .2, .3, .6 and 1 it had the least
+/// difference where ten plants have .1 to .7 of their triangles (the example `wood_and_leaves`).
+const LEAF_MARGIN: f64 = 0.15;
 
 /// What a leaf that hangs in the air loses, as a share of what the views show of leaves for each
 /// triangle of the budget. It goes, and another stays for it, which shows less.
@@ -97,6 +95,25 @@ fn level_resolution(views: usize) -> u32 {
         resolution /= 2;
     }
     resolution
+}
+
+/// How many triangles a level may have, and how they are shared between leaves and wood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// The most triangles.
+    pub triangles: usize,
+    /// What another triangle of leaves saves, as a share of what the views show of leaves for each triangle of the
+    /// budget, 0 or more: the first triangles save more than the last. Wood gets the triangles that save more each.
+    pub leaf_margin: f64,
+}
+
+impl From<usize> for Budget {
+    fn from(triangles: usize) -> Self {
+        Self {
+            triangles,
+            leaf_margin: LEAF_MARGIN,
+        }
+    }
 }
 
 /// A plant's leaves and wood, looked at once for any number of levels.
@@ -259,16 +276,17 @@ impl<'a> WholePlant<'a> {
     /// How many triangles of a budget are wood's: those that save as many pixels each as a
     /// triangle of leaves does, at most half of the budget.
     pub fn wood_budget(&self, triangles: usize) -> usize {
-        self.wood_budget_bearing(&[], triangles)
+        self.wood_budget_bearing(&[], triangles.into())
     }
 
     /// [`Self::wood_budget`], where leaves lose these pixels that nothing bears.
-    fn wood_budget_bearing(&self, hanging_px: &[f64], triangles: usize) -> usize {
-        let px_a_triangle = LEAF_MARGIN * self.px_a_leaf_triangle(triangles);
+    fn wood_budget_bearing(&self, hanging_px: &[f64], budget: Budget) -> usize {
+        let triangles = budget.triangles;
+        let px_a_triangle = budget.leaf_margin * self.px_a_leaf_triangle(triangles);
         let most = (MOST_WOOD * triangles as f64) as usize;
         let spare = triangles.saturating_sub(self.leaves.triangles().len());
-        let budget = WoodBudget::of_plant(most, triangles);
-        let worth = self.levels.worth(hanging_px, px_a_triangle, budget);
+        let of_wood = WoodBudget::of_plant(most, triangles);
+        let worth = self.levels.worth(hanging_px, px_a_triangle, of_wood);
         worth.max(spare)
     }
 
@@ -288,19 +306,21 @@ impl<'a> WholePlant<'a> {
     /// As [`simplify_on`].
     pub fn level(
         &self,
-        triangles: usize,
+        budget: impl Into<Budget>,
         options: &Options,
         engine: &OpenEngine,
         shared: Option<&mut Shared>,
         observer: &mut Observer<'_>,
     ) -> Result<WholeLevel, Error> {
+        let budget = budget.into();
+        let triangles = budget.triangles;
         let mut own = Shared::default();
         let shared = shared.unwrap_or(&mut own);
         let mut options = Options {
             occluders: Some(self.hiding(options)?),
             ..options.clone()
         };
-        let plain = self.wood_of(&[], triangles);
+        let plain = self.wood_of(&[], budget);
         let sketch = Options {
             fit: Fitting::None,
             audit: false,
@@ -309,7 +329,7 @@ impl<'a> WholePlant<'a> {
             ..options.clone()
         };
         let sketch = simplify_sharing(engine, &self.leaves, &sketch, Some(&mut *shared), observer)?;
-        let (mut wood, held_by) = self.held(plain, &sketch.lod, triangles);
+        let (mut wood, held_by) = self.held(plain, &sketch.lod, budget);
         let leaf_gap = held_by.as_ref().map(|held_by| held_by.largest_gap);
         options.held_by = held_by.map(Arc::new);
         options.target = Target::triangles((triangles - wood.triangles) as u64);
@@ -344,16 +364,12 @@ impl<'a> WholePlant<'a> {
         (gone > 0).then_some(Warning::SupportsGone { gone, there })
     }
 
-    /// The wood of a plant of `triangles` triangles, with what its leaves are to hang on: wood that bears them
+    /// The wood of a plant of a budget, with what its leaves are to hang on: wood that bears them
     /// within the largest distance that one has from the wood, or else within twice of it, four times
     /// and so on, where that takes at most [`MOST_HOLDING`] of the budget. `sketch` are leaves that are
     /// left beside `plain` wood.
-    fn held(
-        &self,
-        plain: WoodLevel,
-        sketch: &Lod,
-        triangles: usize,
-    ) -> (WoodLevel, Option<HeldBy>) {
+    fn held(&self, plain: WoodLevel, sketch: &Lod, budget: Budget) -> (WoodLevel, Option<HeldBy>) {
+        let triangles = budget.triangles;
         let most = (MOST_HOLDING * triangles as f64) as usize;
         let of_leaves = triangles.saturating_sub(plain.triangles);
         let most_going = (MOST_GOING * of_leaves as f64) as usize;
@@ -367,7 +383,7 @@ impl<'a> WholePlant<'a> {
             if hanging == 0 {
                 return (plain, Some(beside));
             }
-            let wood = self.wood_of(&hanging_px, triangles);
+            let wood = self.wood_of(&hanging_px, budget);
             let more = wood.triangles.saturating_sub(plain.triangles);
             let Some(held_by) = self.held_by(&wood.lod, largest_gap) else {
                 break;
@@ -382,9 +398,10 @@ impl<'a> WholePlant<'a> {
         (plain, None)
     }
 
-    /// The wood of a plant of `triangles` triangles.
-    fn wood_of(&self, hanging_px: &[f64], triangles: usize) -> WoodLevel {
-        let most = self.wood_budget_bearing(hanging_px, triangles);
+    /// The wood of a plant of a budget.
+    fn wood_of(&self, hanging_px: &[f64], budget: Budget) -> WoodLevel {
+        let triangles = budget.triangles;
+        let most = self.wood_budget_bearing(hanging_px, budget);
         let budget = WoodBudget::of_plant(most.min(triangles), triangles);
         let chosen = self.levels.chosen(hanging_px, budget);
         let lod = self.levels.lod(&chosen);
@@ -449,8 +466,8 @@ impl<'a> WholePlant<'a> {
         let leaves = simplify_on(engine, &self.leaves, &options, observer)?;
         let left = leaves.lod.foliage(&self.leaves).triangles().len();
         let triangles = left + self.wood_beside(left);
-        let plain = self.wood_of(&[], triangles);
-        let (wood, held_by) = self.held(plain, &leaves.lod, triangles);
+        let plain = self.wood_of(&[], triangles.into());
+        let (wood, held_by) = self.held(plain, &leaves.lod, triangles.into());
         Ok(WholeLevel {
             leaves,
             wood: wood.lod,

@@ -18,16 +18,13 @@ impl CutOutFlip {
     /// Of a picture of `size` pixels, row by row: linear RGB times coverage, and coverage, 0 to 1; before these
     /// greys, in linear light.
     pub(crate) fn of(size: [u32; 2], rgb: &[[f32; 3]], coverage: &[f32], greys: &[f32]) -> Self {
-        let grid = Grid {
-            width: size[0] as usize,
-            height: size[1] as usize,
-        };
+        let grid = Grid::about(size[0] as usize, size[1] as usize, coverage);
         let colors = Colors::new();
-        let mut planes = [(); 3].map(|()| Vec::with_capacity(rgb.len()));
-        for pixel in rgb {
-            let [x, y, z] = colors.relative_xyz(*pixel);
-            for (plane, value) in planes.iter_mut().zip([y, 500.0 * (x - y), 200.0 * (y - z)]) {
-                plane.push(value);
+        let mut planes = [(); 3].map(|()| vec![0.0; rgb.len()]);
+        for (y, run) in grid.rows() {
+            for k in run.map(|x| y * size[0] as usize + x) {
+                let [x, y, z] = colors.relative_xyz(rgb[k]);
+                (planes[0][k], planes[1][k], planes[2][k]) = (y, 500.0 * (x - y), 200.0 * (y - z));
             }
         }
         let [luminance, red_green, yellow_blue] = planes;
@@ -38,39 +35,29 @@ impl CutOutFlip {
         let red_green = grid.filtered(&red_green, &gaussian(RED_GREEN_WIDTH));
         let yellow_blue = blue_yellow(&grid, &yellow_blue);
         let before = |grey: &f32| {
-            let count = luminance.len();
-            let mut lab = [(); 3].map(|()| Vec::with_capacity(count));
             // Far from the plant all pixels are alike.
-            let bare = colors.hunt_lab([*grey; 3]);
-            for k in 0..count {
-                let of_pixel = if coverage[k] == 0.0 {
-                    bare
-                } else {
-                    let y = luminance[k] + (1.0 - coverage[k]) * grey;
-                    let opponent = [116.0 * y - 16.0, red_green[k], yellow_blue[k]];
-                    colors.hunt_lab(colors.rgb_of_opponent(opponent))
-                };
-                for (plane, value) in lab.iter_mut().zip(of_pixel) {
-                    plane.push(value);
+            let bare = FlipPixel {
+                lab: colors.hunt_lab([*grey; 3]),
+                edge: 0.0,
+                point: 0.0,
+            };
+            let mut pixels = vec![bare; rgb.len()];
+            for (y, run) in grid.rows() {
+                for k in run.map(|x| y * size[0] as usize + x) {
+                    if coverage[k] != 0.0 {
+                        let y = luminance[k] + (1.0 - coverage[k]) * grey;
+                        let opponent = [116.0 * y - 16.0, red_green[k], yellow_blue[k]];
+                        pixels[k].lab = colors.hunt_lab(colors.rgb_of_opponent(opponent));
+                    }
+                    let [edge, point] = [0, 1].map(|feature| {
+                        let (plant, cover) = (&of_plant[feature], &of_coverage[feature]);
+                        let across = plant.across[k] - grey * cover.across[k];
+                        across.hypot_of(plant.down[k] - grey * cover.down[k])
+                    });
+                    (pixels[k].edge, pixels[k].point) = (edge, point);
                 }
             }
-            let [edges, points] = [0, 1].map(|feature| {
-                let (plant, cover) = (&of_plant[feature], &of_coverage[feature]);
-                let strength = |k: usize| {
-                    let across = plant.across[k] - grey * cover.across[k];
-                    across.hypot_of(plant.down[k] - grey * cover.down[k])
-                };
-                (0..count).map(strength).collect()
-            });
-            let [lightness, red_green, blue_yellow] = lab;
-            FlipPicture {
-                size,
-                lightness,
-                red_green,
-                blue_yellow,
-                edges,
-                points,
-            }
+            FlipPicture { size, pixels }
         };
         Self {
             before: greys.iter().map(before).collect(),
@@ -91,7 +78,7 @@ impl CutOutFlip {
         self.before.iter().zip(&other.before).map(move |(a, b)| {
             assert_eq!(a.size, b.size, "one size");
             let error = |k: &u32| {
-                let [a, b]: [FlipPixel; 2] = [a, b].map(|picture| picture.at(*k as usize));
+                let [a, b] = [a, b].map(|picture| &picture.pixels[*k as usize]);
                 scale.error(a, b)
             };
             pixels.iter().map(error).collect()

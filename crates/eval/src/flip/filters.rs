@@ -2,6 +2,10 @@
 //!
 //! Every filter is a sum of products of a filter along rows and one along columns. Borders are repeated outwards.
 
+use std::ops::Range;
+
+use glam::Vec4;
+
 use super::PIXELS_PER_DEGREE;
 use super::color::HypotOf;
 
@@ -118,13 +122,68 @@ pub(super) fn responses(grid: &Grid, grey: &[f32]) -> [Responses; 2] {
     })
 }
 
-/// Where the values of a plane lie.
+/// Side of the tiles of a plane that are filtered or left out, in pixels: no filter reaches farther than this.
+const TILE_PX: usize = 16;
+
+/// Where the values of a plane lie, and which of them are filtered.
 pub(super) struct Grid {
-    pub(super) width: usize,
-    pub(super) height: usize,
+    width: usize,
+    height: usize,
+    /// By row of tiles, the columns of pixels that are filtered, in runs of whole tiles.
+    runs: Vec<Vec<Range<usize>>>,
 }
 
 impl Grid {
+    /// All of a plane.
+    pub(super) fn whole(width: usize, height: usize) -> Self {
+        let of_row: Vec<Range<usize>> = (width > 0).then_some(0..width).into_iter().collect();
+        Self {
+            width,
+            height,
+            runs: vec![of_row; height.div_ceil(TILE_PX)],
+        }
+    }
+
+    /// The tiles in which a plane is not 0, and those about them: whatever is 0 where this is stays 0 elsewhere.
+    pub(super) fn about(width: usize, height: usize, plane: &[f32]) -> Self {
+        let columns = width.div_ceil(TILE_PX);
+        let mut is_near = vec![vec![false; columns]; height.div_ceil(TILE_PX)];
+        for (y, row) in plane.chunks_exact(width.max(1)).enumerate() {
+            for (column, tile) in row.chunks(TILE_PX).enumerate() {
+                if tile.iter().any(|value| *value != 0.0) {
+                    let tile_row = y / TILE_PX;
+                    let rows = tile_row.saturating_sub(1)..(tile_row + 2).min(is_near.len());
+                    for near in &mut is_near[rows] {
+                        near[column.saturating_sub(1)..(column + 2).min(columns)].fill(true);
+                    }
+                }
+            }
+        }
+        let runs_of = |is_near: &Vec<bool>| {
+            let near = is_near.chunk_by(|a, b| a == b);
+            let mut first = 0;
+            let runs = near.filter_map(|tiles| {
+                let run = first * TILE_PX..((first + tiles.len()) * TILE_PX).min(width);
+                first += tiles.len();
+                tiles[0].then_some(run)
+            });
+            runs.collect()
+        };
+        Self {
+            width,
+            height,
+            runs: is_near.iter().map(runs_of).collect(),
+        }
+    }
+
+    /// The rows that are filtered, each with a run of its columns.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        (0..self.height).flat_map(|y| {
+            let runs = self.runs[y / TILE_PX].iter();
+            runs.map(move |run| (y, run.clone()))
+        })
+    }
+
     pub(super) fn filtered(&self, plane: &[f32], kernel: &[f32]) -> Vec<f32> {
         self.down(&self.across(plane, kernel), kernel)
     }
@@ -134,13 +193,14 @@ impl Grid {
         let mut filtered = vec![0.0; plane.len()];
         let radius = kernel.len() / 2;
         let mut wide = vec![0.0; self.width + 2 * radius];
-        let rows = plane.chunks_exact(self.width.max(1));
-        for (row, filtered) in rows.zip(filtered.chunks_exact_mut(self.width.max(1))) {
+        for (y, run) in self.rows() {
+            let row = &plane[y * self.width..][..self.width];
             wide[..radius].fill(row[0]);
             wide[radius..radius + self.width].copy_from_slice(row);
             wide[radius + self.width..].fill(row[self.width - 1]);
-            for (first, weight) in kernel.iter().enumerate() {
-                add(filtered, &wide[first..first + self.width], *weight);
+            let filtered = &mut filtered[y * self.width..][..self.width];
+            for (x, sums) in chunks(filtered, run) {
+                weighted_sums(sums, kernel, |tap| &wide[x + tap..]);
             }
         }
         filtered
@@ -150,18 +210,64 @@ impl Grid {
     fn down(&self, plane: &[f32], kernel: &[f32]) -> Vec<f32> {
         let mut filtered = vec![0.0; plane.len()];
         let radius = kernel.len() / 2;
-        for (y, filtered) in filtered.chunks_exact_mut(self.width.max(1)).enumerate() {
-            for (k, weight) in kernel.iter().enumerate() {
-                let row = (y + k).saturating_sub(radius).min(self.height - 1);
-                add(filtered, &plane[row * self.width..][..self.width], *weight);
+        for (y, run) in self.rows() {
+            let row = |tap: usize| (y + tap).saturating_sub(radius).min(self.height - 1);
+            let filtered = &mut filtered[y * self.width..][..self.width];
+            for (x, sums) in chunks(filtered, run) {
+                weighted_sums(sums, kernel, |tap| &plane[row(tap) * self.width + x..]);
             }
         }
         filtered
     }
 }
 
-fn add(sums: &mut [f32], values: &[f32], weight: f32) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        *sum += weight * value;
+/// A run of a row in chunks, each with its column.
+fn chunks(row: &mut [f32], run: Range<usize>) -> impl Iterator<Item = (usize, &mut [f32])> {
+    let columns = run.clone().step_by(TILE_PX);
+    columns.zip(row[run].chunks_mut(TILE_PX))
+}
+
+/// The sums over all taps of a filter of its weights times the values at the tap.
+#[inline]
+fn weighted_sums<'a>(sums: &mut [f32], kernel: &[f32], values: impl Fn(usize) -> &'a [f32]) {
+    let Some(sums) = sums.first_chunk_mut::<TILE_PX>() else {
+        for (tap, weight) in kernel.iter().enumerate() {
+            for (sum, value) in sums.iter_mut().zip(values(tap)) {
+                *sum += weight * value;
+            }
+        }
+        return;
+    };
+    // As many as registers hold.
+    let mut fours = [Vec4::ZERO; TILE_PX / 4];
+    for (tap, weight) in kernel.iter().enumerate() {
+        let values = &values(tap)[..TILE_PX];
+        for (sum, four) in fours.iter_mut().zip(values.chunks_exact(4)) {
+            *sum += Vec4::from_slice(four) * *weight;
+        }
+    }
+    for (four, sum) in sums.chunks_exact_mut(4).zip(fours) {
+        sum.write_to_slice(four);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two spots, one at a corner, in a plane whose sides are no whole numbers of tiles.
+    #[test]
+    fn tiles_far_from_what_is_there_filter_to_nothing() {
+        let [width, height] = [103, 90];
+        let mut plane = vec![0.0; width * height];
+        for (x, y) in [(40, 20), (41, 20), (40, 21), (102, 89), (101, 89)] {
+            plane[y * width + x] = 0.3 + 0.01 * x as f32;
+        }
+        let near = Grid::about(width, height, &plane);
+        let filtered_px: usize = near.rows().map(|(_, run)| run.len()).sum();
+        assert!(filtered_px < width * height / 2, "{filtered_px}");
+        let whole = Grid::whole(width, height);
+        assert_eq!(features(&near, &plane), features(&whole, &plane));
+        assert_eq!(blue_yellow(&near, &plane), blue_yellow(&whole, &plane));
     }
 }

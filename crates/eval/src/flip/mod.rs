@@ -23,25 +23,17 @@ use filters::{Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, features, gau
 /// pixels, seen from .7 m.
 pub(crate) const PIXELS_PER_DEGREE: f32 = 67.0;
 
-/// A picture as FLIP sees it, one value a pixel in each list, row by row.
+/// A picture as FLIP sees it, row by row.
 #[derive(Clone, Debug)]
 pub(crate) struct FlipPicture {
     size: [u32; 2],
-    /// L*, and a* and b* as far as the eye tells them apart at that lightness (Hunt).
-    lightness: Vec<f32>,
-    red_green: Vec<f32>,
-    blue_yellow: Vec<f32>,
-    edges: Vec<f32>,
-    points: Vec<f32>,
+    pixels: Vec<FlipPixel>,
 }
 
 impl FlipPicture {
     /// Of a picture without transparency, at the usual 67 pixels a degree.
     pub(crate) fn of(image: &RgbaImage) -> Self {
-        let grid = Grid {
-            width: image.width() as usize,
-            height: image.height() as usize,
-        };
+        let grid = Grid::whole(image.width() as usize, image.height() as usize);
         let colors = Colors::new();
         let [mut y, mut cx, mut cz] = colors.opponent(image);
         let mut grey = y.clone();
@@ -52,16 +44,14 @@ impl FlipPicture {
         y = grid.filtered(&y, &gaussian(LIGHTNESS_WIDTH));
         cx = grid.filtered(&cx, &gaussian(RED_GREEN_WIDTH));
         cz = blue_yellow(&grid, &cz);
-        for ((y, cx), cz) in y.iter_mut().zip(&mut cx).zip(&mut cz) {
-            [*y, *cx, *cz] = colors.hunt_lab(colors.rgb_of_opponent([*y, *cx, *cz]));
-        }
+        let pixel = |k: usize| FlipPixel {
+            lab: colors.hunt_lab(colors.rgb_of_opponent([y[k], cx[k], cz[k]])),
+            edge: edges[k],
+            point: points[k],
+        };
         Self {
             size: [image.width(), image.height()],
-            lightness: y,
-            red_green: cx,
-            blue_yellow: cz,
-            edges,
-            points,
+            pixels: (0..y.len()).map(pixel).collect(),
         }
     }
 
@@ -72,7 +62,8 @@ impl FlipPicture {
     pub(crate) fn errors(&self, other: &Self) -> impl Iterator<Item = f32> {
         assert_eq!(self.size, other.size, "one size");
         let scale = ColorScale::new();
-        (0..self.edges.len()).map(move |k| scale.error(self.at(k), other.at(k)))
+        let pairs = self.pixels.iter().zip(&other.pixels);
+        pairs.map(move |(a, b)| scale.error(a, b))
     }
 
     /// Mean FLIP of one against the other.
@@ -80,38 +71,26 @@ impl FlipPicture {
     /// # Panics
     /// If they are of other sizes, or of none.
     pub(crate) fn mean_error(&self, other: &Self) -> f64 {
-        assert!(!self.edges.is_empty(), "at least one pixel");
+        assert!(!self.pixels.is_empty(), "at least one pixel");
         let sum: f64 = self.errors(other).map(f64::from).sum();
-        sum / self.edges.len() as f64
-    }
-
-    fn at(&self, pixel: usize) -> FlipPixel {
-        FlipPixel {
-            lightness: self.lightness[pixel],
-            red_green: self.red_green[pixel],
-            blue_yellow: self.blue_yellow[pixel],
-            edge: self.edges[pixel],
-            point: self.points[pixel],
-        }
+        sum / self.pixels.len() as f64
     }
 }
 
 /// A pixel as FLIP sees it.
 #[derive(Clone, Copy, Debug)]
 struct FlipPixel {
-    lightness: f32,
-    red_green: f32,
-    blue_yellow: f32,
+    /// L*, and a* and b* as far as the eye tells them apart at that lightness (Hunt).
+    lab: [f32; 3],
     edge: f32,
     point: f32,
 }
 
 impl ColorScale {
     /// FLIP of a pixel against another, 0 to 1.
-    fn error(&self, a: FlipPixel, b: FlipPixel) -> f32 {
-        let lightness = (a.lightness - b.lightness).abs();
-        let color = (a.red_green - b.red_green).hypot_of(a.blue_yellow - b.blue_yellow);
-        let difference = lightness + color;
+    fn error(&self, a: &FlipPixel, b: &FlipPixel) -> f32 {
+        let [lightness, red_green, blue_yellow] = [0, 1, 2].map(|k| a.lab[k] - b.lab[k]);
+        let difference = lightness.abs() + red_green.hypot_of(blue_yellow);
         // Where colours are the same FLIP is 0, whatever the edges are.
         if difference == 0.0 {
             return 0.0;

@@ -42,7 +42,7 @@ fn literal(triangles: &[ScreenTriangle], surface: &Surface, side: usize) -> Vec<
                 let sample = row * side + column;
                 if weights.iter().all(|weight| *weight >= EDGE_SLACK)
                     && near > nearness[sample]
-                    && cutout.is_there(triangle, &place, at, weights)
+                    && cutout.strength(triangle, &place, at, weights) >= 1.0
                 {
                     nearness[sample] = near;
                     frontmost[sample] = index as u32;

@@ -29,7 +29,7 @@ impl Maker<'_> {
     ) -> Result<Vec<ChainLevel>, ChainError> {
         let mut of_switches = Vec::new();
         loop {
-            let levels = self.levels(placed.clone(), &impostors, client, observer)?;
+            let levels = self.levels(placed.clone(), &impostors, client)?;
             let (kept, left_out) = self.without_pops(levels, observer)?;
             let is_impostor = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
             // What comes after it may be kept beside a mesh in its place, or left out.
@@ -52,7 +52,6 @@ impl Maker<'_> {
         mut placed: Vec<Placed>,
         impostors: &[PlacedImpostor],
         client: &Client<'_>,
-        observer: &mut Observer<'_>,
     ) -> Result<Vec<Pictured>, ChainError> {
         let followed_at = impostors.first().map(|impostor| impostor.begins_px);
         if let Some(height) = followed_at {
@@ -63,7 +62,7 @@ impl Maker<'_> {
         let mut levels = Vec::new();
         for (k, (mesh, next)) in placed.into_iter().zip(ends).enumerate() {
             let end = end_of(mesh.begins(), next);
-            let mesh = self.placed_down_to(mesh, end, k == 0, client, observer)?;
+            let mesh = self.placed_down_to(mesh, end, k == 0, client)?;
             levels.push(self.finished(mesh)?);
         }
         for (k, impostor) in impostors.iter().enumerate() {

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use secateur_simplify::Observer;
+use secateur_simplify::whole::Budget;
 
 use super::error::ChainError;
 use super::look::SEARCH_PX;
 use super::maker::{Made, Maker};
-use super::placed::Placed;
+use super::placed::{Place, Placed};
 use super::textures::Client;
 
 /// How many steps halve the triangles: from step to step there are 2 % fewer.
@@ -22,7 +23,7 @@ const STEPS: usize = 10 * STEPS_A_HALF + 1;
 const USUAL_SLOPE: f64 = 0.0125;
 
 /// A search ends where the next level to try is fewer steps from what is known to do.
-const LEAST_GAIN: usize = 3;
+const LEAST_GAIN: usize = 4;
 
 /// Levels are aimed at this share of what is allowed: the difference is not monotonic.
 const AIM: f64 = 0.98;
@@ -38,10 +39,13 @@ const LARGE: f64 = 1.5;
 const ENOUGH: f64 = 0.88;
 
 /// A level that reaches this share of the goal of a search ends it.
-const NEAR: f64 = 0.97;
+const NEAR: f64 = 0.95;
 
-/// The step that is tried first where nothing is known: a fifth of all triangles.
-const FIRST: usize = 74;
+/// And where the goal is a guess.
+const NEAR_FIRST: f64 = 0.85;
+
+/// The step that is tried first where nothing is known: a third of all triangles.
+const FIRST: usize = 51;
 
 /// The most levels that are made whole, with their textures, for one place.
 const MOST_PLACED: usize = 3;
@@ -49,11 +53,20 @@ const MOST_PLACED: usize = 3;
 /// After so many guesses in one search the rest is halved: guesses may creep.
 const MOST_GUESSES: u32 = 4;
 
+/// How triangles are shared between leaves and wood: [`Budget::leaf_margin`]. The first is tried first.
+const LEAF_MARGINS: [f64; 3] = [0.15, 0.05, 0.3];
+
+/// Another sharing is tried where it would save so many steps: an eighth.
+const BETTER_BY: usize = 6;
+
 /// Levels of shares of all triangles, made as they are asked for.
 pub(super) struct Ladder<'a, 'm> {
     maker: &'m Maker<'a>,
     client: &'m Client<'m>,
-    made: BTreeMap<usize, Made>,
+    /// By step and place in [`LEAF_MARGINS`].
+    made: BTreeMap<(usize, usize), Made>,
+    /// The place in [`LEAF_MARGINS`] of how triangles are shared.
+    sharing: usize,
     steps: usize,
     goals: Goals,
 }
@@ -70,6 +83,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             maker,
             client,
             made: BTreeMap::new(),
+            sharing: 0,
             steps: (0..STEPS).take_while(has_more).count().max(1),
             goals: Goals::default(),
         }
@@ -85,7 +99,6 @@ impl<'a, 'm> Ladder<'a, 'm> {
         (first, is_finest): (usize, bool),
         observer: &mut Observer<'_>,
     ) -> Result<Option<(usize, Placed)>, ChainError> {
-        let range = [heights[0], end_px];
         let mut steps = first..self.steps;
         let mut best = None;
         let mut guess = match is_finest {
@@ -99,9 +112,12 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 break;
             };
             let made = self.level(step, observer)?.clone();
-            let placed = self
-                .maker
-                .placed(made, range, is_finest, self.client, observer)?;
+            let place = Place {
+                range: [heights[0], end_px],
+                is_first: is_finest,
+                goal: self.goals.at(heights[0]),
+            };
+            let placed = self.maker.placed(made, place, self.client, observer)?;
             let over = placed.difference.over(self.maker.look.limits);
             if over <= 1.0 {
                 best = Some((step, placed));
@@ -122,9 +138,47 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(best)
     }
 
-    /// The coarsest of some steps that does in the pictures of a search, and how many times the limits it is there;
-    /// none if none does.
+    /// The coarsest of some steps that does in the pictures of a search, however triangles are shared, and how many
+    /// times the limits it is there; none if none does. It is the level of its step until another place is sought.
     fn coarsest(
+        &mut self,
+        heights: &[f64],
+        steps: Range<usize>,
+        first: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Tried>, ChainError> {
+        let found = self.coarsest_so_shared(heights, steps.clone(), first, observer)?;
+        let next = found.map_or(steps.start, |(step, _)| step + BETTER_BY);
+        if next >= steps.end {
+            return Ok(found);
+        }
+        let otherwise = self.share_otherwise(heights, next, observer)?;
+        Ok(otherwise.map(|over| (next, over)).or(found))
+    }
+
+    /// Shares triangles as does best at a step, if that is not as before, and how many times the limits the level is
+    /// then; nothing where none does.
+    fn share_otherwise(
+        &mut self,
+        heights: &[f64],
+        step: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<f64>, ChainError> {
+        let (before, goal) = (self.sharing, self.goals.at(heights[0]));
+        let mut best: Option<(usize, f64)> = None;
+        for sharing in (0..LEAF_MARGINS.len()).filter(|sharing| *sharing != before) {
+            self.sharing = sharing;
+            let over = self.over(step, heights, observer)?;
+            if over <= best.map_or(goal, |(_, least)| least) {
+                best = Some((sharing, over));
+            }
+        }
+        self.sharing = best.map_or(before, |(sharing, _)| sharing);
+        Ok(best.map(|(_, over)| over))
+    }
+
+    /// The coarsest of some steps that does, with triangles shared as they are.
+    fn coarsest_so_shared(
         &mut self,
         heights: &[f64],
         steps: Range<usize>,
@@ -133,11 +187,16 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<Option<Tried>, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
         let goal = self.goals.at(heights[0]);
+        let near = if self.goals.is_learned(heights[0]) {
+            NEAR
+        } else {
+            NEAR_FIRST
+        };
         for guesses in 0.. {
             let low = within.map_or(steps.start, |(step, _)| step + 1);
             let high = beyond.map_or(steps.end, |(step, _)| step);
             let is_near = within.is_some() && high < low + LEAST_GAIN;
-            let is_enough = within.is_some_and(|(_, over)| over >= NEAR * goal);
+            let is_enough = within.is_some_and(|(_, over)| over >= near * goal);
             if low >= high || is_near || is_enough {
                 break;
             }
@@ -173,12 +232,16 @@ impl<'a, 'm> Ladder<'a, 'm> {
 
     /// The level of a step.
     fn level(&mut self, step: usize, observer: &mut Observer<'_>) -> Result<&Made, ChainError> {
-        if !self.made.contains_key(&step) {
-            let triangles = triangles_of(step, self.maker.all);
-            let made = self.maker.level(triangles, observer)?;
-            self.made.insert(step, made);
+        let key = (step, self.sharing);
+        if !self.made.contains_key(&key) {
+            let budget = Budget {
+                triangles: triangles_of(step, self.maker.all),
+                leaf_margin: LEAF_MARGINS[self.sharing],
+            };
+            let made = self.maker.level(budget, observer)?;
+            self.made.insert(key, made);
         }
-        Ok(&self.made[&step])
+        Ok(&self.made[&key])
     }
 }
 
@@ -188,6 +251,8 @@ struct Goals {
     of_small: f64,
     /// By which power of their size larger pictures show more.
     power: f64,
+    /// Whether places of small and of large pictures have told.
+    is_learned: [bool; 2],
 }
 
 impl Default for Goals {
@@ -195,6 +260,7 @@ impl Default for Goals {
         Self {
             of_small: AIM,
             power: USUAL_POWER,
+            is_learned: [false; 2],
         }
     }
 }
@@ -205,9 +271,15 @@ impl Goals {
         self.of_small * size_over_search(pixels_high).powf(-self.power)
     }
 
+    /// Whether places with pictures of this height have told.
+    fn is_learned(&self, pixels_high: f64) -> bool {
+        self.is_learned[usize::from(size_over_search(pixels_high) > LARGE)]
+    }
+
     /// Takes in that a level differed `times` as much in its own pictures, this high in pixels, as in those of a search.
     fn learn(&mut self, pixels_high: f64, times: f64) {
         let size = size_over_search(pixels_high);
+        self.is_learned[usize::from(size > LARGE)] = true;
         if size > LARGE {
             self.power = (times.ln() / size.ln()).clamp(0.0, 1.0);
         } else {

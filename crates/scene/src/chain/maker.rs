@@ -8,7 +8,7 @@ use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{WholeLevel, WoodMode, simplify_keeping_wood_sharing};
+use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Error, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
@@ -123,16 +123,17 @@ impl<'a> Maker<'a> {
 
     pub(super) fn level(
         &self,
-        triangles: usize,
+        budget: impl Into<Budget>,
         observer: &mut Observer<'_>,
     ) -> Result<Made, ChainError> {
+        let budget = budget.into();
         let options = &self.leaf_options;
         let parts = match &self.stands {
-            Some(stands) => stands.level(triangles, options, self.engine, observer)?,
+            Some(stands) => stands.level(budget, options, self.engine, observer)?,
             None => {
                 let (leaves, wood) = (self.tree.leaves(), self.tree.wood());
                 let options = Options {
-                    target: Target::triangles(triangles as u64),
+                    target: Target::triangles(budget.triangles as u64),
                     ..options.clone()
                 };
                 let shared = &mut *self.shared.borrow_mut();

@@ -8,6 +8,7 @@ use secateur_model::AlphaMode;
 
 use super::error::ChainError;
 use super::maker::{Made, Maker};
+use super::placed::Place;
 use super::textures::Client;
 
 /// Coverage that is no farther off than this is left alone: in other views it is then within a tenth.
@@ -28,9 +29,10 @@ impl Maker<'_> {
     pub(super) fn covering(
         &self,
         made: Made,
-        range: [f64; 2],
+        place: Place,
         client: &Client<'_>,
     ) -> Result<Made, ChainError> {
+        let range = place.range;
         let original = &self.look.original.surfaces;
         if original.iter().any(|s| is_cut_out(s.material.alpha_mode)) {
             return Ok(made);
@@ -46,7 +48,7 @@ impl Maker<'_> {
                 break;
             }
             // To grow must not cost what was asked for; what is beyond it anyhow stays as near as it is.
-            let most_over = *most_over.get_or_insert_with(|| over(&made).max(1.0));
+            let most_over = *most_over.get_or_insert_with(|| over(&made).max(place.goal));
             let tried = f64::clamp(factor * step, RANGE[0], RANGE[1]);
             let next = self.resized(&made, tried)?;
             if over(&next) > most_over {

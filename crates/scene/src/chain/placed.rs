@@ -1,6 +1,7 @@
 //! A level where it stands in a chain: with its textures, and judged as it is put down.
 
 use secateur_eval::Difference;
+use secateur_model::Surface;
 use secateur_simplify::{Observer, Progress};
 
 use super::error::ChainError;
@@ -31,36 +32,78 @@ impl Placed {
     }
 }
 
+/// Where a level stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Heights on the screen in pixels from which, and down to which, it is seen.
+    pub(super) range: [f64; 2],
+    /// Whether it is the finest: what is seen from near by, too.
+    pub(super) is_first: bool,
+    /// How many times the limits it may be in the pictures of a search, so that it is within them in its own.
+    pub(super) goal: f64,
+}
+
+impl Place {
+    /// A place whose own pictures show about what those of a search do.
+    pub(super) fn new(range: [f64; 2], is_first: bool) -> Self {
+        Self {
+            range,
+            is_first,
+            goal: 1.0,
+        }
+    }
+}
+
+/// A level with the textures that it has at a place.
+struct Dressed {
+    made: Made,
+    chosen: Chosen,
+    surfaces: Vec<Surface>,
+}
+
 impl Maker<'_> {
     /// A level with leaves and textures that cover what they should over a range of heights, and judged with them.
     /// Textures that would take it beyond the limits are not taken.
     pub(super) fn placed(
         &self,
         made: Made,
-        range: [f64; 2],
-        is_first: bool,
+        place: Place,
         client: &Client<'_>,
         observer: &mut Observer<'_>,
     ) -> Result<Placed, ChainError> {
         Progress::Finish.tell(observer)?;
-        let made = self.covering(made, range, client)?;
-        let level = &made.drawn.level;
-        let mut chosen = client.choose(level, range, self.options.textures, is_first);
+        let dressed = self.dressed(made, place, client)?;
+        let difference = self.look.difference(&dressed.surfaces, place.range[0]);
+        Ok(Placed {
+            made: dressed.made,
+            chosen: dressed.chosen,
+            range: place.range,
+            difference,
+        })
+    }
+
+    fn dressed(
+        &self,
+        made: Made,
+        place: Place,
+        client: &Client<'_>,
+    ) -> Result<Dressed, ChainError> {
+        let made = self.covering(made, place, client)?;
+        let (level, range) = (&made.drawn.level, place.range);
+        let mut chosen = client.choose(level, range, self.options.textures, place.is_first);
         let mut surfaces = retextured(level, &chosen.textures);
         if !chosen.keeps_textures {
             let kept = self.look.over_in_search(&made.drawn, range[0]);
             let own = self.look.over_of_surfaces(&surfaces, range[0]);
-            if own > kept.max(1.0) {
+            if own > kept.max(place.goal) {
                 chosen = client.kept(level, range);
                 surfaces = retextured(level, &chosen.textures);
             }
         }
-        let difference = self.look.difference(&surfaces, range[0]);
-        Ok(Placed {
+        Ok(Dressed {
             made,
             chosen,
-            range,
-            difference,
+            surfaces,
         })
     }
 
@@ -71,28 +114,38 @@ impl Maker<'_> {
         end: f64,
         is_first: bool,
         client: &Client<'_>,
-        observer: &mut Observer<'_>,
     ) -> Result<Placed, ChainError> {
-        let range = [placed.begins(), end];
-        if range == placed.range {
+        let place = Place::new([placed.begins(), end], is_first);
+        if place.range == placed.range {
             return Ok(placed);
         }
         // Colours and outlines where it begins are what they were.
         let surfaces = retextured(&placed.made.drawn.level, &placed.chosen.textures);
-        let as_drawn = client.as_drawn(&surfaces, range);
-        if as_drawn.is_within() {
-            let chosen = Chosen {
+        let as_drawn = client.as_drawn(&surfaces, place.range);
+        let as_before = |as_drawn| Placed {
+            chosen: Chosen {
                 as_drawn,
-                ..placed.chosen
-            };
-            return Ok(Placed {
-                chosen,
-                range,
-                ..placed
-            });
+                ..placed.chosen.clone()
+            },
+            range: place.range,
+            ..placed.clone()
+        };
+        if as_drawn.is_within() {
+            return Ok(as_before(as_drawn));
         }
-        let again = self.placed(placed.made.clone(), range, is_first, client, observer)?;
-        let is_within = again.difference.over(self.look.limits) <= 1.0;
-        Ok(if is_within { again } else { placed })
+        let again = self.dressed(placed.made.clone(), place, client)?;
+        if again.surfaces == surfaces {
+            return Ok(as_before(again.chosen.as_drawn));
+        }
+        let difference = self.look.difference(&again.surfaces, placed.begins());
+        if difference.over(self.look.limits) > 1.0 {
+            return Ok(placed);
+        }
+        Ok(Placed {
+            made: again.made,
+            chosen: again.chosen,
+            range: place.range,
+            difference,
+        })
     }
 }

@@ -6,7 +6,7 @@ use secateur_eval::DifferenceJudge;
 use secateur_gltf::WholeTree;
 use secateur_model::{Foliage, LeafId, Lod};
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode};
+use secateur_simplify::whole::{Budget, WholeLevel, WholePlant, WoodMode};
 use secateur_simplify::{Error, Observer, Options, Shared};
 
 /// A plant of a file.
@@ -78,7 +78,7 @@ impl<'a> Stands<'a> {
     /// A level of each plant, all with the same share of their triangles.
     pub(super) fn level(
         &self,
-        triangles: usize,
+        budget: Budget,
         options: &Options,
         engine: &OpenEngine,
         observer: &mut Observer<'_>,
@@ -88,13 +88,16 @@ impl<'a> Stands<'a> {
         for stand in &self.stands {
             // Shares are rounded so that they come to the whole.
             before += stand.plant.triangle_count();
-            let until =
-                (triangles as u128 * before as u128 / self.triangles.max(1) as u128) as usize;
+            let until = (budget.triangles as u128 * before as u128 / self.triangles.max(1) as u128)
+                as usize;
             let shared = &mut *stand.shared.borrow_mut();
-            let level =
-                stand
-                    .plant
-                    .level(until - given, options, engine, Some(shared), observer)?;
+            let own = Budget {
+                triangles: until - given,
+                ..budget
+            };
+            let level = stand
+                .plant
+                .level(own, options, engine, Some(shared), observer)?;
             given = until;
             levels.push(level);
         }
@@ -210,7 +213,7 @@ mod tests {
         let stands = Stands::of(&tree, &judge, WoodMode::Auto, &options, &engine).unwrap();
         let mut go_on = |_| ControlFlow::Continue(());
         let levels = stands
-            .level(triangles, &options, &engine, &mut go_on)
+            .level(triangles.into(), &options, &engine, &mut go_on)
             .unwrap();
         let lods = stands.joined(&levels);
         let left = [lods[0].foliage(tree.leaves()), lods[1].foliage(tree.wood())];

@@ -15,7 +15,7 @@ use secateur_simplify::{Error, Options, Preset, Progress, Target};
 use super::impostors::PlacedImpostor;
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture};
-use super::placed::Placed;
+use super::placed::{Place, Placed};
 use super::textures::end_of;
 use super::*;
 use crate::Screen;
@@ -104,8 +104,8 @@ fn a_chain_stops_when_it_is_asked_to() {
 /// A mesh of this many triangles, drawn where the plant is at most this many pixels high.
 fn mesh(maker: &Maker<'_>, triangles: usize, height: f64) -> Placed {
     let made = maker.level(triangles, &mut go_on).unwrap();
-    let range = [height, end_of(height, None)];
-    let placed = maker.placed(made, range, false, &maker.client(), &mut go_on);
+    let place = Place::new([height, end_of(height, None)], false);
+    let placed = maker.placed(made, place, &maker.client(), &mut go_on);
     placed.unwrap()
 }
 

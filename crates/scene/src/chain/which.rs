@@ -6,7 +6,7 @@ use super::error::ChainError;
 use super::ladder::{Ladder, step_of_share};
 use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, Wanted};
-use super::placed::Placed;
+use super::placed::{Place, Placed};
 use super::textures::{Client, end_of};
 
 /// A level that is sought for a height has at most this share of the triangles of the one before it: to switch for
@@ -85,8 +85,8 @@ fn placed_below(
     while height >= LEAST_PX {
         // From few views it is known sooner that it is not.
         if maker.look.over_in_search(&level.drawn, height) <= 1.1 {
-            let range = [height, end_of(height, None)];
-            let placed = maker.placed(level.clone(), range, is_first, client, observer)?;
+            let place = Place::new([height, end_of(height, None)], is_first);
+            let placed = maker.placed(level.clone(), place, client, observer)?;
             if placed.difference.over(maker.look.limits) <= 1.0 {
                 return Ok(Some(placed));
             }
