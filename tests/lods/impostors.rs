@@ -237,7 +237,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
             .succeeded();
         bench.json("r.json")
     };
-    let at = ["--distances", "20,60,200", "--max-difference", "0.34"];
+    let at = ["--distances", "20,60,200", "--max-difference", "0.6"];
     let chosen = lods(&at);
     let meshes = lods(&[&at[..], &["--impostor", "none"]].concat());
     let lightest = count(&levels(&meshes).last().unwrap()["triangles"]);
@@ -247,7 +247,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
     let mut before = lightest;
     for level in cards {
         assert!(3 * count(&level["triangles"]) <= 2 * before, "{level}");
-        assert!(level["difference"].as_f64().unwrap() <= 0.34, "{level}");
+        assert!(level["difference"].as_f64().unwrap() <= 0.6, "{level}");
         assert!(count(&level["impostor"]["mesh_triangles"]) >= lightest);
         before = count(&level["triangles"]);
     }

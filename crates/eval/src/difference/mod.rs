@@ -10,7 +10,7 @@
 //! 5. *B* of a view: the [worst block](blocks) of mean FLIP over U. *M*: mean FLIP over U. Each on the worse
 //!    background. *W*: as B over pixels whose front surface is wood, in blocks with a twentieth of wood. *C*: the
 //!    largest relative difference of covered area in a block with a tenth of plant. Means over the views.
-//! 6. **difference = max(B, 1.75 M, .4 W)**, with C as its companion `block_coverage`.
+//! 6. **difference = max(B, 1.75 M, .45 W)**, with C as its companion `block_coverage`.
 //!
 //! B, M and C were found on 97 pairs of plants and levels that were graded by eye; W on the 52 of them that the test
 //! `graded` prints.
@@ -56,12 +56,12 @@ const RADII: f64 = 3.0;
 const OF_MEAN: f64 = 1.75;
 
 /// By what the worst block of wood is multiplied: boughs within a crown are few pixels, and everyone misses them.
-const OF_WOOD: f64 = 0.4;
+const OF_WOOD: f64 = 0.45;
 
 /// How far a level looks from its plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
-    /// max(B, 1.75 M, .4 W), 0 to 1.75: the greater the worse.
+    /// max(B, 1.75 M, .45 W), 0 to 1.75: the greater the worse.
     pub difference: f64,
     /// C: the largest relative difference of covered area in a block with a tenth of plant, 0 or more.
     pub block_coverage: f64,

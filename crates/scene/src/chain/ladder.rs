@@ -138,6 +138,27 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(best)
     }
 
+    /// A level where it is larger, at a height and down to another, if it is within the limits there too.
+    pub(super) fn also_at(
+        &self,
+        level: &Placed,
+        (height, end_px, is_first): (f64, f64, bool),
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Placed>, ChainError> {
+        let (look, goal) = (&self.maker.look, self.goals.at(height));
+        if look.over_in_search(&level.made.drawn, height) > goal {
+            return Ok(None);
+        }
+        let place = Place {
+            range: [height, end_px],
+            is_first,
+            goal,
+        };
+        let made = level.made.clone();
+        let placed = self.maker.placed(made, place, self.client, observer)?;
+        Ok((placed.difference.over(look.limits) <= 1.0).then_some(placed))
+    }
+
     /// The coarsest of some steps that does in the pictures of a search, however triangles are shared, and how many
     /// times the limits it is there; none if none does. It is the level of its step until another place is sought.
     fn coarsest(
@@ -187,7 +208,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<Option<Tried>, ChainError> {
         let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
         let goal = self.goals.at(heights[0]);
-        let near = if self.goals.is_learned(heights[0]) {
+        let near = if self.goals.are_known(heights[0]) {
             NEAR
         } else {
             NEAR_FIRST
@@ -239,6 +260,12 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 leaf_margin: LEAF_MARGINS[self.sharing],
             };
             let made = self.maker.level(budget, observer)?;
+            // What is known of an equal level is known of this one.
+            let others = self.made.range((step, 0)..(step + 1, 0));
+            let equal = others
+                .map(|(_, other)| other)
+                .find(|other| other.lod == made.lod);
+            let made = equal.cloned().unwrap_or(made);
             self.made.insert(key, made);
         }
         Ok(&self.made[&key])
@@ -251,8 +278,8 @@ struct Goals {
     of_small: f64,
     /// By which power of their size larger pictures show more.
     power: f64,
-    /// Whether places of small and of large pictures have told.
-    is_learned: [bool; 2],
+    /// Whether a place has told of it.
+    is_power_known: bool,
 }
 
 impl Default for Goals {
@@ -260,7 +287,7 @@ impl Default for Goals {
         Self {
             of_small: AIM,
             power: USUAL_POWER,
-            is_learned: [false; 2],
+            is_power_known: false,
         }
     }
 }
@@ -271,16 +298,16 @@ impl Goals {
         self.of_small * size_over_search(pixels_high).powf(-self.power)
     }
 
-    /// Whether places with pictures of this height have told.
-    fn is_learned(&self, pixels_high: f64) -> bool {
-        self.is_learned[usize::from(size_over_search(pixels_high) > LARGE)]
+    /// Whether that is not a guess.
+    fn are_known(&self, pixels_high: f64) -> bool {
+        self.is_power_known || size_over_search(pixels_high) <= LARGE
     }
 
     /// Takes in that a level differed `times` as much in its own pictures, this high in pixels, as in those of a search.
     fn learn(&mut self, pixels_high: f64, times: f64) {
         let size = size_over_search(pixels_high);
-        self.is_learned[usize::from(size > LARGE)] = true;
         if size > LARGE {
+            self.is_power_known = true;
             self.power = (times.ln() / size.ln()).clamp(0.0, 1.0);
         } else {
             self.of_small = AIM * size.powf(self.power) / times;

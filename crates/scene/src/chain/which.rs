@@ -130,7 +130,19 @@ pub(super) fn lightest(
         let of_before = before.map_or(maker.all, |(.., before)| before.triangles());
         let pays = |level: &Placed| level.triangles() as f64 <= most_of_before * of_before as f64;
         match (sought.filter(|(_, level)| pays(level)), before) {
-            (Some((step, level)), _) => found.push((step, place, level)),
+            (Some((step, mut level)), _) => {
+                // What does at the place before as well takes the place of what stands there.
+                let mut from = place;
+                while let Some((_, before, _)) = found.last() {
+                    let at = (heights[*before], end_px, found.len() == 1);
+                    let Some(earlier) = ladder.also_at(&level, at, observer)? else {
+                        break;
+                    };
+                    (from, level) = (*before, earlier);
+                    found.pop();
+                }
+                found.push((step, from, level));
+            }
             // What stands before it must do there too, or is sought again so that it does.
             (None, Some((_, from, level)))
                 if !serves[*from].contains(&height)
