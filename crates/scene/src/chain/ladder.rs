@@ -168,18 +168,22 @@ impl<'a, 'm> Ladder<'a, 'm> {
         first: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
-        let found = self.coarsest_so_shared(heights, steps.clone(), first, observer)?;
-        let next = found.map_or(steps.start, |(step, _)| step + BETTER_BY);
-        if next >= steps.end {
-            return Ok(found);
+        let mut best = self.coarsest_so_shared(heights, steps.clone(), first, observer)?;
+        loop {
+            let next = best.map_or(steps.start, |(step, _)| step + BETTER_BY);
+            if next >= steps.end {
+                return Ok(best);
+            }
+            match self.share_best(heights, next, observer)? {
+                Some(over) => best = Some((next, over)),
+                None => return Ok(best),
+            }
         }
-        let otherwise = self.share_otherwise(heights, next, observer)?;
-        Ok(otherwise.map(|over| (next, over)).or(found))
     }
 
-    /// Shares triangles as does best at a step, if that is not as before, and how many times the limits the level is
-    /// then; nothing where none does.
-    fn share_otherwise(
+    /// Shares triangles as does best at a step, and how many times the limits the level is then; nothing, and no other
+    /// sharing, where none does.
+    fn share_best(
         &mut self,
         heights: &[f64],
         step: usize,
@@ -187,7 +191,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<Option<f64>, ChainError> {
         let (before, goal) = (self.sharing, self.goals.at(heights[0]));
         let mut best: Option<(usize, f64)> = None;
-        for sharing in (0..LEAF_MARGINS.len()).filter(|sharing| *sharing != before) {
+        for sharing in 0..LEAF_MARGINS.len() {
             self.sharing = sharing;
             let over = self.over(step, heights, observer)?;
             if over <= best.map_or(goal, |(_, least)| least) {
