@@ -63,7 +63,7 @@ fn ranks_agree_by_how_they_are_ordered() {
     assert!((rank_correlation(&[1.0, 2.0, 9.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-12);
 }
 
-/// Rank correlation of .9 or more; nothing that is plainly coarser (3 or worse) is within the limits, and hardly
+/// Rank correlation of .94 or more; nothing that is plainly coarser (3 or worse) is within the limits, and hardly
 /// anything that cannot be told (1.5 or better) is beyond them.
 #[test]
 fn the_difference_orders_levels_as_people_do() {
@@ -84,7 +84,7 @@ fn the_difference_orders_levels_as_people_do() {
     let of = |value: fn(&Pair) -> f64| pairs.iter().map(value).collect::<Vec<f64>>();
     let correlation = rank_correlation(&of(|pair| pair.grade), &of(|pair| pair.difference));
     println!("rank correlation {correlation:.3}");
-    assert!(correlation >= 0.9, "{correlation}");
+    assert!(correlation >= 0.94, "{correlation}");
     let coarse = pairs.iter().filter(|pair| pair.grade >= 3.0);
     assert_eq!(coarse.filter(|pair| pair.over <= 1.0).count(), 0);
     let same = pairs.iter().filter(|pair| pair.grade <= 1.5);
