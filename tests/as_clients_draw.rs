@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use secateur::glam::{DQuat, DVec3, Vec2};
-use secateur::{AlphaMode, Filters, Finish, Material, Plant, Surface, Texture, Wrap, plant_to_glb};
+use secateur::{
+    AlphaMode, Filters, Finish, GrownPlant, Material, Surface, Texture, Wrap, plant_to_glb,
+};
 use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::{Value, json};
 
@@ -124,7 +126,7 @@ fn leaves_without_holes_make_up_for_twigs_that_are_gone() {
 
 /// A crown of cards 60 cm wide, whose texture repeats and is a disc in the middle: .2 of it, which passes the
 /// cutoff in the coarsest mips.
-fn crown_of_discs(cutoff: f32) -> Plant {
+fn crown_of_discs(cutoff: f32) -> GrownPlant {
     crown(cutoff, |x, y| {
         let [x, y] = [x, y].map(|at| f64::from(at) - 31.5);
         x * x + y * y < 256.0
@@ -132,7 +134,7 @@ fn crown_of_discs(cutoff: f32) -> Plant {
 }
 
 /// Such a crown whose texture of 64 x 64 texels shows what `is_there`.
-fn crown(cutoff: f32, is_there: impl Fn(u32, u32) -> bool) -> Plant {
+fn crown(cutoff: f32, is_there: impl Fn(u32, u32) -> bool) -> GrownPlant {
     const CARDS: u32 = 240;
     let texel = |k: u32| [60, 140, 40, 255 * u8::from(is_there(k % 64, k / 64))];
     let texture = Texture {
@@ -183,7 +185,7 @@ fn crown(cutoff: f32, is_there: impl Fn(u32, u32) -> bool) -> Plant {
         .map(|[x, y]| DVec3::new(x, y, 0.0))
         .into();
     wood.triangles = vec![[0, 1, 2]];
-    Plant {
+    GrownPlant {
         name: "discs".to_owned(),
         wood,
         leaves,

@@ -16,6 +16,7 @@ mod formats;
 mod glb;
 mod grow;
 mod help;
+mod library;
 mod lod;
 mod lods;
 mod main_job;

@@ -9,18 +9,17 @@
 //! # From a tree to a lighter tree
 //! ```
 //! use secateur::plant::{GrowOptions, Species, grow};
-//! use secateur::{Document, Options, Resolution, Target, plant_to_glb, simplify};
+//! use secateur::{LevelOptions, Opening, Plant, plant_to_glb};
 //!
-//! // Any .glb or .gltf will do: Tree::open(path, &[]). This one grows here.
+//! // Any .glb or .gltf will do: Plant::open(path). This one grows here.
 //! let oak = grow(Species::Oak, &GrowOptions { leaves: 200, seed: 1 })?;
-//! let tree = Document::from_bytes("oak.glb", plant_to_glb(&oak), None)?.into_tree(&[])?;
+//! let oak = Plant::from_bytes("oak.glb", plant_to_glb(&oak), &Opening::default())?;
 //!
-//! let mut options = Options::to(Target::leaf_share(0.25));
-//! options.resolution = Resolution::Pixels(64);
-//! let result = simplify(tree.foliage(), &options)?;
-//! assert_eq!(result.lod.leaf_count(), 50);
+//! // What `secateur simplify --triangles 0.25` makes, material changes included.
+//! let level = oak.level(&LevelOptions::triangles(0.25))?;
+//! assert!(level.difference.is_some_and(|seen| seen.difference < 0.5));
 //!
-//! let glb = tree.lod_to_bytes(&result.lod)?; // or tree.write_lod(&result.lod, path)
+//! let glb = level.to_bytes()?; // or level.write(path)
 //! # assert!(glb.starts_with(b"glTF"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -41,6 +40,7 @@
 //!   measure least, and its nearest neighbour grows. At last the sizes of what is left are fitted
 //!   to the original. [`Passes`] holds what each of them did; every prefix of its [`RemovalOrder`]
 //!   is a LOD ([`Passes::lod_after`]), so one run to the coarsest level gives all finer ones.
+//! - `Plant` and `Level` do all of this as the program does, and choose what changes in materials too.
 //! - [`simplify_with`] tells its progress and can be broken off; [`simplify_on`] works on a GPU
 //!   that is open already.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
@@ -89,19 +89,27 @@
 //! `gpu` (default): rasterising on a GPU through wgpu. `plant` (default): growing plants, and
 //! methods that follow their branches. `eval` (default): judging. `study`: what the command
 //! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
-//! the GPU; turn it off where only the library is wanted.
+//! the GPU; turn it off where only the library is wanted. `scene`: levels with their materials (`Plant`, `Level`).
 
 mod error;
+#[cfg(feature = "scene")]
+mod level;
 #[cfg(feature = "eval")]
 mod measure;
+#[cfg(feature = "scene")]
+mod opened_plant;
 mod scene;
 
 pub use error::Error;
+#[cfg(feature = "scene")]
+pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
 #[cfg(feature = "eval")]
 pub use measure::{
     difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,
     measure_pictures_by,
 };
+#[cfg(feature = "scene")]
+pub use opened_plant::{Opening, Plant};
 pub use scene::scene_views;
 
 #[cfg(feature = "eval")]
@@ -119,8 +127,8 @@ pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
     FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
     Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant, PlantHolds, PlantSkeleton, RemovalOrder, Segment, SegmentIndex, SkeletonError,
-    Step, Surface, Texture, UniformLevel, Wrap,
+    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, RemovalOrder, Segment, SegmentIndex,
+    SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

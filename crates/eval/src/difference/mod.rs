@@ -79,6 +79,9 @@ pub struct Difference {
 }
 
 impl Difference {
+    /// A level with a larger difference is another plant: coarser than for backgrounds.
+    pub const ANOTHER_PLANT: f64 = 0.5;
+
     /// The mean over views.
     fn of_views(views: &[ViewScores]) -> Self {
         let mean = |of: fn(&ViewScores) -> f64| {

@@ -1,40 +1,7 @@
 //! Alpha cutoffs of a result, and what is said of them.
 
-use secateur::{Lod, Options, Tree};
-use secateur_scene::{ChosenCutoffs, MaterialChange, choose_cutoffs};
+use secateur_scene::ChosenCutoffs;
 use serde_json::{Value, json};
-
-use super::args;
-use super::names::CutoffsName;
-
-/// What may be done to the materials of a level; none where they stay as they are.
-pub(crate) fn change(options: &Options, args: &args::Simplify) -> Option<MaterialChange> {
-    match args.cutoffs {
-        Some(CutoffsName::Keep) => None,
-        None if !options.chooses_cutoffs() => None,
-        Some(CutoffsName::FitWithMips) => Some(MaterialChange::Cutoffs),
-        Some(CutoffsName::Fit) | None => Some(MaterialChange::CutoffsOrMips),
-    }
-}
-
-/// The cutoffs of a level, where it needs others than those of the tree. What can't be drawn keeps its
-/// own, with a warning.
-pub(crate) fn chosen(
-    tree: &Tree,
-    lod: &Lod,
-    options: &Options,
-    args: &args::Simplify,
-    warnings: &mut Vec<String>,
-) -> Option<ChosenCutoffs> {
-    let change = change(options, args)?;
-    choose_cutoffs(tree, lod, change).unwrap_or_else(|error| {
-        let warning =
-            format!("alpha cutoffs stay as they are, since the result can't be drawn: {error}");
-        tracing::warn!("{warning}");
-        warnings.push(warning);
-        None
-    })
-}
 
 /// What the record says of them; nothing where all stay.
 pub(crate) fn record(chosen: Option<&ChosenCutoffs>) -> Value {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
-use secateur::{Plant, StagedFiles, plant_into_glb};
+use secateur::{GrownPlant, StagedFiles, plant_into_glb};
 use secateur_plant::{
     GrowError, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
 };
@@ -98,7 +98,7 @@ struct Lod {
     record: Value,
 }
 
-fn grown(source: &RuleSource, args: &args::Grow) -> Result<(Plant, Option<Lod>), Failure> {
+fn grown(source: &RuleSource, args: &args::Grow) -> Result<(GrownPlant, Option<Lod>), Failure> {
     let (rules, name) = (&*source.rules, &*source.name);
     let (leaves, seed) = (args.leaves, args.seed);
     let Some(amount) = args.lod else {
@@ -196,7 +196,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
         .map_err(|_| Failure(format!("{}: the rules are not UTF-8 text", path.display())))
 }
 
-fn exhibit(plant: &Plant) -> Exhibit {
+fn exhibit(plant: &GrownPlant) -> Exhibit {
     let [leaves, triangles] = [
         plant.triangles_per_leaf.len(),
         plant.leaves.triangles.len() + plant.wood.triangles.len(),
@@ -210,7 +210,7 @@ fn exhibit(plant: &Plant) -> Exhibit {
 }
 
 /// Width, height and depth.
-fn extent_m(plant: &Plant) -> DVec3 {
+fn extent_m(plant: &GrownPlant) -> DVec3 {
     let mut positions = plant.wood.positions.iter().chain(&plant.leaves.positions);
     let Some(&first) = positions.next() else {
         return DVec3::ZERO;

@@ -18,9 +18,6 @@ use super::simplify::warn_all;
 use super::summary::grouped;
 use super::{interrupt, output, record};
 
-/// A result that differs by more than this is another plant.
-const ANOTHER_PLANT: f64 = 0.5;
-
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let start = Instant::now();
@@ -58,7 +55,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         all.fold(0.0, f64::max)
     };
     let difference = worst(|seen| seen.difference);
-    let warnings = another_plant(difference);
+    let warnings = warning_of(difference);
     warn_all(&warnings);
     let drawn = match args.as_drawn {
         Some(width_px) => {
@@ -109,16 +106,20 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
 }
 
 /// A sentence where a result is another plant.
-pub(crate) fn another_plant(difference: f64) -> Vec<String> {
-    let sentence = || {
-        format!(
-            "the result looks like another plant: its difference is {difference:.2}, where above {ANOTHER_PLANT} it is coarser than for backgrounds"
-        )
-    };
-    (difference > ANOTHER_PLANT)
-        .then(sentence)
+pub(crate) fn warning_of(difference: f64) -> Vec<String> {
+    let is_another = difference > Difference::ANOTHER_PLANT;
+    is_another
+        .then(|| another_plant(difference))
         .into_iter()
         .collect()
+}
+
+/// That a result is another plant.
+pub(crate) fn another_plant(difference: f64) -> String {
+    let most = Difference::ANOTHER_PLANT;
+    format!(
+        "the result looks like another plant: its difference is {difference:.2}, where above {most} it is coarser than for backgrounds"
+    )
 }
 
 fn pretty(

@@ -27,7 +27,6 @@ mod record;
 mod simplify;
 mod stream;
 mod study;
-mod subject;
 mod summary;
 mod surroundings;
 

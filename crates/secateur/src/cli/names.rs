@@ -2,7 +2,8 @@
 
 use clap::ValueEnum;
 use secateur::{
-    Alpha, Engine, JudgingViews, Needles, Preset, Reference, Resize, Sides, Ties, WoodMode,
+    Alpha, ColorChoice, CutoffChoice, Engine, JudgingViews, Needles, Preset, Reference, Resize,
+    Sides, Ties, WoodMode,
 };
 use secateur_plant::{ClusterSize, Metric};
 use secateur_simplify::fsa::{Corners, Hausdorff};
@@ -50,9 +51,9 @@ pub(crate) enum MethodName {
     Merge,
 }
 
+names!(
 /// Which alpha cutoffs leaves have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CutoffsName {
+CutoffsName => CutoffChoice {
     /// Such that clients show as much of the crown from afar as there is, and near by what they did; where
     /// no cutoff does, textures are read without mip maps, or clear texels get an alpha below the cutoff
     Fit,
@@ -60,16 +61,16 @@ pub(crate) enum CutoffsName {
     FitWithMips,
     /// Those of the tree, raised only where single triangles would show specks
     Keep,
-}
+});
 
+names!(
 /// Which colours clear texels of leaf textures have in the result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ColorsName {
+ColorsName => ColorChoice {
     /// Those of the leaves near them, where mip maps would mix in others
     Dilate,
     /// Those of the tree
     Keep,
-}
+});
 
 names!(
 /// What becomes of the wood.

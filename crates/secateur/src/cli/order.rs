@@ -3,13 +3,12 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use secateur::{Lod, LodModel, Memory, RemovalOrder, StagedFiles, Tree, WriteOptions};
+use secateur::{Lod, LodModel, Memory, Plant, RemovalOrder, StagedFiles, Tree, WriteOptions};
 use secateur_gltf::read_within;
 use secateur_scene::order_file;
 
 use super::failure::Failure;
 use super::output;
-use super::subject::Subject;
 
 /// Whether an order is asked for in the extras of a tree.
 fn is_tree(path: &Path) -> bool {
@@ -31,17 +30,17 @@ pub(crate) fn stage(
     staged: &mut StagedFiles,
     path: &Path,
     order: RemovalOrder,
-    subject: &mut Subject,
+    plant: &mut Plant,
     options: WriteOptions,
 ) -> Result<(), Failure> {
-    let leaves = subject.leaves();
+    let leaves = plant.leaves();
     let model = LodModel::new(order, leaves)
         .map_err(|error| Failure(format!("{}: {error}", path.display())))?;
     if !is_tree(path) {
         return output::stage(staged, path, &order_file::write_order(&model, leaves));
     }
     let text = order_file::order_to_base64(&model, leaves);
-    let tree = subject.tree_mut();
+    let tree = plant.tree_mut();
     if !tree.set_order_base64(&text) {
         let name = tree.document().name();
         let why = "its `extras` are no object, so no order can be put into them";

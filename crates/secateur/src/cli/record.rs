@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use secateur::{
-    AreaTable, Inspection, Judging, Objective, Options, StagedFiles, TakenFor, Views, Vmi, Written,
+    AreaTable, Inspection, Judging, LevelParts, Objective, Options, Plant, StagedFiles, TakenFor,
+    Views, Vmi, Written,
 };
-use secateur_scene::{ChosenCutoffs, Dilated};
 use serde_json::{Map, Value, json};
 
 use super::args;
 use super::machine;
-use super::subject::{Outcome, Subject};
 use super::surroundings::Surroundings;
 use super::{failure::Failure, output};
 
@@ -51,13 +50,9 @@ pub(crate) fn foliage(inspection: &Inspection) -> Value {
 /// A result and all that went into it.
 pub(crate) struct RunRecord<'a> {
     pub(crate) input: &'a Path,
-    pub(crate) subject: &'a Subject,
-    pub(crate) outcome: &'a Outcome,
+    pub(crate) plant: &'a Plant,
+    pub(crate) level: &'a LevelParts,
     pub(crate) options: &'a Options,
-    /// Where other alpha cutoffs were chosen.
-    pub(crate) cutoffs: Option<&'a ChosenCutoffs>,
-    /// Leaf textures with other colours where they are clear.
-    pub(crate) colors: &'a [Dilated],
     pub(crate) written: &'a Written,
     pub(crate) surroundings: &'a Surroundings,
     pub(crate) stages: &'a [(&'static str, f64)],
@@ -67,8 +62,8 @@ pub(crate) struct RunRecord<'a> {
 
 /// The record of a `simplify`.
 pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
-    let (subject, result) = (run.subject, &run.outcome.result);
-    let leaves = subject.leaves();
+    let (plant, result) = (run.plant, &run.level.simplified);
+    let leaves = plant.leaves();
     json!({
         "input": run.input.display().to_string(),
         "output": files(&run.written.files),
@@ -77,14 +72,14 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
             "original": result.passes.order.leaf_count(),
             "final": result.lod.leaf_count(),
         },
-        "triangles": { "original": subject.triangles(), "final": run.written.triangles },
+        "triangles": { "original": plant.triangle_count(), "final": run.written.triangles },
         "foliage_triangles": {
             "original": leaves.triangles().len(),
             "final": result.lod.foliage(leaves).triangles().len(),
         },
         "wood_triangles": {
-            "original": subject.wood_triangles(),
-            "final": run.outcome.wood_triangles,
+            "original": plant.wood_triangle_count(),
+            "final": run.level.wood_triangles,
         },
         "method": run.options.method.name(),
         "engine": result.engine,
@@ -98,11 +93,11 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "vmi_bits_original": result.vmi_original.bits(),
         "driving_vmi_error_percent": result.driving_error_percent(),
         "stopped": result.stopped.name(),
-        "cutoffs": super::cutoffs::record(run.cutoffs),
-        "colors": super::colors::record(run.colors),
+        "cutoffs": super::cutoffs::record(run.level.cutoffs.as_ref()),
+        "colors": super::colors::record(&run.level.colors),
         "audit": result.audited_by,
         "settings": settings(run, args),
-        "foliage": foliage(subject.tree().inspection()),
+        "foliage": foliage(plant.inspection()),
         "warnings": run.warnings,
         "notes": run.written.notes,
         "run": provenance("simplify"),
@@ -112,7 +107,7 @@ pub(crate) fn of_simplify(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
 /// How it was asked for, and what was decided meanwhile. Options of the method are spelled as the
 /// library spells them.
 fn settings(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
-    let (result, options) = (&run.outcome.result, run.options);
+    let (result, options) = (&run.level.simplified, run.options);
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     let about = json!({
         "views": match options.views {
@@ -127,7 +122,7 @@ fn settings(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
         "resolution_reason": result.resolution_reason,
         "preset": options.preset,
         "target": options.target,
-        "wood": run.subject.mode(),
+        "wood": run.plant.wood_mode(),
         "leaf_triangles": options.leaf_triangles,
         "needles": options.needles,
         "fit": options.objective().map(fitted_to),
@@ -148,12 +143,12 @@ fn settings(run: &RunRecord<'_>, args: &args::Simplify) -> Value {
 pub(crate) fn driving_views_that_judge(run: &RunRecord<'_>) -> usize {
     let options = run.options;
     let is_driven = options.method.vds().is_some() || options.objective().is_some();
-    let foliage = run.subject.leaves();
+    let foliage = run.plant.leaves();
     let about = (foliage.bounding_sphere(), Judging::held_out(foliage));
     let (Some(sphere), Ok(judging)) = about else {
         return 0;
     };
-    let sets = run.outcome.result.driving(options, sphere);
+    let sets = run.level.simplified.driving(options, sphere);
     let counts = (sets.iter()).map(|set| judging.views_that_judge(set, sphere.centre));
     if is_driven { counts.sum() } else { 0 }
 }

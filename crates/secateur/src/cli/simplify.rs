@@ -4,16 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Error, Foliage, FsaOptions, Lod, MergeOptions, MeshoptBorders, MeshoptOptions,
-    Method, Objective, Options, PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles,
-    StochasticOptions, Stopped, Tree, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
-    read_cameras,
+    ChainOptions, Error, Foliage, FsaOptions, Level, LevelOptions, LevelParts, LevelWarning, Lod,
+    MergeOptions, MeshoptBorders, MeshoptOptions, Method, Objective, Opening, Options, Plant,
+    PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
+    VdsOptions, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
 };
-use secateur_eval::ViewCount;
-use secateur_gltf::Detail;
-use secateur_model::Surface;
 use secateur_raster::Scene;
-use secateur_scene::material_changes;
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
@@ -23,13 +19,8 @@ use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{self, RunRecord};
-use super::subject::{Outcome, Subject, usual_mode};
 use super::summary::{columns, grouped, percent, size};
 use super::{colors, cutoffs, interrupt, machine, order, output};
-
-/// The height on the screen, in pixels, at which a result is looked at for whether it is the plant still: what is
-/// coarse so small is so at any size.
-const WARNED_AT_PX: f64 = 128.0;
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -42,88 +33,72 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         args.scene.read(args.memory.memory, &outputs)
     })?;
     surroundings.apply(&mut options);
-    let mode = match args.wood {
-        Some(wood) => wood.into(),
-        None => usual_mode(options.target),
+    let opening = Opening {
+        foliage: args.foliage.foliage.clone(),
+        wood: match args.wood {
+            Some(wood) => wood.into(),
+            None => LevelOptions::usual_wood(options.target),
+        },
+        memory: args.memory.memory,
     };
-    let mut subject = timed(&mut stages, "load", || {
+    let mut plant = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Subject::open(&args.tree, &args.foliage.foliage, mode, args.memory.memory)
+        Ok(Plant::open_with(&args.tree, &opening)?)
     })?;
-    let tree = subject.tree();
+    let tree = plant.tree();
     output::check_spares(tree.document(), &outputs)?;
-    let mut warnings = tree.inspection().warnings.clone();
+    let mut warnings = plant.inspection().warnings.clone();
     warn_all(&warnings);
     interrupt::check()?;
 
-    if options.method.needs_skeleton() {
-        options.skeleton = subject.skeleton()?;
-    }
     options.memory = surroundings.left_of(tree.memory_left());
-    let outcome = simplified(&subject, &options, args, common)?;
-    let result = &outcome.result;
-    let of_run = sentences(result);
-    warn_all(&of_run);
-    warnings.extend(of_run);
-    stages.extend(
-        result
-            .seconds
-            .iter()
-            .map(|(stage, time)| (stage.name(), *time)),
-    );
-
-    interrupt::check()?;
-    let chosen = timed(&mut stages, "cutoffs", || {
-        let lod = &outcome.lod;
-        Ok(cutoffs::chosen(tree, lod, &options, args, &mut warnings))
-    })?;
-    interrupt::check()?;
-    let dilated = timed(&mut stages, "colors", || {
-        let lod = &outcome.lod;
-        Ok(colors::chosen(tree, lod, &options, args, &mut warnings))
-    })?;
-    interrupt::check()?;
-    let of_look = timed(&mut stages, "difference", || {
-        Ok(look_at(tree, &outcome.lod).unwrap_or_else(|error| {
-            vec![format!(
-                "whether the result looks like the plant is not known: {error}"
-            )]
-        }))
-    })?;
+    let level = level(&plant, &options, args, common)?;
+    let of_run = level.simplified.seconds.iter();
+    stages.extend(of_run.map(|(stage, time)| (stage.name(), *time)));
+    stages.extend_from_slice(&level.seconds);
+    let is_of_look = |warning: &&LevelWarning| {
+        matches!(
+            warning,
+            LevelWarning::AnotherPlant(_) | LevelWarning::LookUnknown(_)
+        )
+    };
+    let (of_look, of_level): (Vec<_>, Vec<_>) = level.warnings.iter().partition(is_of_look);
+    let [of_look, of_level] = [of_look, of_level]
+        .map(|warnings| warnings.into_iter().map(sentence).collect::<Vec<String>>());
+    warn_all(&of_level);
+    warnings.extend(of_level);
     warnings.extend(of_look.iter().cloned());
     interrupt::writing()?;
     machine::give_back_free_memory();
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        let changes = material_changes(chosen.as_ref(), &dilated);
-        tree.prepare_lod_with(&outcome.lod, &changes, &args.output, write_options(args))
-            .map_err(Failure::from)
+        Ok(level.prepare(&args.output, write_options(args))?)
     })?;
     let picture = match args.picture {
         Some(_) => Some(timed(&mut stages, "picture", || {
-            picture_of(&prepared, args, &subject, &outcome)
+            picture_of(&prepared, args, &plant, &level)
         })?),
         None => None,
     };
     let (written, mut staged) = prepared.into_files();
+    let level = level.into_parts();
+    let result = &level.simplified;
     if let (Some(path), Some(picture)) = (&args.picture, picture) {
         output::stage(&mut staged, path, &picture)?;
     }
     if let Some(path) = &args.order {
         let order = result.passes.in_one_order();
-        order::stage(&mut staged, path, order, &mut subject, write_options(args))?;
+        order::stage(&mut staged, path, order, &mut plant, write_options(args))?;
     }
     if let Some(folder) = &args.debug_images {
-        stage_debug_images(&mut staged, folder, &options, &subject, result)?;
+        stage_debug_images(&mut staged, folder, &options, &plant, result)?;
     }
     let run = RunRecord {
         input: &args.tree,
-        subject: &subject,
-        outcome: &outcome,
+        plant: &plant,
+        level: &level,
         options: &options,
-        cutoffs: chosen.as_ref(),
-        colors: &dilated,
         written: &written,
         surroundings: &surroundings,
         stages: &stages,
@@ -135,15 +110,6 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     staged.commit()?;
     warn_all(&of_look);
     Ok(Printed::single(pretty(&run, args), record))
-}
-
-/// A sentence where a level is another plant.
-fn look_at(tree: &Tree, lod: &Lod) -> Result<Vec<String>, Error> {
-    let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
-    let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
-    let judge = secateur::difference_judge(tree)?;
-    let seen = judge.difference(&level, WARNED_AT_PX, ViewCount::Search);
-    Ok(another_plant(seen.difference))
 }
 
 /// The outputs, none of which is known to be in the way of another file.
@@ -259,20 +225,25 @@ fn views(name: &str) -> Result<Views, Error> {
     })
 }
 
-fn simplified(
-    subject: &Subject,
+fn level<'p>(
+    plant: &'p Plant,
     options: &Options,
     args: &args::Simplify,
     common: &Common,
-) -> Result<Outcome, Failure> {
+) -> Result<Level<'p>, Failure> {
     let progress_bar = RunProgress::new(common);
-    let outcome = subject.simplified(options, &mut |progress| {
+    let options = LevelOptions {
+        simplify: options.clone(),
+        cutoffs: args.cutoffs.map(Into::into).unwrap_or_default(),
+        colors: args.colors.map(Into::into).unwrap_or_default(),
+    };
+    let level = plant.level_watched(&options, &mut |progress| {
         if let Progress::Stage(_) = progress {
             machine::give_back_free_memory();
         }
         progress_bar.show(progress)
     });
-    outcome.map_err(Failure::about(&args.tree))
+    level.map_err(Failure::about(&args.tree))
 }
 
 /// Does something and notes how long it took.
@@ -287,13 +258,32 @@ pub(crate) fn timed<T>(
     Ok(result)
 }
 
-/// The warnings of a run, with the option that helps where there is one.
-pub(crate) fn sentences(result: &Simplified) -> Vec<String> {
-    let sentence = |warning: &Warning| match warning {
+/// What has to be said of a level, with the option that helps where there is one.
+fn sentence(warning: &LevelWarning) -> String {
+    match warning {
+        LevelWarning::Run(warning) => sentence_of_run(warning),
+        LevelWarning::CutoffsStay(why) => {
+            format!("alpha cutoffs stay as they are, since the result can't be drawn: {why}")
+        }
+        LevelWarning::TexturesStay(why) => format!("leaf textures stay as they are: {why}"),
+        LevelWarning::NoOtherColors => "--colors dilate changes no texture: mip maps of leaf textures that are cut out, if there are any, mix in hardly any other colours".to_owned(),
+        LevelWarning::AnotherPlant(difference) => another_plant(*difference),
+        LevelWarning::LookUnknown(why) => {
+            format!("whether the result looks like the plant is not known: {why}")
+        }
+    }
+}
+
+fn sentence_of_run(warning: &Warning) -> String {
+    match warning {
         Warning::FitCostsInformation { .. } => format!("{warning} (`--fit=none`)"),
         _ => warning.to_string(),
-    };
-    result.warnings.iter().map(sentence).collect()
+    }
+}
+
+/// The warnings of a run.
+pub(crate) fn sentences(result: &Simplified) -> Vec<String> {
+    result.warnings.iter().map(sentence_of_run).collect()
 }
 
 pub(crate) fn warn_all(warnings: &[String]) {
@@ -306,23 +296,23 @@ pub(crate) fn warn_all(warnings: &[String]) {
 fn picture_of(
     prepared: &PreparedLod,
     args: &args::Simplify,
-    subject: &Subject,
-    outcome: &Outcome,
+    plant: &Plant,
+    level: &LevelParts,
 ) -> Result<Vec<u8>, Failure> {
     let selectors = &args.foliage.foliage;
     let after = prepared.document()?;
-    let leaves = subject.leaves();
-    let left = outcome.result.lod.foliage(leaves);
+    let leaves = plant.leaves();
+    let left = level.simplified.lod.foliage(leaves);
     // Triangles are those that the target counts.
     let counts = |foliage: &Foliage, wood_triangles: u64| {
-        let wood = match subject.mode() {
+        let wood = match plant.wood_mode() {
             WoodMode::Ignore => 0,
             _ => wood_triangles as usize,
         };
         [foliage.leaves().len(), foliage.triangles().len() + wood]
     };
-    let before = counts(leaves, subject.wood_triangles());
-    let now = counts(&left, outcome.wood_triangles);
+    let before = counts(leaves, plant.wood_triangle_count());
+    let now = counts(&left, level.wood_triangles);
     let in_words = |counts: [usize; 2]| {
         let [leaves, triangles] = counts.map(|n| grouped(n as u64));
         format!("{leaves} leaves, {triangles} triangles")
@@ -331,10 +321,10 @@ fn picture_of(
         Exhibit {
             title: "original".to_owned(),
             subtitle: in_words(before),
-            surfaces: picture::surfaces(subject.tree().document(), selectors)?,
+            surfaces: picture::surfaces(plant.tree().document(), selectors)?,
         },
         Exhibit {
-            title: match outcome.result.stopped {
+            title: match level.simplified.stopped {
                 Stopped::AtTriangles => share(now[1], before[1]),
                 Stopped::AtLeafCount | Stopped::AtMaxError => share(now[0], before[0]),
             },
@@ -359,10 +349,10 @@ fn stage_debug_images(
     staged: &mut StagedFiles,
     folder: &Path,
     options: &Options,
-    subject: &Subject,
+    plant: &Plant,
     result: &Simplified,
 ) -> Result<(), Failure> {
-    let foliage = secateur::as_seen(subject.leaves(), options.alpha, options.sides);
+    let foliage = secateur::as_seen(plant.leaves(), options.alpha, options.sides);
     let original = Lod::original(foliage.leaves().len());
     for (name, lod) in [("before", &original), ("after", &result.lod)] {
         let scene = Scene {
@@ -371,7 +361,7 @@ fn stage_debug_images(
             views: &result.views,
             resolution: result.resolution,
         };
-        picture::stage_leaf_ids(staged, subject.tree().document(), folder, name, &scene)?;
+        picture::stage_leaf_ids(staged, plant.tree().document(), folder, name, &scene)?;
     }
     Ok(())
 }
@@ -398,15 +388,15 @@ fn who_judges(run: &RunRecord<'_>) -> String {
 }
 
 fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
-    let (result, written): (&Simplified, &Written) = (&run.outcome.result, run.written);
+    let (result, written): (&Simplified, &Written) = (&run.level.simplified, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
     let numbers = |name: &str, before: u64, after: u64| {
         let share = share(after as usize, before as usize);
         row([name.to_owned(), grouped(before), grouped(after), share])
     };
-    let subject = run.subject;
-    let left = result.lod.foliage(subject.leaves());
-    let [before, after] = [subject.leaves(), &left].map(|f| f.triangles().len());
+    let plant = run.plant;
+    let left = result.lod.foliage(plant.leaves());
+    let [before, after] = [plant.leaves(), &left].map(|f| f.triangles().len());
     let mut rows = vec![
         row([
             String::new(),
@@ -419,12 +409,12 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
             result.passes.order.leaf_count().into(),
             result.lod.leaf_count() as u64,
         ),
-        numbers("triangles", subject.triangles(), written.triangles),
+        numbers("triangles", plant.triangle_count(), written.triangles),
         numbers("of leaves", before as u64, after as u64),
         numbers(
             "of wood",
-            subject.wood_triangles(),
-            run.outcome.wood_triangles,
+            plant.wood_triangle_count(),
+            run.level.wood_triangles,
         ),
     ];
     if let Some(before) = record::bytes_of(run.input) {
@@ -458,11 +448,11 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
         say("sizes", fitted_to(objective));
     }
-    if let Some(chosen) = run.cutoffs {
+    if let Some(chosen) = &run.level.cutoffs {
         say("cutoffs", cutoffs::in_words(chosen));
     }
-    if !run.colors.is_empty() {
-        say("colours", colors::in_words(run.colors));
+    if !run.level.colors.is_empty() {
+        say("colours", colors::in_words(&run.level.colors));
     }
     if let Some(lost) = result.driving_error_percent() {
         say(

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use super::args::{self, Common, TexturesName};
 use super::failure::Failure;
-use super::measure::another_plant;
+use super::measure::warning_of;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::surroundings::Surroundings;
@@ -154,7 +154,7 @@ fn make(
     .map_err(|error| Failure(about(job.tree, &error.to_string())))?;
     drop(progress_bar);
     let differences = made.levels.iter().map(|level| level.difference.difference);
-    let of_levels = another_plant(differences.fold(0.0, f64::max));
+    let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
     warnings.extend(of_levels);
 

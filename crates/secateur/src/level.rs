@@ -1,0 +1,395 @@
+//! One level of detail of a plant: what is left, what changes in its materials, and how it looks.
+
+use std::ops::{ControlFlow, Deref};
+use std::path::Path;
+use std::time::Instant;
+
+use secateur_eval::{Difference, ViewCount};
+use secateur_gltf::{Cutoffs, Detail, GltfError, PreparedLod, Tree, WriteOptions, Written};
+use secateur_model::{Lod, Memory, Surface};
+use secateur_raster::OpenEngine;
+use secateur_scene::{
+    ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
+};
+use secateur_simplify::whole::{WholePlant, WoodMode, simplify_keeping_wood};
+use secateur_simplify::{
+    Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
+    simplify_with,
+};
+
+use crate::opened_plant::{Parts, Plant};
+use crate::{Error, difference_judge};
+
+/// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
+/// coarse so small is so at any size.
+const LOOKED_AT_PX: f64 = 128.0;
+
+/// How a level is made.
+#[derive(Clone, Debug)]
+pub struct LevelOptions {
+    /// How many triangles or leaves it has, and how leaves are chosen. A skeleton and memory that it lacks are the
+    /// plant's.
+    pub simplify: Options,
+    /// Which alpha cutoffs its materials have.
+    pub cutoffs: CutoffChoice,
+    /// Which colours clear texels of its textures have.
+    pub colors: ColorChoice,
+}
+
+/// Which alpha cutoffs a level has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CutoffChoice {
+    /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
+    #[default]
+    Auto,
+    /// Such that clients show as much of the crown from afar as there is; where no cutoff does, textures are read
+    /// without mip maps, or clear texels get an alpha below the cutoff.
+    Fit,
+    /// As [`Self::Fit`], but all textures are read with mip maps.
+    FitWithMips,
+    /// Those of the plant.
+    Keep,
+}
+
+/// Which colours clear texels of leaf textures have in a level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorChoice {
+    /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
+    #[default]
+    Auto,
+    /// Those of the leaves near them, where mip maps would mix in others.
+    Dilate,
+    /// Those of the plant.
+    Keep,
+}
+
+impl LevelOptions {
+    /// The level for the look with this target.
+    pub fn to(target: Target) -> Self {
+        Self::of(Options::to(target))
+    }
+
+    /// The level for the look with a share of all triangles, above 0 to 1.
+    pub fn triangles(share: f64) -> Self {
+        Self::to(Target::triangle_share(share))
+    }
+
+    /// The level of these options, with cutoffs and colours as suit them.
+    pub fn of(simplify: Options) -> Self {
+        Self {
+            simplify,
+            cutoffs: CutoffChoice::default(),
+            colors: ColorChoice::default(),
+        }
+    }
+
+    /// What becomes of the wood where nothing else is said: a budget of triangles is the whole plant's, other targets
+    /// are of leaves.
+    pub fn usual_wood(target: Target) -> WoodMode {
+        match target {
+            Target::Triangles(_) => WoodMode::Auto,
+            Target::Leaves(_) | Target::MaxErrorPercent(_) => WoodMode::Ignore,
+        }
+    }
+
+    /// What may be done to cutoffs; none where they stay.
+    fn change(&self) -> Option<MaterialChange> {
+        match self.cutoffs {
+            CutoffChoice::Keep => None,
+            CutoffChoice::Auto if !self.simplify.chooses_cutoffs() => None,
+            CutoffChoice::FitWithMips => Some(MaterialChange::Cutoffs),
+            CutoffChoice::Auto | CutoffChoice::Fit => Some(MaterialChange::CutoffsOrMips),
+        }
+    }
+
+    fn dilates(&self) -> bool {
+        match self.colors {
+            ColorChoice::Auto => self.change().is_some(),
+            ColorChoice::Dilate => true,
+            ColorChoice::Keep => false,
+        }
+    }
+}
+
+/// What has to be said of a level.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LevelWarning {
+    /// Of the simplification.
+    Run(Warning),
+    /// Cutoffs stay as they are, since the level can't be drawn: why.
+    CutoffsStay(String),
+    /// Textures stay as they are, since one can't be read: why.
+    TexturesStay(String),
+    /// Other colours were asked for, and no texture gets any.
+    NoOtherColors,
+    /// It is another plant: its difference.
+    AnotherPlant(f64),
+    /// Whether it looks like the plant is not known: why.
+    LookUnknown(String),
+}
+
+/// All that makes up a level.
+#[derive(Clone, Debug)]
+pub struct LevelParts {
+    /// The run over the leaves.
+    pub simplified: Simplified,
+    /// What is left of all that [`Plant::tree`] can change.
+    pub lod: Lod,
+    /// Triangles of wood that are left.
+    pub wood_triangles: u64,
+    /// Other alpha cutoffs, if any were chosen.
+    pub cutoffs: Option<ChosenCutoffs>,
+    /// Leaf textures with other colours where they are clear.
+    pub colors: Vec<Dilated>,
+    /// How far it looks from the plant 128 pixels high, if that is known.
+    pub difference: Option<Difference>,
+    /// What has to be said of it.
+    pub warnings: Vec<LevelWarning>,
+    /// How long its stages took after the run, in seconds.
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+impl LevelParts {
+    /// All that changes in its materials.
+    pub fn material_changes(&self) -> Cutoffs {
+        material_changes(self.cutoffs.as_ref(), &self.colors)
+    }
+}
+
+/// A level of a plant. It is written with the material changes that belong to it.
+#[derive(Clone, Debug)]
+pub struct Level<'p> {
+    plant: &'p Plant,
+    parts: LevelParts,
+}
+
+impl Deref for Level<'_> {
+    type Target = LevelParts;
+
+    fn deref(&self) -> &LevelParts {
+        &self.parts
+    }
+}
+
+impl Level<'_> {
+    /// The level as a GLB: what `secateur simplify` writes.
+    ///
+    /// # Errors
+    /// [`GltfError`] if a part of the file that was not needed so far is damaged, or the result is beyond 4 GiB.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, GltfError> {
+        let changes = self.parts.material_changes();
+        self.plant
+            .tree()
+            .lod_to_bytes_with(&self.parts.lod, &changes)
+    }
+
+    /// Writes the level to a file whose name ends in .glb or .gltf.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare), or [`GltfError`] if a file can't get its name.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<Written, GltfError> {
+        self.prepare(path.as_ref(), WriteOptions::default())?
+            .commit()
+    }
+
+    /// Writes the level under temporary names: a failure before the files get theirs leaves nothing.
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`to_bytes`](Self::to_bytes), or if the file can't be written there.
+    pub fn prepare(&self, path: &Path, options: WriteOptions) -> Result<PreparedLod, GltfError> {
+        let changes = self.parts.material_changes();
+        let tree = self.plant.tree();
+        tree.prepare_lod_with(&self.parts.lod, &changes, path, options)
+    }
+
+    /// The level without its plant.
+    pub fn into_parts(self) -> LevelParts {
+        self.parts
+    }
+}
+
+impl Plant {
+    /// Makes a level.
+    ///
+    /// # Errors
+    /// [`Error::Simplify`] if the plant can't be simplified as asked.
+    pub fn level(&self, options: &LevelOptions) -> Result<Level<'_>, Error> {
+        self.level_watched(options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// As [`level`](Self::level), telling its progress; the observer may break it off.
+    ///
+    /// # Errors
+    /// As [`level`](Self::level), or [`SimplifyError::Stopped`] if it was broken off.
+    pub fn level_watched(
+        &self,
+        options: &LevelOptions,
+        observer: &mut Observer<'_>,
+    ) -> Result<Level<'_>, Error> {
+        let simplify = self.completed(&options.simplify)?;
+        let mut parts = self.simplified(&simplify, observer)?;
+        let tree = self.tree();
+        parts.timed("cutoffs", observer, |parts| {
+            parts.choose_cutoffs(tree, options);
+        })?;
+        parts.timed("colors", observer, |parts| {
+            parts.choose_colors(tree, options);
+        })?;
+        parts.timed("difference", observer, |parts| parts.look(tree))?;
+        Ok(Level { plant: self, parts })
+    }
+
+    /// Options with what the plant has of what they lack.
+    fn completed(&self, options: &Options) -> Result<Options, Error> {
+        let mut options = options.clone();
+        if options.memory == Memory::Auto {
+            options.memory = self.tree().memory_left();
+        }
+        if options.method.needs_skeleton() && options.skeleton.is_none() {
+            options.skeleton = self.skeleton()?;
+        }
+        Ok(options)
+    }
+
+    /// What is left of leaves and wood.
+    fn simplified(
+        &self,
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<LevelParts, SimplifyError> {
+        let (tree, mode) = match self.parts() {
+            Parts::Leaves(tree) => return simplified_leaves(tree, options, observer),
+            Parts::Whole(tree, mode) => (tree, *mode),
+        };
+        let engine = OpenEngine::open(options.engine)
+            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let (leaves, wood) = (tree.leaves(), tree.wood());
+        let level = match mode {
+            WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
+            mode => WholePlant::by(mode, tree.items().foliage(), leaves, wood, options, &engine)?
+                .simplified(options, &engine, observer)?,
+        };
+        let left = level.leaves.lod.foliage(leaves).triangles().len() + level.wood_triangles;
+        let there = leaves.triangles().len() + wood.triangles().len();
+        options.check_met(left, there)?;
+        let lod = tree.joined(&level.leaves.lod, &level.wood);
+        let wood_triangles = level.wood_triangles as u64;
+        Ok(LevelParts::of(level.leaves, lod, wood_triangles))
+    }
+}
+
+fn simplified_leaves(
+    tree: &Tree,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<LevelParts, SimplifyError> {
+    let result = simplify_with(tree.foliage(), options, observer)?;
+    let left = result.lod.foliage(tree.foliage()).triangles().len();
+    // Wood is a plant without leaves.
+    let is_bare = left == 0 && tree.wood_triangle_count() > 0;
+    if !(is_bare && asks_for_none(options.target)) {
+        options.check_met(left, tree.foliage().triangles().len())?;
+    }
+    let lod = result.lod.clone();
+    Ok(LevelParts::of(result, lod, tree.wood_triangle_count()))
+}
+
+/// Whether no triangle is to be left of what is counted.
+fn asks_for_none(target: Target) -> bool {
+    match target {
+        Target::Triangles(Amount::Count(count)) => count == 0,
+        Target::Triangles(Amount::Share(share)) => share == 0.0,
+        Target::Leaves(_) | Target::MaxErrorPercent(_) => false,
+    }
+}
+
+impl LevelParts {
+    /// Before anything is known but what is left.
+    fn of(simplified: Simplified, lod: Lod, wood_triangles: u64) -> Self {
+        let warnings = simplified.warnings.iter().cloned().map(LevelWarning::Run);
+        Self {
+            warnings: warnings.collect(),
+            simplified,
+            lod,
+            wood_triangles,
+            cutoffs: None,
+            colors: Vec::new(),
+            difference: None,
+            seconds: Vec::new(),
+        }
+    }
+
+    /// Does a stage and notes how long it took, unless the observer breaks it off.
+    fn timed(
+        &mut self,
+        name: &'static str,
+        observer: &mut Observer<'_>,
+        stage: impl FnOnce(&mut Self),
+    ) -> Result<(), SimplifyError> {
+        if observer(Progress::Finish).is_break() {
+            return Err(SimplifyError::Stopped);
+        }
+        let start = Instant::now();
+        stage(self);
+        self.seconds.push((name, start.elapsed().as_secs_f64()));
+        Ok(())
+    }
+
+    /// Chooses the cutoffs of a level that needs others than those of the plant. What can't be drawn keeps its own.
+    fn choose_cutoffs(&mut self, tree: &Tree, options: &LevelOptions) {
+        let Some(change) = options.change() else {
+            return;
+        };
+        match choose_cutoffs(tree, &self.lod, change) {
+            Ok(chosen) => self.cutoffs = chosen,
+            Err(error) => {
+                let why = LevelWarning::CutoffsStay(error.to_string());
+                self.warnings.push(why);
+            }
+        }
+    }
+
+    /// Chooses the colours of clear texels, unless the level is the plant. Where an image can't be read all keep theirs.
+    fn choose_colors(&mut self, tree: &Tree, options: &LevelOptions) {
+        if !options.dilates() || self.lod == Lod::original(tree.foliage().leaves().len()) {
+            return;
+        }
+        match dilated_textures(tree) {
+            Ok(dilated) => {
+                if dilated.is_empty() && options.colors == ColorChoice::Dilate {
+                    self.warnings.push(LevelWarning::NoOtherColors);
+                }
+                self.colors = dilated;
+            }
+            Err(error) => {
+                let why = LevelWarning::TexturesStay(error.to_string());
+                self.warnings.push(why);
+            }
+        }
+    }
+
+    /// Looks whether the level is the plant still.
+    fn look(&mut self, tree: &Tree) {
+        match difference_of(tree, &self.lod) {
+            Ok(difference) => {
+                if difference.difference > Difference::ANOTHER_PLANT {
+                    let warning = LevelWarning::AnotherPlant(difference.difference);
+                    self.warnings.push(warning);
+                }
+                self.difference = Some(difference);
+            }
+            Err(error) => {
+                let why = LevelWarning::LookUnknown(error.to_string());
+                self.warnings.push(why);
+            }
+        }
+    }
+}
+
+/// How far a level looks from its tree.
+fn difference_of(tree: &Tree, lod: &Lod) -> Result<Difference, Error> {
+    let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
+    let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
+    let judge = difference_judge(tree)?;
+    Ok(judge.difference(&level, LOOKED_AT_PX, ViewCount::Search))
+}

@@ -1,0 +1,145 @@
+//! A plant in a file, opened to be made lighter.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use secateur_gltf::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
+use secateur_model::{Foliage, Memory, PlantSkeleton};
+use secateur_simplify::whole::WoodMode;
+
+/// How a plant is opened.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    /// What is foliage; empty where the evidence shows it.
+    pub foliage: Vec<Selector>,
+    /// What becomes of the wood in levels: [`LevelOptions::usual_wood`](crate::LevelOptions::usual_wood) is what the
+    /// program takes for a target.
+    pub wood: WoodMode,
+    /// How much memory the plant and its levels may take.
+    pub memory: Memory,
+}
+
+impl Default for Opening {
+    /// Of evidence, with the wood simplified, in the memory that there is.
+    fn default() -> Self {
+        Self {
+            foliage: Vec::new(),
+            wood: WoodMode::Auto,
+            memory: Memory::Auto,
+        }
+    }
+}
+
+/// A plant in a file: its leaves are known, and its wood unless it is ignored.
+#[derive(Debug)]
+pub struct Plant(Parts);
+
+/// What of a plant is simplified.
+#[derive(Debug)]
+pub(crate) enum Parts {
+    /// The leaves alone.
+    Leaves(Tree),
+    /// Leaves beside the wood, which is treated as the mode says.
+    Whole(WholeTree, WoodMode),
+}
+
+impl Plant {
+    /// Opens a .glb or .gltf as [`Opening::default`] has it.
+    ///
+    /// # Errors
+    /// [`GltfError`] if it can't be read, or no foliage is found.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, GltfError> {
+        Self::open_with(path, &Opening::default())
+    }
+
+    /// Opens a .glb or .gltf.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with(path: impl AsRef<Path>, opening: &Opening) -> Result<Self, GltfError> {
+        let document = Document::open_within(path.as_ref(), opening.memory)?;
+        Self::of(document, opening)
+    }
+
+    /// A plant of the bytes of a .glb; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_bytes(name: &str, bytes: Vec<u8>, opening: &Opening) -> Result<Self, GltfError> {
+        Self::of(Document::from_bytes(name, bytes, None)?, opening)
+    }
+
+    fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
+        let selectors = &opening.foliage;
+        Ok(Self(match opening.wood {
+            WoodMode::Ignore => Parts::Leaves(document.into_tree(selectors)?),
+            mode => Parts::Whole(document.into_whole_tree(selectors)?, mode.decided()),
+        }))
+    }
+
+    /// What was taken for leaves and wood, and why.
+    pub fn inspection(&self) -> &Inspection {
+        self.tree().inspection()
+    }
+
+    /// The file, with all that levels may change as its foliage.
+    pub fn tree(&self) -> &Tree {
+        match &self.0 {
+            Parts::Leaves(tree) => tree,
+            Parts::Whole(tree, _) => tree.items(),
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn tree_mut(&mut self) -> &mut Tree {
+        match &mut self.0 {
+            Parts::Leaves(tree) => tree,
+            Parts::Whole(tree, _) => tree.items_mut(),
+        }
+    }
+
+    /// The leaves.
+    pub fn leaves(&self) -> &Foliage {
+        match &self.0 {
+            Parts::Leaves(tree) => tree.foliage(),
+            Parts::Whole(tree, _) => tree.leaves(),
+        }
+    }
+
+    /// How many triangles the wood has.
+    pub fn wood_triangle_count(&self) -> u64 {
+        match &self.0 {
+            Parts::Leaves(tree) => tree.wood_triangle_count(),
+            Parts::Whole(tree, _) => tree.wood().triangles().len() as u64,
+        }
+    }
+
+    /// How many triangles the plant has, wood included.
+    pub fn triangle_count(&self) -> u64 {
+        self.leaves().triangles().len() as u64 + self.wood_triangle_count()
+    }
+
+    /// What becomes of the wood, decided.
+    pub fn wood_mode(&self) -> WoodMode {
+        match &self.0 {
+            Parts::Leaves(_) => WoodMode::Ignore,
+            Parts::Whole(_, mode) => *mode,
+        }
+    }
+
+    /// The skeleton that the file has, for methods that follow branches.
+    ///
+    /// # Errors
+    /// [`GltfError`] if it does not fit the plant.
+    pub fn skeleton(&self) -> Result<Option<Arc<PlantSkeleton>>, GltfError> {
+        let skeleton = match &self.0 {
+            Parts::Leaves(tree) => tree.skeleton()?,
+            Parts::Whole(tree, _) => tree.skeleton()?,
+        };
+        Ok(skeleton.map(Arc::new))
+    }
+
+    pub(crate) fn parts(&self) -> &Parts {
+        &self.0
+    }
+}
