@@ -1,6 +1,7 @@
 //! What the library writes, held against the files of the program.
 
-use secateur::{LevelOptions, Opening, Plant, Target};
+use secateur::chain::{Layout, LevelsOptions};
+use secateur::{LevelOptions, Opening, Plant, Target, WoodMode};
 
 use crate::program::{Bench, shared_tree};
 
@@ -54,4 +55,37 @@ fn a_tenth_of_a_real_oak_has_the_bytes_of_the_program() {
     bench.put("plant.glb", &std::fs::read(oak).unwrap());
     let [ours, of_program] = both(&bench, Target::triangle_share(0.1), &["--triangles", "0.1"]);
     assert!(ours == of_program);
+}
+
+#[test]
+fn levels_have_the_bytes_of_the_program() {
+    let bench = Bench::new();
+    bench
+        .run(&["lods", "oak.glb", "-o", "of-program"])
+        .succeeded();
+    let plant = Plant::open(bench.path("oak.glb")).unwrap();
+    let levels = plant.levels(&LevelsOptions::default()).unwrap();
+    levels
+        .write(bench.path("of-library"), Layout::Files)
+        .unwrap();
+    let files = levels.to_bytes(Layout::Files).unwrap().files;
+    assert!(files.len() > 1 && files.len() == levels.chain.levels.len());
+    for file in files {
+        let of = |folder: &str| bench.read(&format!("{folder}/{}", file.name));
+        assert!(of("of-library") == file.bytes, "{}", file.name);
+        assert!(of("of-program") == file.bytes, "{}", file.name);
+    }
+}
+
+/// Levels are of wood and leaves.
+#[test]
+fn a_plant_without_its_wood_has_no_levels() {
+    let bench = Bench::new();
+    let opening = Opening {
+        wood: WoodMode::Ignore,
+        ..Opening::default()
+    };
+    let plant = Plant::open_with(bench.path("oak.glb"), &opening).unwrap();
+    let refused = plant.levels(&LevelsOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("without ignoring its wood"));
 }

@@ -20,6 +20,8 @@
 //! assert!(level.difference.is_some_and(|seen| seen.difference < 0.5));
 //!
 //! let glb = level.to_bytes()?; // or level.write(path)
+//! // Levels for an engine, as `secateur lods` makes them:
+//! // oak.levels(&LevelsOptions::default())?.write("levels", Layout::Files)?;
 //! # assert!(glb.starts_with(b"glTF"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -67,6 +69,7 @@
 //! # Map
 //! | for | look at |
 //! |---|---|
+//! | what the program does | `Plant`, `Level`, `Levels`, `chain` |
 //! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
@@ -94,6 +97,8 @@
 mod error;
 #[cfg(feature = "scene")]
 mod level;
+#[cfg(feature = "scene")]
+mod levels;
 #[cfg(feature = "eval")]
 mod measure;
 #[cfg(feature = "scene")]
@@ -103,6 +108,8 @@ mod scene;
 pub use error::Error;
 #[cfg(feature = "scene")]
 pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
+#[cfg(feature = "scene")]
+pub use levels::Levels;
 #[cfg(feature = "eval")]
 pub use measure::{
     difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,
@@ -154,6 +161,18 @@ pub use secateur_simplify::{
 
 /// The vectors of this interface.
 pub use glam;
+
+/// What [`Plant::levels`] takes and gives.
+#[cfg(feature = "scene")]
+pub mod chain {
+    pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
+    pub use secateur_scene::Screen;
+    pub use secateur_scene::chain::{
+        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, SceneLook, Shape, Textures,
+        Wanted,
+    };
+    pub use secateur_scene::impostor::Choice as ImpostorChoice;
+}
 
 /// A GPU to rasterise on.
 #[cfg(feature = "gpu")]

@@ -1,5 +1,6 @@
 //! A plant in a file, opened to be made lighter.
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -66,7 +67,8 @@ impl Plant {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_bytes(name: &str, bytes: Vec<u8>, opening: &Opening) -> Result<Self, GltfError> {
-        Self::of(Document::from_bytes(name, bytes, None)?, opening)
+        let document = Document::from_bytes_within(name, bytes, None, opening.memory)?;
+        Self::of(document, opening)
     }
 
     fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
@@ -75,6 +77,21 @@ impl Plant {
             WoodMode::Ignore => Parts::Leaves(document.into_tree(selectors)?),
             mode => Parts::Whole(document.into_whole_tree(selectors)?, mode.decided()),
         }))
+    }
+
+    /// The name of its file without folder and extension.
+    pub(crate) fn name(&self) -> String {
+        let file = Path::new(self.tree().document().name());
+        let stem = file.file_stem().and_then(OsStr::to_str);
+        stem.unwrap_or("tree").to_owned()
+    }
+
+    /// Its leaves and wood; nothing where the wood is ignored.
+    pub fn whole(&self) -> Option<&WholeTree> {
+        match &self.0 {
+            Parts::Leaves(_) => None,
+            Parts::Whole(tree, _) => Some(tree),
+        }
     }
 
     /// What was taken for leaves and wood, and why.

@@ -80,6 +80,15 @@ pub struct ImpostorLevel {
 }
 
 impl ChainLevel {
+    /// What it is, in a word: `original`, `mesh` or `impostor`.
+    pub fn kind(&self) -> &'static str {
+        match self.shape {
+            Shape::Original(_) => "original",
+            Shape::Mesh(_) => "mesh",
+            Shape::Impostor(_) => "impostor",
+        }
+    }
+
     /// Triangles of the whole plant.
     pub fn triangles(&self) -> u64 {
         match &self.shape {

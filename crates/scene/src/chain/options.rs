@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use secateur_eval::Limits;
 use secateur_simplify::whole::WoodMode;
-use secateur_simplify::{Amount, Options};
+use secateur_simplify::{Amount, Options, Target};
 
 use super::error::ChainError;
 use super::scene_look::SceneLook;
@@ -71,6 +71,31 @@ pub struct ChainOptions {
     /// Where levels are judged from and what stands before them; from all around, with nothing
     /// about the plant, where there is no scene.
     pub scene: Option<SceneLook>,
+}
+
+impl Default for ChainOptions {
+    /// The plant itself, levels for [`HEIGHTS_PX`] on the default screen within [`Limits::GOOD`], and an impostor
+    /// where one is lighter and good enough.
+    fn default() -> Self {
+        let mut leaves = Options::to(Target::triangle_share(1.0));
+        leaves.audit = false;
+        // Levels have figures of their own, from views that drove none of them.
+        leaves.shows_what_is_left = false;
+        Self {
+            wanted: Wanted::Heights(HEIGHTS_PX.to_vec()),
+            screen: Screen::default(),
+            max_difference: Limits::GOOD.difference,
+            original: true,
+            plant_height_m: None,
+            leaves,
+            wood: WoodMode::Auto,
+            impostor: Choice::Auto,
+            shadow_steps: 1,
+            max_pop: None,
+            textures: Textures::Fit,
+            scene: None,
+        }
+    }
 }
 
 impl ChainOptions {

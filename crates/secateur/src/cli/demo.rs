@@ -3,14 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{Amount, Options, StagedFiles, Target, WoodMode, plant_to_glb};
-use secateur_eval::Limits;
+use secateur::{Amount, Opening, Plant, StagedFiles, WriteOptions, plant_to_glb};
+use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
-use secateur_gltf::{Document, WholeTree};
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_raster::OpenEngine;
-use secateur_scene::Screen;
-use secateur_scene::chain::{Chain, ChainOptions, Shape, Textures, Wanted, chain};
+use secateur_scene::chain::{Chain, ChainOptions, Shape, Wanted};
 use secateur_scene::impostor::Choice;
 use serde_json::{Value, json};
 
@@ -42,19 +39,21 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let glb = plant_to_glb(&plant);
     let original = args.output.join("tree.glb");
     let name = original.display().to_string();
-    let document = Document::from_bytes_within(&name, glb.clone(), None, args.memory.memory)?;
-    let tree = document.into_whole_tree(&[])?;
+    let opening = Opening {
+        memory: args.memory.memory,
+        ..Opening::default()
+    };
+    let opened = Plant::from_bytes(&name, glb.clone(), &opening)?;
     interrupt::check()?;
 
     let options = chain_options(args);
-    let engine =
-        OpenEngine::open(options.leaves.engine).map_err(|reason| Failure(reason.to_string()))?;
     let progress_bar = RunProgress::new(common);
-    let made = timed(&mut stages, "levels", || {
-        chain(&tree, &options, &engine, &mut |p| progress_bar.show(p))
-            .map_err(|error| Failure(error.to_string()))
+    let levels = timed(&mut stages, "levels", || {
+        let levels = opened.levels_watched(&options, &mut |p| progress_bar.show(p));
+        levels.map_err(|error| Failure(error.to_string()))
     })?;
     drop(progress_bar);
+    let (tree, made) = (levels.tree(), &levels.chain);
 
     interrupt::writing()?;
     let job = Job {
@@ -69,29 +68,30 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     folder.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     output::stage(&mut staged, &original, &glb)?;
     let (written, files) = timed(&mut stages, "write", || {
-        Ok(lods::prepare(&tree, &job, &made, true)?.into_files())
+        let how = WriteOptions::default().overwrite(true);
+        Ok(levels.prepare(&job.place, job.layout, how)?.into_files())
     })?;
     staged.append(files);
     let sheet = args.output.join("contact-sheet.png");
     timed(&mut stages, "picture", || {
-        let exhibits = exhibits(&tree, &made)?;
+        let exhibits = exhibits(tree, made)?;
         output::stage(&mut staged, &sheet, &picture::sheet(&exhibits)?)
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
-        let page = lods::preview(&tree, &job, &options, &made)?;
+        let page = lods::preview(tree, &job, &options, made)?;
         output::stage(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
-    let rows = rows(&tree, &job, &made, &written, glb.len() as u64);
+    let rows = rows(tree, &job, made, &written, glb.len() as u64);
     let record = json!({
         "species": Species::Oak.name(),
         "levels": rows,
         "picture": sheet.display().to_string(),
         "preview": page_file.display().to_string(),
         "preset": options.leaves.preset,
-        "engine": engine.name(),
-        "adapter": engine.adapter(),
+        "engine": levels.engine,
+        "adapter": levels.adapter,
         "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
         "seed": args.seed,
         "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     });
     let report = args.output.join("report.json");
     record::stage(&mut staged, Some(&report), &record)?;
-    let pretty = pretty(&tree, &made, &sheet, total);
+    let pretty = pretty(tree, made, &sheet, total);
     staged.commit()?;
     Ok(Printed {
         pretty,
@@ -112,23 +112,13 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
 
 fn chain_options(args: &args::Demo) -> ChainOptions {
     let share = |percent: u32| Amount::Share(f64::from(percent) / 100.0);
-    let mut leaves = Options::to(Target::triangle_share(1.0));
-    leaves.engine = args.engine.into();
-    leaves.audit = false;
-    leaves.shows_what_is_left = false;
+    let mut options = ChainOptions::default();
+    options.leaves.engine = args.engine.into();
     ChainOptions {
         wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
-        screen: Screen::default(),
-        max_difference: Limits::GOOD.difference,
         original: false,
-        plant_height_m: None,
-        leaves,
-        wood: WoodMode::Auto,
         impostor: Choice::None,
-        shadow_steps: 1,
-        max_pop: None,
-        textures: Textures::Fit,
-        scene: None,
+        ..options
     }
 }
 

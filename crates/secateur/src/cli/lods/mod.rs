@@ -10,11 +10,10 @@ mod wanted;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use secateur_gltf::chain::{Level, PreparedChain};
-use secateur_gltf::{Document, StagedFiles, WholeTree, WriteOptions};
+use secateur::{Opening, Plant};
+use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_model::{AlphaMode, Surface};
-use secateur_raster::OpenEngine;
-use secateur_scene::chain::{Chain, Shape, Textures, chain};
+use secateur_scene::chain::Textures;
 use serde_json::{Value, json};
 
 use super::args::{self, Common, TexturesName};
@@ -28,8 +27,8 @@ use finished::Finished;
 pub(crate) use job::Job;
 use job::{about, check_free, check_outputs, jobs, outputs};
 pub(crate) use page::preview;
+use rows::layout_name;
 pub(crate) use rows::rows;
-use rows::{facts, layout_name};
 use table::pretty;
 use wanted::options;
 
@@ -116,19 +115,25 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
 }
 
 /// The tree of a job, if a chain can be made of it.
-fn opened(args: &args::Lods, job: &Job<'_>) -> Result<WholeTree, Failure> {
+fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     tracing::info!("reading {}", job.tree.display());
-    let tree = WholeTree::open_within(job.tree, &args.foliage.foliage, args.memory.memory)?;
+    let opening = Opening {
+        foliage: args.foliage.foliage.clone(),
+        memory: args.memory.memory,
+        ..Opening::default()
+    };
+    let plant = Plant::open_with(job.tree, &opening)?;
+    let document = plant.tree().document();
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
-    output::check_spares(tree.items().document(), &outputs)?;
-    if args.textures == Some(TexturesName::Fit) && !has_cut_outs(tree.items().document())? {
+    output::check_spares(document, &outputs)?;
+    if args.textures == Some(TexturesName::Fit) && !has_cut_outs(document)? {
         return Err(Failure(format!(
             "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
             job.tree.display()
         )));
     }
-    Ok(tree)
+    Ok(plant)
 }
 
 fn make(
@@ -141,18 +146,17 @@ fn make(
     let mut options = options(args);
     surroundings.apply(&mut options.leaves);
     options.scene = surroundings.look(&args.scene, args.memory.memory)?;
-    let tree = opened(args, job)?;
-    let mut warnings = tree.items().inspection().warnings.clone();
+    let plant = opened(args, job)?;
+    let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
-    let engine =
-        OpenEngine::open(options.leaves.engine).map_err(|reason| Failure(reason.to_string()))?;
     let progress_bar = RunProgress::new(common);
-    let made = chain(&tree, &options, &engine, &mut |progress| {
-        progress_bar.show(progress)
-    })
-    .map_err(|error| Failure(about(job.tree, &error.to_string())))?;
+    let levels = plant
+        .levels_watched(&options, &mut |progress| progress_bar.show(progress))
+        .map_err(|error| Failure(about(job.tree, &error.to_string())))?
+        .named(&job.name);
     drop(progress_bar);
+    let (tree, made) = (levels.tree(), &levels.chain);
     let differences = made.levels.iter().map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
@@ -163,14 +167,15 @@ fn make(
         let made = staged.make_folder(&args.output);
         made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
-    let (written, files) = prepare(&tree, job, &made, may_overwrite)?.into_files();
+    let how = WriteOptions::default().overwrite(may_overwrite);
+    let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
-        let page = preview(&tree, job, &options, &made)?;
+        let page = preview(tree, job, &options, made)?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let rows = rows(job, &made, &written);
+    let rows = rows(job, made, &written);
     let record = json!({
         "input": job.tree.display().to_string(),
         "name": job.name,
@@ -195,8 +200,8 @@ fn make(
         },
         "largest_pop": made.levels.iter().filter_map(|level| level.pop).reduce(f64::max),
         "preset": options.leaves.preset,
-        "engine": engine.name(),
-        "adapter": engine.adapter(),
+        "engine": levels.engine,
+        "adapter": levels.adapter,
         "levels": rows,
         "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
         "seconds": record::seconds(&[], seconds),
@@ -204,7 +209,7 @@ fn make(
         "warnings": warnings,
         "kept": false,
     });
-    let pretty = pretty(&tree, job, args, &made, &written, seconds);
+    let pretty = pretty(tree, job, args, made, &written, seconds);
     let staged = finished::noted(args, job, key, (&record, &rows, &pretty), staged)?;
     interrupt::writing()?;
     staged.commit()?;
@@ -228,31 +233,4 @@ fn has_cut_outs(document: &Document) -> Result<bool, Failure> {
     };
     let drawn = document.surfaces(&[])?;
     Ok(drawn.iter().any(|(surface, _)| cuts_out(surface)))
-}
-
-/// The files of a chain, written under temporary names.
-pub(crate) fn prepare(
-    tree: &WholeTree,
-    job: &Job<'_>,
-    made: &Chain,
-    overwrite: bool,
-) -> Result<PreparedChain, Failure> {
-    let levels = made.levels.iter().enumerate();
-    let levels: Vec<Level<'_>> = levels
-        .map(|(k, level)| {
-            let facts = facts(job, level);
-            match &level.shape {
-                Shape::Original(lod) | Shape::Mesh(lod) => {
-                    Level::new(&job.name, k, lod, facts).with_textures(&level.textures)
-                }
-                Shape::Impostor(made) => {
-                    Level::of_surface(&job.name, k, &made.impostor.surface, facts)
-                }
-            }
-        })
-        .collect();
-    let options = WriteOptions::default().overwrite(overwrite);
-    Ok(tree
-        .items()
-        .prepare_chain(&job.name, &levels, job.layout, &job.place, options)?)
 }

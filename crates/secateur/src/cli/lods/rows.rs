@@ -2,44 +2,10 @@
 
 use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_scene::chain::{Chain, ChainLevel, Shape};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::super::record;
 use super::job::Job;
-
-/// What the node of a level says in its extras.
-pub(super) fn facts(job: &Job<'_>, level: &ChainLevel) -> Map<String, Value> {
-    let mut facts = Map::new();
-    let mut say = |name: &str, value: Value| facts.insert(name.to_owned(), value);
-    say("kind", kind(level).into());
-    say("distance", level.distance.into());
-    if level.pixels_high.is_finite() {
-        say("pixels_high", level.pixels_high.into());
-    }
-    say("screen_coverage", level.screen_coverage.into());
-    say("triangles", level.triangles().into());
-    say("difference", level.difference.difference.into());
-    say("block_coverage", level.difference.block_coverage.into());
-    say("shadow", format!("{}_LOD{}", job.name, level.shadow).into());
-    if let Some(pop) = level.pop {
-        say("pop", pop.into());
-    }
-    if let Some(sha256) = &level.order_sha256 {
-        say("order_sha256", sha256.clone().into());
-    }
-    if let Shape::Impostor(made) = &level.shape {
-        say("impostor", made.impostor.facts());
-    }
-    facts
-}
-
-fn kind(level: &ChainLevel) -> &'static str {
-    match level.shape {
-        Shape::Original(_) => "original",
-        Shape::Mesh(_) => "mesh",
-        Shape::Impostor(_) => "impostor",
-    }
-}
 
 pub(super) fn layout_name(layout: Layout) -> &'static str {
     match layout {
@@ -58,7 +24,7 @@ pub(crate) fn rows(job: &Job<'_>, made: &Chain, written: &WrittenChain) -> Vec<V
             _ => json!({ "node": format!("{}_LOD{k}", job.name) }),
         };
         let mut figures = json!({
-            "kind": kind(level),
+            "kind": level.kind(),
             "shadow": place(level.shadow),
             "pop": level.pop,
             "leaves": level.leaves,

@@ -1,6 +1,6 @@
 //! What a chain is to be like.
 
-use secateur::{Amount, Options, Target};
+use secateur::{Amount, Options};
 use secateur_scene::Screen;
 use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Textures, Wanted};
 use secateur_scene::impostor::Choice;
@@ -17,13 +17,15 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
         ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
         (shares, ..) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
     };
-    let mut leaves = Options::with_preset(args.preset.into(), Target::triangle_share(1.0));
-    leaves.alpha = args.alpha.into();
-    leaves.sides = args.sides.into();
-    leaves.engine = args.engine.into();
-    leaves.audit = false;
-    // Levels have figures of their own, from views that drove none of them.
-    leaves.shows_what_is_left = false;
+    let usual = ChainOptions::default();
+    let leaves = Options {
+        alpha: args.alpha.into(),
+        sides: args.sides.into(),
+        engine: args.engine.into(),
+        audit: usual.leaves.audit,
+        shows_what_is_left: usual.leaves.shows_what_is_left,
+        ..Options::with_preset(args.preset.into(), usual.leaves.target)
+    };
     let impostor = match (args.impostor, &wanted) {
         (Some(name), _) => name.into(),
         (None, Wanted::Triangles(_)) => Choice::None,
@@ -42,8 +44,8 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
         max_difference: args.max_difference,
         original: !args.no_original,
         plant_height_m: args.plant_height,
-        scene: None,
         leaves,
         wood: args.wood.into(),
+        ..usual
     }
 }
