@@ -45,7 +45,7 @@ pub struct AsDrawnMeasurement {
     pub width_px: u32,
     /// Pixels that the simplified tree covers over those that the original truly covers.
     pub coverage_over_truth: f64,
-    /// The same for the original, drawn by the same client.
+    /// Pixels that the original covers, drawn by the same client, over those that it truly covers.
     pub original_coverage_over_truth: f64,
     /// Overlap of the simplified tree's outline with the original's, both as drawn, 0 to 1. What a client
     /// does not show of the original is not missed here; [`Self::truth_iou`] misses it.
@@ -68,7 +68,7 @@ pub struct AsDrawnMeasurement {
     pub original_without_mips: OriginalAsDrawn,
     /// The simplified tree as a client with temporal anti-aliasing shows it, if that was asked for.
     pub over_frames: Option<OverFrames>,
-    /// The same of the original.
+    /// The original as such a client shows it, if that was asked for.
     pub original_over_frames: Option<OverFrames>,
 }
 

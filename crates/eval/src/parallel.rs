@@ -41,7 +41,7 @@ pub struct SeenTexel {
     /// The mean linear base colour of these.
     pub color: Vec3,
     /// The mean of their shading normals along right, up and toward the eye, not of unit length.
-    /// Those of double-sided materials are turned to the side that is seen, as glTF has it.
+    /// Normals of double-sided materials are turned to the side that is seen, as glTF has it.
     pub normal: Vec3,
 }
 

@@ -11,9 +11,9 @@ use super::{Document, Selector};
 
 /// A document's parts, looked at.
 pub(crate) struct Judged<'a> {
-    /// Those of the plant.
+    /// Parts of the plant.
     pub(crate) parts: Vec<Part>,
-    /// Those that are not.
+    /// Parts that are not.
     pub(crate) others: Vec<Part>,
     /// Of the plant's.
     pub(crate) survey: Survey,

@@ -56,7 +56,7 @@ enum ImageBytes {
 pub(crate) enum Decoded {
     /// The pixels of an image that could be decoded.
     Picture(Arc<Picture>),
-    /// It can't be decoded: it then counts as opaque white.
+    /// The image can't be decoded: it then counts as opaque white.
     Unusable(Arc<str>),
 }
 

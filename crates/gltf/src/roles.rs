@@ -25,7 +25,7 @@ pub(crate) enum Role {
     Leaf,
     /// Other surface of the plant: wood, a pot, fruit.
     Wood,
-    /// It stays as it is.
+    /// The part stays as it is.
     NotPlant(NotPlant),
 }
 

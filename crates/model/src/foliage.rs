@@ -267,7 +267,7 @@ impl Foliage {
         &self.cutouts
     }
 
-    /// The same leaves as solid polygons (`--alpha ignore`).
+    /// These leaves as solid polygons (`--alpha ignore`).
     pub fn without_cutouts(&self) -> Self {
         let mut plain = self.clone();
         plain.cutouts.clear();
@@ -277,7 +277,7 @@ impl Foliage {
         plain
     }
 
-    /// The same leaves, all seen from both sides (`--sides both`).
+    /// These leaves, all seen from both sides (`--sides both`).
     pub fn seen_from_both_sides(&self) -> Self {
         let mut both = self.clone();
         for leaf in &mut both.leaves {

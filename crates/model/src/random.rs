@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 /// A stream of pseudo-random numbers: splitmix64 (Steele, Lea, Flood: Fast
 /// splittable pseudorandom number generators, OOPSLA 2014).
 ///
-/// The same seed gives the same bits on every platform: the state is an integer,
+/// A seed gives equal bits on every platform: the state is an integer,
 /// and what is made of it uses only correctly rounded operations and `libm`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Random {

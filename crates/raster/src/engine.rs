@@ -74,7 +74,7 @@ impl OpenEngine {
         }
     }
 
-    /// The same, but where the GPU fails (lost, out of memory) the CPU takes
+    /// This engine, but where the GPU fails (lost, out of memory) the CPU takes
     /// over and [`failure`](Self::failure) says why. For programs that bring a
     /// device of their own; [`open`](Self::open) fails with the GPU.
     pub fn falling_back(self) -> Self {

@@ -94,7 +94,7 @@ impl View {
         })
     }
 
-    /// The same camera, with textures 16 times as exact: not a 64th of a leaf but a 1024th of it, or
+    /// This camera, with textures 16 times as exact: not a 64th of a leaf but a 1024th of it, or
     /// a 64th of a pixel where that is more, out of place ([`AFFINE_DEPTH_RATIO`]), but for leaves as
     /// deep as they are far. It takes up to several times as long to draw leaves that have a cut-out.
     #[must_use]
@@ -106,7 +106,7 @@ impl View {
         }
     }
 
-    /// The same camera turned about a point by a turn of length 1.
+    /// This camera turned about a point by a turn of length 1.
     pub(crate) fn turned(self, about: DVec3, turn: DQuat) -> Self {
         Self {
             eye: about + turn * (self.eye - about),

@@ -20,7 +20,7 @@ impl ViewSet {
         Self { views }
     }
 
-    /// The same cameras, each reading textures as [`View::with_exact_textures`] says.
+    /// These cameras, each reading textures as [`View::with_exact_textures`] says.
     #[must_use]
     pub fn with_exact_textures(self) -> Self {
         Self::new(
@@ -161,7 +161,7 @@ impl ViewSet {
     /// `1 / sqrt 8`: 38.9 degrees.
     pub const TAN_TIGHT: f64 = 0.353_553_390_593_273_8;
 
-    /// The same cameras with another field of view, given as the tangent of its half.
+    /// These cameras with another field of view, given as the tangent of its half.
     ///
     /// # Errors
     /// [`ViewError::FieldOfView`] if that is not a positive number.
@@ -177,14 +177,14 @@ impl ViewSet {
         Ok(Self::new(views.collect()))
     }
 
-    /// The same cameras and those of other sets behind them.
+    /// These cameras and those of other sets behind them.
     #[must_use]
     pub fn followed_by(&self, others: &[Self]) -> Self {
         let others = others.iter().flat_map(|set| &set.views);
         Self::new(self.views.iter().chain(others).copied().collect())
     }
 
-    /// The same views turned as one about a point. What is no turn, being without length or
+    /// These views turned as one about a point. What is no turn, being without length or
     /// not finite, turns nothing.
     #[must_use]
     pub fn turned(&self, about: DVec3, turn: DQuat) -> Self {

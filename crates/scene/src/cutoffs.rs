@@ -321,7 +321,7 @@ fn changed(
     (level, made.into_iter().filter_map(is_changed).collect())
 }
 
-/// The same, read without mip maps.
+/// A material, read without mip maps.
 fn without_mips(material: &Material) -> Material {
     let mut without = material.clone();
     if let Some(texture) = &mut without.texture {

@@ -47,7 +47,7 @@ pub enum CutoffChoice {
     Fit,
     /// As [`Self::Fit`], but all textures are read with mip maps.
     FitWithMips,
-    /// Those of the plant.
+    /// Cutoffs of the plant.
     Keep,
 }
 
@@ -57,9 +57,9 @@ pub enum ColorChoice {
     /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
     #[default]
     Auto,
-    /// Those of the leaves near them, where mip maps would mix in others.
+    /// Colours of the leaves near them, where mip maps would mix in others.
     Dilate,
-    /// Those of the plant.
+    /// Colours of the plant.
     Keep,
 }
 
@@ -122,7 +122,7 @@ pub enum LevelWarning {
     TexturesStay(String),
     /// Other colours were asked for, and no texture gets any.
     NoOtherColors,
-    /// It is another plant: its difference.
+    /// The level is another plant: its difference.
     AnotherPlant(f64),
     /// Whether it looks like the plant is not known: why.
     LookUnknown(String),

@@ -107,7 +107,7 @@ impl Plant {
         }
     }
 
-    /// The same, to be changed.
+    /// The [`tree`](Self::tree), to be changed.
     pub fn tree_mut(&mut self) -> &mut Tree {
         match &mut self.0 {
             Parts::Leaves(tree) => tree,

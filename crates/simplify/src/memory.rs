@@ -144,7 +144,7 @@ impl Room {
         Ok(self.left)
     }
 
-    /// The same error, in words of memory where there are too many fragments.
+    /// The error, in words of memory where there are too many fragments.
     fn explain(&self, error: RasterError, scene: &Scene<'_>) -> RasterError {
         match error.downcast::<TooManyFragments>() {
             Ok(too_many) => self.lacks(&too_many, scene).into(),

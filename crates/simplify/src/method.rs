@@ -19,7 +19,7 @@ use crate::vds::{Fast, Literal, VdsOptions};
 pub enum Method {
     /// Viewpoint-driven simplification by the exact, fast engine.
     Vds(VdsOptions),
-    /// The same as the paper's Algorithm 1 is written: every view drawn anew for
+    /// VDS as the paper's Algorithm 1 is written: every view drawn anew for
     /// every candidate of every step. For checking, on a few hundred leaves.
     VdsReference(VdsOptions),
     /// Leaf collapse: the two leaves that are nearest and most in one plane
@@ -65,7 +65,7 @@ impl Method {
         }
     }
 
-    /// The same to change.
+    /// The options of VDS, to be changed.
     pub fn vds_mut(&mut self) -> Option<&mut VdsOptions> {
         match self {
             Self::Vds(options) | Self::VdsReference(options) => Some(options),

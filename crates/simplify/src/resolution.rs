@@ -114,7 +114,7 @@ fn chosen(foliage: &Foliage, views: &ViewSet, engine: &OpenEngine) -> Result<(u3
 pub(crate) struct Visibility {
     /// Leaves with an area in some view.
     leaves: usize,
-    /// Those of them with at most a pixel in every view.
+    /// Leaves of them with at most a pixel in every view.
     at_most_a_pixel: usize,
 }
 

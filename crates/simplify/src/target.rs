@@ -80,7 +80,7 @@ impl Target {
         }
     }
 
-    /// The same in numbers of this foliage.
+    /// The target in numbers of this foliage.
     pub(crate) fn counted(self, foliage: &Foliage) -> Self {
         let count = |amount: Amount, total| Amount::Count(amount.of(total) as u64);
         match self {

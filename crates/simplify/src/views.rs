@@ -115,7 +115,7 @@ impl Views {
         }
     }
 
-    /// The same with these where a run decides.
+    /// These views, or those that were decided where a run decides.
     pub(crate) fn instead_of_auto(&self, decided: &Self) -> Self {
         match self {
             Self::Auto => decided.clone(),

@@ -62,18 +62,18 @@ const MOST_WOOD: f64 = 0.5;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum WoodMode {
-    /// It is simplified too, by whichever of [`Self::Geometry`] and [`Self::Vmi`] looks better a
+    /// Wood is simplified too, by whichever of [`Self::Geometry`] and [`Self::Vmi`] looks better a
     /// triangle: see [`Self::decided`].
     Auto,
-    /// It stays as it was: [`simplify_keeping_wood`].
+    /// Wood stays as it was: [`simplify_keeping_wood`].
     Keep,
-    /// It is not looked at: triangles count the leaves alone, as in
+    /// Wood is not looked at: triangles count the leaves alone, as in
     /// [`simplify`](crate::simplify()).
     Ignore,
-    /// It is simplified too; pieces get coarser by half-edge collapses that change the mutual
+    /// Wood is simplified too; pieces get coarser by half-edge collapses that change the mutual
     /// information of views least: [`Wood::by_information`].
     Vmi,
-    /// It is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`].
+    /// Wood is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`].
     Geometry,
 }
 

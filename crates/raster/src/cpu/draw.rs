@@ -7,7 +7,7 @@ use crate::{Fragment, LeafIdImage, Scene, View};
 /// Draws one view of a scene: at each pixel the nearest leaf, at equal depth
 /// the lowest number.
 ///
-/// It shares nothing with [`fragments`](super::fragments) but the snapped
+/// This code shares nothing with [`fragments`](super::fragments) but the snapped
 /// triangles, and so serves as its check.
 ///
 /// # Panics

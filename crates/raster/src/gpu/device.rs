@@ -132,7 +132,7 @@ impl Device {
         Ok(device)
     }
 
-    /// The same device, but never with more than this many bytes in one
+    /// This device, but never with more than this many bytes in one
     /// binding: for less memory at a time, and more chunks.
     pub fn with_binding_limit(mut self, bytes: u64) -> Self {
         self.binding_limit = self.binding_limit.min(bytes);

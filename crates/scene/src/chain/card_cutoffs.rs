@@ -23,7 +23,7 @@ const HALVINGS: usize = 5;
 /// A cutoff with which coverage is off by no more is near enough.
 const NEAR: f64 = 0.02;
 
-/// The same of one that is known already.
+/// With a cutoff that is known already, coverage may be off by this much.
 const NEAR_OF_KNOWN: f64 = 0.05;
 
 /// How alpha is tested.

@@ -246,8 +246,7 @@ pub(super) enum LevelPicture {
     Impostor(Impostor),
 }
 
-/// The same view with a field of view that just holds the plant: a picture of as many pixels shows more of
-/// it.
+/// A view with a field of view that just holds the plant: a picture of as many pixels shows more of it.
 fn tight(view: &View) -> View {
     let ahead = view.eye() + view.forward() * (view.near() * 1e3);
     let tight = View::look_at(view.eye(), ahead, view.up(), TIGHT_TANGENT, view.near());

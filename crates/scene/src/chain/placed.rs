@@ -107,7 +107,7 @@ impl Maker<'_> {
         })
     }
 
-    /// The same level for a range that ends elsewhere, if it is within the limits there too.
+    /// A level for a range that ends elsewhere, if it is within the limits there too.
     pub(super) fn placed_down_to(
         &self,
         placed: Placed,

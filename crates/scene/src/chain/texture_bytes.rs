@@ -33,7 +33,7 @@ pub(super) fn texture_bytes(
     images.into_values().chain(own).sum()
 }
 
-/// The same of one texture.
+/// The bytes of one texture.
 pub(super) fn bytes_of(texture: &Texture) -> u64 {
     let has_mips = texture.filters.mips != Mips::None;
     image_bytes([texture.width, texture.height], has_mips)

@@ -59,7 +59,7 @@ pub enum Textures {
     /// Textures made for the distance, or those of the tree with the colours of leaves in clear texels.
     #[default]
     Fit,
-    /// Those of the tree.
+    /// Textures of the tree.
     Keep,
 }
 
@@ -116,7 +116,7 @@ impl<'a> Client<'a> {
         }
     }
 
-    /// The same, but levels that keep textures of the tree show these instead: their alpha is the same, but not
+    /// This client, but levels that keep textures of the tree show these instead: their alpha is the same, but not
     /// the colours of clear texels, which mip maps mix in.
     pub(super) fn with_dilated(self, dilated: Vec<LevelTexture>) -> Self {
         Self { dilated, ..self }
@@ -127,7 +127,7 @@ impl<'a> Client<'a> {
         self.as_drawn_with(surfaces, &self.mips, range)
     }
 
-    /// The same with the mip maps of its textures, where they are known.
+    /// How a level looks with the mip maps of its textures, where they are known.
     pub(super) fn as_drawn_with(
         &self,
         surfaces: &[Surface],

@@ -31,7 +31,7 @@ pub(super) fn range<'a>(drawn: impl Iterator<Item = &'a DrawnSurface>) -> Option
     range.filter(|[low, high]| low <= high)
 }
 
-/// The same of one texture whose alpha is held against this cutoff.
+/// The range of one texture whose alpha is held against this cutoff.
 fn range_of(texture: &Texture, cutoff: f32) -> [f32; 2] {
     if !(cutoff > 0.0 && cutoff.is_finite()) {
         return [1.0; 2];

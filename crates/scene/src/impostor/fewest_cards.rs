@@ -118,7 +118,7 @@ impl<'a> Seen<'a> {
             .difference_of_seen(seen, pixels_high, count, limits)
     }
 
-    /// The same cards with a normal map of half as many texels a side; none if they look farther from the plant, or
+    /// These cards with a normal map of half as many texels a side; none if they look farther from the plant, or
     /// have no normal map.
     pub fn with_half_normals(&self, found: &Found) -> Option<Found> {
         let impostor = found.impostor.with_half_normals()?;

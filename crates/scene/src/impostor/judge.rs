@@ -61,7 +61,7 @@ impl Judge {
         judge.in_pictures_of_at_most(PICTURE_PX[1])
     }
 
-    /// The same judge with pictures of at most `most_px` pixels a side, by default 256. What the screen
+    /// This judge with pictures of at most `most_px` pixels a side, by default 256. What the screen
     /// shows larger is judged in pictures of that size, in which single leaves hardly count.
     pub fn in_pictures_of_at_most(mut self, most_px: f64) -> Self {
         let side = self
@@ -71,13 +71,13 @@ impl Judge {
         self
     }
 
-    /// The same, with these drawn wherever a plant or an impostor is.
+    /// This judge, with these drawn wherever a plant or an impostor is.
     pub fn among(mut self, obstacles: Vec<Arc<Surface>>) -> Self {
         self.obstacles = obstacles;
         self
     }
 
-    /// The same for a plant of which FLIP over a picture is multiplied by this to be that over the frame of
+    /// This judge for a plant of which FLIP over a picture is multiplied by this to be that over the frame of
     /// `measure` ([`share_of_tight_frame`]), by default 3/8, as where leaves are all around the plant.
     pub fn with_frame_share(mut self, share: f64) -> Self {
         self.frame_share = share;

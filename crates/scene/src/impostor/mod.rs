@@ -57,7 +57,7 @@ impl Choice {
 /// The least and the largest texels a side of a cell.
 const CELL: [u32; 2] = [32, 512];
 
-/// The same of octahedral views, of which there are many.
+/// The least and the largest texels a side of an octahedral view, of which there are many.
 const VIEW_CELL: [u32; 2] = [32, 128];
 
 /// An impostor of a plant.
@@ -128,14 +128,14 @@ impl Impostor {
         Some(made.with_cutoff(cards::CUTOFF))
     }
 
-    /// The same without its normals: each quad is lit as the plane that it is.
+    /// This impostor without its normals: each quad is lit as the plane that it is.
     pub fn flat(&self) -> Self {
         let mut flat = self.clone();
         Arc::make_mut(&mut flat.surface.material).finish.normal_map = None;
         flat
     }
 
-    /// The same with a normal map of half as many texels a side; none without a normal map.
+    /// This impostor with a normal map of half as many texels a side; none without a normal map.
     pub fn with_half_normals(&self) -> Option<Self> {
         let mut half = self.clone();
         let material = Arc::make_mut(&mut half.surface.material);
@@ -144,14 +144,14 @@ impl Impostor {
         Some(half)
     }
 
-    /// The same, tested against this alpha.
+    /// This impostor, tested against this alpha.
     pub fn with_cutoff(&self, cutoff: f32) -> Self {
         let mut other = self.clone();
         Arc::make_mut(&mut other.surface.material).alpha_mode = AlphaMode::Mask(cutoff);
         other
     }
 
-    /// The same, read with these mips.
+    /// This impostor, read with these mips.
     pub fn with_mips(&self, mips: Mips) -> Self {
         let mut other = self.clone();
         let material = Arc::make_mut(&mut other.surface.material);

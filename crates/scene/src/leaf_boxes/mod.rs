@@ -55,7 +55,7 @@ pub struct LeafBox {
     pub children: Vec<usize>,
     /// All leaves of the branch and of what grows from it.
     pub leaves: Vec<LeafId>,
-    /// Those of them that are in no child.
+    /// Leaves of them that are in no child.
     pub own: Vec<LeafId>,
 }
 

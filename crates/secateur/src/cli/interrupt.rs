@@ -30,7 +30,7 @@ pub(crate) fn check() -> Result<(), SimplifyError> {
     }
 }
 
-/// The same for callbacks.
+/// Whether to go on, for callbacks.
 pub(crate) fn flow() -> ControlFlow<()> {
     match WANTED.load(Ordering::Relaxed) {
         true => ControlFlow::Break(()),

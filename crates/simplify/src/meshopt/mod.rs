@@ -42,12 +42,12 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Borders {
-    /// It stays where it was.
+    /// The border stays where it was.
     #[default]
     Stay,
-    /// It grows once, by the area that was lost.
+    /// The border grows once, by the area that was lost.
     PreserveArea,
-    /// It grows after each halving of the triangles, by what that lost, as meshoptimizer's example
+    /// The border grows after each halving of the triangles, by what that lost, as meshoptimizer's example
     /// of cluster LODs has it (`simplify_dilate_borders`, pull request 1093, merged in 2026).
     Dilate,
 }

@@ -56,7 +56,7 @@ pub enum Ties {
 /// Where VDS looks from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewPlan {
-    /// The same views throughout.
+    /// These views throughout.
     Fixed(ViewSet),
     /// One set after the other, at least one.
     Staged(Vec<ViewStage>),
@@ -67,7 +67,7 @@ pub enum ViewPlan {
 pub struct ViewStage {
     /// The views that drive this stage.
     pub views: ViewSet,
-    /// It ends when this part of the leaves is gone, in thousandths; the last stage of a plan
+    /// The stage ends when this part of the leaves is gone, in thousandths; the last stage of a plan
     /// ends where the run does.
     pub gone_per_mille: usize,
 }
@@ -125,7 +125,7 @@ impl ViewPlan {
         }
     }
 
-    /// The same plan with other sets in the place of its own.
+    /// This plan with other sets in the place of its own.
     pub(crate) fn map(self, of: impl Fn(&ViewSet) -> ViewSet) -> Self {
         match self {
             Self::Fixed(views) => Self::Fixed(of(&views)),

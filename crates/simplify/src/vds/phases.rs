@@ -8,7 +8,7 @@ use super::{VdsError, VdsOptions, VdsRun, ViewPlan};
 /// A stretch of a run with one view set.
 pub(crate) struct Phase {
     pub views: ViewSet,
-    /// It ends when this many leaves are left.
+    /// The phase ends when this many leaves are left.
     pub leaves_at_end: usize,
 }
 
