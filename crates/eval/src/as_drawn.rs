@@ -125,7 +125,7 @@ impl AsDrawn {
         }
     }
 
-    /// The same, which compares the means of many frames as well: each further picture of the original
+    /// This original, which compares the means of many frames as well: each further picture of the original
     /// and of what is measured takes as long as one of the truth.
     pub fn over_frames<S: Borrow<Surface> + Sync>(mut self, original: &[S]) -> Self {
         self.original_over_frames = Some(self.frames_of(original, &MipChains::of(original)));

@@ -97,7 +97,7 @@ impl MipChains {
         }
     }
 
-    /// The same for pictures with this many samples along a side of each pixel, which all read the levels
+    /// These chains for pictures with this many samples along a side of each pixel, which all read the levels
     /// whose texels are as large as the pixel.
     pub(crate) fn for_pixels_of(&self, samples: u32) -> Self {
         Self {

@@ -38,7 +38,7 @@ pub struct OverFrames {
     /// the pixels that the original truly covers; 0 or more. What flickers where nothing smooths over frames and
     /// the camera moves a little.
     pub flicker: f64,
-    /// The same of the truth: what one sample a pixel can't avoid.
+    /// Flicker of the truth: what one sample a pixel can't avoid.
     pub truth_flicker: f64,
 }
 

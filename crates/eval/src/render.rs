@@ -1,11 +1,15 @@
 //! A plain picture of textured triangles, on the CPU.
 
+mod cut_out;
+
 use std::borrow::Borrow;
 
 use glam::{Vec2, Vec3};
 use image::RgbaImage;
 use rayon::prelude::*;
 use secateur_model::Surface;
+
+pub(crate) use cut_out::{CutOutRoles, draw_cut_out};
 
 use crate::Camera;
 use crate::lens::Lens;
@@ -112,73 +116,6 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
     }
 }
 
-/// A plant alone, before no background.
-pub(crate) struct CutOut {
-    /// Pixels in width and height.
-    pub(crate) size: [u32; 2],
-    /// By pixel, row by row: linear RGB times coverage.
-    pub(crate) rgb: Vec<[f32; 3]>,
-    /// By pixel, the share of its samples that show the plant.
-    pub(crate) coverage: Vec<f32>,
-    /// By pixel, the share of its samples that show the first `core` surfaces.
-    pub(crate) core: Vec<f32>,
-}
-
-/// Which surfaces are which, by their places in a list.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CutOutRoles {
-    /// The surfaces before this one are counted by themselves.
-    pub(crate) core: usize,
-    /// The surfaces from this one on hide the plant, and are background themselves.
-    pub(crate) occluders: usize,
-}
-
-/// Draws a plant alone through a lens of `samples` x `samples` samples a pixel, lit as [`render`] does without
-/// shadows, textures read without mip maps.
-pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
-    roles: CutOutRoles,
-    lens: Lens,
-    (samples, turns_normals): (u32, bool),
-    alpha: AlphaFrom<'_>,
-) -> CutOut {
-    let scene = SeenFrom {
-        surfaces,
-        seen: visibility(surfaces, &lens, Culling::Material, alpha),
-        mips: None,
-        lighting: Lighting::new(surfaces, lens.axes, false),
-        turns_normals,
-        lens,
-    };
-    let size = [lens.width / samples, lens.height / samples];
-    let count = size[0] as usize * size[1] as usize;
-    let mut drawn = CutOut {
-        size,
-        rgb: vec![[0.0; 3]; count],
-        coverage: vec![0.0; count],
-        core: vec![0.0; count],
-    };
-    let width = size[0].max(1) as usize;
-    let rows = drawn.rgb.par_chunks_mut(width);
-    let rows = rows.zip(drawn.coverage.par_chunks_mut(width));
-    let rows = rows.zip(drawn.core.par_chunks_mut(width)).enumerate();
-    rows.for_each(|(y, ((rgb, coverage), core))| {
-        for x in 0..width {
-            let pixel = scene.cut_out_pixel(x as u32, y as u32, samples, roles);
-            (rgb[x], coverage[x], core[x]) = (pixel.rgb.to_array(), pixel.coverage, pixel.core);
-        }
-    });
-    drawn
-}
-
-/// A pixel of a [`CutOut`].
-#[derive(Clone, Copy, Debug, Default)]
-struct CutOutPixel {
-    rgb: Vec3,
-    coverage: f32,
-    core: f32,
-}
-
 /// By pixel, row by row, whether a camera sees anything but the background at its middle, in a
 /// square picture of `side` pixels.
 pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
@@ -228,86 +165,6 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
             };
         }
         sum / (per_side * per_side) as f32
-    }
-
-    /// The plant's share of a pixel. Of 2 x 2 samples that see one triangle the colour is found once, in their
-    /// middle.
-    fn cut_out_pixel(&self, x: u32, y: u32, per_side: u32, roles: CutOutRoles) -> CutOutPixel {
-        let mut pixel = CutOutPixel::default();
-        let mut lit = (NOTHING, Vec3::ZERO);
-        let step = if per_side.is_multiple_of(2) { 2 } else { 1 };
-        for (row, column) in (0..per_side)
-            .step_by(step)
-            .flat_map(|row| (0..per_side).step_by(step).map(move |column| (row, column)))
-        {
-            let (column, row) = (x * per_side + column, y * per_side + row);
-            let index = |dx: u32, dy: u32| {
-                let at = (row + dy) as usize * self.seen.width + (column + dx) as usize;
-                self.seen.frontmost[at]
-            };
-            let corner = Vec2::new(column as f32, row as f32);
-            if step == 1 {
-                self.add_samples(
-                    &mut pixel,
-                    &mut lit,
-                    (index(0, 0), corner + 0.5, 1.0),
-                    roles,
-                );
-                continue;
-            }
-            let four = [(0, 0), (1, 0), (0, 1), (1, 1)];
-            if four.iter().all(|(dx, dy)| index(*dx, *dy) == index(0, 0)) {
-                self.add_samples(
-                    &mut pixel,
-                    &mut lit,
-                    (index(0, 0), corner + 1.0, 4.0),
-                    roles,
-                );
-                continue;
-            }
-            for (dx, dy) in four {
-                let at = corner + Vec2::new(dx as f32, dy as f32) + 0.5;
-                self.add_samples(&mut pixel, &mut lit, (index(dx, dy), at, 1.0), roles);
-            }
-        }
-        let all = (per_side * per_side) as f32;
-        CutOutPixel {
-            rgb: pixel.rgb / all,
-            coverage: pixel.coverage / all,
-            core: pixel.core / all,
-        }
-    }
-
-    /// Adds `count` samples about a place, which see this triangle, to the sums of a pixel. `lit` is the triangle whose
-    /// light was found last, and that light.
-    fn add_samples(
-        &self,
-        pixel: &mut CutOutPixel,
-        lit: &mut (u32, Vec3),
-        (index, at, count): (u32, Vec2, f32),
-        roles: CutOutRoles,
-    ) {
-        let Some(triangle) = self.seen.triangles.get(index as usize) else {
-            return;
-        };
-        let surface = triangle.face.surface as usize;
-        if surface >= roles.occluders {
-            return;
-        }
-        let Some(spot) = self.spot(index, at) else {
-            return;
-        };
-        pixel.coverage += count;
-        if surface < roles.core {
-            pixel.core += count;
-        }
-        if lit.0 != index {
-            *lit = (
-                index,
-                spot.light(&self.lens, &self.lighting, self.turns_normals),
-            );
-        }
-        pixel.rgb += tone(spot.base_color(None) * lit.1) * count;
     }
 
     /// The mip chain of what a sample sees.

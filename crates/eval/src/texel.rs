@@ -116,7 +116,7 @@ pub struct FourTexels {
 }
 
 impl FourTexels {
-    /// Those at these coordinates, in a texture of this width and height, of at least a texel and at most
+    /// The texels at these coordinates, in a texture of this width and height, of at least a texel and at most
     /// 2^32.
     pub fn at(size: [u32; 2], wrap: [Wrap; 2], uv: Vec2) -> Self {
         let at = uv * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;

@@ -409,7 +409,7 @@ struct Skin {
 /// wood are joined.
 const BYTES_A_TRIANGLE: u64 = 2 * (size_of::<LeafTriangle>() + size_of::<u32>()) as u64;
 
-/// The same of a leaf.
+/// What a leaf takes, likewise.
 const BYTES_A_LEAF: u64 = 2 * (size_of::<Leaf>() + size_of::<LeafSource>()) as u64;
 
 fn check_size(

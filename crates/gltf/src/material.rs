@@ -191,7 +191,7 @@ pub(crate) fn base_color_texture(material: &Value) -> Option<&Value> {
     material.pointer(base_color_pointer(material))
 }
 
-/// The same, as a JSON pointer.
+/// Where a material names its base colour texture, as a JSON pointer.
 pub(crate) fn base_color_pointer(material: &Value) -> &'static str {
     match is_base_color_diffuse(material) {
         true => "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",

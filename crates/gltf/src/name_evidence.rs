@@ -33,7 +33,7 @@ const WOOD_PARTS: [&str; 15] = [
 /// Whole words that speak of wood; as parts they'd be in too many others.
 const WOOD_WORDS: [&str; 4] = ["ast", "limb", "log", "rama"];
 
-/// Those of these words that a card with leaves on it may have: it shows a whole branch.
+/// Words of wood that a card with leaves on it may have: it shows a whole branch.
 const BRANCH_WORDS: [&str; 6] = ["ast", "branch", "limb", "rama", "twig", "zweig"];
 
 /// What a name says.

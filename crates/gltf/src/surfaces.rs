@@ -26,7 +26,7 @@ const MAX_VERTICES: u64 = 3 * MAX_TRIANGLES;
 /// What a triangle to draw takes, with room for more behind it.
 const BYTES_A_TRIANGLE: u64 = 2 * size_of::<[u32; 3]>() as u64;
 
-/// The same of a vertex: position, normal, texture coordinates and colour.
+/// What a vertex takes, likewise: position, normal, texture coordinates and colour.
 const BYTES_A_VERTEX: u64 =
     2 * (2 * size_of::<Vec3>() + size_of::<Vec2>() + size_of::<Vec4>()) as u64;
 

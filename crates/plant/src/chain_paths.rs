@@ -111,7 +111,7 @@ impl<'a> Extraction<'a> {
         route.iter().filter(new).copied().collect()
     }
 
-    /// Those of the route with something still to come go back to their forks.
+    /// Branches of the route with something still to come go back to their forks.
     fn wait_again(&mut self, route: &[BranchIndex]) {
         for (depth, &branch) in route.iter().enumerate() {
             if self.waiting[branch.index()].is_empty() && !self.returns(&route[depth + 1..]) {

@@ -1,6 +1,6 @@
 //! What hides leaves and is none: wood, a wall, a fence before the tree.
 //!
-//! It is drawn and never edited. A leaf has no fragment where something nearer stands, so lists of
+//! What hides leaves is drawn and never edited. A leaf has no fragment where something nearer stands, so lists of
 //! fragments end there, and a pixel whose list is empty counts as background, whatever shows in it:
 //! all that follows (areas, VMI, the greedy loop) stays as it is. At equal depth the leaf shows.
 

@@ -3,11 +3,10 @@
 //!
 //! ```text
 //! cargo run --release --package secateur-scene --example beside -- \
-//!     OUT.png PIXELS_HIGH AZIMUTH_DEGREES PLANT.glb LEVEL.glb...
+//!     [--plain] OUT.png PIXELS_HIGH AZIMUTH_DEGREES PLANT.glb LEVEL.glb...
 //! ```
 //!
-//! The captions say what the eye should not know before it has graded: with `-` before the name of the picture,
-//! `-OUT.png`, there are none.
+//! The captions say what the eye should not know before it has graded: with `--plain` there are none.
 
 use std::error::Error;
 use std::fs::File;
@@ -31,12 +30,18 @@ const RADII: f64 = 3.0;
 const ROOM: [f64; 2] = [1.15, 1.1];
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let is_plain = arguments.first().is_some_and(|first| first == "--plain");
+    if is_plain {
+        arguments.remove(0);
+    }
     let [output, pixels_high, azimuth, plant, levels @ ..] = &arguments[..] else {
-        eprintln!("usage: beside OUT.png PIXELS_HIGH AZIMUTH_DEGREES PLANT.glb LEVEL.glb...");
+        eprintln!(
+            "usage: beside [--plain] OUT.png PIXELS_HIGH AZIMUTH_DEGREES PLANT.glb LEVEL.glb..."
+        );
         return ExitCode::from(2);
     };
-    match write(output, [pixels_high, azimuth], plant, levels) {
+    match write((output, is_plain), [pixels_high, azimuth], plant, levels) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
@@ -46,7 +51,7 @@ fn main() -> ExitCode {
 }
 
 fn write(
-    output: &str,
+    (output, is_plain): (&str, bool),
     [pixels_high, azimuth]: [&String; 2],
     plant: &str,
     levels: &[String],
@@ -66,19 +71,20 @@ fn write(
         let triangles: usize = surfaces.iter().map(|s| s.triangles.len()).sum();
         let difference = judge.difference(&surfaces, pixels_high, ViewCount::All);
         println!("{file}: {triangles} triangles, {difference:?}");
+        let (title, subtitle) = match is_plain {
+            true => Default::default(),
+            false => (
+                format!("{:.2}", difference.difference),
+                format!("{triangles} triangles"),
+            ),
+        };
         panels.push(Panel {
-            title: format!("{:.2}", difference.difference),
-            subtitle: format!("{triangles} triangles"),
+            title,
+            subtitle,
             image: render(&surfaces, &camera, &options),
         });
     }
-    let is_plain = output.starts_with('-');
-    if is_plain {
-        for panel in &mut panels {
-            (panel.title, panel.subtitle) = Default::default();
-        }
-    }
-    let file = BufWriter::new(File::create(output.trim_start_matches('-'))?);
+    let file = BufWriter::new(File::create(output)?);
     let smallest = (CompressionType::Best, FilterType::Adaptive);
     let encoder = PngEncoder::new_with_quality(file, smallest.0, smallest.1);
     DynamicImage::from(contact_sheet(&panels))
@@ -103,7 +109,8 @@ fn surfaces_and_wood(file: &str) -> Result<(Vec<Surface>, Vec<bool>), Box<dyn Er
     Ok((surfaces, is_wood))
 }
 
-/// A camera to which a size is so many pixels, and the size of its pictures.
+/// A camera that shows `size`, in world units, as `pixels_high` pixels; and the width and height of its pictures in
+/// pixels.
 fn camera(
     surfaces: &[Surface],
     size: f64,

@@ -9,7 +9,7 @@ use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholePlant};
 use secateur_simplify::{Options, Preset, Shared, Target};
 
-/// Of all triangles.
+/// The shares of a plant's triangles at which it is judged.
 const SHARES: [f64; 10] = [0.7, 0.6, 0.5, 0.42, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1];
 
 fn main() {
@@ -43,7 +43,7 @@ fn overs(file: &Path, pixels_high: f64, leaf_margin: f64) -> Vec<f64> {
     let mut over = |share: f64| {
         let budget = Budget {
             triangles: (share * whole.triangle_count() as f64) as usize,
-            leaf_margin,
+            leaf_margin: Some(leaf_margin),
         };
         let mut go_on = |_| ControlFlow::Continue(());
         let level = whole.level(budget, &options, &engine, Some(&mut shared), &mut go_on);

@@ -72,7 +72,7 @@ pub enum MaterialChange {
 /// Cutoffs that were chosen, and what they do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChosenCutoffs {
-    /// Those that differ from what the level has without. [`material_changes`](crate::material_changes) has all
+    /// Cutoffs that differ from what the level has without. [`material_changes`](crate::material_changes) has all
     /// that changes.
     pub cutoffs: Cutoffs,
     /// By what all cutoffs were multiplied.

@@ -114,7 +114,7 @@ impl LevelOptions {
 /// What has to be said of a level.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LevelWarning {
-    /// Of the simplification.
+    /// What the run over the leaves warns of.
     Run(Warning),
     /// Cutoffs stay as they are, since the level can't be drawn: why.
     CutoffsStay(String),
@@ -209,7 +209,7 @@ impl Level<'_> {
 }
 
 impl Plant {
-    /// Makes a level.
+    /// Makes the level that the options ask for, with its material changes, and looks at it.
     ///
     /// # Errors
     /// [`Error::Simplify`] if the plant can't be simplified as asked.

@@ -49,7 +49,7 @@
 //!   it was: wood, materials, textures, attributes, names, extensions.
 //! - `measure` judges a result by views that [`simplify()`] never saw.
 //!
-//! The same tree and options give the same order on every machine, on the CPU
+//! Equal trees and options give the same order on every machine, on the CPU
 //! and on every GPU, bit for bit: from the snapped triangles on all arithmetic
 //! is on integers. Which triangles of a coarser leaf are left is
 //! decided in floating point before that, and may differ between kinds of processors.

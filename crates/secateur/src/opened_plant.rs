@@ -38,7 +38,7 @@ pub struct Plant(Parts);
 /// What of a plant is simplified.
 #[derive(Debug)]
 pub(crate) enum Parts {
-    /// The leaves alone.
+    /// Leaves whose wood is ignored.
     Leaves(Tree),
     /// Leaves beside the wood, which is treated as the mode says.
     Whole(WholeTree, WoodMode),
@@ -115,7 +115,7 @@ impl Plant {
         }
     }
 
-    /// The leaves.
+    /// Its leaves in world space, as the file has them.
     pub fn leaves(&self) -> &Foliage {
         match &self.0 {
             Parts::Leaves(tree) => tree.foliage(),

@@ -1,6 +1,6 @@
 //! meshoptimizer's simplifiers, as the crate `meshoptimizer-rs` has them in plain Rust.
 //!
-//! It counts in f32, rounding after each operation, and gives the index lists of the C++ original on
+//! The simplifier counts in f32, rounding after each operation, and gives the index lists of the C++ original on
 //! every processor (`tests/meshoptimizer.rs` compares them).
 
 use meshoptimizer_rs::{

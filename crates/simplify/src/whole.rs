@@ -1,12 +1,17 @@
 //! Whole plants: one budget of triangles for leaves and wood.
 
+mod keeping_wood;
+mod wood_mode;
+
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use secateur_model::{Foliage, LeafId, Lod, RemovalOrder};
 use secateur_raster::occluders::Occluded;
 use secateur_raster::{OpenEngine, Rasteriser, ViewSet};
-use serde::{Deserialize, Serialize};
+
+pub use keeping_wood::{simplify_keeping_wood, simplify_keeping_wood_sharing};
+pub use wood_mode::WoodMode;
 
 use crate::fill::is_met;
 use crate::observe::observe;
@@ -33,9 +38,18 @@ const MOST_PIXELS: usize = 1 << 23;
 /// Other values were not tried.
 const HIDDEN_WEIGHT: f64 = 0.1;
 
-/// [`Budget::leaf_margin`] unless another is asked for: of .05, .07, .1, .15, .2, .3, .6 and 1 it had the least
-/// difference where ten plants have .1 to .7 of their triangles (the example `wood_and_leaves`).
+/// [`Budget::leaf_margin`] of levels with a fifth of the triangles or more, where no other is asked for. Seven plants at ten
+/// shares, .1 to .7, 270 pixels high, are beyond the limits of the default difference in 15, 14, 12, 14 and 18 of 70 cases
+/// with .05, .1, .15, .2 and .3; their geometric means over the limits are .60, .61, .61, .63 and .65 (example
+/// `wood_and_leaves`).
 const LEAF_MARGIN: f64 = 0.15;
+
+/// [`Budget::leaf_margin`] of levels with a tenth of the triangles or fewer: with .15 FLIP at a tenth is 1.05 times as
+/// large in the geometric mean of ten plants, 1.27 on `ez_bush2` (`secateur study --plan whole`).
+const LEAF_MARGIN_OF_FEW: f64 = 0.3;
+
+/// Between a tenth and a fifth of all triangles the margin times the share is this.
+const MARGIN_TIMES_SHARE: f64 = 0.03;
 
 /// What a leaf that hangs in the air loses, as a share of what the views show of leaves for each
 /// triangle of the budget. It goes, and another stays for it, which shows less.
@@ -57,37 +71,6 @@ const MOST_DOUBLED: u32 = 8;
 /// Wood gets at most this share of a budget that cannot hold all.
 const MOST_WOOD: f64 = 0.5;
 
-/// What becomes of the wood while leaves are simplified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum WoodMode {
-    /// Wood is simplified too, by whichever of [`Self::Geometry`] and [`Self::Vmi`] looks better a
-    /// triangle: see [`Self::decided`].
-    Auto,
-    /// Wood stays as it was: [`simplify_keeping_wood`].
-    Keep,
-    /// Wood is not looked at: triangles count the leaves alone, as in
-    /// [`simplify`](crate::simplify()).
-    Ignore,
-    /// Wood is simplified too; pieces get coarser by half-edge collapses that change the mutual
-    /// information of views least: [`Wood::by_information`].
-    Vmi,
-    /// Wood is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`].
-    Geometry,
-}
-
-impl WoodMode {
-    /// What runs: [`Self::Geometry`] for [`Self::Auto`]: of as many triangles it looks as good or better, and
-    /// is found sooner.
-    pub fn decided(self) -> Self {
-        match self {
-            Self::Auto => Self::Geometry,
-            said => said,
-        }
-    }
-}
-
 /// Pixels along a side of the views in which levels of wood are judged.
 fn level_resolution(views: usize) -> u32 {
     let mut resolution = LEVEL_RESOLUTION;
@@ -104,14 +87,15 @@ pub struct Budget {
     pub triangles: usize,
     /// What another triangle of leaves saves, as a share of what the views show of leaves for each triangle of the
     /// budget, 0 or more: the first triangles save more than the last. Wood gets the triangles that save more each.
-    pub leaf_margin: f64,
+    /// Without it .15, or up to .3 for levels with less than a fifth of all triangles.
+    pub leaf_margin: Option<f64>,
 }
 
 impl From<usize> for Budget {
     fn from(triangles: usize) -> Self {
         Self {
             triangles,
-            leaf_margin: LEAF_MARGIN,
+            leaf_margin: None,
         }
     }
 }
@@ -282,7 +266,10 @@ impl<'a> WholePlant<'a> {
     /// [`Self::wood_budget`], where leaves lose these pixels that nothing bears.
     fn wood_budget_bearing(&self, hanging_px: &[f64], budget: Budget) -> usize {
         let triangles = budget.triangles;
-        let px_a_triangle = budget.leaf_margin * self.px_a_leaf_triangle(triangles);
+        let share = triangles as f64 / self.triangle_count().max(1) as f64;
+        let usual = (MARGIN_TIMES_SHARE / share).clamp(LEAF_MARGIN, LEAF_MARGIN_OF_FEW);
+        let leaf_margin = budget.leaf_margin.unwrap_or(usual);
+        let px_a_triangle = leaf_margin * self.px_a_leaf_triangle(triangles);
         let most = (MOST_WOOD * triangles as f64) as usize;
         let spare = triangles.saturating_sub(self.leaves.triangles().len());
         let of_wood = WoodBudget::of_plant(most, triangles);
@@ -497,61 +484,4 @@ impl<'a> WholePlant<'a> {
         }
         self.wood_budget(low)
     }
-}
-
-/// Simplifies the leaves of a plant whose wood stays as it is, and hides leaves. A target of
-/// triangles counts leaves and wood.
-///
-/// # Errors
-/// [`Error::BudgetBelowWood`] if the wood alone has more triangles than may be left; else as
-/// [`simplify_on`].
-pub fn simplify_keeping_wood(
-    leaves: &Foliage,
-    wood: &Foliage,
-    options: &Options,
-    engine: &OpenEngine,
-    observer: &mut Observer<'_>,
-) -> Result<WholeLevel, Error> {
-    simplify_keeping_wood_sharing(leaves, wood, options, engine, None, observer)
-}
-
-/// [`simplify_keeping_wood`], several times with different targets: what one run finds the next goes on
-/// from. All else must be the same each time.
-///
-/// # Errors
-/// As [`simplify_keeping_wood`].
-pub fn simplify_keeping_wood_sharing(
-    leaves: &Foliage,
-    wood: &Foliage,
-    options: &Options,
-    engine: &OpenEngine,
-    shared: Option<&mut Shared>,
-    observer: &mut Observer<'_>,
-) -> Result<WholeLevel, Error> {
-    options.target.check()?;
-    let least = wood.triangles().len();
-    let target = match options.target {
-        Target::Triangles(amount) => {
-            let asked = amount.of(leaves.triangles().len() + least);
-            let rest = asked.checked_sub(least);
-            let rest = rest.ok_or(Error::BudgetBelowWood { asked, least })?;
-            Target::triangles(rest as u64)
-        }
-        other => other,
-    };
-    let occluders = match &options.occluders {
-        Some(others) => wood.followed_by(others)?,
-        None => wood.clone(),
-    };
-    let options = Options {
-        target,
-        occluders: Some(Arc::new(occluders)),
-        ..options.clone()
-    };
-    Ok(WholeLevel {
-        leaves: simplify_sharing(engine, leaves, &options, shared, observer)?,
-        wood: Lod::original(wood.leaves().len()),
-        wood_triangles: least,
-        leaf_gap: None,
-    })
 }

@@ -78,7 +78,7 @@ pub(crate) fn rivals<'r>(own: &Row, rows: &[&'r Row]) -> Vec<&'r Row> {
     rivals.collect()
 }
 
-/// Those of them that are better in a metric.
+/// Rows that are better in a metric.
 fn better<'r>(own: &Row, rows: &[&'r Row], by: &Column) -> Vec<&'r Row> {
     let mut rivals = rivals(own, rows);
     rivals.retain(|rival| by.is_better(rival, own));

@@ -64,7 +64,7 @@ impl Case {
         }
     }
 
-    /// The same from the cameras of a file, by what rows call it.
+    /// This case, seen from the cameras of a file, by what rows call it.
     pub fn seen_from(mut self, name: &str, path: &Path) -> Self {
         self.options.views = self.options.preset.views();
         self.cameras = Some(CameraFile {

@@ -65,7 +65,7 @@ impl Error {
         Self::File { path, what, error }
     }
 
-    /// The same with the tree's file before it, where the foliage is to blame and the file is not
+    /// This error with the tree's file before it, where the foliage is to blame and the file is not
     /// named yet.
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {

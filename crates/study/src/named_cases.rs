@@ -78,7 +78,7 @@ pub(crate) fn shared_deficit() -> Case {
     })
 }
 
-/// The same, kept from making crowns denser than they were.
+/// [`shared_deficit`], kept from making crowns denser than they were.
 pub(crate) fn coverage_kept() -> Case {
     shared_deficit().with_vds(|vds| vds.max_coverage = Some(1.0))
 }

@@ -15,9 +15,9 @@ use crate::recommend::{WHAT_IS_LISTED, recommend};
 use crate::table::Table;
 use crate::whole::{WHAT_IS_COMPARED, tables};
 
-/// The same study as [`report`](super::report()) without pictures: what ran on
+/// The study of [`report`](super::report()) without pictures: what ran on
 /// what, means of every method and level, what fails where, the paper's figures.
-/// The same rows give the same text.
+/// Equal rows give equal text.
 pub fn readme(study: &Study<'_>) -> String {
     let mut text = "# A study of foliage simplification\n\nWritten by `secateur study --redraw` from `rows.jsonl`; do not edit.\n\n".to_owned();
     let each = |what: fn(&Row) -> String| {

@@ -83,7 +83,7 @@ pub struct Row {
     /// [`DRAWN_COLUMNS`](crate::DRAWN_COLUMNS); of rows that were judged so.
     #[serde(default, skip_serializing_if = "Values::is_empty")]
     pub original: Values,
-    /// The same if the client read its textures without mip maps.
+    /// What it shows if the client read its textures without mip maps.
     #[serde(default, skip_serializing_if = "Values::is_empty")]
     pub original_without_mips: Values,
     /// What rasterised leaves: `cpu` or `gpu`.

@@ -14,7 +14,7 @@ struct Levels<'r> {
 }
 
 impl<'r> Levels<'r> {
-    /// Those of each tree whose rows know what the tree itself shows.
+    /// What is known of each tree whose rows know what the tree itself shows.
     fn of_all(rows: &'r [Row]) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         let knows = |row: &&Row| row.label() == LISTED && !row.original_without_mips.is_empty();

@@ -39,7 +39,7 @@ fn bell(width: f32) -> Vec<f32> {
     (-radius..=radius).map(value).collect()
 }
 
-/// The same, with a sum of 1.
+/// A [`bell`] with a sum of 1.
 pub(super) fn gaussian(width: f32) -> Vec<f32> {
     scaled(bell(width), |kernel| kernel.iter().sum())
 }

@@ -16,7 +16,7 @@ const RADII: f64 = 3.0;
 /// The square of the tangent of half of their field of view, 60 degrees.
 const SQUARE_OF_JUDGES: f64 = 1.0 / 3.0;
 
-/// The same of the field of view that just holds the sphere from there.
+/// The square of the tangent of half of the field of view that just holds the sphere from there.
 const SQUARE_OF_TIGHT: f64 = 1.0 / (RADII * RADII - 1.0);
 
 /// By what the mean of a picture that just holds the sphere of a plant is multiplied to be that over the

@@ -69,7 +69,7 @@ fn chessboard() -> Surface {
         colors: Vec::new(),
         holds: Vec::new(),
         triangles: vec![[0, 1, 2]],
-        material: std::sync::Arc::new(Material {
+        material: std::sync::Arc::new(secateur_model::Material {
             name: String::new(),
             base_color: [1.0; 4],
             texture: Some(std::sync::Arc::new(secateur_model::Texture {

@@ -49,7 +49,7 @@ pub(super) fn png_image(draft: &mut Draft, texture: &Texture, instead_of: Option
     put_png(draft, view, instead_of)
 }
 
-/// The same of a PNG in this buffer view.
+/// Puts the image of a PNG in this buffer view.
 pub(super) fn put_png(draft: &mut Draft, view: usize, instead_of: Option<usize>) -> usize {
     let mut image = json!({"bufferView": view, "mimeType": "image/png"});
     // A texture may name an image that the file does not have, beside one in another format.

@@ -65,7 +65,7 @@ impl Cutoffs {
         }
     }
 
-    /// The same, with base colour textures of these materials, by their numbers in the file, read without
+    /// These cutoffs, with base colour textures of these materials, by their numbers in the file, read without
     /// mip maps.
     #[must_use]
     pub fn without_mips(mut self, materials: impl IntoIterator<Item = usize>) -> Self {
@@ -73,7 +73,7 @@ impl Cutoffs {
         self
     }
 
-    /// The same, with the texels of these textures as base colour of materials, by their numbers in the file:
+    /// These cutoffs, with the texels of these textures as base colour of materials, by their numbers in the file:
     /// PNG images in the result, read by the samplers that were there. Of materials that share an image the first
     /// says what it becomes.
     #[must_use]

@@ -51,7 +51,7 @@ pub struct WriteOptions {
 }
 
 impl WriteOptions {
-    /// The same, with `overwrite` as given.
+    /// These options, with `overwrite` as given.
     pub fn overwrite(self, overwrite: bool) -> Self {
         Self { overwrite }
     }
@@ -77,7 +77,7 @@ pub struct PreparedLod {
     staged: StagedFiles,
     /// Where the .glb or .gltf is for the time being.
     main: PathBuf,
-    /// The same of the .bin beside a .gltf.
+    /// Where the .bin beside a .gltf is for the time being.
     buffer: Option<PathBuf>,
     /// The folder of the input, which has the images.
     images: Option<PathBuf>,

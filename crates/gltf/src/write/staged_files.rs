@@ -246,7 +246,7 @@ fn new_file() -> tempfile::Builder<'static, 'static> {
     builder
 }
 
-/// The same error without the name of the temporary file, which tells nobody
+/// An error without the name of the temporary file, which tells nobody
 /// anything.
 fn without_temporary_path(error: io::Error) -> io::Error {
     match error.raw_os_error() {

@@ -5,7 +5,7 @@
 //! - [`incremental`]: the same, as areas change.
 //! - [`rows`]: rows of tables for those leaves that need one.
 //!
-//! It stands here, beside the areas, because both who simplifies and who judges
+//! The measure stands here, beside the areas, because both who simplifies and who judges
 //! need it, and neither may know the other.
 
 pub mod incremental;

@@ -48,7 +48,7 @@ pub(crate) enum Call {
     },
     /// The first indices of the leaves' index buffer, for one item.
     Leaves { indices: u32, item: u32 },
-    /// Those of the wood's.
+    /// The first indices of the wood's index buffer, for one item.
     Wood { indices: u32, item: u32 },
     /// The planes of a box, for items.
     Box { index: usize, items: Range<u32> },

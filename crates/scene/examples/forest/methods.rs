@@ -18,7 +18,7 @@ pub(crate) enum Method {
     Chain,
     /// Just as many leaves as [`RULE`] wants: a prefix of the index buffer.
     Continuous,
-    /// The same, each leaf fading over the last of the steps before it goes.
+    /// As [`Self::Continuous`], each leaf fading over the last of the steps before it goes.
     Fading,
     /// VDF's variable levels: coarse within a sphere in the crown that grows with the distance.
     Spheres,

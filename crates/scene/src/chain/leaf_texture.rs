@@ -138,7 +138,7 @@ pub(super) struct Make {
 }
 
 impl LeafTextures {
-    /// Those that show `texels` of the original's on a pixel. `None` where nothing of the original passes
+    /// Textures that show `texels` of the original's on a pixel. `None` where nothing of the original passes
     /// the test, or where alpha cannot be made to keep what does.
     pub(super) fn new(original: &Texture, cutoff: f32, seen: &Seen, texels: f64) -> Option<Self> {
         if !(cutoff > 0.0 && cutoff <= 1.0) {

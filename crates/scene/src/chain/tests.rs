@@ -24,12 +24,14 @@ use crate::impostor::{Choice, Impostor};
 
 /// A grown oak that is quick to simplify.
 fn oak() -> WholeTree {
-    let options = GrowOptions {
-        leaves: 120,
-        seed: 5,
-    };
-    let oak = plant_to_glb(&grow(Species::Oak, &options).unwrap());
-    let document = Document::from_bytes("oak.glb", oak, None).unwrap();
+    grown(Species::Oak, 120)
+}
+
+/// A plant with so many leaves.
+pub(super) fn grown(species: Species, leaves: u32) -> WholeTree {
+    let options = GrowOptions { leaves, seed: 5 };
+    let plant = plant_to_glb(&grow(species, &options).unwrap());
+    let document = Document::from_bytes("grown.glb", plant, None).unwrap();
     document.into_whole_tree(&[]).unwrap()
 }
 
@@ -38,7 +40,7 @@ fn engine() -> OpenEngine {
 }
 
 /// Levels for distances, with whatever impostor is lighter.
-fn options(distances: &[f64]) -> ChainOptions {
+pub(super) fn options(distances: &[f64]) -> ChainOptions {
     let mut leaves = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
     leaves.audit = false;
     leaves.shows_what_is_left = false;
@@ -58,7 +60,7 @@ fn options(distances: &[f64]) -> ChainOptions {
     }
 }
 
-fn go_on(_: Progress) -> ControlFlow<()> {
+pub(super) fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 

@@ -134,6 +134,11 @@ pub(super) fn lightest(
                 // What does at the place before as well takes the place of what stands there.
                 let mut from = place;
                 while let Some((_, before, _)) = found.last() {
+                    let does =
+                        |height: &f64| maker.look.over_in_search(&level.made.drawn, *height) <= 1.0;
+                    if !heights[before + 1..from].iter().all(does) {
+                        break;
+                    }
                     let at = (heights[*before], end_px, found.len() == 1);
                     let Some(earlier) = ladder.also_at(&level, at, observer)? else {
                         break;

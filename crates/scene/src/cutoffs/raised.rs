@@ -37,7 +37,7 @@ struct OfMaterial {
 }
 
 impl Raisable {
-    /// Those that [`Tree::cut_out_textures`] gives. Of materials with one image the lowest cutoff counts.
+    /// Textures that [`Tree::cut_out_textures`] gives. Of materials with one image the lowest cutoff counts.
     pub(super) fn of(tree: &Tree) -> Result<Self, GltfError> {
         let textures = tree.cut_out_textures()?;
         let mut least: HashMap<usize, f32> = HashMap::new();

@@ -11,7 +11,7 @@ const MOST_MORE: f64 = 2.0;
 /// the original has faded, with more its holes have closed, and its specks have gone with them.
 const SHOWN_WELL: [f64; 2] = [0.9, 1.05];
 
-/// The same of a level with mip maps and the best cutoffs, if it is tolerable: a crown that vanishes or
+/// Pixels that a client shows of a level with mip maps and the best cutoffs, over the truth, if it is tolerable: a crown that vanishes or
 /// closes is worse than one with specks.
 const TOLERABLE: [f64; 2] = [0.5, 1.1];
 
@@ -19,7 +19,7 @@ const TOLERABLE: [f64; 2] = [0.5, 1.1];
 /// others, and alpha between texels is mixed, which the truth does not do.
 const OVER_TRUTH: f64 = 1.25;
 
-/// The same, and how many more, where the level with mip maps is not tolerable.
+/// The most specks over those that there truly are, and how many more, where the level with mip maps is not tolerable.
 const OVER_TRUTH_AT_WORST: f64 = 1.5;
 const MOST_MORE_AT_WORST: f64 = 4.0;
 

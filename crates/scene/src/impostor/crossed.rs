@@ -25,7 +25,7 @@ pub struct Planes {
 }
 
 impl Planes {
-    /// Those that are tried.
+    /// All that are tried.
     pub const ALL: [Self; 3] = [
         Self {
             upright: 2,
@@ -129,7 +129,7 @@ pub(super) fn planes<S: Borrow<Surface>>(surfaces: &[S], wanted: Planes) -> Opti
     Some(faced.into_iter().map(plane).collect())
 }
 
-/// Those of finite corners.
+/// Sees each triangle of finite corners.
 fn for_each_triangle<S: Borrow<Surface>>(surfaces: &[S], mut see: impl FnMut([DVec3; 3])) {
     for surface in surfaces {
         let surface = surface.borrow();

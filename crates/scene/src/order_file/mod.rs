@@ -97,7 +97,7 @@ pub enum OrderFileError {
     /// Another number of made leaves than the head says.
     #[error("the removal order makes {made} leaves where its head says {claimed}")]
     MadeCount {
-        /// Those of the steps.
+        /// Made leaves of the steps.
         made: usize,
         /// That of the head.
         claimed: u32,

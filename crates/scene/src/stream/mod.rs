@@ -78,7 +78,7 @@ pub enum StreamError {
     /// Another version of the form.
     #[error("the stream is of version {0}; this program reads version 2")]
     Version(u32),
-    /// It ends before there is a plant.
+    /// The stream ends before there is a plant.
     #[error(
         "the stream is cut short within its first piece: {found} bytes of at least {needed} that \
          are needed for a plant"

@@ -64,7 +64,7 @@ pub(super) fn last_forms(triangles: &[LeafTriangle]) -> Vec<Vec<[u32; 3]>> {
 
 /// The corners at one end of a piece.
 struct End {
-    /// Those that reach furthest to each of three sides.
+    /// Corners that reach furthest to each of three sides.
     corners: [u32; 3],
     /// The one that is nearest to the centre.
     middle: u32,

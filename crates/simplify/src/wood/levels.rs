@@ -47,7 +47,7 @@ const MOST_LOST: f64 = 0.999;
 /// than this share of the radius of the wood: a bent stem may be straight.
 const MOST_OFF: f64 = 0.1;
 
-/// It is seen from all sides if no view shows less of it than this share of what that showed of the piece:
+/// A level is seen from all sides if no view shows less of it than this share of what that showed of the piece:
 /// a flat strip is next to nothing edge on, a stem that ends in a point is half of it.
 const LEAST_SHOWN: f64 = 0.3;
 

@@ -125,7 +125,7 @@ impl<'a> Maker<'a> {
         )
     }
 
-    /// The same without impostors.
+    /// Levels for distances, without impostors.
     pub(super) fn meshes_for_distances(&self, distances_m: &[f64]) -> Result<LevelSet, Error> {
         let options = format!(
             "--distances {} --max-difference {} --impostor none",

@@ -86,7 +86,7 @@ pub struct SeenFrom {
 pub enum DistanceCase {
     /// The level that `lods --distances` has there.
     ForDistances,
-    /// The same of meshes alone.
+    /// The level that `lods --distances --impostor none` has there.
     MeshesForDistances,
     /// The coarsest level of fixed shares that differs no more than may be.
     FixedShares,

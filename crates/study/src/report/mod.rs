@@ -45,7 +45,7 @@ impl Study<'_> {
         self.given_and_partial().0
     }
 
-    /// The same, and the labels of the cases that were left out because they are incomplete.
+    /// The given rows, and the labels of the cases that were left out because they are incomplete.
     pub(crate) fn given_and_partial(&self) -> (Vec<Row>, BTreeSet<String>) {
         let figures = self.paper.map_or(&[][..], |paper| &paper.figures);
         let mut rows = self.plain_rows();

@@ -35,7 +35,7 @@ pub(super) struct Mesh<'a> {
 /// What a collapse does to the triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Effect {
-    /// Those that have both ends of the edge.
+    /// Triangles that have both ends of the edge.
     pub(super) removed: Vec<u32>,
     /// The others at the place that goes, with their new corners.
     pub(super) changed: Vec<(u32, [u32; 3])>,
