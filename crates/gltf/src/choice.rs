@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::Document;
 use super::error::Problem;
-use super::evidence::{FOLIAGE_POINTS, Reason, WOOD_POINTS};
+use super::evidence::{Evidence, FOLIAGE_POINTS, WOOD_POINTS};
 use super::parts::Part;
 use super::roles::Role;
 use super::selector::Selector;
@@ -14,6 +14,8 @@ use super::survey::{Group, Survey};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     Foliage,
+    /// Cut out, and nothing else is clearly foliage.
+    FoliageForWantOfOther,
     Unclear,
     Wood,
     /// Points, lines or nothing.
@@ -21,12 +23,15 @@ pub(crate) enum Verdict {
 }
 
 /// What each group's evidence says.
-pub(crate) fn judge(groups: &[Group], reasons: &[Vec<Reason>]) -> Vec<Verdict> {
-    let verdict = |(group, reasons): (&Group, &Vec<Reason>)| {
-        let points: f64 = reasons.iter().map(|r| r.points).sum();
+///
+/// A cut-out texture that leaves the rest open decides where nothing else is clearly foliage. A primitive of leaves
+/// and wood in one is foliage with pieces of wood.
+pub(crate) fn judge(groups: &[Group], evidence: &[Evidence]) -> Vec<Verdict> {
+    let verdict = |(group, evidence): (&Group, &Evidence)| {
+        let points: f64 = evidence.reasons.iter().map(|r| r.points).sum();
         if group.geometry.triangles.is_empty() {
             Verdict::NoTriangles
-        } else if points >= FOLIAGE_POINTS {
+        } else if points >= FOLIAGE_POINTS || (evidence.is_cut_out && evidence.is_mixed) {
             Verdict::Foliage
         } else if points > WOOD_POINTS {
             Verdict::Unclear
@@ -34,11 +39,28 @@ pub(crate) fn judge(groups: &[Group], reasons: &[Vec<Reason>]) -> Vec<Verdict> {
             Verdict::Wood
         }
     };
-    groups.iter().zip(reasons).map(verdict).collect()
+    let mut verdicts: Vec<Verdict> = groups.iter().zip(evidence).map(verdict).collect();
+    if !verdicts.contains(&Verdict::Foliage) {
+        for (verdict, evidence) in verdicts.iter_mut().zip(evidence) {
+            if *verdict == Verdict::Unclear && evidence.is_cut_out {
+                *verdict = Verdict::FoliageForWantOfOther;
+            }
+        }
+    }
+    verdicts
+}
+
+impl Verdict {
+    fn is_foliage(self) -> bool {
+        match self {
+            Self::Foliage | Self::FoliageForWantOfOther => true,
+            Self::Unclear | Self::Wood | Self::NoTriangles => false,
+        }
+    }
 }
 
 /// Marks the parts that are foliage: those that a selector names, or, without
-/// selectors, those whose evidence is clear.
+/// selectors, those whose evidence is clear; there may be none.
 pub(crate) fn choose(
     document: &Document,
     survey: &Survey,
@@ -48,11 +70,11 @@ pub(crate) fn choose(
 ) -> Result<(), Problem> {
     if selectors.is_empty() {
         for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
-            if verdicts[group] == Verdict::Foliage {
+            if verdicts[group].is_foliage() {
                 part.role = Role::Leaf;
             }
         }
-        return check_found(document, survey, verdicts);
+        return Ok(());
     }
     let mut has_match = vec![false; selectors.len()];
     for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
@@ -73,19 +95,15 @@ pub(crate) fn choose(
     }
 }
 
-fn check_found(document: &Document, survey: &Survey, verdicts: &[Verdict]) -> Result<(), Problem> {
-    if verdicts.contains(&Verdict::Foliage) {
-        return Ok(());
-    }
+/// What the user could name where no leaves were found: what may be some, or else all of the plant; nothing where it
+/// has no triangles. Bark is never named.
+pub(crate) fn advice(document: &Document, survey: &Survey, verdicts: &[Verdict]) -> Vec<String> {
     let unclear = candidates(document, survey, |k| verdicts[k] == Verdict::Unclear);
-    if !unclear.is_empty() {
-        return Err(Problem::AmbiguousFoliage {
-            candidates: unclear,
-        });
+    let has_triangles = verdicts.iter().any(|v| *v != Verdict::NoTriangles);
+    match unclear.is_empty() && has_triangles {
+        true => vec![Selector::All.to_string()],
+        false => unclear,
     }
-    Err(Problem::NoFoliage {
-        candidates: candidates(document, survey, |k| verdicts[k] == Verdict::Wood),
-    })
 }
 
 /// Errors stay sentences: longer lists end in `...`.

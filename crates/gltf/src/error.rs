@@ -282,12 +282,6 @@ pub enum Problem {
         /// Selectors that could be used.
         candidates: Vec<String>,
     },
-    /// No foliage was named, and it can't be told what it is.
-    #[error("it cannot be told what the foliage is; name it with {flags}", flags = flags(.candidates))]
-    AmbiguousFoliage {
-        /// Selectors that could be used.
-        candidates: Vec<String>,
-    },
     /// A selector that matches nothing.
     #[error("`{selector}` matches nothing; there are {known}", known = .known.join(", "))]
     SelectorMatchesNothing {
@@ -331,7 +325,7 @@ pub enum Problem {
     Foliage(#[from] secateur_model::FoliageError),
 }
 
-fn flags(candidates: &[String]) -> String {
+pub(crate) fn flags(candidates: &[String]) -> String {
     match candidates {
         [] => "`--foliage` (the file has no triangles to choose from)".to_owned(),
         some => some

@@ -44,12 +44,22 @@ pub(crate) fn strongest_first(reasons: &mut [Reason]) {
     reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
 }
 
-/// The reasons of every group.
+/// What was found about a group.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Evidence {
+    pub(crate) reasons: Vec<Reason>,
+    /// Whether its texture cuts out a good part of its texels.
+    pub(crate) is_cut_out: bool,
+    /// Whether its pieces look like leaves and wood in one.
+    pub(crate) is_mixed: bool,
+}
+
+/// What is found about every group.
 pub(crate) fn gather(
     document: &Document,
     groups: &[Group],
     pictures: &mut Pictures<'_>,
-) -> Result<Vec<Vec<Reason>>, Fault> {
+) -> Result<Vec<Evidence>, Fault> {
     let names = [
         ("material", 4.0, each(groups, |g| vec![g.look.name.clone()])),
         (
@@ -84,11 +94,16 @@ pub(crate) fn gather(
         }
         add_names(&mut all, &mut counted, (what, *points), &words);
     }
-    for ((reasons, of_texture), group) in all.iter_mut().zip(of_textures).zip(groups) {
+    let found = all.into_iter().zip(of_textures).zip(groups);
+    let found = found.map(|((mut reasons, of_texture), group)| {
         reasons.extend(of_texture.reasons);
-        add_pieces(reasons, group);
-    }
-    Ok(all)
+        Evidence {
+            is_mixed: add_pieces(&mut reasons, group),
+            reasons,
+            is_cut_out: of_texture.is_cut_out,
+        }
+    });
+    Ok(found.collect())
 }
 
 fn each(groups: &[Group], names: impl Fn(&Group) -> Vec<String>) -> Vec<Vec<String>> {
@@ -160,19 +175,9 @@ fn add_names(
     }
 }
 
-/// What the look of a group says.
-struct TextureReasons {
-    reasons: Vec<Reason>,
-    /// Whether its texture cuts out a good part of its texels.
-    is_cut_out: bool,
-}
-
 /// Cut-out texels and green or brown colour. Only textures whose alpha matters
 /// are looked at.
-fn texture_reasons(
-    look: &MaterialLook,
-    pictures: &mut Pictures<'_>,
-) -> Result<TextureReasons, Fault> {
+fn texture_reasons(look: &MaterialLook, pictures: &mut Pictures<'_>) -> Result<Evidence, Fault> {
     const LEAST_SHARE: f64 = 0.02;
     let mut reasons = Vec::new();
     let mut is_cut_out = false;
@@ -208,9 +213,10 @@ fn texture_reasons(
         }
     }
     add_color(&mut reasons, color);
-    Ok(TextureReasons {
+    Ok(Evidence {
         reasons,
         is_cut_out,
+        is_mixed: false,
     })
 }
 
@@ -223,22 +229,26 @@ fn add_color(reasons: &mut Vec<Reason>, [red, green, blue]: [f64; 3]) {
     }
 }
 
-fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) {
+/// Adds what the pieces say; returns whether they look like leaves and wood in one.
+fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) -> bool {
     const ENOUGH: usize = 16;
     const MOST: f64 = 0.8;
     const FEW: f64 = 0.3;
     const ALIKE: f64 = 0.5;
     let geometry = &group.geometry;
     if geometry.triangles.is_empty() {
-        return;
+        return false;
     }
+    let pieces =
+        shape_evidence::sum_up(&geometry.positions, &geometry.triangles, geometry.pieces());
+    let is_mixed = pieces.are_leaves_and_wood(group.placements);
     let Pieces {
         count,
         leaf_like,
         leaf_like_share,
         alike_share,
         ..
-    } = shape_evidence::sum_up(&geometry.positions, &geometry.triangles, geometry.pieces());
+    } = pieces;
     let pieces = if count == 1 {
         "its only piece is"
     } else {
@@ -261,4 +271,5 @@ fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) {
         let text = format!("only {percent} % of its triangles are in small flat pieces");
         reasons.push(Reason::new(-3.0, text));
     }
+    is_mixed
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::accessor::{Component, Shape};
 use super::choice::{self, Verdict};
 use super::cutouts::Cutouts;
-use super::error::{ALLOW_MORE, At, Fault, Problem};
+use super::error::{ALLOW_MORE, At, Fault, Problem, flags};
 use super::judged::Judged;
 use super::levels_inside::LevelsInside;
 use super::parts::Part;
@@ -38,6 +38,16 @@ struct Found {
     wood: FoundLeaves,
 }
 
+/// What a document is searched for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    /// What its leaves are, if it has any.
+    Look,
+    Leaves,
+    /// Leaves, if it has any, and pieces of wood.
+    Whole,
+}
+
 /// Leaves and where they come from.
 #[derive(Default)]
 struct FoundLeaves {
@@ -51,7 +61,7 @@ impl Document {
     /// Never fails: what is wrong is told in [`Inspection::problem`].
     pub fn inspect(&self, selectors: &[Selector]) -> Inspection {
         let mut inspection = self.blank_inspection();
-        if let Err(fault) = self.find(selectors, false, &mut inspection) {
+        if let Err(fault) = self.find(selectors, Wanted::Look, &mut inspection) {
             inspection.problem = Some(self.error(fault).to_string());
         }
         inspection
@@ -67,7 +77,7 @@ impl Document {
     /// a buffer view, a mesh or a node that is not there.
     pub fn into_tree(mut self, selectors: &[Selector]) -> Result<Tree, GltfError> {
         let mut inspection = self.blank_inspection();
-        let found = self.find(selectors, false, &mut inspection);
+        let found = self.find(selectors, Wanted::Leaves, &mut inspection);
         let checked = check_references(&mut self.root);
         match found.and_then(|found| checked.map(|()| found).map_err(Fault::from)) {
             Err(fault) => Err(self.error(fault)),
@@ -93,13 +103,13 @@ impl Document {
     }
 
     /// Finds the leaves as [`into_tree`](Self::into_tree) does, and the pieces of wood: the sets of
-    /// triangles of everything else that hang together.
+    /// triangles of everything else that hang together. A plant may have no leaves: all of it is wood then.
     ///
     /// # Errors
-    /// As [`into_tree`](Self::into_tree).
+    /// As [`into_tree`](Self::into_tree), or if the plant has no triangle.
     pub fn into_whole_tree(mut self, selectors: &[Selector]) -> Result<WholeTree, GltfError> {
         let mut inspection = self.blank_inspection();
-        let found = self.find(selectors, true, &mut inspection);
+        let found = self.find(selectors, Wanted::Whole, &mut inspection);
         let checked = check_references(&mut self.root);
         let found = found.and_then(|found| checked.map(|()| found).map_err(Fault::from));
         let Found {
@@ -142,7 +152,7 @@ impl Document {
     fn find(
         &self,
         selectors: &[Selector],
-        with_wood: bool,
+        wanted: Wanted,
         inspection: &mut Inspection,
     ) -> Result<Found, Fault> {
         let Judged {
@@ -150,11 +160,15 @@ impl Document {
             others,
             survey,
             mut pictures,
-            reasons,
+            evidence,
             verdicts,
         } = self.judged(selectors)?;
         let choice = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
-        report::primitives(inspection, self, &survey, &parts, reasons, selectors);
+        let are_found = choice.is_ok() && parts.iter().any(|part| part.role == Role::Leaf);
+        if selectors.is_empty() && are_found {
+            self.find_wood_pieces(&mut parts, &survey, &mut pictures)?;
+        }
+        report::primitives(inspection, self, &survey, &parts, evidence, selectors);
         report::extents(inspection, &survey, &parts);
         report::others(inspection, self, &others)?;
         let levels_inside = self.levels_inside()?;
@@ -168,16 +182,28 @@ impl Document {
         }
         inspection.warnings.extend(self.mixed(&survey, &parts));
         choice?;
+        if !are_found {
+            let candidates = choice::advice(self, &survey, &verdicts);
+            let is_refused = wanted == Wanted::Leaves || candidates.is_empty();
+            if is_refused {
+                return Err(Problem::NoFoliage { candidates }.into());
+            }
+            inspection.notes.push(format!(
+                "no leaves were found: all of it is taken for solid surface; name leaves with {}",
+                flags(&candidates)
+            ));
+        }
         let surveyed = (&survey, &parts[..]);
-        let leaves = self.collect(
-            surveyed,
-            Role::Leaf,
-            &mut pictures,
-            &mut inspection.warnings,
-        )?;
+        let leaves = match are_found {
+            true => {
+                let warnings = &mut inspection.warnings;
+                self.collect(surveyed, Role::Leaf, &mut pictures, warnings)?
+            }
+            false => FoundLeaves::default(),
+        };
         report::foliage(inspection, &leaves.foliage);
-        let has_wood = parts.iter().any(|part| part.role == Role::Wood);
-        let wood = match with_wood && has_wood {
+        let has_wood = parts.iter().any(|part| part.has(Role::Wood));
+        let wood = match wanted == Wanted::Whole && has_wood {
             // Warnings about textures of wood are no matter of leaves.
             true => self.collect(surveyed, Role::Wood, &mut pictures, &mut Vec::new())?,
             false => FoundLeaves::default(),
@@ -205,7 +231,7 @@ impl Document {
         let mut cutouts = Cutouts::default();
         let mut skins: HashMap<usize, Skin> = HashMap::new();
         for (part, &index) in parts.iter().zip(&survey.group_of_part) {
-            if part.role == role && !skins.contains_key(&index) {
+            if part.has(role) && !skins.contains_key(&index) {
                 let group = &survey.groups[index];
                 let mut skin = self.skin(group, &mut cutouts, pictures, warnings)?;
                 if alpha_counts && let Some(alphas) = self.vertex_alphas(group)? {
@@ -222,10 +248,10 @@ impl Document {
             ..FoundLeaves::default()
         };
         for (number, (part, index)) in parts.iter().zip(&survey.group_of_part).enumerate() {
-            if part.role == role {
+            if part.has(role) {
                 let group = &survey.groups[*index];
                 found
-                    .push_part(number as u32, part, group, &skins[index])
+                    .push_part(number as u32, (part, role), group, &skins[index])
                     .at(|| {
                         format!(
                             "{} at {}",
@@ -325,21 +351,24 @@ impl Document {
         Ok(Some(self.elements(index)?.vectors().collect()))
     }
 
-    /// A sentence for each primitive that looks like leaves and wood in one, which is kept as one.
+    /// A sentence for each primitive that looks like leaves and wood in one and is taken for one or the other.
     fn mixed(&self, survey: &Survey, parts: &[Part]) -> Vec<String> {
         let mut are_leaves = vec![false; survey.groups.len()];
+        let mut are_split = vec![false; survey.groups.len()];
         for (part, group) in parts.iter().zip(&survey.group_of_part) {
             are_leaves[*group] |= part.role == Role::Leaf;
+            are_split[*group] |= part.wood_pieces.is_some();
         }
-        let groups = survey.groups.iter().zip(are_leaves);
-        let mixed = groups.filter_map(|(group, are_leaves)| {
+        let groups = survey.groups.iter().zip(are_leaves).zip(are_split);
+        let taken_for_one = groups.filter(|(_, is_split)| !is_split);
+        let mixed = taken_for_one.filter_map(|((group, are_leaves), _)| {
             let geometry = &group.geometry;
             let (positions, triangles) = (&geometry.positions, &geometry.triangles);
             let pieces = shape_evidence::sum_up(positions, triangles, geometry.pieces());
             let taken_for = if are_leaves { "leaves" } else { "wood" };
             pieces.are_leaves_and_wood(group.placements).then(|| {
                 format!(
-                    "{}: {} of its pieces are small and flat and {} large and round, like leaves and wood in one primitive; all of it is taken for {taken_for}, since one primitive is one or the other",
+                    "{}: {} of its pieces are small and flat and {} large and round, like leaves and wood in one primitive; all of it is taken for {taken_for}",
                     self.primitive_place(group.mesh, group.primitive),
                     pieces.leaf_like,
                     pieces.stem_like
@@ -373,7 +402,13 @@ impl Document {
                 Verdict::Unclear if selectors.is_empty() => warnings.push(format!(
                     "{place}: could be foliage, is left as wood; to choose it use `--foliage`"
                 )),
-                _ => {}
+                Verdict::FoliageForWantOfOther if selectors.is_empty() => warnings.push(format!(
+                    "{place}: is taken for foliage since its texture is cut out and nothing else looks like leaves; to choose others use `--foliage`"
+                )),
+                Verdict::Foliage
+                | Verdict::FoliageForWantOfOther
+                | Verdict::Unclear
+                | Verdict::Wood => {}
             }
         }
         warnings
@@ -419,10 +454,19 @@ fn check_size(
 ) -> Result<(), Problem> {
     let (mut triangles, mut leaves) = (0, 0);
     for (part, &group) in parts.iter().zip(&survey.group_of_part) {
-        if part.role == role {
+        if part.has(role) {
             let geometry = &survey.groups[group].geometry;
-            triangles += geometry.triangles.len() as u64;
-            leaves += geometry.pieces().len() as u64;
+            if part.wood_pieces.is_none() {
+                triangles += geometry.triangles.len() as u64;
+                leaves += geometry.pieces().len() as u64;
+                continue;
+            }
+            for (number, piece) in geometry.pieces().iter().enumerate() {
+                if part.role_of(number) == role {
+                    triangles += piece.len() as u64;
+                    leaves += 1;
+                }
+            }
         }
     }
     let bytes = BYTES_A_TRIANGLE * triangles + BYTES_A_LEAF * leaves;
@@ -455,8 +499,8 @@ impl FoundLeaves {
 
     fn push_part(
         &mut self,
-        number: u32,
-        part: &Part,
+        part_number: u32,
+        (part, role): (&Part, Role),
         group: &Group,
         skin: &Skin,
     ) -> Result<(), Problem> {
@@ -471,8 +515,10 @@ impl FoundLeaves {
             false => Facing::Counterclockwise,
         };
         let mut triangles: Vec<LeafTriangle> = Vec::new();
-        let first = self.leaf_triangles.len() as u32;
-        for (leaf, range) in geometry.pieces().iter().zip(geometry.pieces().ranges()) {
+        for (number, leaf) in geometry.pieces().iter().enumerate() {
+            if part.role_of(number) != role {
+                continue;
+            }
             triangles.clear();
             for &t in leaf {
                 let [a, b, c] = geometry.triangles[t as usize];
@@ -487,13 +533,13 @@ impl FoundLeaves {
                 Some(_) | None => skin.cutout,
             };
             self.foliage.push_leaf_facing(&triangles, cutout, facing)?;
+            let first = self.leaf_triangles.len() as u32;
+            self.leaf_triangles.extend_from_slice(leaf);
             self.leaf_sources.push(LeafSource {
-                part: number,
-                triangles: first + range.start..first + range.end,
+                part: part_number,
+                triangles: first..self.leaf_triangles.len() as u32,
             });
         }
-        self.leaf_triangles
-            .extend_from_slice(geometry.pieces().triangles());
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::choice::{self, Verdict};
 use super::error::Fault;
-use super::evidence::{self, Reason};
+use super::evidence::{self, Evidence};
 use super::parts::Part;
 use super::picture::Pictures;
 use super::roles::SortedParts;
@@ -20,8 +20,8 @@ pub(crate) struct Judged<'a> {
     /// The images that the evidence needed, decoded, and the budget that they left.
     pub(crate) pictures: Pictures<'a>,
     /// For each group of the survey, why it may be foliage or not.
-    pub(crate) reasons: Vec<Vec<Reason>>,
-    /// For each group of the survey, what its reasons come to.
+    pub(crate) evidence: Vec<Evidence>,
+    /// For each group of the survey, what its evidence comes to.
     pub(crate) verdicts: Vec<Verdict>,
 }
 
@@ -35,14 +35,14 @@ impl Document {
             budget,
         } = self.sorted_parts(selectors)?;
         let mut pictures = Pictures::new(self, budget);
-        let reasons = evidence::gather(self, &survey.groups, &mut pictures)?;
-        let verdicts = choice::judge(&survey.groups, &reasons);
+        let evidence = evidence::gather(self, &survey.groups, &mut pictures)?;
+        let verdicts = choice::judge(&survey.groups, &evidence);
         Ok(Judged {
             parts,
             others,
             survey,
             pictures,
-            reasons,
+            evidence,
             verdicts,
         })
     }

@@ -2,7 +2,6 @@
 
 use super::error::Fault;
 use super::picture::Pictures;
-use super::roles::Role;
 use super::surfaces::Detail;
 use super::{GltfError, Tree};
 use glam::DMat3;
@@ -56,28 +55,26 @@ impl Tree {
         let mut surfaces = Vec::new();
         // As surfaces are made: group by group, wood before foliage, part after part.
         for (index, group) in survey.groups.iter().enumerate() {
-            let triangles = group.geometry.triangles.len() as u32;
             for is_foliage in [false, true] {
                 let parts = self.parts.iter().zip(&survey.group_of_part).enumerate();
                 let mut first = 0;
                 let mut leaves = Vec::new();
                 for (number, (part, of)) in parts {
-                    if *of != index || (part.role == Role::Leaf) != is_foliage {
+                    if *of != index {
                         continue;
                     }
+                    let triangles = part.triangles_that(is_foliage, &group.geometry);
+                    let place = |t: &u32| triangles.binary_search(t).ok().map(|k| first + k as u32);
                     let is_mirrored = DMat3::from_mat4(part.world_from_local).determinant() < 0.0;
-                    leaves.extend(leaves_of_part[number].iter().map(|&leaf| {
-                        SurfaceLeaf {
+                    leaves.extend(leaves_of_part[number].iter().filter_map(|&leaf| {
+                        let own = self.triangles_of(&self.leaf_sources[leaf]);
+                        Some(SurfaceLeaf {
                             leaf: LeafId::from_index(leaf),
-                            triangles: self
-                                .triangles_of(&self.leaf_sources[leaf])
-                                .iter()
-                                .map(|t| first + t)
-                                .collect(),
+                            triangles: own.iter().map(place).collect::<Option<_>>()?,
                             is_mirrored,
-                        }
+                        })
                     }));
-                    first += triangles;
+                    first += triangles.len() as u32;
                 }
                 if first == 0 {
                     continue;

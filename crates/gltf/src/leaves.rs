@@ -5,8 +5,6 @@
 //! change, which would part a leaf. Neither does one shared position: leaves
 //! that grow from one point would become one.
 
-use std::ops::Range;
-
 use glam::DVec3;
 
 /// The leaves of a primitive, each as triangle numbers, ascending; leaves by
@@ -24,23 +22,12 @@ impl Leaves {
         self.ends.len()
     }
 
-    /// Triangle numbers of all leaves, leaf after leaf.
-    pub(crate) fn triangles(&self) -> &[u32] {
-        &self.triangles
-    }
-
-    /// The range of each leaf in [`triangles`](Self::triangles).
-    pub(crate) fn ranges(&self) -> impl ExactSizeIterator<Item = Range<u32>> + '_ {
-        (0..self.len()).map(|k| {
-            let start = if k == 0 { 0 } else { self.ends[k - 1] };
-            start..self.ends[k]
-        })
-    }
-
     /// The triangle numbers of each leaf.
     pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + '_ {
-        self.ranges()
-            .map(|range| &self.triangles[range.start as usize..range.end as usize])
+        (0..self.len()).map(|k| {
+            let start = if k == 0 { 0 } else { self.ends[k - 1] };
+            &self.triangles[start as usize..self.ends[k] as usize]
+        })
     }
 }
 

@@ -152,6 +152,7 @@ mod vertex_alpha;
 mod view;
 mod whole_tree;
 mod wind;
+mod wood_pieces;
 mod write;
 mod write_problem;
 

@@ -1,11 +1,14 @@
 //! Parts: every primitive as every node or instance draws it.
 
+use std::sync::Arc;
+
 use glam::{DMat4, DVec3};
 
 use super::Document;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::property;
 use super::roles::Role;
+use super::survey::Geometry;
 
 /// The most parts a file may have.
 pub(crate) const MAX_PARTS: u64 = 1 << 20;
@@ -31,9 +34,42 @@ pub(crate) struct Part {
     pub(crate) world_from_local: DMat4,
     /// What it is.
     pub(crate) role: Role,
+    /// Which pieces of its primitive are wood, where it is one of leaves that has some.
+    pub(crate) wood_pieces: Option<Arc<[bool]>>,
 }
 
 impl Part {
+    /// What a piece of its primitive is.
+    pub(crate) fn role_of(&self, piece: usize) -> Role {
+        match &self.wood_pieces {
+            Some(is_wood) if is_wood[piece] => Role::Wood,
+            Some(_) | None => self.role,
+        }
+    }
+
+    /// The triangles that are leaves, or those that are not, as numbers in its primitive's list.
+    pub(crate) fn triangles_that(&self, are_leaves: bool, geometry: &Geometry) -> Vec<u32> {
+        let all = geometry.triangles.len() as u32;
+        let Some(is_wood) = &self.wood_pieces else {
+            let has_all = (self.role == Role::Leaf) == are_leaves;
+            return if has_all {
+                (0..all).collect()
+            } else {
+                Vec::new()
+            };
+        };
+        let pieces = geometry.pieces().iter().zip(&**is_wood);
+        let chosen = pieces.filter(|(_, is_wood)| **is_wood != are_leaves);
+        let mut triangles: Vec<u32> = chosen.flat_map(|(piece, _)| piece).copied().collect();
+        triangles.sort_unstable();
+        triangles
+    }
+
+    /// Whether a piece of it has this role, leaf or wood.
+    pub(crate) fn has(&self, role: Role) -> bool {
+        self.role == role || (role == Role::Wood && self.wood_pieces.is_some())
+    }
+
     /// A vertex in world space.
     pub(super) fn place_vertex(&self, vertex: usize, local: DVec3) -> Result<DVec3, Problem> {
         let world = self.world_from_local.transform_point3(local);
@@ -109,6 +145,7 @@ impl Document {
                     primitive,
                     world_from_local,
                     role: Role::Wood,
+                    wood_pieces: None,
                 }));
             }
         }

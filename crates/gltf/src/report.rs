@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::error::Fault;
-use super::evidence::{Reason, strongest_first};
+use super::evidence::{Evidence, Reason, strongest_first};
 use super::inspection::{FoliageReport, PrimitiveReport, Spread, TakenFor};
 use super::parts::Part;
 use super::roles::Role;
@@ -31,20 +31,43 @@ pub(crate) fn primitives(
     document: &Document,
     survey: &Survey,
     parts: &[Part],
-    reasons: Vec<Vec<Reason>>,
+    evidence: Vec<Evidence>,
     selectors: &[Selector],
 ) {
     let mut foliage_placements = vec![0usize; survey.groups.len()];
+    let mut wood_pieces = vec![[0u64; 2]; survey.groups.len()];
     for (part, &group) in parts.iter().zip(&survey.group_of_part) {
         foliage_placements[group] += usize::from(part.role == Role::Leaf);
+        let pieces = survey.groups[group].geometry.pieces().iter();
+        if let Some(is_wood) = &part.wood_pieces {
+            let wood = pieces.zip(&**is_wood).filter(|(_, is_wood)| **is_wood);
+            let [count, triangles] = &mut wood_pieces[group];
+            for (piece, _) in wood {
+                *count += 1;
+                *triangles += piece.len() as u64;
+            }
+        }
     }
-    let groups = survey.groups.iter().zip(reasons).zip(foliage_placements);
-    for ((group, mut reasons), as_foliage) in groups {
+    let groups = survey.groups.iter().zip(evidence);
+    let counted = foliage_placements.into_iter().zip(wood_pieces);
+    for ((group, evidence), (as_foliage, [pieces, triangles])) in groups.zip(counted) {
+        let mut reasons = evidence.reasons;
+        if pieces > 0 {
+            let text = format!(
+                "{} of its pieces are wood: round, large and without holes",
+                pieces / as_foliage as u64
+            );
+            reasons.push(Reason::of_role(&text));
+        }
         strongest_first(&mut reasons);
         let wood_placements = (group.placements - as_foliage) as u64;
-        inspection.wood_triangles += wood_placements * group.geometry.triangles.len() as u64;
+        inspection.wood_triangles +=
+            wood_placements * group.geometry.triangles.len() as u64 + triangles;
         inspection.primitives.push(PrimitiveReport {
-            taken_for: taken_for(group, as_foliage),
+            taken_for: match pieces {
+                0 => taken_for(group, as_foliage),
+                _ => TakenFor::FoliageInPart,
+            },
             chosen_by_user: !selectors.is_empty(),
             points: reasons.iter().map(|r| r.points).sum(),
             reasons,

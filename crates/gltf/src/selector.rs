@@ -9,7 +9,7 @@ use std::str::FromStr;
 /// stands for any text and `?` for any one character; case matters. Entries can
 /// also be named by their number in the file, as in `material:#1`; a primitive
 /// without material is `material:#none`. A node stands for the mesh it draws
-/// itself, not for its children.
+/// itself, not for its children. `all` is everything of the plant.
 ///
 /// ```
 /// use secateur_gltf::Selector;
@@ -20,6 +20,8 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Selector {
+    /// All of the plant.
+    All,
     /// By the material's name.
     Material(String),
     /// By the mesh's name.
@@ -31,7 +33,7 @@ pub enum Selector {
 /// Why a text is no [`Selector`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no selector; write material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards"
+    "`{0}` is no selector; write material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, or `all`"
 )]
 pub struct SelectorError(String);
 
@@ -40,6 +42,9 @@ impl FromStr for Selector {
 
     fn from_str(text: &str) -> Result<Self, SelectorError> {
         let error = || SelectorError(text.to_owned());
+        if text == "all" {
+            return Ok(Self::All);
+        }
         let (kind, name) = text.split_once(':').ok_or_else(error)?;
         if name.is_empty() {
             return Err(error());
@@ -56,6 +61,7 @@ impl FromStr for Selector {
 impl fmt::Display for Selector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::All => f.write_str("all"),
             Self::Material(name) => write!(f, "material:{name}"),
             Self::Mesh(name) => write!(f, "mesh:{name}"),
             Self::Node(name) => write!(f, "node:{name}"),
@@ -94,6 +100,7 @@ impl Selector {
     /// Whether a part with these labels is meant.
     pub(crate) fn matches(&self, labels: Labels<'_>) -> bool {
         let (glob, label) = match self {
+            Self::All => return true,
             Self::Material(glob) => (glob, labels.material),
             Self::Mesh(glob) => (glob, labels.mesh),
             Self::Node(glob) => (glob, labels.node),
@@ -105,6 +112,7 @@ impl Selector {
     /// The label of a part that this kind of selector looks at, as a selector.
     pub(crate) fn same_kind(&self, labels: Labels<'_>) -> Self {
         match self {
+            Self::All => Self::All,
             Self::Material(_) => Self::Material(labels.material.to_string()),
             Self::Mesh(_) => Self::Mesh(labels.mesh.to_string()),
             Self::Node(_) => Self::Node(labels.node.to_string()),

@@ -47,8 +47,7 @@ pub(crate) fn sum_up(positions: &[DVec3], triangles: &[[u32; 3]], pieces: &Leave
     let mut stem_like_triangles = 0;
     let mut by_size = [0usize; MOST_TRIANGLES + 1];
     for piece in pieces.iter() {
-        let is_flat = flatness(positions, triangles, piece) >= LEAST_FLATNESS;
-        match (piece.len() <= MOST_TRIANGLES, is_flat) {
+        match (!is_large(piece), is_flat(positions, triangles, piece)) {
             (true, true) => {
                 leaf_like += 1;
                 leaf_like_triangles += piece.len();
@@ -71,6 +70,16 @@ pub(crate) fn sum_up(positions: &[DVec3], triangles: &[[u32; 3]], pieces: &Leave
         stem_like,
         stem_like_share: share(stem_like_triangles, triangles.len()),
     }
+}
+
+/// Whether a piece has more triangles than a single leaf has.
+pub(crate) fn is_large(piece: &[u32]) -> bool {
+    piece.len() > MOST_TRIANGLES
+}
+
+/// Whether a piece is flat or nearly so, as leaves are.
+pub(crate) fn is_flat(positions: &[DVec3], triangles: &[[u32; 3]], piece: &[u32]) -> bool {
+    flatness(positions, triangles, piece) >= LEAST_FLATNESS
 }
 
 /// How much the normals of a piece lie along one line, whichever way each

@@ -12,7 +12,6 @@ use super::judged::Judged;
 use super::material::{TextureUse, base_color_texture};
 use super::parts::{Part, check_limit};
 use super::picture::Pictures;
-use super::roles::Role;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
 use secateur_model::{Finish, Hold, Material, Mips, NormalMap, Surface, Texture};
@@ -159,8 +158,11 @@ impl Document {
                 verdicts,
                 ..
             } = self.judged(selectors)?;
-            // Without foliage a tree can still be looked at.
+            // Where a selector matches nothing a tree can still be looked at.
             let _ = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
+            if selectors.is_empty() {
+                self.find_wood_pieces(&mut parts, &survey, &mut pictures)?;
+            }
             self.surfaces_of(&parts, &survey, &mut pictures, detail)
         };
         read().map_err(|fault| self.error(fault))
@@ -231,12 +233,13 @@ impl Document {
             for is_foliage in [false, true] {
                 let placed = parts.iter().zip(&survey.group_of_part);
                 let mut surface = template.empty_surface();
-                for (part, _) in placed
-                    .filter(|(part, of)| **of == index && (part.role == Role::Leaf) == is_foliage)
-                {
-                    template
-                        .place(part, group, &mut surface)
-                        .at(|| self.place("nodes", part.node))?;
+                for (part, _) in placed.filter(|(_, of)| **of == index) {
+                    let triangles = part.triangles_that(is_foliage, &group.geometry);
+                    if !triangles.is_empty() {
+                        template
+                            .place(part, group, &triangles, &mut surface)
+                            .at(|| self.place("nodes", part.node))?;
+                    }
                 }
                 if !surface.triangles.is_empty() {
                     surfaces.push(DrawnSurface {
@@ -401,7 +404,14 @@ impl Template {
         Surface::empty(Arc::clone(&self.material))
     }
 
-    fn place(&self, part: &Part, group: &Group, surface: &mut Surface) -> Result<(), Problem> {
+    /// Adds triangles of a part, by their numbers.
+    fn place(
+        &self,
+        part: &Part,
+        group: &Group,
+        triangles: &[u32],
+        surface: &mut Surface,
+    ) -> Result<(), Problem> {
         let first = surface.positions.len() as u32;
         for (vertex, position) in group.geometry.positions.iter().enumerate() {
             surface
@@ -426,12 +436,11 @@ impl Template {
                 ..*hold
             });
         }
-        surface
-            .triangles
-            .extend(group.geometry.triangles.iter().map(|&[a, b, c]| {
-                let corners = if is_mirrored { [a, c, b] } else { [a, b, c] };
-                corners.map(|v| first + v)
-            }));
+        surface.triangles.extend(triangles.iter().map(|&number| {
+            let [a, b, c] = group.geometry.triangles[number as usize];
+            let corners = if is_mirrored { [a, c, b] } else { [a, b, c] };
+            corners.map(|v| first + v)
+        }));
         Ok(())
     }
 }

@@ -94,7 +94,7 @@ fn names_outweigh_shapes() {
         .set("/meshes/0/name", json!("oak leaves"));
     assert_eq!(
         error(&tree, &[]),
-        "small.glb: it cannot be told what the foliage is; name it with `--foliage material:leaf`"
+        "small.glb: no foliage was found; name it with `--foliage material:leaf`"
     );
 }
 
@@ -237,7 +237,7 @@ fn wood_alone_is_no_foliage() {
         .remove(0);
     assert_eq!(
         error(&tree, &[]),
-        "small.glb: no foliage was found; name it with `--foliage material:#1`"
+        "small.glb: no foliage was found; name it with `--foliage all`"
     );
     let empty = SmallTree::empty();
     assert_eq!(

@@ -13,3 +13,4 @@ mod seeds;
 mod skeletons;
 mod small_tree;
 mod textures;
+mod wood_pieces;
