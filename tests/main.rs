@@ -40,4 +40,5 @@ mod triangles;
 #[path = "validator/validator.rs"]
 mod validator;
 mod wind;
+mod without_leaves;
 mod wood;

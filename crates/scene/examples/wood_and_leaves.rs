@@ -6,7 +6,7 @@ use std::path::Path;
 use secateur_eval::{DifferenceJudge, Limits, ViewCount};
 use secateur_gltf::{Detail, WholeTree};
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{Budget, WholePlant};
+use secateur_simplify::whole::{Budget, Sharing, WholePlant};
 use secateur_simplify::{Options, Preset, Shared, Target};
 
 /// The shares of a plant's triangles at which it is judged.
@@ -43,7 +43,7 @@ fn overs(file: &Path, pixels_high: f64, leaf_margin: f64) -> Vec<f64> {
     let mut over = |share: f64| {
         let budget = Budget {
             triangles: (share * whole.triangle_count() as f64) as usize,
-            leaf_margin: Some(leaf_margin),
+            sharing: Sharing::LeafMargin(leaf_margin),
         };
         let mut go_on = |_| ControlFlow::Continue(());
         let level = whole.level(budget, &options, &engine, Some(&mut shared), &mut go_on);

@@ -5,13 +5,17 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur_eval::{Difference, ViewCount};
-use secateur_gltf::{Cutoffs, Detail, GltfError, PreparedLod, Tree, WriteOptions, Written};
+use secateur_gltf::{
+    Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
+};
 use secateur_model::{Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
 use secateur_scene::{
     ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
-use secateur_simplify::whole::{WholePlant, WoodMode, simplify_keeping_wood};
+use secateur_simplify::whole::{
+    Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
+};
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
     simplify_with,
@@ -266,8 +270,22 @@ impl Plant {
         let (leaves, wood) = (tree.leaves(), tree.wood());
         let level = match mode {
             WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
-            mode => WholePlant::by(mode, tree.items().foliage(), leaves, wood, options, &engine)?
-                .simplified(options, &engine, observer)?,
+            mode => {
+                let items = tree.items().foliage();
+                let plant = WholePlant::by(mode, items, leaves, wood, options, &engine)?;
+                let level = plant.simplified(options, &engine, observer)?;
+                match options.target {
+                    Target::Triangles(amount) if leaves.leaves().is_empty() => {
+                        let evenly = Budget {
+                            triangles: amount.of(plant.triangle_count()),
+                            sharing: Sharing::Evenly,
+                        };
+                        let other = plant.level(evenly, options, &engine, None, observer)?;
+                        nearer_of(tree, level, other)
+                    }
+                    Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => level,
+                }
+            }
         };
         let left = level.leaves.lod.foliage(leaves).triangles().len() + level.wood_triangles;
         let there = leaves.triangles().len() + wood.triangles().len();
@@ -275,6 +293,19 @@ impl Plant {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
         let wood_triangles = level.wood_triangles as u64;
         Ok(LevelParts::of(level.leaves, lod, wood_triangles))
+    }
+}
+
+/// Of two levels the one that looks nearer to the tree; the first where that can't be told.
+fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> WholeLevel {
+    let over = |level: &WholeLevel| {
+        let lod = tree.joined(&level.leaves.lod, &level.wood);
+        let seen = difference_of(tree.items(), &lod).ok()?;
+        Some(seen.difference)
+    };
+    match (over(&first), over(&second)) {
+        (Some(of_first), Some(of_second)) if of_second < of_first => second,
+        _ => first,
     }
 }
 

@@ -43,13 +43,13 @@ const MOST_PIXELS: usize = 1 << 23;
 /// Other values were not tried.
 const HIDDEN_WEIGHT: f64 = 0.1;
 
-/// [`Budget::leaf_margin`] of levels with a fifth of the triangles or more, where no other is asked for. Seven plants at ten
+/// [`Sharing::LeafMargin`] of levels with a fifth of the triangles or more, where no other is asked for. Seven plants at ten
 /// shares, .1 to .7, 270 pixels high, are beyond the limits of the default difference in 15, 14, 12, 14 and 18 of 70 cases
 /// with .05, .1, .15, .2 and .3; their geometric means over the limits are .60, .61, .61, .63 and .65 (example
 /// `wood_and_leaves`).
 const LEAF_MARGIN: f64 = 0.15;
 
-/// [`Budget::leaf_margin`] of levels with a tenth of the triangles or fewer: with .15 FLIP at a tenth is 1.05 times as
+/// [`Sharing::LeafMargin`] of levels with a tenth of the triangles or fewer: with .15 FLIP at a tenth is 1.05 times as
 /// large in the geometric mean of ten plants, 1.27 on `ez_bush2` (`secateur study --plan whole`).
 const LEAF_MARGIN_OF_FEW: f64 = 0.3;
 
@@ -90,17 +90,29 @@ fn level_resolution(most: u32, views: usize) -> u32 {
 pub struct Budget {
     /// The most triangles.
     pub triangles: usize,
+    /// How they are shared.
+    pub sharing: Sharing,
+}
+
+/// How triangles are shared between leaves and wood, and, of a plant without leaves, among its pieces.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Sharing {
+    /// As [`Self::LeafMargin`] with .15, or up to .3 for levels with less than a fifth of all triangles. Pieces of plants
+    /// without leaves get triangles where these save the most pixels.
+    #[default]
+    ByNumber,
     /// What another triangle of leaves saves, as a share of what the views show of leaves for each triangle of the
     /// budget, 0 or more: the first triangles save more than the last. Wood gets the triangles that save more each.
-    /// Without it .15, or up to .3 for levels with less than a fifth of all triangles.
-    pub leaf_margin: Option<f64>,
+    LeafMargin(f64),
+    /// All surface of a plant without leaves is off by as much; else as [`Self::ByNumber`].
+    Evenly,
 }
 
 impl From<usize> for Budget {
     fn from(triangles: usize) -> Self {
         Self {
             triangles,
-            leaf_margin: None,
+            sharing: Sharing::ByNumber,
         }
     }
 }
@@ -279,7 +291,10 @@ impl<'a> WholePlant<'a> {
         let triangles = budget.triangles;
         let share = triangles as f64 / self.triangle_count().max(1) as f64;
         let usual = (MARGIN_TIMES_SHARE / share).clamp(LEAF_MARGIN, LEAF_MARGIN_OF_FEW);
-        let leaf_margin = budget.leaf_margin.unwrap_or(usual);
+        let leaf_margin = match budget.sharing {
+            Sharing::LeafMargin(margin) => margin,
+            Sharing::ByNumber | Sharing::Evenly => usual,
+        };
         let px_a_triangle = leaf_margin * self.px_a_leaf_triangle(triangles);
         let most = (MOST_WOOD * triangles as f64) as usize;
         let spare = triangles.saturating_sub(self.leaves.triangles().len());
@@ -354,8 +369,18 @@ impl<'a> WholePlant<'a> {
         engine: &OpenEngine,
     ) -> Result<WholeLevel, Error> {
         let sphere = sphere_of(&self.wood)?;
+        let evenly = match budget.sharing {
+            Sharing::Evenly => self.levels.evenly(budget.triangles),
+            Sharing::ByNumber | Sharing::LeafMargin(_) => None,
+        };
         let mut wood = self.wood_of(&[], budget);
-        self.use_rest(&mut wood, 0, budget.triangles);
+        match evenly {
+            Some(lod) => {
+                wood.triangles = lod.foliage(&self.wood).triangles().len();
+                wood.lod = lod;
+            }
+            None => self.use_rest(&mut wood, 0, budget.triangles),
+        }
         let mut leaves = bare::simplified_nothing(sphere, options, engine)?;
         leaves.warnings.extend(self.warning_of(&wood));
         Ok(WholeLevel {

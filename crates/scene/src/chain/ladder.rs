@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use secateur_simplify::Observer;
-use secateur_simplify::whole::Budget;
+use secateur_simplify::whole::{Budget, Sharing};
 
 use super::error::ChainError;
 use super::look::SEARCH_PX;
@@ -53,8 +53,15 @@ const MOST_PLACED: usize = 3;
 /// After so many guesses in one search the rest is halved: guesses may creep.
 const MOST_GUESSES: u32 = 4;
 
-/// How triangles are shared between leaves and wood: [`Budget::leaf_margin`]. The first is tried first.
-const LEAF_MARGINS: [f64; 3] = [0.15, 0.05, 0.3];
+/// How triangles are shared between leaves and wood. The first is tried first.
+const SHARINGS: [Sharing; 3] = [
+    Sharing::LeafMargin(0.15),
+    Sharing::LeafMargin(0.05),
+    Sharing::LeafMargin(0.3),
+];
+
+/// [`SHARINGS`] of plants without leaves.
+const BARE_SHARINGS: [Sharing; 2] = [Sharing::ByNumber, Sharing::Evenly];
 
 /// Other sharings are tried this many steps further on: of 2 % each, they come to 12 % fewer triangles.
 const BETTER_BY: usize = 6;
@@ -63,9 +70,11 @@ const BETTER_BY: usize = 6;
 pub(super) struct Ladder<'a, 'm> {
     maker: &'m Maker<'a>,
     client: &'m Client<'m>,
-    /// By step and place in [`LEAF_MARGINS`].
+    /// By step and place in `sharings`.
     made: BTreeMap<(usize, usize), Made>,
-    /// The place in [`LEAF_MARGINS`] of how triangles are shared.
+    /// How triangles may be shared.
+    sharings: &'static [Sharing],
+    /// The place in `sharings` of how they are.
     sharing: usize,
     steps: usize,
     goals: Goals,
@@ -83,6 +92,10 @@ impl<'a, 'm> Ladder<'a, 'm> {
             maker,
             client,
             made: BTreeMap::new(),
+            sharings: match maker.tree.leaves().leaves().is_empty() {
+                true => &BARE_SHARINGS,
+                false => &SHARINGS,
+            },
             sharing: 0,
             steps: (0..STEPS).take_while(has_more).count().max(1),
             goals: Goals::default(),
@@ -191,7 +204,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<Option<f64>, ChainError> {
         let (before, goal) = (self.sharing, self.goals.at(heights[0]));
         let mut best: Option<(usize, f64)> = None;
-        for sharing in 0..LEAF_MARGINS.len() {
+        for sharing in 0..self.sharings.len() {
             self.sharing = sharing;
             let over = self.over(step, heights, observer)?;
             if over <= best.map_or(goal, |(_, least)| least) {
@@ -261,7 +274,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         if !self.made.contains_key(&key) {
             let budget = Budget {
                 triangles: triangles_of(step, self.maker.all),
-                leaf_margin: Some(LEAF_MARGINS[self.sharing]),
+                sharing: self.sharings[self.sharing],
             };
             let made = self.maker.level(budget, observer)?;
             // What is known of an equal level is known of this one.

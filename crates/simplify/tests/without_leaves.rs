@@ -1,0 +1,89 @@
+//! Plants without leaves: all of them is wood.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+use secateur_model::{Foliage, LeafTriangle};
+use secateur_raster::OpenEngine;
+use secateur_simplify::whole::{Budget, Sharing, WholePlant};
+use secateur_simplify::{Options, Preset, Target};
+
+/// A ball of 264 triangles.
+fn ball(centre: DVec3, radius: f64) -> Vec<LeafTriangle> {
+    const AROUND: usize = 12;
+    const ALONG: usize = 12;
+    let place = |i: usize, k: usize| {
+        // Both poles are one place, whatever the angle.
+        let (ring, height) = match i {
+            0 => (0.0, 1.0),
+            ALONG => (0.0, -1.0),
+            i => (PI * i as f64 / ALONG as f64).sin_cos(),
+        };
+        let (sin, cos) = (TAU * (k % AROUND) as f64 / AROUND as f64).sin_cos();
+        centre + radius * DVec3::new(ring * cos, height, ring * sin)
+    };
+    let quads = (0..ALONG).flat_map(|i| (0..AROUND).map(move |k| (i, k)));
+    let triangles = quads.flat_map(|(i, k)| {
+        let [a, b] = [place(i, k), place(i, k + 1)];
+        let [c, d] = [place(i + 1, k), place(i + 1, k + 1)];
+        [[a, b, d], [a, d, c]]
+    });
+    let has_area = |[a, b, c]: &[DVec3; 3]| a != b && b != c && a != c;
+    triangles
+        .filter(has_area)
+        .map(LeafTriangle::plain)
+        .collect()
+}
+
+/// Two balls that touch at a vertex of each.
+fn snowman() -> Foliage {
+    let mut wood = Foliage::default();
+    for (height, radius) in [(2.0, 2.0), (5.0, 1.0)] {
+        let ball = ball(height * DVec3::Y, radius);
+        assert_eq!(ball.len(), 264);
+        wood.push_leaf(&ball, None).unwrap();
+    }
+    wood
+}
+
+#[test]
+fn a_plant_without_leaves_has_levels() {
+    let (wood, leaves) = (snowman(), Foliage::default());
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(&wood, &leaves, &wood, &engine).unwrap();
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    for sharing in [Sharing::ByNumber, Sharing::Evenly] {
+        for triangles in [400, 250, 100] {
+            let budget = Budget { triangles, sharing };
+            let mut go_on = |_| ControlFlow::Continue(());
+            let level = plant
+                .level(budget, &options, &engine, None, &mut go_on)
+                .unwrap();
+            assert_eq!(level.leaves.lod.leaf_count(), 0);
+            let left = level.wood.foliage(&wood).triangles().len();
+            assert_eq!(left, level.wood_triangles);
+            let is_met = (9 * triangles / 10..=triangles).contains(&left);
+            assert!(is_met, "{left} of {triangles}, {sharing:?}");
+            // Both balls are there, and each has corners of its own alone.
+            assert_eq!(level.wood.leaf_count(), 2);
+            for (number, low, high) in [(0, 0.0, 4.0), (1, 4.0, 6.0)] {
+                let left = level.wood.foliage(&wood);
+                let of_ball = left.triangles_of(secateur_model::LeafId::from_index(number));
+                let mut corners = of_ball.iter().flat_map(|t| t.corners);
+                assert!(corners.all(|c| (low..=high).contains(&c.y)), "{sharing:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_of_it_may_stay() {
+    let (wood, leaves) = (snowman(), Foliage::default());
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(&wood, &leaves, &wood, &engine).unwrap();
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    let mut go_on = |_| ControlFlow::Continue(());
+    let level = plant.simplified(&options, &engine, &mut go_on).unwrap();
+    assert_eq!(level.wood_triangles, 528);
+}
