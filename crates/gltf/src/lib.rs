@@ -95,7 +95,7 @@
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
-//! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
+//! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
@@ -125,6 +125,7 @@ mod inspection;
 mod instances;
 mod judged;
 mod kept_images;
+mod ktx2;
 mod leaf_surfaces;
 mod leaves;
 mod levels_inside;

@@ -114,15 +114,26 @@ fn an_image_that_cannot_be_decoded_is_opaque_with_a_warning() {
     assert_eq!(kept(&tree), None);
     let warnings = &tree.tree().inspection().warnings.join("\n");
     assert!(
-        warnings.contains("images[0]: its format is not PNG, JPEG or WebP; it is taken for opaque"),
+        warnings.contains("images[0]: its KTX2 header is damaged; it is taken for opaque"),
         "{warnings}"
     );
-    // No readable image at all, only an extension's.
-    let basisu = tree.set(
-        "/textures/0",
-        json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
-    );
-    assert_eq!(kept(&basisu), None);
+    // Only in a format that is not read: it is said all the same, with what converts it.
+    for (name, bytes) in [
+        ("EXT_texture_avif", b"\0\0\0\x20ftypavif"),
+        ("MSFT_texture_dds", b"DDS \x7c\0\0\0\x07\x10\0\0"),
+    ] {
+        let tree = textured(bytes, json!({"alphaMode": "MASK"}))
+            .set("/textures/0", json!({"extensions": {name: {"source": 0}}}));
+        assert_eq!(kept(&tree), None);
+        let warnings = &tree.tree().inspection().warnings.join("\n");
+        assert!(
+            warnings.contains(
+                "images[0]: its format is not PNG, JPEG, WebP or KTX2; convert it with \
+                 `npx @gltf-transform/cli png IN.glb OUT.glb`; it is taken for opaque"
+            ),
+            "{warnings}"
+        );
+    }
 }
 
 #[test]
