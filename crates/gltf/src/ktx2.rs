@@ -45,9 +45,9 @@ pub(crate) fn dimensions(bytes: &[u8]) -> Result<[u32; 2], String> {
             "its KTX2 texels are neither ETC1S nor UASTC; {CONVERT}"
         ));
     }
-    match header.is_compressed_within_reason() {
+    match header.is_compressed_within_reason() && metadata_is_sound(bytes).is_some() {
         true => Ok(header.size),
-        false => Err("its KTX2 data stands for more or less than its texels".to_owned()),
+        false => Err("its KTX2 data is damaged".to_owned()),
     }
 }
 
@@ -111,6 +111,18 @@ impl<'a> Header<'a> {
         let allowed = needed.saturating_mul(2).max(SMALLEST_WINDOW_LIMIT);
         self.level_bytes == needed && zstandard_window(self.level).is_some_and(|w| w <= allowed)
     }
+}
+
+/// Whether the entries of key and value data end where their list does: the decoder trusts that.
+fn metadata_is_sound(bytes: &[u8]) -> Option<()> {
+    let start = number(bytes, 56, 4)? as usize;
+    let end = start.checked_add(number(bytes, 60, 4)? as usize)?;
+    let mut at = start;
+    while at < end {
+        let length = number(bytes, at, 4)? as usize;
+        at = at.checked_add(4)?.checked_add(length)?.next_multiple_of(4);
+    }
+    (start == end || at == end && end <= bytes.len()).then_some(())
 }
 
 /// The bytes of the window that a Zstandard frame asks for (RFC 8878, 3.1.1.1).

@@ -83,14 +83,14 @@
 //!   one. Only meshes that are left without triangles may make others move up, and
 //!   only where every extension of the file is one whose references are known.
 //! - The bytes that are still named are packed into one buffer.
-//! - Meshopt-compressed views are written without compression.
+//! - Meshopt-compressed views and Draco-compressed primitives are written without compression.
 //! - The same input gives the same bytes.
 //!
 //! # Map
 //! | for | look at |
 //! |---|---|
 //! | the two chunks of a GLB | `container.rs` |
-//! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/` |
+//! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
@@ -115,6 +115,7 @@ mod choice;
 mod container;
 mod cutouts;
 mod document;
+mod draco;
 mod error;
 mod evidence;
 mod find;

@@ -227,7 +227,10 @@ fn dimensions(bytes: &[u8], most_texels: u64) -> Result<[u32; 2], String> {
         ktx2::dimensions(bytes)?.into()
     } else {
         let reader = reader(bytes)?;
-        if reader.format().is_none() {
+        if reader
+            .format()
+            .is_none_or(|format| !format.reading_enabled())
+        {
             return Err(format!(
                 "its format is not PNG, JPEG, WebP or KTX2; {TO_PNG}"
             ));

@@ -108,6 +108,101 @@ fn webp_and_jpeg_are_read() {
     );
 }
 
+/// An image of 8 x 8 texels, clear on the left, in each encoding of KHR_texture_basisu.
+const KTX2_IMAGES: [&[u8]; 3] = [
+    include_bytes!("../data/half_etc1s.ktx2"),
+    include_bytes!("../data/half_uastc.ktx2"),
+    include_bytes!("../data/half_uastc_zstd.ktx2"),
+];
+
+fn basisu(image: &[u8]) -> SmallTree {
+    textured(image, json!({"alphaMode": "MASK"})).set(
+        "/textures/0",
+        json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
+    )
+}
+
+#[test]
+fn ktx2_is_read_in_every_encoding() {
+    for image in KTX2_IMAGES {
+        let tree = basisu(image);
+        let halves = [[false; 4], [true; 4]].concat();
+        assert_eq!(kept(&tree), Some(halves));
+        let document = tree.document();
+        assert_eq!(document.images_of_material(0)[0].size, [8, 8]);
+        let drawn = document.surfaces(&[]).unwrap();
+        let texture = drawn[0].0.material.texture.clone().unwrap();
+        let last = texture.rgba.last_chunk::<4>().unwrap();
+        let apart = last.iter().zip([40, 160, 30, 255]);
+        assert!(apart.clone().all(|(a, b)| a.abs_diff(b) <= 8), "{last:?}");
+    }
+}
+
+/// Where an image is there in two formats, the one that every client reads is taken.
+#[test]
+fn a_plain_image_goes_before_ktx2() {
+    let png = encoded(&row(&[255, 0]), ImageFormat::Png);
+    let mut tree = textured(&png, json!({"alphaMode": "MASK"}));
+    let view = tree.view(KTX2_IMAGES[0]);
+    tree.append(
+        "images",
+        json!({"bufferView": view, "mimeType": "image/ktx2"}),
+    );
+    let texture = json!({"source": 0, "extensions": {"KHR_texture_basisu": {"source": 1}}});
+    assert_eq!(
+        kept(&tree.set("/textures/0", texture)),
+        Some(vec![true, false])
+    );
+}
+
+/// What a KTX2 image with these bytes at this place is said to be.
+fn changed_ktx2(image: &[u8], at: usize, bytes: &[u8]) -> String {
+    let mut image = image.to_vec();
+    image[at..at + bytes.len()].copy_from_slice(bytes);
+    basisu(&image).tree().inspection().warnings.join("; ")
+}
+
+#[test]
+fn ktx2_that_lies_is_not_decoded() {
+    let [etc1s, uastc, zstandard] = KTX2_IMAGES;
+    // 65,536 texels wide and high.
+    let large = changed_ktx2(etc1s, 20, &[0, 0, 1, 0, 0, 0, 1, 0]);
+    assert!(
+        large.contains("65536 x 65536 texels are more than"),
+        "{large}"
+    );
+    let cube = changed_ktx2(etc1s, 36, &[6]);
+    assert!(cube.contains("holds no single plain image"), "{cube}");
+    let model = u32::from_le_bytes(*uastc[48..].first_chunk().unwrap()) as usize + 12;
+    let hdr = changed_ktx2(uastc, model, &[167]);
+    assert!(
+        hdr.contains(
+            "neither ETC1S nor UASTC; convert it with `npx @gltf-transform/cli ktxdecompress"
+        ),
+        "{hdr}"
+    );
+    // A gigabyte decompressed, for 64 texels.
+    let bomb = changed_ktx2(zstandard, 96, &[0, 0, 0, 64]);
+    assert!(bomb.contains("its KTX2 data is damaged"), "{bomb}");
+    // A window of a terabyte.
+    let level = u32::from_le_bytes(*zstandard[80..].first_chunk().unwrap()) as usize;
+    let window = changed_ktx2(zstandard, level + 4, &[0, 0xf0]);
+    assert!(window.contains("its KTX2 data is damaged"), "{window}");
+}
+
+#[test]
+fn ktx2_that_is_cut_off_or_changed_is_an_image_or_a_sentence() {
+    for image in KTX2_IMAGES {
+        for end in 0..image.len() {
+            let cut = &image[..end];
+            assert_eq!(kept(&basisu(cut)), None, "{end}");
+            let mut changed = image.to_vec();
+            changed[end] ^= 0x55;
+            let _ = kept(&basisu(&changed));
+        }
+    }
+}
+
 #[test]
 fn an_image_that_cannot_be_decoded_is_opaque_with_a_warning() {
     let tree = textured(b"\xabKTX 20\xbb\r\n\x1a\n", json!({"alphaMode": "MASK"}));
