@@ -55,8 +55,7 @@
 //! decided in floating point before that, and may differ between kinds of processors.
 //!
 //! # What it refuses
-//! Draco-compressed files (decode them first), glTF 1, unknown required
-//! extensions, broken or hostile files, foliage that can't be told from wood
+//! glTF 1, unknown required extensions, broken or hostile files, foliage that can't be told from wood
 //! without being named, positions that are not finite. Every refusal is an
 //! [`Error`] of one sentence: the file, the place, what is wrong, what to do.
 //! Skins are read in bind pose and morph targets at rest.
