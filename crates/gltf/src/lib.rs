@@ -181,6 +181,7 @@ pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use selector::{Selector, SelectorError};
 pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
+pub use vertex_alpha::VertexAlpha;
 pub use whole_tree::WholeTree;
 pub use write::{
     CommitError, CutOutTexture, Cutoffs, PreparedLod, StagedFiles, WriteOptions, Written,

@@ -69,7 +69,7 @@
 //! | for | look at |
 //! |---|---|
 //! | what the program does | `Plant`, `Level`, `Levels`, `chain` |
-//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
+//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`VertexAlpha`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
 //! | the look or the information | [`Preset`] |
@@ -126,8 +126,8 @@ pub use secateur_eval::{
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,
     PreparedLod, PrimitiveReport, Problem, Reason, SceneCamera, Selector, SelectorError, Spread,
-    StagedFiles, TakenFor, Tree, WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb,
-    plant_to_glb, surfaces_to_glb,
+    StagedFiles, TakenFor, Tree, VertexAlpha, WholeTree, WriteOptions, WriteProblem, Written,
+    plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use image::{ImageFormat, Rgba, RgbaImage};
-use secateur_gltf::Detail;
+use secateur_gltf::{Detail, VertexAlpha};
 use secateur_model::{Filters, Material, Mips, Wrap};
 use serde_json::{Value, json};
 
@@ -484,6 +484,28 @@ fn alpha_of_vertices_that_hides_some_hides_them_from_everyone() {
     // What an opaque material does not test hides nothing.
     let opaque = colored([0.0, 0.0]).set("/materials/0/alphaMode", json!("OPAQUE"));
     assert_eq!(alphas_and_hidden(&opaque), (vec![0.0; 8], false));
+}
+
+/// Who knows better than the file says so, and everybody looks at it so.
+#[test]
+fn alpha_of_vertices_can_be_kept_and_ignored() {
+    for (tree, alpha, expected) in [
+        (colored([0.0, 0.0]), VertexAlpha::Keep, [0.0, 0.0]),
+        (colored([0.0, 0.75]), VertexAlpha::Ignore, [1.0, 1.0]),
+    ] {
+        let document = tree.document().with_vertex_alpha(alpha);
+        assert_eq!(document.inspect(&[]).warnings, [""; 0]);
+        let selectors = ["material:leaf".parse().unwrap()];
+        let tree = document.into_tree(&selectors).unwrap();
+        let drawn = tree.document().drawn_as_one(Detail::Color).unwrap();
+        let colors = &drawn[0].surface.colors;
+        assert_eq!([colors[0].w, colors[7].w], expected);
+        let leaf = &tree.foliage().leaves()[0];
+        let is_hidden = leaf
+            .cutout()
+            .is_some_and(|mask| !tree.foliage().cutouts()[mask as usize].is_opaque(0, 0));
+        assert_eq!(is_hidden, expected[0] == 0.0);
+    }
 }
 
 #[test]
