@@ -4,6 +4,7 @@ mod accessors;
 mod files;
 
 use secateur_gltf::Document;
+use secateur_model::Memory;
 use serde_json::{Value, json};
 
 use crate::seeds::{DRACO_STREAMS, draco};
@@ -211,6 +212,13 @@ fn draco_that_lies() {
             .clone()
             .set(&format!("{extension}/attributes/POSITION"), json!(9));
         assert_refused(&stray, "cannot be used as POSITION of its Draco data");
+        // Within what the file's size allows, but not within the memory.
+        let many = tree.clone().set("/accessors/0/count", json!(300_000));
+        let memory = Memory::Bytes(4 << 20);
+        let read = Document::from_bytes_within("small.glb", many.glb(), None, memory);
+        let error = read.expect_err("there is no memory for it").to_string();
+        let says = format!("{place}its 100000 compressed triangles would take 9.2 MiB of memory");
+        assert!(error.starts_with(&says), "{error}");
         let gone = tree.without(&format!("{extension}/bufferView"));
         assert_refused(&gone, "has no `bufferView`");
     }
