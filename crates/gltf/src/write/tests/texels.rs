@@ -8,6 +8,7 @@ use super::beyond_cards::{cards, middle};
 use super::every_encoding::one_gone_one_grown;
 use super::fixture::{Fixture, read};
 use super::validator::assert_valid;
+use crate::write::drop_unreferenced::remove_field;
 use crate::{Cutoffs, Tree};
 use secateur_model::Texture;
 
@@ -197,4 +198,21 @@ fn an_image_in_the_format_of_an_extension_alone_can_change() {
     assert_eq!(root["images"].as_array().unwrap().len(), 1);
     assert_eq!(root["textures"][0], json!({"sampler": 0, "source": 0}));
     assert_eq!(root.get("extensionsRequired"), None);
+}
+
+/// The diffuse texture of specular-glossiness is the base colour, and stays where it was.
+#[test]
+fn a_diffuse_texture_changes_in_its_extension() {
+    const NAME: &str = "KHR_materials_pbrSpecularGlossiness";
+    let mut fixture = with_nearest_texels();
+    fixture.use_extension(NAME, false);
+    let material = &mut fixture.root["materials"][1];
+    let info = material["pbrMetallicRoughness"]["baseColorTexture"].take();
+    material["extensions"][NAME] = json!({"diffuseTexture": info});
+    remove_field(&mut material["pbrMetallicRoughness"], "baseColorTexture");
+    let before = material["extensions"].clone();
+    let (tree, root, texture) = written(&fixture, &[1]);
+    assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
+    assert_eq!(root["materials"][1]["extensions"], before);
+    assert_eq!(root["images"].as_array().unwrap().len(), 1);
 }
