@@ -175,12 +175,6 @@ fn extensions_that_are_not_known() {
         json!(["VND_magic"]),
         &["needs the extension VND_magic"],
     );
-    let draco = json!(["KHR_draco_mesh_compression"]);
-    change_refused(
-        required,
-        draco,
-        &["KHR_draco_mesh_compression", "decode it first"],
-    );
 }
 
 /// The paper's presets are the paper's in all that they choose; those of this program are where

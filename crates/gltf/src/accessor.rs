@@ -66,6 +66,18 @@ impl Component {
         }
     }
 
+    /// Appends the little-endian bytes of the component that is nearest to a number.
+    pub(crate) fn push(self, number: f64, bytes: &mut Vec<u8>) {
+        match self {
+            Self::I8 => bytes.extend((number as i8).to_le_bytes()),
+            Self::U8 => bytes.extend((number as u8).to_le_bytes()),
+            Self::I16 => bytes.extend((number as i16).to_le_bytes()),
+            Self::U16 => bytes.extend((number as u16).to_le_bytes()),
+            Self::U32 => bytes.extend((number as u32).to_le_bytes()),
+            Self::F32 => bytes.extend((number as f32).to_le_bytes()),
+        }
+    }
+
     /// A component from its little-endian bytes.
     fn value(self, b: &[u8], normalized: bool) -> f64 {
         let (value, largest) = match self {

@@ -77,11 +77,11 @@ impl Buffer {
         matches!(*self.shared, BinaryChunk::Disk(_))
     }
 
-    #[cfg(test)]
-    pub(crate) fn of(bytes: &[u8]) -> Self {
+    /// A buffer that no file has, of these bytes.
+    pub(crate) fn of(bytes: Vec<u8>) -> Self {
         Self {
-            shared: Arc::new(BinaryChunk::Memory(bytes.to_vec())),
             length: bytes.len(),
+            shared: in_memory(bytes),
             source: BufferSource::DataUri,
         }
     }

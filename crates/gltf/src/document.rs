@@ -172,7 +172,7 @@ impl Document {
         let buffers = buffer::load_all(&root, chunk, base_dir, &mut budget)?;
         folder::check_images(&root, base_dir)?;
         let views = property::list(&root, "bufferViews")?.len();
-        Ok(Self {
+        let mut document = Self {
             root,
             data_bytes: buffer::distinct_bytes(&buffers),
             buffers,
@@ -185,7 +185,9 @@ impl Document {
             vertex_alpha_counts: None,
             memory,
             budget,
-        })
+        };
+        document.decode_draco()?;
+        Ok(document)
     }
 
     /// A fault of this file, with its name.
@@ -201,13 +203,14 @@ impl Document {
 
 /// Extensions that a file may require: those that are read, and those that
 /// change nothing that matters here.
-const KNOWN_EXTENSIONS: [&str; 14] = [
+const KNOWN_EXTENSIONS: [&str; 15] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
@@ -221,9 +224,6 @@ const KNOWN_EXTENSIONS: [&str; 14] = [
 fn check_extensions(root: &Value) -> Result<(), Problem> {
     for entry in property::list(root, "extensionsRequired")? {
         let name = entry.as_str().unwrap_or("without a name");
-        if name == "KHR_draco_mesh_compression" {
-            return Err(Problem::Draco);
-        }
         let is_known = KNOWN_EXTENSIONS.contains(&name) || name.starts_with("KHR_materials_");
         if !is_known {
             return Err(Problem::UnknownExtension(super::error::shortened(name)));

@@ -111,11 +111,6 @@ pub enum Problem {
     /// The file needs an extension that is not supported.
     #[error("needs the extension {0}, which is not supported")]
     UnknownExtension(String),
-    /// The geometry is Draco-compressed.
-    #[error(
-        "needs the extension KHR_draco_mesh_compression, which is not supported; decode it first: npx @gltf-transform/cli copy IN.glb OUT.glb"
-    )]
-    Draco,
     /// A property is missing.
     #[error("has no `{0}`")]
     Missing(&'static str),
@@ -262,6 +257,11 @@ pub enum Problem {
     /// A meshopt-compressed view that can't be decoded.
     #[error("its meshopt-compressed data cannot be decoded: {0}")]
     Meshopt(&'static str),
+    /// A Draco-compressed primitive that can't be decoded.
+    #[error(
+        "its Draco-compressed geometry cannot be decoded ({0}); decode it first: npx @gltf-transform/cli copy IN.glb OUT.glb"
+    )]
+    Draco(String),
     /// A node reached twice.
     #[error("is the child of two nodes, or of itself")]
     NodeTwice,

@@ -175,7 +175,10 @@ impl Document {
         inspection.notes.extend(self.note_of_levels(&levels_inside));
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
         inspection.warnings.extend(pictures.warnings());
-        let hidden = self.hidden_by_vertices(&survey)?;
+        let hidden = match self.vertex_alpha_counts {
+            Some(_) => Vec::new(),
+            None => self.hidden_by_vertices(&survey)?,
+        };
         for group in hidden.iter().map(|&number| &survey.groups[number]) {
             let place = self.primitive_place(group.mesh, group.primitive);
             inspection.warnings.push(vertex_alpha::warning(&place));
@@ -212,7 +215,7 @@ impl Document {
             parts,
             others,
             levels_inside,
-            vertex_alpha_counts: hidden.is_empty(),
+            vertex_alpha_counts: self.vertex_alpha_counts.unwrap_or(hidden.is_empty()),
             leaves,
             wood,
         })

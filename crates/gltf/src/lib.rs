@@ -83,19 +83,19 @@
 //!   one. Only meshes that are left without triangles may make others move up, and
 //!   only where every extension of the file is one whose references are known.
 //! - The bytes that are still named are packed into one buffer.
-//! - Meshopt-compressed views are written without compression.
+//! - Meshopt-compressed views and Draco-compressed primitives are written without compression.
 //! - The same input gives the same bytes.
 //!
 //! # Map
 //! | for | look at |
 //! |---|---|
 //! | the two chunks of a GLB | `container.rs` |
-//! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/` |
+//! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
-//! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `cutouts.rs`, `surfaces.rs` |
+//! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
@@ -115,6 +115,7 @@ mod choice;
 mod container;
 mod cutouts;
 mod document;
+mod draco;
 mod error;
 mod evidence;
 mod find;
@@ -125,6 +126,7 @@ mod inspection;
 mod instances;
 mod judged;
 mod kept_images;
+mod ktx2;
 mod leaf_surfaces;
 mod leaves;
 mod levels_inside;
@@ -180,6 +182,7 @@ pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use selector::{Selector, SelectorError};
 pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
+pub use vertex_alpha::VertexAlpha;
 pub use whole_tree::WholeTree;
 pub use write::{
     CommitError, CutOutTexture, Cutoffs, PreparedLod, StagedFiles, WriteOptions, Written,

@@ -29,8 +29,8 @@ pub(crate) struct MaterialLook {
 /// A texture as a material uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TextureUse {
-    /// Index in `images`, or `None` where the file has no image that can be
-    /// read, only one in an extension's format.
+    /// Index in `images`, or `None` where the file names no image, only one in the format of an
+    /// extension that is not known.
     pub(crate) image: Option<usize>,
     pub(crate) wrap: [Wrap; 2],
     pub(crate) filters: Filters,
@@ -139,11 +139,7 @@ impl Document {
             Some(set) => set,
             None => property::index(info, "texCoord")?.unwrap_or(0),
         };
-        let webp = match property::extension(texture, "EXT_texture_webp") {
-            Some(webp) => property::index(webp, "source")?,
-            None => None,
-        };
-        let image = webp.map_or_else(|| property::index(texture, "source"), |w| Ok(Some(w)))?;
+        let image = image_of(texture)?;
         if let Some(image) = image {
             property::entry(&self.root, "images", image)?;
         }
@@ -184,6 +180,26 @@ impl Document {
             mips,
         }
     }
+}
+
+/// The image of a texture: the first of those that can be decoded, or one that can't, so that it is said.
+fn image_of(texture: &Value) -> Result<Option<usize>, Problem> {
+    let in_extension = |name: &str| match property::extension(texture, name) {
+        Some(other) => property::index(other, "source"),
+        None => Ok(None),
+    };
+    if let Some(webp) = in_extension("EXT_texture_webp")? {
+        return Ok(Some(webp));
+    }
+    if let Some(plain) = property::index(texture, "source")? {
+        return Ok(Some(plain));
+    }
+    for name in ["KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"] {
+        if let Some(other) = in_extension(name)? {
+            return Ok(Some(other));
+        }
+    }
+    Ok(None)
 }
 
 /// How a material names its base colour texture.

@@ -11,6 +11,7 @@ use image::{ImageReader, Limits, RgbaImage};
 use super::Document;
 use super::error::{At, Fault, Problem, shortened};
 use super::folder;
+use super::ktx2;
 use super::property;
 use super::uri::{self, Target};
 use secateur_model::{Budget, Filters, Texture, Wrap};
@@ -27,6 +28,9 @@ const MAX_FILE_BYTES: u64 = 1 << 30;
 /// What a texel takes: its pixels, as they come out of the decoder, and as a
 /// renderer has them.
 const BYTES_A_TEXEL: u64 = 12;
+
+/// The command that makes all images of a file PNG, AVIF among them.
+const TO_PNG: &str = "convert it with `npx @gltf-transform/cli png IN.glb OUT.glb`";
 
 /// What to do where images take too much memory.
 const SMALLER: &str = "allow more (`--memory`), or make the images smaller";
@@ -219,11 +223,20 @@ fn undecodable(error: image::ImageError) -> String {
 
 /// Width and height of an image, which its header says.
 fn dimensions(bytes: &[u8], most_texels: u64) -> Result<[u32; 2], String> {
-    let reader = reader(bytes)?;
-    if reader.format().is_none() {
-        return Err("its format is not PNG, JPEG or WebP".to_owned());
-    }
-    let (width, height) = reader.into_dimensions().map_err(undecodable)?;
+    let (width, height) = if ktx2::is_ktx2(bytes) {
+        ktx2::dimensions(bytes)?.into()
+    } else {
+        let reader = reader(bytes)?;
+        if reader
+            .format()
+            .is_none_or(|format| !format.reading_enabled())
+        {
+            return Err(format!(
+                "its format is not PNG, JPEG, WebP or KTX2; {TO_PNG}"
+            ));
+        }
+        reader.into_dimensions().map_err(undecodable)?
+    };
     let texels = u64::from(width) * u64::from(height);
     if texels > most_texels {
         return Err(format!(
@@ -234,11 +247,15 @@ fn dimensions(bytes: &[u8], most_texels: u64) -> Result<[u32; 2], String> {
 }
 
 fn decode(bytes: &[u8]) -> Result<RgbaImage, String> {
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_TEXELS * 8);
-    let mut reader = reader(bytes)?;
-    reader.limits(limits);
-    let picture = reader.decode().map_err(undecodable)?.into_rgba8();
+    let picture = if ktx2::is_ktx2(bytes) {
+        ktx2::decode(bytes)?
+    } else {
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(MAX_TEXELS * 8);
+        let mut reader = reader(bytes)?;
+        reader.limits(limits);
+        reader.decode().map_err(undecodable)?.into_rgba8()
+    };
     if picture.width() == 0 || picture.height() == 0 {
         return Err("it has no texel".to_owned());
     }

@@ -105,11 +105,6 @@ impl Document {
         };
         let place = || self.primitive_place(mesh, primitive);
         let accessor = self.accessor(index)?;
-        let json = self.primitive(mesh, primitive)?;
-        let is_draco = property::extension(json, "KHR_draco_mesh_compression").is_some();
-        if is_draco && accessor.view.is_none() {
-            return Err(Problem::Draco).at(place);
-        }
         if accessor.shape != Shape::Vector(3) || accessor.component == Component::U32 {
             return Err(Problem::WrongKind {
                 found: format!("{} ({})", self.place("accessors", index), accessor.kind()),

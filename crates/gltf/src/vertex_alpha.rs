@@ -3,15 +3,65 @@
 //! By the specification it is a factor of the material's alpha. But many plants keep wind data in COLOR_0, whose
 //! alpha then hides all leaves. One reading holds for a whole file and for everybody who looks at it.
 
+use std::fmt;
+use std::str::FromStr;
+
 use super::Document;
 use super::cutouts::cutoff;
 use super::error::Fault;
 use super::survey::{Group, Survey};
 
+/// Whether the alpha of vertex colours hides leaves. Spelled `auto`, `keep` or `ignore`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VertexAlpha {
+    /// It does, unless it would hide most of a primitive: then it is ignored in the whole file, with a
+    /// warning.
+    #[default]
+    Auto,
+    /// It does, as glTF has it.
+    Keep,
+    /// It does not: it is something else, such as wind data.
+    Ignore,
+}
+
+impl FromStr for VertexAlpha {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "keep" => Ok(Self::Keep),
+            "ignore" => Ok(Self::Ignore),
+            _ => Err("write auto, keep or ignore".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for VertexAlpha {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Keep => "keep",
+            Self::Ignore => "ignore",
+        })
+    }
+}
+
 /// From which share of a primitive's triangles on alpha that hides them is taken for something else.
 const MOST: f64 = 0.5;
 
 impl Document {
+    /// The document with the alpha of its vertex colours read so, by all that look at it.
+    #[must_use]
+    pub fn with_vertex_alpha(mut self, alpha: VertexAlpha) -> Self {
+        self.vertex_alpha_counts = match alpha {
+            VertexAlpha::Auto => None,
+            VertexAlpha::Keep => Some(true),
+            VertexAlpha::Ignore => Some(false),
+        };
+        self
+    }
+
     /// The primitives of which the alpha of vertex colours would hide most, as their places in the survey; it is
     /// ignored in the whole file if there are any.
     pub(crate) fn hidden_by_vertices(&self, survey: &Survey) -> Result<Vec<usize>, Fault> {
@@ -74,6 +124,6 @@ impl VertexAlphas {
 /// The warning where the alpha of vertices is ignored.
 pub(crate) fn warning(place: &str) -> String {
     format!(
-        "{place}: the alpha of its COLOR_0 would hide most of it and is ignored, as if it were wind data; engines that follow glTF hide it"
+        "{place}: the alpha of its COLOR_0 would hide most of it and is ignored, as if it were wind data (`--vertex-alpha keep` counts it); engines that follow glTF hide it"
     )
 }

@@ -55,8 +55,7 @@
 //! decided in floating point before that, and may differ between kinds of processors.
 //!
 //! # What it refuses
-//! Draco-compressed files (decode them first), glTF 1, unknown required
-//! extensions, broken or hostile files, foliage that can't be told from wood
+//! glTF 1, unknown required extensions, broken or hostile files, foliage that can't be told from wood
 //! without being named, positions that are not finite. Every refusal is an
 //! [`Error`] of one sentence: the file, the place, what is wrong, what to do.
 //! Skins are read in bind pose and morph targets at rest.
@@ -70,7 +69,7 @@
 //! | for | look at |
 //! |---|---|
 //! | what the program does | `Plant`, `Level`, `Levels`, `chain` |
-//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
+//! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`VertexAlpha`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
 //! | the look or the information | [`Preset`] |
@@ -127,8 +126,8 @@ pub use secateur_eval::{
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,
     PreparedLod, PrimitiveReport, Problem, Reason, SceneCamera, Selector, SelectorError, Spread,
-    StagedFiles, TakenFor, Tree, WholeTree, WriteOptions, WriteProblem, Written, plant_into_glb,
-    plant_to_glb, surfaces_to_glb,
+    StagedFiles, TakenFor, Tree, VertexAlpha, WholeTree, WriteOptions, WriteProblem, Written,
+    plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,

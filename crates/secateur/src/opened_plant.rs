@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
-use secateur_gltf::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
+use secateur_gltf::{Document, GltfError, Inspection, Selector, Tree, VertexAlpha, WholeTree};
 use secateur_model::{Foliage, Memory, PlantSkeleton};
 use secateur_simplify::whole::WoodMode;
 
@@ -13,6 +13,8 @@ use secateur_simplify::whole::WoodMode;
 pub struct Opening {
     /// What is foliage; empty where the evidence shows it.
     pub foliage: Vec<Selector>,
+    /// Whether the alpha of vertex colours hides leaves.
+    pub vertex_alpha: VertexAlpha,
     /// What becomes of the wood in levels: [`LevelOptions::usual_wood`](crate::LevelOptions::usual_wood) is what the
     /// program takes for a target.
     pub wood: WoodMode,
@@ -25,6 +27,7 @@ impl Default for Opening {
     fn default() -> Self {
         Self {
             foliage: Vec::new(),
+            vertex_alpha: VertexAlpha::Auto,
             wood: WoodMode::Auto,
             memory: Memory::Auto,
         }
@@ -73,6 +76,7 @@ impl Plant {
 
     fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
         let selectors = &opening.foliage;
+        let document = document.with_vertex_alpha(opening.vertex_alpha);
         Ok(Self(match opening.wood {
             WoodMode::Ignore => Parts::Leaves(document.into_tree(selectors)?),
             mode => Parts::Whole(document.into_whole_tree(selectors)?, mode.decided()),

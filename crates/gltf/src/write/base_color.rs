@@ -66,6 +66,24 @@ pub(super) fn put_png(draft: &mut Draft, view: usize, instead_of: Option<usize>)
     old
 }
 
+/// Leaves out the images of `old`, copies in another format of what `new` replaces, that no texture shows any
+/// more: their extension may go. One that is not the last of its list becomes the new image under its number.
+pub(super) fn drop_copies(draft: &mut Draft, mut old: Vec<usize>, new: usize) {
+    let shown: Vec<usize> = textures_of(&draft.root).flat_map(sources).collect();
+    let Some(images) = draft.root.get_mut("images").and_then(Value::as_array_mut) else {
+        return;
+    };
+    old.retain(|image| !shown.contains(image) && *image < images.len());
+    old.sort_unstable();
+    for image in old.into_iter().rev() {
+        if image + 1 == images.len() {
+            images.pop();
+        } else {
+            images[image] = images[new].clone();
+        }
+    }
+}
+
 /// Leaves out the extensions for image formats that no texture uses any more.
 pub(super) fn drop_unused_formats(draft: &mut Draft) {
     for (name, is_used) in FORMATS {

@@ -160,7 +160,13 @@ fn has_other_formats(tree: &Tree, material: usize) -> bool {
     let root = &tree.document.root;
     let texture = root["materials"].get(material).and_then(base_color_texture);
     let number = texture.and_then(|info| as_index(info.get("index")?));
-    number.is_some_and(|number| root["textures"][number].get("extensions").is_some())
+    let Some(texture) = number.and_then(|number| root["textures"].get(number)) else {
+        return false;
+    };
+    let extensions = texture.get("extensions").and_then(Value::as_object);
+    // An image that is named in an extension alone is no copy.
+    let names_own = usize::from(texture.get("source").is_some());
+    extensions.is_some_and(|all| all.len() + names_own > 1)
 }
 
 impl Tree {

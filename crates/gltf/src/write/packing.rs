@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn bytes_that_no_view_names_go_and_shared_ones_stay_shared() {
         // Views 4..8 and 6..10 overlap, 0..4 and 10..12 are nobody's.
-        let buffer = Buffer::of(&(0..12).collect::<Vec<u8>>());
+        let buffer = Buffer::of((0..12).collect());
         let mut root = json!({"bufferViews": [
             {"buffer": 0, "byteOffset": 4, "byteLength": 4},
             {"buffer": 0, "byteOffset": 6, "byteLength": 4}]});
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn a_partly_used_view_keeps_what_its_accessors_name() {
         // Of five floats the first and the fourth are still used.
-        let buffer = Buffer::of(&(0..20).collect::<Vec<u8>>());
+        let buffer = Buffer::of((0..20).collect());
         let mut root = json!({
             "bufferViews": [{"buffer": 0, "byteLength": 20}],
             "accessors": [
@@ -323,7 +323,7 @@ mod tests {
     fn interleaved_accessors_keep_whole_strides() {
         // Two accessors of stride 8 over elements 1 and 2 of three.
         let all: Vec<u8> = (0..24).collect();
-        let buffer = Buffer::of(&all);
+        let buffer = Buffer::of(all.clone());
         let mut root = json!({
             "bufferViews": [{"buffer": 0, "byteLength": 24, "byteStride": 8}],
             "accessors": [
@@ -343,7 +343,7 @@ mod tests {
         let mut root = json!({"bufferViews": [
             {"buffer": 0, "byteLength": 8},
             {"buffer": 0, "byteOffset": 5, "byteLength": 1}]});
-        let buffer = Buffer::of(&[1, 2, 3, 4, 5, 6, 7]);
+        let buffer = Buffer::of(vec![1, 2, 3, 4, 5, 6, 7]);
         let mut bytes = view_bytes(&buffer);
         bytes.own.insert(0, Cow::Borrowed(&[9; 8]));
         let packed = pack(&mut root, &bytes).unwrap();
@@ -358,7 +358,7 @@ mod tests {
         for (offset, length) in [(4, 4), (u64::MAX, 2), (0, 0)] {
             let mut root = json!({"bufferViews":
                 [{"buffer": 0, "byteOffset": offset, "byteLength": length}]});
-            let packed = pack(&mut root, &view_bytes(&Buffer::of(&[0; 6])));
+            let packed = pack(&mut root, &view_bytes(&Buffer::of(vec![0; 6])));
             assert!(matches!(packed, Err(PackProblem::OutOfRange(0))));
         }
     }

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::base_color::{
-    base_color_texture_mut, drop_unused_formats, png_image, sources, texture_users, textures_of,
+    base_color_texture_mut, drop_copies, drop_unused_formats, png_image, sources, texture_users,
+    textures_of,
 };
 use super::draft::Draft;
 use super::drop_unreferenced::remove_field;
@@ -47,11 +48,13 @@ pub(super) fn replace(draft: &mut Draft, texels: &BTreeMap<usize, Arc<Texture>>)
             }
         };
         images.insert(old, source);
+        let all_sources = sources(&texture);
         texture["source"] = source.into();
         // A copy in another format would show the texels as they were.
         remove_field(&mut texture, "extensions");
         if is_ours.contains(number) {
             draft.root["textures"][*number] = texture;
+            drop_copies(draft, all_sources, source);
             continue;
         }
         let own = draft.push("textures", texture);

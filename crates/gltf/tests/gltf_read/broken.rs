@@ -4,8 +4,10 @@ mod accessors;
 mod files;
 
 use secateur_gltf::Document;
+use secateur_model::Memory;
 use serde_json::{Value, json};
 
+use crate::seeds::{DRACO_STREAMS, draco};
 use crate::small_tree::SmallTree;
 
 /// The sentence about these bytes.
@@ -173,18 +175,53 @@ fn compressed_views_that_ask_for_too_much_or_are_damaged() {
 }
 
 #[test]
-fn draco_without_a_fallback() {
-    let tree = with(
-        "/meshes/0/primitives/0/extensions",
-        json!({"KHR_draco_mesh_compression": {}}),
-    )
-    .without("/accessors/0/bufferView");
-    assert!(
-        tree.error()
-            .starts_with("small.glb: meshes[0].primitives[0]: needs the extension KHR_draco"),
-        "{}",
-        tree.error()
-    );
+fn draco_that_lies() {
+    for stream in DRACO_STREAMS {
+        let tree = draco(stream);
+        let place = "small.glb: meshes[0].primitives[0]: ";
+        let decode = "decode it first: npx @gltf-transform/cli copy IN.glb OUT.glb";
+        let assert_refused = |tree: &SmallTree, why: &str| {
+            let error = tree.error();
+            assert!(error.starts_with(place) && error.contains(why), "{error}");
+        };
+        for end in 0..stream.len() - 1 {
+            let error = draco(&stream[..end]).error();
+            assert!(
+                error.starts_with(place) && error.ends_with(decode),
+                "{error}"
+            );
+        }
+        // Fewer triangles than the stream has, and more than the file could hold.
+        assert_refused(
+            &tree.clone().set("/accessors/0/count", json!(9)),
+            "cannot be decoded",
+        );
+        let many = tree
+            .clone()
+            .set("/accessors/0/count", json!(3_000_000_000u64));
+        assert_refused(&many, "holds more than 16");
+        let wide = tree.clone().set("/accessors/2/type", json!("VEC3"));
+        assert_refused(
+            &wide,
+            "is accessors[2] (VEC3 of FLOAT), which cannot be used as TEXCOORD_0",
+        );
+        let whole = tree.clone().set("/accessors/1/componentType", json!(5122));
+        assert_refused(&whole, "cannot be used as POSITION of its Draco data");
+        let extension = "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression";
+        let stray = tree
+            .clone()
+            .set(&format!("{extension}/attributes/POSITION"), json!(9));
+        assert_refused(&stray, "cannot be used as POSITION of its Draco data");
+        // Within what the file's size allows, but not within the memory.
+        let many = tree.clone().set("/accessors/0/count", json!(300_000));
+        let memory = Memory::Bytes(4 << 20);
+        let read = Document::from_bytes_within("small.glb", many.glb(), None, memory);
+        let error = read.expect_err("there is no memory for it").to_string();
+        let says = format!("{place}its 100000 compressed triangles would take 9.2 MiB of memory");
+        assert!(error.starts_with(&says), "{error}");
+        let gone = tree.without(&format!("{extension}/bufferView"));
+        assert_refused(&gone, "has no `bufferView`");
+    }
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! Every encoding of the same two squares gives the same two leaves.
 
-use serde_json::json;
+use secateur_gltf::{Document, Tree};
+use secateur_model::{LeafId, Lod};
+use serde_json::{Value, json};
 
-use crate::small_tree::{INDICES, SQUARES, SmallTree, assert_two_squares};
+use crate::seeds::{DRACO_STREAMS, draco};
+use crate::small_tree::{INDICES, SQUARES, SmallTree, assert_two_squares, centres};
 
 #[test]
 fn indices_of_every_size() {
@@ -261,4 +264,96 @@ fn json_with_a_file_of_its_own_folder() {
     std::fs::write(&path, json).unwrap();
     let tree = secateur_gltf::Tree::open(&path, &[]).unwrap();
     assert_eq!(tree.foliage().leaves().len(), 2);
+}
+
+/// As [`assert_two_squares`], whichever comes first: the decoder numbers them.
+#[track_caller]
+fn assert_squares_in_any_order(tree: &SmallTree) {
+    let tree = tree.tree();
+    let mut heights: Vec<f64> = centres(&tree).iter().map(|centre| centre.z).collect();
+    heights.sort_by(f64::total_cmp);
+    assert_eq!(heights, [0.0, 2.0]);
+    let mut areas = tree.foliage().leaves().iter().map(|leaf| leaf.area());
+    assert!(areas.all(|area| area == 1.0));
+    assert_eq!(tree.triangle_count(), 4);
+}
+
+#[test]
+fn draco_by_either_method() {
+    for stream in DRACO_STREAMS {
+        let tree = draco(stream);
+        assert_squares_in_any_order(&tree);
+        let document = tree.document();
+        let surfaces = document.surfaces(&[]).unwrap();
+        let surface = &surfaces[0].0;
+        for (position, uv) in surface.positions.iter().zip(&surface.uvs) {
+            assert_eq!([position.x as f32, position.y as f32], uv.to_array());
+        }
+        // Nothing speaks of the extension any more, and the stream is gone.
+        let root = document.json();
+        assert!(!root.to_string().contains("draco"), "{root}");
+        assert_eq!(root["bufferViews"].as_array().unwrap().len(), 4);
+        // Faces, a strip by its mode or without indices, are what the stream says.
+        let strip = tree.clone().set("/meshes/0/primitives/0/mode", json!(5));
+        assert_squares_in_any_order(&strip.set("/accessors/0/count", json!(14)));
+        let bare = tree.without("/meshes/0/primitives/0/indices");
+        assert_squares_in_any_order(&bare.set("/accessors/1/count", json!(12)));
+    }
+}
+
+/// What is written of decoded squares is plain, and as large as that.
+#[test]
+fn draco_is_written_decoded() {
+    for stream in DRACO_STREAMS {
+        let tree: Tree = draco(stream).tree();
+        let mut lod = Lod::original(2);
+        lod.remove(LeafId::from_index(0));
+        let glb = tree.lod_to_bytes(&lod).unwrap();
+        let level = Document::from_bytes("level.glb", glb, None).unwrap();
+        let root = level.json();
+        assert!(!root.to_string().contains("draco"), "{root}");
+        let views = root["bufferViews"].as_array().unwrap();
+        assert_eq!(views.len(), 4, "{views:?}");
+        let strides = views.iter().filter_map(|view| view["byteStride"].as_u64());
+        assert!(strides.clone().all(|stride| stride % 4 == 0));
+        // Four vertices: positions, texture coordinates, colours and indices.
+        assert_eq!(root["buffers"][0]["byteLength"], 4 * (12 + 8 + 4) + 6 * 2);
+    }
+}
+
+/// Two primitives of one stream share its accessors, or have some of their own.
+#[test]
+fn draco_streams_are_shared() {
+    for stream in DRACO_STREAMS {
+        let mut tree = draco(stream);
+        let primitive = tree.root["meshes"][0]["primitives"][0].clone();
+        tree.primitive(primitive.clone());
+        let mut own = primitive;
+        let accessor = tree.root["accessors"][1].clone();
+        own["attributes"]["POSITION"] = tree.append("accessors", accessor).into();
+        tree.primitive(own);
+        let document = tree.document();
+        let accessors = document.json()["accessors"].as_array().unwrap();
+        assert_eq!(accessors.len(), 5);
+        assert!(
+            accessors
+                .iter()
+                .all(|accessor| accessor["bufferView"].is_u64())
+        );
+        assert_eq!(document.surfaces(&[]).unwrap().len(), 3);
+    }
+}
+
+/// Where everything is there without the stream, too, it is not decoded.
+#[test]
+fn draco_with_a_fallback() {
+    let extension = json!({"KHR_draco_mesh_compression": {
+        "bufferView": 0, "attributes": {"POSITION": 0}
+    }});
+    let tree = SmallTree::squares().set("/meshes/0/primitives/0/extensions", extension);
+    assert_two_squares(&tree);
+    assert_eq!(
+        tree.document().json()["meshes"][0]["primitives"][0].get("extensions"),
+        None::<&Value>
+    );
 }

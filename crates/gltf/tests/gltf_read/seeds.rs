@@ -43,6 +43,16 @@ pub(crate) fn all() -> Vec<(&'static str, Vec<u8>)> {
             "meshopt_indices.glb",
             meshopt("INDICES", 2, &meshopt_indices(), 1).glb(),
         ),
+        ("draco_edgebreaker.glb", draco(DRACO_STREAMS[0]).glb()),
+        ("draco_sequential.glb", draco(DRACO_STREAMS[1]).glb()),
+        (
+            "ktx2_etc1s.glb",
+            ktx2(include_bytes!("../data/half_etc1s.ktx2")).glb(),
+        ),
+        (
+            "ktx2_uastc_zstd.glb",
+            ktx2(include_bytes!("../data/half_uastc_zstd.ktx2")).glb(),
+        ),
         ("broken_truncated.glb", glb[..glb.len() / 2].to_vec()),
         ("broken_endless.glb", endless.glb()),
         (
@@ -133,6 +143,59 @@ fn textured() -> SmallTree {
         }),
     )
     .set("/meshes/0/primitives/0/attributes/TEXCOORD_0", json!(uvs))
+}
+
+/// The squares as streams of Draco's two methods.
+pub(crate) const DRACO_STREAMS: [&[u8]; 2] = [
+    include_bytes!("../data/squares_edgebreaker.drc"),
+    include_bytes!("../data/squares_sequential.drc"),
+];
+
+/// The squares with texture coordinates and colours, all of them in this stream: accessors of
+/// indices, positions, texture coordinates and colours.
+pub(crate) fn draco(stream: &[u8]) -> SmallTree {
+    let mut tree = SmallTree::empty();
+    let view = tree.view(stream);
+    for (kind, code, count) in [
+        ("SCALAR", 5123, 12),
+        ("VEC3", 5126, 8),
+        ("VEC2", 5126, 8),
+        ("VEC4", 5121, 8),
+    ] {
+        let accessor = json!({"type": kind, "componentType": code, "count": count});
+        tree.append("accessors", accessor);
+    }
+    tree.root["accessors"][3]["normalized"] = json!(true);
+    let names = ["POSITION", "TEXCOORD_0", "COLOR_0"];
+    let numbered = |first: usize| -> Value {
+        let numbers = names.iter().enumerate();
+        numbers
+            .map(|(k, name)| (name.to_string(), json!(first + k)))
+            .collect()
+    };
+    tree.primitive(json!({
+        "attributes": numbered(1), "indices": 0, "material": 0,
+        "extensions": {"KHR_draco_mesh_compression": {
+            "bufferView": view, "attributes": numbered(0)
+        }},
+    }));
+    let used = json!(["KHR_draco_mesh_compression"]);
+    tree.set("/extensionsUsed", used.clone())
+        .set("/extensionsRequired", used)
+}
+
+/// The squares with this image as their texture.
+fn ktx2(image: &[u8]) -> SmallTree {
+    let mut tree = textured();
+    let view = tree.view(image);
+    tree.set(
+        "/images/0",
+        json!({"bufferView": view, "mimeType": "image/ktx2"}),
+    )
+    .set(
+        "/textures/0",
+        json!({"sampler": 0, "extensions": {"KHR_texture_basisu": {"source": 0}}}),
+    )
 }
 
 /// The squares with one of their views compressed.

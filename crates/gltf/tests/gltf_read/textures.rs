@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use image::{ImageFormat, Rgba, RgbaImage};
-use secateur_gltf::Detail;
+use secateur_gltf::{Detail, VertexAlpha};
 use secateur_model::{Filters, Material, Mips, Wrap};
 use serde_json::{Value, json};
 
@@ -108,21 +108,127 @@ fn webp_and_jpeg_are_read() {
     );
 }
 
+/// An image of 8 x 8 texels, clear on the left, in each encoding of KHR_texture_basisu.
+const KTX2_IMAGES: [&[u8]; 3] = [
+    include_bytes!("../data/half_etc1s.ktx2"),
+    include_bytes!("../data/half_uastc.ktx2"),
+    include_bytes!("../data/half_uastc_zstd.ktx2"),
+];
+
+fn basisu(image: &[u8]) -> SmallTree {
+    textured(image, json!({"alphaMode": "MASK"})).set(
+        "/textures/0",
+        json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
+    )
+}
+
+#[test]
+fn ktx2_is_read_in_every_encoding() {
+    for image in KTX2_IMAGES {
+        let tree = basisu(image);
+        let halves = [[false; 4], [true; 4]].concat();
+        assert_eq!(kept(&tree), Some(halves));
+        let document = tree.document();
+        assert_eq!(document.images_of_material(0)[0].size, [8, 8]);
+        let drawn = document.surfaces(&[]).unwrap();
+        let texture = drawn[0].0.material.texture.clone().unwrap();
+        let last = texture.rgba.last_chunk::<4>().unwrap();
+        let apart = last.iter().zip([40, 160, 30, 255]);
+        assert!(apart.clone().all(|(a, b)| a.abs_diff(b) <= 8), "{last:?}");
+    }
+}
+
+/// Where an image is there in two formats, the one that every client reads is taken.
+#[test]
+fn a_plain_image_goes_before_ktx2() {
+    let png = encoded(&row(&[255, 0]), ImageFormat::Png);
+    let mut tree = textured(&png, json!({"alphaMode": "MASK"}));
+    let view = tree.view(KTX2_IMAGES[0]);
+    tree.append(
+        "images",
+        json!({"bufferView": view, "mimeType": "image/ktx2"}),
+    );
+    let texture = json!({"source": 0, "extensions": {"KHR_texture_basisu": {"source": 1}}});
+    assert_eq!(
+        kept(&tree.set("/textures/0", texture)),
+        Some(vec![true, false])
+    );
+}
+
+/// What a KTX2 image with these bytes at this place is said to be.
+fn changed_ktx2(image: &[u8], at: usize, bytes: &[u8]) -> String {
+    let mut image = image.to_vec();
+    image[at..at + bytes.len()].copy_from_slice(bytes);
+    basisu(&image).tree().inspection().warnings.join("; ")
+}
+
+#[test]
+fn ktx2_that_lies_is_not_decoded() {
+    let [etc1s, uastc, zstandard] = KTX2_IMAGES;
+    // 65,536 texels wide and high.
+    let large = changed_ktx2(etc1s, 20, &[0, 0, 1, 0, 0, 0, 1, 0]);
+    assert!(
+        large.contains("65536 x 65536 texels are more than"),
+        "{large}"
+    );
+    let cube = changed_ktx2(etc1s, 36, &[6]);
+    assert!(cube.contains("holds no single plain image"), "{cube}");
+    let model = u32::from_le_bytes(*uastc[48..].first_chunk().unwrap()) as usize + 12;
+    let hdr = changed_ktx2(uastc, model, &[167]);
+    assert!(
+        hdr.contains(
+            "neither ETC1S nor UASTC; convert it with `npx @gltf-transform/cli ktxdecompress"
+        ),
+        "{hdr}"
+    );
+    // A gigabyte decompressed, for 64 texels.
+    let bomb = changed_ktx2(zstandard, 96, &[0, 0, 0, 64]);
+    assert!(bomb.contains("its KTX2 data is damaged"), "{bomb}");
+    // A window of a terabyte.
+    let level = u32::from_le_bytes(*zstandard[80..].first_chunk().unwrap()) as usize;
+    let window = changed_ktx2(zstandard, level + 4, &[0, 0xf0]);
+    assert!(window.contains("its KTX2 data is damaged"), "{window}");
+}
+
+#[test]
+fn ktx2_that_is_cut_off_or_changed_is_an_image_or_a_sentence() {
+    for image in KTX2_IMAGES {
+        for end in 0..image.len() {
+            let cut = &image[..end];
+            assert_eq!(kept(&basisu(cut)), None, "{end}");
+            let mut changed = image.to_vec();
+            changed[end] ^= 0x55;
+            let _ = kept(&basisu(&changed));
+        }
+    }
+}
+
 #[test]
 fn an_image_that_cannot_be_decoded_is_opaque_with_a_warning() {
     let tree = textured(b"\xabKTX 20\xbb\r\n\x1a\n", json!({"alphaMode": "MASK"}));
     assert_eq!(kept(&tree), None);
     let warnings = &tree.tree().inspection().warnings.join("\n");
     assert!(
-        warnings.contains("images[0]: its format is not PNG, JPEG or WebP; it is taken for opaque"),
+        warnings.contains("images[0]: its KTX2 header is damaged; it is taken for opaque"),
         "{warnings}"
     );
-    // No readable image at all, only an extension's.
-    let basisu = tree.set(
-        "/textures/0",
-        json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
-    );
-    assert_eq!(kept(&basisu), None);
+    // Only in a format that is not read: it is said all the same, with what converts it.
+    for (name, bytes) in [
+        ("EXT_texture_avif", b"\0\0\0\x20ftypavif"),
+        ("MSFT_texture_dds", b"DDS \x7c\0\0\0\x07\x10\0\0"),
+    ] {
+        let tree = textured(bytes, json!({"alphaMode": "MASK"}))
+            .set("/textures/0", json!({"extensions": {name: {"source": 0}}}));
+        assert_eq!(kept(&tree), None);
+        let warnings = &tree.tree().inspection().warnings.join("\n");
+        assert!(
+            warnings.contains(
+                "images[0]: its format is not PNG, JPEG, WebP or KTX2; convert it with \
+                 `npx @gltf-transform/cli png IN.glb OUT.glb`; it is taken for opaque"
+            ),
+            "{warnings}"
+        );
+    }
 }
 
 #[test]
@@ -378,6 +484,28 @@ fn alpha_of_vertices_that_hides_some_hides_them_from_everyone() {
     // What an opaque material does not test hides nothing.
     let opaque = colored([0.0, 0.0]).set("/materials/0/alphaMode", json!("OPAQUE"));
     assert_eq!(alphas_and_hidden(&opaque), (vec![0.0; 8], false));
+}
+
+/// Who knows better than the file says so, and everybody looks at it so.
+#[test]
+fn alpha_of_vertices_can_be_kept_and_ignored() {
+    for (tree, alpha, expected) in [
+        (colored([0.0, 0.0]), VertexAlpha::Keep, [0.0, 0.0]),
+        (colored([0.0, 0.75]), VertexAlpha::Ignore, [1.0, 1.0]),
+    ] {
+        let document = tree.document().with_vertex_alpha(alpha);
+        assert_eq!(document.inspect(&[]).warnings, [""; 0]);
+        let selectors = ["material:leaf".parse().unwrap()];
+        let tree = document.into_tree(&selectors).unwrap();
+        let drawn = tree.document().drawn_as_one(Detail::Color).unwrap();
+        let colors = &drawn[0].surface.colors;
+        assert_eq!([colors[0].w, colors[7].w], expected);
+        let leaf = &tree.foliage().leaves()[0];
+        let is_hidden = leaf
+            .cutout()
+            .is_some_and(|mask| !tree.foliage().cutouts()[mask as usize].is_opaque(0, 0));
+        assert_eq!(is_hidden, expected[0] == 0.0);
+    }
 }
 
 #[test]

@@ -16,6 +16,7 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
         output::check_file(report, &[&args.tree])?;
     }
     let document = Document::open_within(&args.tree, args.memory.memory)?;
+    let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;
     let inspection = document.inspect(&args.foliage.foliage);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{LodModel, Tree, WriteOptions};
+use secateur::{Document, LodModel, WriteOptions};
 use serde_json::json;
 
 use super::args::{self, LevelArgs};
@@ -29,7 +29,9 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
 
     let mut stages = Vec::new();
     let tree = timed(&mut stages, "load", || {
-        Tree::open(&args.tree, &args.foliage.foliage).map_err(Failure::from)
+        let document = Document::open(&args.tree)?;
+        let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
+        Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
     })?;
     output::check_spares(tree.document(), &outputs)?;
     warn_all(&tree.inspection().warnings);

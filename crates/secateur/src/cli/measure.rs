@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{AsDrawnMeasurement, Difference, Measurement, PictureMeasurement, Tree};
+use secateur::{AsDrawnMeasurement, Difference, Document, Measurement, PictureMeasurement};
 use secateur_eval::ViewCount;
 use secateur_eval::measure::{Scores, VMI_ERROR_PERCENT};
 use secateur_eval::pictures::PictureScores;
@@ -24,7 +24,11 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
-    let open = |path: &Path, memory| Tree::open_within(path, &args.foliage.foliage, memory);
+    let open = |path: &Path, memory| {
+        let document = Document::open_within(path, memory)?;
+        let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
+        document.into_tree(&args.foliage.foliage)
+    };
     let original = open(&args.original, args.memory.memory)?;
     let simplified = open(&args.simplified, original.memory_left())?;
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();

@@ -35,6 +35,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     surroundings.apply(&mut options);
     let opening = Opening {
         foliage: args.foliage.foliage.clone(),
+        vertex_alpha: args.vertex_alpha.vertex_alpha,
         wood: match args.wood {
             Some(wood) => wood.into(),
             None => LevelOptions::usual_wood(options.target),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, LodModel, Method, Options, StagedFiles, Target, Tree, simplify_with,
+    ChainOptions, Document, LodModel, Method, Options, StagedFiles, Target, Tree, simplify_with,
     surfaces_to_glb,
 };
 use secateur_gltf::Detail;
@@ -51,8 +51,9 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
 
     let mut stages = Vec::new();
     let tree = timed(&mut stages, "load", || {
-        let tree = Tree::open_within(&args.input, &args.foliage.foliage, args.memory.memory);
-        tree.map_err(Failure::from)
+        let document = Document::open_within(&args.input, args.memory.memory)?;
+        let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
+        Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
     })?;
     output::check_spares(tree.document(), &outputs)?;
     warn_all(&tree.inspection().warnings);

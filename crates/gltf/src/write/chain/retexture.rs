@@ -9,8 +9,8 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::super::base_color::{
-    base_color_texture_mut, drop_unused_formats, put_png, sampler_number, sources, texture_users,
-    textures_of,
+    base_color_texture_mut, drop_copies, drop_unused_formats, put_png, sampler_number, sources,
+    texture_users, textures_of,
 };
 use super::super::draft::Draft;
 use super::super::drop_unreferenced::remove_field;
@@ -104,6 +104,7 @@ fn push_texture(
     is_alone: bool,
 ) -> usize {
     let mut fields = draft.root["textures"][old].clone();
+    let own_sources = sources(&fields);
     let all_sources = textures_of(&draft.root).flat_map(sources);
     let all_sources: Vec<usize> = all_sources.collect();
     let is_last = |&image: &usize| all_sources.iter().filter(|other| **other == image).count() == 1;
@@ -121,6 +122,7 @@ fn push_texture(
         return draft.push("textures", fields);
     }
     draft.root["textures"][old] = fields;
+    drop_copies(draft, own_sources, source);
     old
 }
 

@@ -8,6 +8,7 @@ use super::beyond_cards::{cards, middle};
 use super::every_encoding::one_gone_one_grown;
 use super::fixture::{Fixture, read};
 use super::validator::assert_valid;
+use crate::write::drop_unreferenced::remove_field;
 use crate::{Cutoffs, Tree};
 use secateur_model::Texture;
 
@@ -138,4 +139,80 @@ fn images_with_a_copy_in_another_format_are_left_alone() {
     let bytes = tree.lod_to_bytes_with(&one_gone_one_grown(&tree), &chosen);
     let tree = read(bytes.unwrap());
     assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
+}
+
+/// The texels as WebP too, which clients with the extension read: a texture, an extension and an image that
+/// belong together.
+pub(super) fn with_webp_beside(mut fixture: Fixture) -> Fixture {
+    let mut webp = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_pixel(2, 2, image::Rgba([10, 200, 30, 255]));
+    image.write_to(&mut webp, image::ImageFormat::WebP).unwrap();
+    let view = fixture.view(&webp.into_inner(), None);
+    let images = fixture.root["images"].as_array_mut().unwrap();
+    let number = images.len();
+    images.push(json!({"bufferView": view, "mimeType": "image/webp"}));
+    fixture.root["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": number}});
+    fixture.use_extension("EXT_texture_webp", false);
+    fixture
+}
+
+#[test]
+fn a_copy_in_another_format_goes_with_its_extension() {
+    let fixture = with_webp_beside(with_nearest_texels());
+    let texture = painted(&with_nearest_texels().tree());
+    // The copy is the last image, or one of a lower number than an image that stays.
+    let mut before_another = with_webp_beside(with_nearest_texels());
+    let images = before_another.root["images"].as_array_mut().unwrap();
+    images.push(json!({"bufferView": images[0]["bufferView"], "mimeType": "image/png"}));
+    let another = images.len() - 1;
+    let textures = before_another.root["textures"].as_array_mut().unwrap();
+    textures.push(json!({"source": another}));
+    before_another.root["materials"][0]["emissiveTexture"] = json!({"index": textures.len() - 1});
+    for (fixture, count) in [(fixture, 1), (before_another, 3)] {
+        let tree = fixture.tree();
+        let chosen = Cutoffs::default().with_texels([(1, texture.clone())]);
+        let bytes = tree.lod_to_bytes_with(&one_gone_one_grown(&tree), &chosen);
+        let bytes = bytes.unwrap();
+        let root = read(bytes.clone()).document.root.clone();
+        assert_eq!(root["images"].as_array().unwrap().len(), count);
+        let images = root["images"].as_array().unwrap().iter();
+        assert!(images.clone().all(|image| image["mimeType"] == "image/png"));
+        assert_eq!(root["textures"][0]["extensions"], Value::Null);
+        let used = root["extensionsUsed"].as_array().unwrap();
+        assert!(!used.contains(&json!("EXT_texture_webp")));
+        assert_eq!(read(bytes).cut_out_textures().unwrap()[0].texture, texture);
+    }
+}
+
+/// Where a texture has no image but that, it is no copy.
+#[test]
+fn an_image_in_the_format_of_an_extension_alone_can_change() {
+    let mut fixture = with_nearest_texels();
+    fixture.use_extension("EXT_texture_webp", true);
+    fixture.root["textures"][0] = json!({
+        "sampler": 0,
+        "extensions": {"EXT_texture_webp": {"source": 0}},
+    });
+    let (tree, root, texture) = written(&fixture, &[1]);
+    assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
+    assert_eq!(root["images"].as_array().unwrap().len(), 1);
+    assert_eq!(root["textures"][0], json!({"sampler": 0, "source": 0}));
+    assert_eq!(root.get("extensionsRequired"), None);
+}
+
+/// The diffuse texture of specular-glossiness is the base colour, and stays where it was.
+#[test]
+fn a_diffuse_texture_changes_in_its_extension() {
+    const NAME: &str = "KHR_materials_pbrSpecularGlossiness";
+    let mut fixture = with_nearest_texels();
+    fixture.use_extension(NAME, false);
+    let material = &mut fixture.root["materials"][1];
+    let info = material["pbrMetallicRoughness"]["baseColorTexture"].take();
+    material["extensions"][NAME] = json!({"diffuseTexture": info});
+    remove_field(&mut material["pbrMetallicRoughness"], "baseColorTexture");
+    let before = material["extensions"].clone();
+    let (tree, root, texture) = written(&fixture, &[1]);
+    assert_eq!(tree.cut_out_textures().unwrap()[0].texture, texture);
+    assert_eq!(root["materials"][1]["extensions"], before);
+    assert_eq!(root["images"].as_array().unwrap().len(), 1);
 }

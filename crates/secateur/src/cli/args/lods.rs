@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::super::names::{AlphaName, ChainPresetName, ChainWoodName, EngineName, SidesName};
-use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, leaves, number, share};
+use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, SCREEN_HEIGHTS_PX};
 
@@ -73,6 +73,8 @@ pub(crate) struct Lods {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) vertex_alpha: VertexAlphaArg,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.

@@ -10,7 +10,7 @@ mod study;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use secateur::{Memory, Selector};
+use secateur::{Memory, Selector, VertexAlpha};
 
 use super::names::{AlphaName, EngineName, JudgingViewsName, SidesName};
 
@@ -121,6 +121,8 @@ pub(crate) struct Inspect {
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]
+    pub(crate) vertex_alpha: VertexAlphaArg,
+    #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
@@ -140,6 +142,8 @@ pub(crate) struct Measure {
     pub(crate) views: JudgingViewsName,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) vertex_alpha: VertexAlphaArg,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
@@ -174,6 +178,14 @@ pub(crate) struct Foliage {
     /// numbers; can be given several times [default: what the evidence shows, see `inspect`].
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) foliage: Vec<Selector>,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct VertexAlphaArg {
+    /// Whether the alpha of vertex colours hides leaves: keep, ignore (where it is wind data), or auto:
+    /// unless it would hide most of a primitive.
+    #[arg(long, value_name = "auto|keep|ignore", default_value_t)]
+    pub(crate) vertex_alpha: VertexAlpha,
 }
 
 #[derive(Args, Clone, Copy, Debug)]

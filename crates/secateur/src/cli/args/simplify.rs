@@ -11,8 +11,8 @@ use super::super::names::{
     SidesName, TiesName, WoodName,
 };
 use super::{
-    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, above_zero, from_zero, leaves,
-    share,
+    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg, above_zero,
+    from_zero, leaves, share,
 };
 
 #[derive(Args, Debug)]
@@ -34,6 +34,8 @@ pub(crate) struct Simplify {
     pub(crate) wood: Option<WoodName>,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) vertex_alpha: VertexAlphaArg,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count [default: mask; ignore for the paper's presets].

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Foliage, MemoryArg, leaves, share};
+use super::{Foliage, MemoryArg, VertexAlphaArg, leaves, share};
 use crate::cli::names::EngineName;
 
 #[derive(Args, Debug)]
@@ -31,6 +31,8 @@ pub(crate) struct Stream {
     pub(crate) engine: EngineName,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) vertex_alpha: VertexAlphaArg,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Write the machine-readable record of the run to this file.

@@ -47,7 +47,7 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
         (env!("CARGO_PKG_VERSION"), machine::commit()),
         (files, args.scene.scene.is_some()),
         (&job.name, job.layout, args.textures.is_some()),
-        selectors.collect::<Vec<_>>(),
+        (selectors.collect::<Vec<_>>(), args.vertex_alpha),
         (memory, &args.preview),
         options(args),
     );

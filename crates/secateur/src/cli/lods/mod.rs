@@ -119,6 +119,7 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     tracing::info!("reading {}", job.tree.display());
     let opening = Opening {
         foliage: args.foliage.foliage.clone(),
+        vertex_alpha: args.vertex_alpha.vertex_alpha,
         memory: args.memory.memory,
         ..Opening::default()
     };

@@ -2,6 +2,7 @@
 
 use super::fixtures::*;
 use super::*;
+use crate::write::tests::texels::with_webp_beside;
 
 #[test]
 fn a_picture_is_the_last_level_in_every_layout() {
@@ -85,13 +86,17 @@ fn levels_keep_the_sampler_where_that_is_asked_for() {
     let sampler = json!({"magFilter": 9728, "minFilter": 9986, "wrapS": 33648, "name": "crisp"});
     fixture.root["samplers"] = json!([sampler]);
     fixture.root["textures"][0]["sampler"] = 0.into();
-    let tree = fixture.tree();
-    let lods = lods(&tree);
+    let plain = fixture.tree();
+    let beside = with_webp_beside(fixture).tree();
     let own = [LevelTexture {
         keeps_sampler: true,
         ..own_texture([90, 80, 10, 255], Mips::None)
     }];
-    for layout in LAYOUTS {
+    for (layout, tree) in LAYOUTS
+        .into_iter()
+        .flat_map(|l| [(l, &plain), (l, &beside)])
+    {
+        let lods = lods(tree);
         let mut levels = levels(&lods);
         for level in &mut levels {
             level.textures = &own;
@@ -107,7 +112,9 @@ fn levels_keep_the_sampler_where_that_is_asked_for() {
             let texture = &root["textures"][index.as_u64().unwrap() as usize];
             let kept = texture["sampler"].as_u64().unwrap() as usize;
             assert_eq!(root["samplers"][kept], sampler, "{layout:?}");
+            // A copy in another format would be of no extension that is used.
             assert_eq!(root["images"].as_array().unwrap().len(), 1, "{layout:?}");
+            assert!(!root.to_string().contains("webp"), "{layout:?}");
             assert_eq!(document.images_of_material(material)[0].size, [2, 2]);
         }
     }
