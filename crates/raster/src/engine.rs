@@ -12,6 +12,7 @@ use crate::{
 
 /// Where leaves are rasterised; the results are the same, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
     /// The CPU. The one GPU that was measured made some whole commands up to an

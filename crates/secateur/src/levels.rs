@@ -6,11 +6,8 @@ use std::path::Path;
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
 use secateur_gltf::{GltfError, WholeTree, WriteOptions};
 use secateur_raster::OpenEngine;
-use secateur_scene::chain::{
-    Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, Shape, chain,
-};
+use secateur_scene::chain::{Chain, ChainError, ChainOptions as LevelsOptions, Shape, chain};
 use secateur_simplify::{Error as SimplifyError, Observer};
-use serde_json::{Map, Value};
 
 use crate::opened_plant::{Parts, Plant};
 
@@ -109,11 +106,16 @@ impl Levels<'_> {
         items.prepare_chain(&self.name, &self.written_levels(), layout, path, options)
     }
 
+    /// The name of the node of a level, counted from 0.
+    pub fn node(&self, level: usize) -> String {
+        format!("{}_LOD{level}", self.name)
+    }
+
     fn written_levels(&self) -> Vec<Level<'_>> {
         let levels = self.chain.levels.iter().enumerate();
         levels
             .map(|(k, level)| {
-                let facts = facts(&self.name, level);
+                let facts = level.extras(&self.node(level.shadow));
                 match &level.shape {
                     Shape::Original(lod) | Shape::Mesh(lod) => {
                         Level::new(&self.name, k, lod, facts).with_textures(&level.textures)
@@ -125,30 +127,4 @@ impl Levels<'_> {
             })
             .collect()
     }
-}
-
-/// What the node of a level says in its extras.
-fn facts(name: &str, level: &ChainLevel) -> Map<String, Value> {
-    let mut facts = Map::new();
-    let mut say = |name: &str, value: Value| facts.insert(name.to_owned(), value);
-    say("kind", level.kind().into());
-    say("distance", level.distance.into());
-    if level.pixels_high.is_finite() {
-        say("pixels_high", level.pixels_high.into());
-    }
-    say("screen_coverage", level.screen_coverage.into());
-    say("triangles", level.triangles().into());
-    say("difference", level.difference.difference.into());
-    say("block_coverage", level.difference.block_coverage.into());
-    say("shadow", format!("{name}_LOD{}", level.shadow).into());
-    if let Some(pop) = level.pop {
-        say("pop", pop.into());
-    }
-    if let Some(sha256) = &level.order_sha256 {
-        say("order_sha256", sha256.clone().into());
-    }
-    if let Shape::Impostor(made) = &level.shape {
-        say("impostor", made.impostor.facts());
-    }
-    facts
 }

@@ -168,8 +168,8 @@ pub mod chain {
     pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
     pub use secateur_scene::Screen;
     pub use secateur_scene::chain::{
-        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, SceneLook, Shape, Textures,
-        Wanted,
+        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, SceneLook,
+        Shape, Textures, Wanted,
     };
     pub use secateur_scene::impostor::Choice as ImpostorChoice;
 }

@@ -7,6 +7,7 @@ use crate::{Alpha, FieldOfView, LeafTriangles, Needles, Resolution, Sides, Views
 
 /// What a result is for. Each option can be changed afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Preset {

@@ -32,6 +32,7 @@ use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, Scene, View, ViewSet};
     serde::Serialize,
     serde::Deserialize,
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum JudgingViews {
     /// [`Judging::held_out`].

@@ -54,7 +54,9 @@ const MOST_PX: f64 = 256.0;
 const SPECKS_PX: f64 = 384.0;
 
 /// What leaves of a level show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Textures {
     /// Textures made for the distance, or those of the tree with the colours of leaves in clear texels.
     #[default]

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use secateur_model::{AlphaMode, Mips, Surface};
 use secateur_simplify::{Error, Observer, Progress};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 pub(crate) use atlas::srgb_byte;
 use atlas::{Atlas, BORDER, halved_normals};
@@ -188,10 +188,10 @@ impl Impostor {
     }
 
     /// What samplers and reports need to know.
-    pub fn facts(&self) -> Value {
+    pub fn facts(&self) -> Map<String, Value> {
         let texture = self.surface.material.texture.as_ref();
         let size = texture.map(|texture| [texture.width, texture.height]);
-        match &self.look {
+        let facts = match &self.look {
             Look::Crossed(planes, cell) => json!({
                 "layout": "crossed",
                 "planes": planes.count(),
@@ -217,7 +217,8 @@ impl Impostor {
                 "centre": views.centre.to_array(),
                 "radius": views.radius,
             }),
-        }
+        };
+        facts.as_object().cloned().unwrap_or_default()
     }
 }
 

@@ -3,23 +3,26 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{Amount, Opening, Plant, StagedFiles, WriteOptions, plant_to_glb};
+use schemars::JsonSchema;
+use secateur::{Amount, Opening, Plant, Preset, StagedFiles, WriteOptions, plant_to_glb};
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_scene::chain::{Chain, ChainOptions, Shape, Wanted};
+use secateur_scene::chain::{Chain, ChainOptions, LevelReport, Shape, Wanted};
 use secateur_scene::impostor::Choice;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::lods::{self, Job};
+use super::lods::{self, Job, LevelRow, Place};
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
+use super::record::Record;
 use super::simplify::timed;
-use super::summary::{columns, grouped, percent, size};
-use super::{interrupt, machine, output, record};
+use super::summary::grouped;
+use super::{interrupt, output, record};
 
 /// The levels, finest first, in per cent of all triangles.
 const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
@@ -83,31 +86,59 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         output::stage(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
-    let rows = rows(tree, &job, made, &written, glb.len() as u64);
-    let record = json!({
-        "species": Species::Oak.name(),
-        "levels": rows,
-        "picture": sheet.display().to_string(),
-        "preview": page_file.display().to_string(),
-        "preset": options.leaves.preset,
-        "engine": levels.engine,
-        "adapter": levels.adapter,
-        "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
-        "seed": args.seed,
-        "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
-        "seconds": record::seconds(&stages, total),
-        "peak_rss_bytes": machine::peak_rss_bytes(),
-        "run": record::provenance("demo"),
-    });
+    let levels_made = rows(tree, &job, made, &written, glb.len() as u64);
+    let rows = levels_made.iter().map(|level| json!(level)).collect();
+    let record = DemoRecord {
+        species: Species::Oak.name(),
+        levels: levels_made,
+        picture: sheet.display().to_string(),
+        preview: page_file.display().to_string(),
+        preset: options.leaves.preset,
+        engine: levels.engine,
+        adapter: levels.adapter.clone(),
+        order_sha256: made.coarsest_order_sha256(),
+        seed: args.seed,
+        notes: made.notes.iter().chain(&written.notes).cloned().collect(),
+    };
+    let record = Record::new("demo", record, &stages, total).to_value();
     let report = args.output.join("report.json");
     record::stage(&mut staged, Some(&report), &record)?;
     let pretty = pretty(tree, made, &sheet, total);
     staged.commit()?;
     Ok(Printed {
-        pretty,
-        record,
         rows,
+        ..Printed::single(pretty, record)
     })
+}
+
+/// An oak that was grown, and levels of it.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct DemoRecord {
+    species: &'static str,
+    /// The oak itself, then its levels, finest first.
+    levels: Vec<DemoLevel>,
+    picture: String,
+    preview: String,
+    preset: Preset,
+    /// Where leaves were drawn: `cpu` or `gpu`.
+    engine: &'static str,
+    adapter: Option<String>,
+    order_sha256: Option<String>,
+    seed: u64,
+    /// What has to be said of the levels, a sentence each.
+    notes: Vec<String>,
+}
+
+/// A level of the oak.
+#[derive(Serialize, JsonSchema)]
+struct DemoLevel {
+    /// The share of all triangles that it has; `original` for the oak itself.
+    level: String,
+    /// The size of the oak's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bytes: Option<u64>,
+    #[serde(flatten)]
+    row: LevelRow,
 }
 
 fn chain_options(args: &args::Demo) -> ChainOptions {
@@ -145,8 +176,8 @@ fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
         if let Shape::Mesh(lod) = &level.shape {
             let document = items.lod_document(lod)?;
             exhibits.push(Exhibit {
-                title: title(tree, level.triangles()),
-                subtitle: words(level.leaves, level.triangles()),
+                title: title(tree, level.triangles),
+                subtitle: words(level.leaves, level.triangles),
                 surfaces: picture::surfaces(&document, &[])?,
             });
         }
@@ -160,66 +191,34 @@ fn rows(
     made: &Chain,
     written: &WrittenChain,
     original_bytes: u64,
-) -> Vec<Value> {
-    let original = json!({
-        "level": "original",
-        "file": job.tree.display().to_string(),
-        "leaves": tree.leaves().leaves().len(),
-        "triangles": tree.items().foliage().triangles().len(),
-        "foliage_triangles": tree.leaves().triangles().len(),
-        "wood_triangles": tree.wood().triangles().len(),
-        "bytes": original_bytes,
-    });
+) -> Vec<DemoLevel> {
+    let original = DemoLevel {
+        level: "original".to_owned(),
+        bytes: Some(original_bytes),
+        row: LevelRow {
+            place: Place::File(job.tree.display().to_string()),
+            shadow: None,
+            report: LevelReport::of_plant(tree),
+        },
+    };
     let levels = lods::rows(job, made, written).into_iter();
-    let named = levels.zip(&made.levels).map(|(row, level)| {
-        record::joined(json!({ "level": title(tree, level.triangles()) }), row)
+    let named = levels.map(|row| DemoLevel {
+        level: title(tree, row.report.triangles),
+        bytes: None,
+        row,
     });
     std::iter::once(original).chain(named).collect()
 }
 
 fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String {
-    let heads = [
-        "",
-        "triangles",
-        "leaves",
-        "wood",
-        "difference",
-        "outline IoU",
-        "VMI error",
-        "textures",
-    ];
-    let mut table = vec![heads.map(str::to_owned).to_vec()];
-    let none = || "-".to_owned();
-    table.push(vec![
-        "original".to_owned(),
-        grouped(tree.items().foliage().triangles().len() as u64),
-        grouped(tree.leaves().triangles().len() as u64),
-        grouped(tree.wood().triangles().len() as u64),
-        none(),
-        none(),
-        none(),
-        none(),
-    ]);
-    for level in &made.levels {
-        table.push(vec![
-            title(tree, level.triangles()),
-            grouped(level.triangles()),
-            grouped(level.foliage_triangles),
-            grouped(level.wood_triangles),
-            format!("{:.2}", level.difference.difference),
-            level
-                .silhouette_iou
-                .map_or_else(none, |iou| format!("{iou:.3}")),
-            level.vmi_error_percent.map_or_else(none, percent),
-            size(level.texture_bytes),
-        ]);
-    }
+    let levels = made.levels.iter();
+    let named = levels.map(|level| (title(tree, level.triangles), &level.report));
     format!(
         "An oak, grown and made into a chain of levels in {seconds:.1} s, judged from views it was not simplified by:\n\n\
          {}\n\
          Triangles are those of leaves and of wood; the difference is what people see at the height on the screen from which a level is seen: up to .18 cannot be told, .28 is good.\n\
          Open preview.html in a browser, or see {}; the tree, its levels (tree_LOD0.glb ...) and report.json are there too.\n",
-        columns(&table),
+        lods::table(&lods::OF_DEMO, &LevelReport::of_plant(tree), named),
         sheet.display(),
     )
 }

@@ -25,6 +25,7 @@ mod print;
 mod progress_bar;
 mod record;
 mod simplify;
+mod simplify_record;
 mod stream;
 mod study;
 mod summary;

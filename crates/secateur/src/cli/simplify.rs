@@ -18,7 +18,8 @@ use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::{self, RunRecord};
+use super::record::{self, Record};
+use super::simplify_record::Simplifying;
 use super::summary::{columns, grouped, percent, size};
 use super::{colors, cutoffs, interrupt, machine, order, output};
 
@@ -94,22 +95,21 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if let Some(folder) = &args.debug_images {
         stage_debug_images(&mut staged, folder, &options, &plant, result)?;
     }
-    let run = RunRecord {
+    let run = Simplifying {
         input: &args.tree,
         plant: &plant,
         level: &level,
         options: &options,
         written: &written,
         surroundings: &surroundings,
-        stages: &stages,
-        total_seconds: start.elapsed().as_secs_f64(),
         warnings: &warnings,
     };
-    let record = record::of_simplify(&run, args);
+    let total = start.elapsed().as_secs_f64();
+    let record = Record::new("simplify", run.record(args), &stages, total).to_value();
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
     warn_all(&of_look);
-    Ok(Printed::single(pretty(&run, args), record))
+    Ok(Printed::single(pretty(&run, args, total), record))
 }
 
 /// The outputs, none of which is known to be in the way of another file.
@@ -378,8 +378,8 @@ fn fitted_to(objective: Objective) -> String {
 }
 
 /// Whether `measure` looks from elsewhere than what drove the run.
-fn who_judges(run: &RunRecord<'_>) -> String {
-    match record::driving_views_that_judge(run) {
+fn who_judges(run: &Simplifying<'_>) -> String {
+    match run.driving_views_that_judge() {
         0 => "`secateur measure` judges by others".to_owned(),
         count => {
             format!("`secateur measure` judges by {count} of them too, which flatters the result")
@@ -387,7 +387,7 @@ fn who_judges(run: &RunRecord<'_>) -> String {
     }
 }
 
-fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
+fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String {
     let (result, written): (&Simplified, &Written) = (&run.level.simplified, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
     let numbers = |name: &str, before: u64, after: u64| {
@@ -474,7 +474,7 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     let memory = machine::peak_rss_bytes().map(|bytes| format!(", {} of memory", size(bytes)));
     say(
         "cost",
-        format!("{:.2} s{}", run.total_seconds, memory.unwrap_or_default()),
+        format!("{seconds:.2} s{}", memory.unwrap_or_default()),
     );
     if let Some(path) = result.audited_by {
         say("audit", format!("the {path} draws the same areas"));

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What becomes of the wood while leaves are simplified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum WoodMode {

@@ -40,8 +40,9 @@ use crate::write_problem::WriteProblem;
 use secateur_model::{Lod, Surface, Texture};
 
 /// How the levels of a chain lie in files. Engines exclude each other here.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Layout {
     /// A file for each level, named after it.
     Files,

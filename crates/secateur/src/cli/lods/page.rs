@@ -3,7 +3,7 @@
 use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, Document, GltfError, LeafSurface, WholeTree};
 use secateur_model::{LodModel, Surface};
-use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, Shape, show};
+use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, LevelReport, Shape, show};
 use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
 
 use super::super::failure::Failure;
@@ -41,30 +41,14 @@ pub(crate) fn preview(
     }
     let first = Facts {
         name: "original".to_owned(),
-        leaves: Some(tree.leaves().leaves().len() as u64),
-        triangles: items.foliage().triangles().len() as u64,
-        foliage_triangles: tree.leaves().triangles().len() as u64,
-        wood_triangles: tree.wood().triangles().len() as u64,
-        distance: 0.0,
-        pixels_high: None,
-        difference: None,
-        silhouette_iou: None,
-        pop: None,
+        report: LevelReport::of_plant(tree),
     };
     // The original is there already.
     let is_lighter = |(_, level): &(usize, &ChainLevel)| !matches!(level.shape, Shape::Original(_));
     let rest = made.levels.iter().enumerate().filter(is_lighter);
     let rest = rest.map(|(k, level)| Facts {
         name: format!("LOD{k}"),
-        leaves: matches!(level.shape, Shape::Mesh(_)).then_some(level.leaves),
-        triangles: level.triangles(),
-        foliage_triangles: level.foliage_triangles,
-        wood_triangles: level.wood_triangles,
-        distance: level.distance,
-        pixels_high: Some(level.pixels_high),
-        difference: Some(level.difference.difference),
-        silhouette_iou: level.silhouette_iou,
-        pop: level.pop,
+        report: level.report.clone(),
     });
     let facts: Vec<Facts> = std::iter::once(first).chain(rest).collect();
     let levels: Vec<Shown<'_>> = surfaces

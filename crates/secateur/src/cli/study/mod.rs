@@ -5,16 +5,30 @@ mod host;
 
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use secateur_eval::JudgingViews;
 use secateur_study::{Case, Error, Plan, StudyOptions, redraw, run as run_study};
-use serde_json::json;
+use serde::Serialize;
 
 use super::args::{self, Common, PlanName};
 use super::failure::Failure;
+use super::output;
 use super::print::Printed;
+use super::record::{Record, shown};
 use super::summary::grouped;
-use super::{output, record};
 use host::Program;
+
+/// What a study has drawn.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct StudyRecord {
+    /// How many rows there are.
+    rows: u64,
+    /// The folder of rows, charts and report.
+    output: String,
+    report: String,
+    csv: String,
+    charts: Vec<String>,
+}
 
 /// Runs what is missing, then draws everything from the rows.
 pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failure> {
@@ -34,15 +48,14 @@ pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failur
         drawn.report.display(),
         drawn.csv.display()
     );
-    let record = json!({
-        "rows": count,
-        "output": args.output.display().to_string(),
-        "report": drawn.report.display().to_string(),
-        "csv": drawn.csv.display().to_string(),
-        "charts": drawn.charts.iter().map(|p| p.display().to_string()).collect::<Vec<_>>(),
-        "seconds": record::seconds(&[], total),
-        "run": record::provenance("study"),
-    });
+    let record = StudyRecord {
+        rows: count,
+        output: args.output.display().to_string(),
+        report: drawn.report.display().to_string(),
+        csv: drawn.csv.display().to_string(),
+        charts: shown(&drawn.charts),
+    };
+    let record = Record::new("study", record, &[], total).to_value();
     Ok(Printed::single(pretty, record))
 }
 
