@@ -13,6 +13,7 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use secateur::{Memory, Selector};
 
 use super::names::{AlphaName, EngineName, JudgingViewsName, SidesName};
+use super::schema::RecordName;
 
 pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
@@ -58,6 +59,8 @@ pub(crate) enum Command {
     Stream(Box<Stream>),
     /// Grow a plant from rules: a species, or a file of your own.
     Grow(Grow),
+    /// Print the JSON Schema of a record that a command writes, or which records there are.
+    Schema(Schema),
 }
 
 /// Headings that part the many options of `simplify`, and those of all commands.
@@ -125,6 +128,13 @@ pub(crate) struct Inspect {
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Schema {
+    /// The record; without a name all are listed.
+    #[arg(value_enum, value_name = "NAME")]
+    pub(crate) name: Option<RecordName>,
 }
 
 #[derive(Args, Debug)]
