@@ -34,7 +34,7 @@ mod parallel;
 pub mod pictures;
 mod point_in_triangle;
 mod render;
-#[cfg(feature = "schema")]
+#[cfg(feature = "cli")]
 mod schema;
 mod screen_triangle;
 mod shading;

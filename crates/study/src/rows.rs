@@ -13,7 +13,7 @@ pub type Values = BTreeMap<String, Option<f64>>;
 
 /// One run of a method on a tree, judged at one level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Version of the shape of rows: [`Self::SCHEMA_VERSION`]. Older rows have none and are of the first.
     #[serde(default = "first_version")]

@@ -58,7 +58,7 @@ impl Serialize for Scores {
     }
 }
 
-#[cfg(feature = "schema")]
+#[cfg(feature = "cli")]
 impl schemars::JsonSchema for Scores {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Scores".into()

@@ -145,7 +145,7 @@ impl Serialize for PictureScores {
     }
 }
 
-#[cfg(feature = "schema")]
+#[cfg(feature = "cli")]
 impl schemars::JsonSchema for PictureScores {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "PictureScores".into()

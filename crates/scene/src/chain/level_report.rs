@@ -10,7 +10,7 @@ use super::textures::Textures;
 
 /// The figures of a level. Infinite ones are written as `null`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct LevelReport {
     /// Whether it is the plant itself, a mesh of fewer triangles, or a picture.
     pub kind: LevelKind,
@@ -27,7 +27,7 @@ pub struct LevelReport {
     /// From how far off it is used, in metres: units of the file, unless the plant's height was given.
     pub distance: f64,
     /// How many pixels high the screen shows the plant's largest extent there; infinite at distance 0.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    #[cfg_attr(feature = "cli", schemars(with = "Option<f64>"))]
     pub pixels_high: f64,
     /// The least share of the screen's height at which it is drawn, before the next level takes
     /// over; 0 for the last.
@@ -56,7 +56,7 @@ pub struct LevelReport {
     pub texture_bytes: u64,
     /// How much of it a client shows; none for octahedral views, which only their sampler shows.
     #[serde(flatten, serialize_with = "AsDrawn::serialize_of")]
-    #[cfg_attr(feature = "schema", schemars(with = "AsDrawn"))]
+    #[cfg_attr(feature = "cli", schemars(with = "AsDrawn"))]
     pub as_drawn: Option<LevelAsDrawn>,
     /// Layout and pictures of an impostor, and what it was chosen against.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -65,7 +65,7 @@ pub struct LevelReport {
 
 /// What a level is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum LevelKind {
     /// The plant itself.
@@ -79,7 +79,7 @@ pub enum LevelKind {
 
 /// Which colours clear texels of a level's textures have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ClearTexels {
     /// Those of the tree.
@@ -90,7 +90,7 @@ pub enum ClearTexels {
 
 /// An impostor, and what it was chosen against.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ImpostorReport {
     /// What samplers need to know: `layout`, and by it sizes of the atlas.
     #[serde(flatten)]
@@ -108,7 +108,7 @@ pub struct ImpostorReport {
 
 /// How a client draws a level, by the keys of records.
 #[derive(Default, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct AsDrawn {
     /// As `coverage_as_drawn`.
     coverage_ratio: Option<f64>,

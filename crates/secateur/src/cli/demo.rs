@@ -144,7 +144,7 @@ struct DemoLevel {
 fn chain_options(args: &args::Demo) -> ChainOptions {
     let share = |percent: u32| Amount::Share(f64::from(percent) / 100.0);
     let mut options = ChainOptions::default();
-    options.leaves.engine = args.engine.into();
+    options.leaves.engine = args.engine;
     ChainOptions {
         wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
         original: false,

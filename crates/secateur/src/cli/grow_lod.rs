@@ -113,7 +113,7 @@ fn of_scheme(
     amount: Amount,
     args: &args::Grow,
 ) -> Result<GrownLevel, Failure> {
-    let levels = merge_levels(skeleton, &args.scheme, args.cluster_size.into());
+    let levels = merge_levels(skeleton, &args.scheme, args.cluster_size);
     let count = levels.len();
     let number = match amount {
         Amount::Level(level) => level,

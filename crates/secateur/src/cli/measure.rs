@@ -144,10 +144,10 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         output::check_spares(tree.document(), &outputs)?;
     }
     interrupt::check()?;
-    let (alpha, sides) = (args.alpha.into(), secateur::Sides::from(args.sides));
+    let (alpha, sides) = (args.alpha, args.sides);
     let foliages =
         [&original, &simplified].map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
-    let views = args.views.into();
+    let views = args.views;
     let measured = secateur::measure_by(views, &foliages[0], &foliages[1])
         .map_err(Failure::about(&args.original))?;
     interrupt::check()?;
@@ -234,6 +234,41 @@ pub(crate) fn another_plant(difference: f64) -> String {
     )
 }
 
+/// Metrics of the summary: name, key, and what they say.
+const METRICS: [(&str, &str, &str); 7] = [
+    (
+        "VMI error",
+        "vmi_error_percent",
+        "information lost, less is better",
+    ),
+    (
+        "silhouette IoU",
+        "silhouette_iou",
+        "overlap of the outlines, 1 is best",
+    ),
+    (
+        "precision",
+        "precision",
+        "pixels of the result that the original has too",
+    ),
+    (
+        "recall",
+        "recall",
+        "pixels of the original that the result still has",
+    ),
+    (
+        "coverage",
+        "coverage_ratio",
+        "pixels of the result over those of the original",
+    ),
+    ("SSIM", "ssim", "likeness of shaded pictures, 1 is best"),
+    (
+        "FLIP",
+        "flip_mean",
+        "visible difference of shaded pictures, 0 is best",
+    ),
+];
+
 fn pretty(
     measured: &Measurement,
     (pictured, differences): (&PictureMeasurement, &[(f64, Difference)]),
@@ -247,16 +282,21 @@ fn pretty(
         1 => format!("  {name:<14}  {mean:>10}   {what}\n"),
         _ => format!("  {name:<14}  {mean:>10}  {worst:>10}   {what}\n"),
     };
-    let of_foliage = |name: &str, key: &str, what: &str| {
-        let text = |scores: &Scores| match scores.get(key).unwrap_or(f64::NAN) {
+    let metric = |(name, key, what): (&str, &str, &str)| {
+        let text = |(counted, pictured): (&Scores, &PictureScores)| match counted
+            .get(key)
+            .or(pictured.get(key))
+            .unwrap_or(f64::NAN)
+        {
             percent if key == VMI_ERROR_PERCENT.key => format!("{percent:.2} %"),
             value => format!("{value:.4}"),
         };
-        line(name, [&measured.overall, &measured.worst].map(text), what)
-    };
-    let of_pictures = |name: &str, key: &str, what: &str| {
-        let text = |scores: &PictureScores| format!("{:.4}", scores.get(key).unwrap_or(f64::NAN));
-        line(name, [&pictured.overall, &pictured.worst].map(text), what)
+        let overall = text((&measured.overall, &pictured.overall));
+        line(
+            name,
+            [overall, text((&measured.worst, &pictured.worst))],
+            what,
+        )
     };
     let [before, after] = leaves.map(grouped);
     let (each, side) = (measured.views / sets.max(1), measured.resolution);
@@ -264,40 +304,12 @@ fn pretty(
         1 => format!("{each} views of {side} x {side} pixels"),
         _ => format!("{sets} sets of {each} views of {side} x {side} pixels: mean and worst set"),
     };
-    let mut lines = vec![
-        line("leaves", [after, String::new()], &format!("of {before}")),
-        of_foliage(
-            "VMI error",
-            "vmi_error_percent",
-            "information lost, less is better",
-        ),
-        of_foliage(
-            "silhouette IoU",
-            "silhouette_iou",
-            "overlap of the outlines, 1 is best",
-        ),
-        of_foliage(
-            "precision",
-            "precision",
-            "pixels of the result that the original has too",
-        ),
-        of_foliage(
-            "recall",
-            "recall",
-            "pixels of the original that the result still has",
-        ),
-        of_foliage(
-            "coverage",
-            "coverage_ratio",
-            "pixels of the result over those of the original",
-        ),
-        of_pictures("SSIM", "ssim", "likeness of shaded pictures, 1 is best"),
-        of_pictures(
-            "FLIP",
-            "flip_mean",
-            "visible difference of shaded pictures, 0 is best",
-        ),
-    ];
+    let mut lines = vec![line(
+        "leaves",
+        [after, String::new()],
+        &format!("of {before}"),
+    )];
+    lines.extend(METRICS.map(metric));
     for (pixels_high, seen) in differences {
         let what = format!(
             "what people see {pixels_high} pixels high: up to .18 cannot be told, .28 is good, .5 is coarse; coverage of the worst block is {:.3} off",

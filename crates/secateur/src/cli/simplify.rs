@@ -6,7 +6,7 @@ use std::time::Instant;
 use secateur::{
     ChainOptions, Error, Foliage, FsaOptions, Level, LevelOptions, LevelParts, LevelWarning, Lod,
     MergeOptions, MeshoptBorders, MeshoptOptions, Method, Objective, Opening, Options, Plant,
-    PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
+    PreparedLod, Progress, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
     VdsOptions, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
 };
 use secateur_raster::Scene;
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let opening = Opening {
         foliage: args.foliage.foliage.clone(),
         wood: match args.wood {
-            Some(wood) => wood.into(),
+            Some(wood) => wood,
             None => LevelOptions::usual_wood(options.target),
         },
         memory: args.memory.memory,
@@ -144,20 +144,20 @@ fn write_options(args: &args::Simplify) -> WriteOptions {
 
 /// What a run is asked to do.
 pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
-    let options = Options::with_preset(args.preset.into(), args.target.target());
+    let options = Options::with_preset(args.preset, args.target.target());
     Ok(Options {
         method: method(args),
-        engine: args.engine.into(),
+        engine: args.engine,
         views: match &args.views {
             Some(name) => views(name)?,
             None => options.views.clone(),
         },
         field_of_view: args.field_of_view.unwrap_or(options.field_of_view),
         resolution: args.resolution.unwrap_or(options.resolution),
-        alpha: args.alpha.map_or(options.alpha, Into::into),
-        sides: args.sides.map_or(options.sides, Into::into),
+        alpha: args.alpha.unwrap_or(options.alpha),
+        sides: args.sides.unwrap_or(options.sides),
         leaf_triangles: args.leaf_triangles.unwrap_or(options.leaf_triangles),
-        needles: args.needles.map_or(options.needles, Into::into),
+        needles: args.needles.unwrap_or(options.needles),
         fit: args.fit,
         audit: args.audit || (options.audit && !args.no_audit),
         ..options
@@ -171,15 +171,15 @@ fn method(args: &args::Simplify) -> Method {
         MethodName::Fsa => Method::Fsa(FsaOptions {
             distance_weight: args.distance_weight,
             planarity_weight: args.planarity_weight,
-            corners: args.corners.into(),
-            hausdorff: args.hausdorff.into(),
+            corners: args.corners,
+            hausdorff: args.hausdorff,
         }),
         MethodName::Stochastic => Method::Stochastic(StochasticOptions {
             seed: args.seed,
             area_weight: args.area_weight,
         }),
         MethodName::Meshopt => Method::Meshopt(MeshoptOptions {
-            mode: args.meshopt_mode.into(),
+            mode: args.meshopt_mode,
             borders: match (args.preserve_area, args.dilate_borders) {
                 (true, _) => MeshoptBorders::PreserveArea,
                 (false, true) => MeshoptBorders::Dilate,
@@ -187,25 +187,25 @@ fn method(args: &args::Simplify) -> Method {
             },
         }),
         MethodName::Chain => Method::Chain(ChainOptions {
-            branch_metric: args.branch_metric.into(),
+            branch_metric: args.branch_metric,
         }),
         MethodName::Merge => Method::Merge(MergeOptions {
-            cluster_size: args.cluster_size.into(),
+            cluster_size: args.cluster_size,
         }),
     }
 }
 
 fn vds(args: &args::Simplify) -> VdsOptions {
-    let preset = Preset::from(args.preset).vds();
+    let preset = args.preset.vds();
     VdsOptions {
-        reference: args.reference.map_or(preset.reference, Into::into),
-        resize: args.resize.map_or(preset.resize, Into::into),
+        reference: args.reference.unwrap_or(preset.reference),
+        resize: args.resize.unwrap_or(preset.resize),
         neighbours: args.neighbours as usize,
         max_coverage: match args.max_coverage {
             Some(MaxCoverage(limit)) => limit,
             None => preset.max_coverage,
         },
-        ties: args.ties.into(),
+        ties: args.ties,
     }
 }
 
@@ -234,8 +234,8 @@ fn level<'p>(
     let progress_bar = RunProgress::new(common);
     let options = LevelOptions {
         simplify: options.clone(),
-        cutoffs: args.cutoffs.map(Into::into).unwrap_or_default(),
-        colors: args.colors.map(Into::into).unwrap_or_default(),
+        cutoffs: args.cutoffs.unwrap_or_default(),
+        colors: args.colors.unwrap_or_default(),
     };
     let level = plant.level_watched(&options, &mut |progress| {
         if let Progress::Stage(_) = progress {

@@ -205,7 +205,7 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
         (None, ratio) => Target::leaf_share(ratio.unwrap_or(FIRST_SHARE)),
     };
     let mut options = Options::to(target);
-    options.engine = args.engine.into();
+    options.engine = args.engine;
     options.memory = tree.memory_left();
     options.audit = false;
     if coarsest.chain {

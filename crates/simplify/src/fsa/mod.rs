@@ -35,25 +35,28 @@ use pairs::Pairs;
 
 /// Which two corners a leaf gives to the new one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Corners {
-    /// The larger leaf those furthest from the middle of the other, the other those furthest from
-    /// these two: leaves that nearly coincide do not become a sliver.
+    /// Of the larger leaf the two corners furthest from the other leaf's middle, of the other leaf the two
+    /// furthest from those: no slivers.
     #[default]
     Spread,
-    /// Both those furthest from the other leaf, as it is published.
+    /// Of each leaf the two corners furthest from the other leaf, as it is published.
     Furthest,
 }
 
 /// What the Hausdorff distance of two leaves is taken between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Hausdorff {
-    /// The corners of the two leaves.
+    /// Between the corners of the two leaves.
     #[default]
     Corners,
-    /// The surfaces of the two leaves: from the corners of one to the triangles of the other, which is exact for
-    /// flat, convex leaves. A leaf through another's middle is near it, whatever its corners.
+    /// Between the surfaces of the two leaves.
+    ///
+    /// From the corners of one to the triangles of the other, which is exact for flat, convex leaves. A leaf through another's middle is near it, whatever its corners.
     Surface,
 }
 

@@ -10,17 +10,16 @@ mod study;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use secateur::{Memory, Selector};
+use secateur::{Alpha, Engine, JudgingViews, Memory, Selector, Sides};
 
-use super::names::{AlphaName, EngineName, JudgingViewsName, SidesName};
 use super::schema::RecordName;
 
 pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
-pub(crate) use lods::{LayoutName, Lods, TexturesName};
+pub(crate) use lods::Lods;
 pub(crate) use simplify::{MaxCoverage, Simplify};
 pub(crate) use stream::Stream;
-pub(crate) use study::{PlanName, Study};
+pub(crate) use study::Study;
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
 #[derive(Debug, Parser)]
@@ -110,8 +109,8 @@ pub(crate) struct Demo {
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
     /// Where images are drawn; the result is the same, bit for bit.
-    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
-    pub(crate) engine: EngineName,
+    #[arg(long, value_enum, default_value_t = Engine::Auto)]
+    pub(crate) engine: Engine,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
 }
@@ -146,18 +145,18 @@ pub(crate) struct Measure {
     #[arg(value_name = "SIMPLIFIED.glb")]
     pub(crate) simplified: PathBuf,
     /// Where to judge from.
-    #[arg(long, value_enum, default_value_t = JudgingViewsName::HeldOut)]
-    pub(crate) views: JudgingViewsName,
+    #[arg(long, value_enum, default_value_t = JudgingViews::HeldOut)]
+    pub(crate) views: JudgingViews,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
-    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
-    pub(crate) alpha: AlphaName,
+    #[arg(long, value_enum, default_value_t = Alpha::Mask)]
+    pub(crate) alpha: Alpha,
     /// From which sides leaves are seen.
-    #[arg(long, value_enum, default_value_t = SidesName::Material)]
-    pub(crate) sides: SidesName,
+    #[arg(long, value_enum, default_value_t = Sides::Material)]
+    pub(crate) sides: Sides,
     /// The heights on the screen in pixels at which the difference that people see is taken, such as 1080,270.
     #[arg(long, value_name = "PX,PX,...", value_delimiter = ',', default_value = "540", value_parser = height)]
     pub(crate) pixels_high: Vec<f64>,

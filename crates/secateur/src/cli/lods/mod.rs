@@ -19,7 +19,7 @@ use secateur_scene::chain::{LevelReport, Textures};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::args::{self, Common, TexturesName};
+use super::args::{self, Common};
 use super::failure::Failure;
 use super::measure::warning_of;
 use super::print::{Printed, Records};
@@ -191,7 +191,7 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     output::check_spares(document, &outputs)?;
-    if args.textures == Some(TexturesName::Fit) && !has_cut_outs(document)? {
+    if args.textures == Some(Textures::Fit) && !has_cut_outs(document)? {
         return Err(Failure(format!(
             "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
             job.tree.display()

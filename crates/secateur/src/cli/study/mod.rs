@@ -6,11 +6,10 @@ mod host;
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur_eval::JudgingViews;
-use secateur_study::{Case, Error, Plan, StudyOptions, redraw, run as run_study};
+use secateur_study::{Case, Error, StudyOptions, redraw, run as run_study};
 use serde::Serialize;
 
-use super::args::{self, Common, PlanName};
+use super::args::{self, Common};
 use super::failure::Failure;
 use super::output;
 use super::print::Printed;
@@ -66,9 +65,9 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         trees: args.trees.clone(),
         folder: args.output.clone(),
         selectors: args.foliage.foliage.clone(),
-        plans: args.plan.iter().map(|plan| Plan::from(*plan)).collect(),
+        plans: args.plan.clone(),
         cases: cases?,
-        views: args.views.map(JudgingViews::from),
+        views: args.views,
         levels: args.levels.clone(),
         distances_m: (args.distances.as_ref()).map_or_else(Vec::new, |all| all.0.clone()),
         only: args.only.clone(),
@@ -76,20 +75,6 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         seeds: args.seeds,
         memory: args.memory.memory,
     })
-}
-
-impl From<PlanName> for Plan {
-    fn from(name: PlanName) -> Self {
-        match name {
-            PlanName::Methods => Self::Methods,
-            PlanName::Speed => Self::Speed,
-            PlanName::Stability => Self::Stability,
-            PlanName::Failures => Self::Failures,
-            PlanName::Paper => Self::Paper,
-            PlanName::Whole => Self::Whole,
-            PlanName::Scene => Self::Scene,
-        }
-    }
 }
 
 impl From<Error> for Failure {
