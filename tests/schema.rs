@@ -134,7 +134,7 @@ fn named_keys(schema: &Map<String, Value>, root: &Value) -> Map<String, Value> {
 }
 
 /// What keys may hold that a schema does not name, if there may be any.
-fn rest<'a>(schema: &'a Map<String, Value>) -> Option<&'a Value> {
+fn rest(schema: &Map<String, Value>) -> Option<&Value> {
     schema
         .get("additionalProperties")
         .filter(|rest| *rest != &json!(false))

@@ -99,6 +99,8 @@ mod error;
 mod level;
 #[cfg(feature = "scene")]
 mod levels;
+#[cfg(feature = "scene")]
+mod levels_page;
 #[cfg(feature = "eval")]
 mod measure;
 #[cfg(feature = "scene")]
@@ -109,7 +111,7 @@ pub use error::Error;
 #[cfg(feature = "scene")]
 pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
 #[cfg(feature = "scene")]
-pub use levels::Levels;
+pub use levels::{LevelPlace, Levels, PlacedLevel};
 #[cfg(feature = "eval")]
 pub use measure::{
     difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,

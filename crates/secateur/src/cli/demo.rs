@@ -4,7 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Amount, Opening, Plant, Preset, StagedFiles, WriteOptions, plant_to_glb};
+use secateur::{
+    Amount, LevelPlace, Levels, Opening, PlacedLevel, Plant, Preset, StagedFiles, WriteOptions,
+    plant_to_glb,
+};
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_plant::{GrowOptions, Species, grow};
@@ -15,7 +18,7 @@ use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::lods::{self, Job, LevelRow, Place};
+use super::lods;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
@@ -59,12 +62,6 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let (tree, made) = (levels.tree(), &levels.chain);
 
     interrupt::writing()?;
-    let job = Job {
-        tree: &original,
-        name: "tree".to_owned(),
-        layout: Layout::Files,
-        place: args.output.clone(),
-    };
     // All files are written before the first appears: what fails leaves nothing.
     let mut staged = StagedFiles::new();
     let folder = staged.make_folder(&args.output);
@@ -72,7 +69,9 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     output::stage(&mut staged, &original, &glb)?;
     let (written, files) = timed(&mut stages, "write", || {
         let how = WriteOptions::default().overwrite(true);
-        Ok(levels.prepare(&job.place, job.layout, how)?.into_files())
+        Ok(levels
+            .prepare(&args.output, Layout::Files, how)?
+            .into_files())
     })?;
     staged.append(files);
     let sheet = args.output.join("contact-sheet.png");
@@ -82,11 +81,11 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
-        let page = lods::preview(tree, &job, &options, made)?;
+        let page = levels.page()?;
         output::stage(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
-    let levels_made = rows(tree, &job, made, &written, glb.len() as u64);
+    let levels_made = rows(&levels, &written, (&original, glb.len()));
     let rows = levels_made.iter().map(|level| json!(level)).collect();
     let record = DemoRecord {
         species: Species::Oak.name(),
@@ -136,9 +135,9 @@ struct DemoLevel {
     level: String,
     /// The size of the oak's file.
     #[serde(skip_serializing_if = "Option::is_none")]
-    bytes: Option<u64>,
+    bytes: Option<usize>,
     #[serde(flatten)]
-    row: LevelRow,
+    placed: PlacedLevel,
 }
 
 fn chain_options(args: &args::Demo) -> ChainOptions {
@@ -185,29 +184,29 @@ fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
     Ok(exhibits)
 }
 
+/// The record of each level, the original first.
 fn rows(
-    tree: &WholeTree,
-    job: &Job<'_>,
-    made: &Chain,
+    levels: &Levels<'_>,
     written: &WrittenChain,
-    original_bytes: u64,
+    (original, bytes): (&Path, usize),
 ) -> Vec<DemoLevel> {
-    let original = DemoLevel {
+    let tree = levels.tree();
+    let first = DemoLevel {
         level: "original".to_owned(),
-        bytes: Some(original_bytes),
-        row: LevelRow {
-            place: Place::File(job.tree.display().to_string()),
+        bytes: Some(bytes),
+        placed: PlacedLevel {
+            place: LevelPlace::File(original.display().to_string()),
             shadow: None,
             report: LevelReport::of_plant(tree),
         },
     };
-    let levels = lods::rows(job, made, written).into_iter();
-    let named = levels.map(|row| DemoLevel {
-        level: title(tree, row.report.triangles),
+    let placed = levels.placed(Layout::Files, written).into_iter();
+    let named = placed.map(|placed| DemoLevel {
+        level: title(tree, placed.report.triangles),
         bytes: None,
-        row,
+        placed,
     });
-    std::iter::once(original).chain(named).collect()
+    std::iter::once(first).chain(named).collect()
 }
 
 fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String {

@@ -20,7 +20,6 @@ use super::record::Record;
 use super::simplify_record::SimplifyRecord;
 use super::stream::{StreamReadRecord, StreamRecord};
 use super::study::StudyRecord;
-use super::summary::columns;
 
 /// A record of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -56,13 +55,13 @@ pub(crate) fn run(args: &args::Schema) -> Result<Printed, Failure> {
         return Ok(Printed::single(format!("{schema:#}\n"), schema));
     }
     let all = RecordName::value_variants();
-    let named = |name: &RecordName| vec![text(*name), what(*name)];
+    let named = |name: &RecordName| format!("  {:<12} {}\n", text(*name), what(*name));
     let rows = all
         .iter()
         .map(|name| json!({ "name": text(*name), "what": what(*name) }));
     let rows: Vec<Value> = rows.collect();
     Ok(Printed {
-        pretty: columns(&all.iter().map(named).collect::<Vec<_>>()),
+        pretty: all.iter().map(named).collect(),
         records: Records::One(json!(rows)),
         rows,
     })

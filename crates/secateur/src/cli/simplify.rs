@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Error, Foliage, FsaOptions, Level, LevelOptions, LevelParts, LevelWarning, Lod,
-    MergeOptions, MeshoptBorders, MeshoptOptions, Method, Objective, Opening, Options, Plant,
-    PreparedLod, Progress, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
-    VdsOptions, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
+    Error, Foliage, Level, LevelOptions, LevelParts, LevelWarning, Lod, MeshoptBorders,
+    MeshoptOptions, Method, Objective, Opening, Options, Plant, PreparedLod, Progress, Resolution,
+    Simplified, StagedFiles, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
+    read_cameras,
 };
 use secateur_raster::Scene;
 
@@ -168,16 +168,8 @@ fn method(args: &args::Simplify) -> Method {
     match args.method {
         MethodName::Vds => Method::Vds(vds(args)),
         MethodName::VdsReference => Method::VdsReference(vds(args)),
-        MethodName::Fsa => Method::Fsa(FsaOptions {
-            distance_weight: args.distance_weight,
-            planarity_weight: args.planarity_weight,
-            corners: args.corners,
-            hausdorff: args.hausdorff,
-        }),
-        MethodName::Stochastic => Method::Stochastic(StochasticOptions {
-            seed: args.seed,
-            area_weight: args.area_weight,
-        }),
+        MethodName::Fsa => Method::Fsa(args.fsa),
+        MethodName::Stochastic => Method::Stochastic(args.stochastic),
         MethodName::Meshopt => Method::Meshopt(MeshoptOptions {
             mode: args.meshopt_mode,
             borders: match (args.preserve_area, args.dilate_borders) {
@@ -186,12 +178,8 @@ fn method(args: &args::Simplify) -> Method {
                 (false, false) => MeshoptBorders::Stay,
             },
         }),
-        MethodName::Chain => Method::Chain(ChainOptions {
-            branch_metric: args.branch_metric,
-        }),
-        MethodName::Merge => Method::Merge(MergeOptions {
-            cluster_size: args.cluster_size,
-        }),
+        MethodName::Chain => Method::Chain(args.chain),
+        MethodName::Merge => Method::Merge(args.merge),
     }
 }
 

@@ -180,7 +180,7 @@ impl Simplifying<'_> {
             alpha: options.alpha,
             sides: options.sides,
             engine: options.engine,
-            seed: args.seed,
+            seed: args.stochastic.seed,
             foliage: args.foliage.foliage.iter().map(|s| s.to_string()).collect(),
             surroundings: self.surroundings.record(&args.scene),
             of_method: of_method

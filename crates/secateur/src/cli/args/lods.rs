@@ -9,7 +9,8 @@ use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_gltf::chain::Layout;
-use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, SCREEN_HEIGHTS_PX, Textures};
+use secateur_scene::Screen;
+use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
 use secateur_scene::impostor::Choice as ImpostorChoice;
 
 #[derive(Args, Debug)]
@@ -66,12 +67,8 @@ pub(crate) struct Lods {
     /// Which textures cut-out leaves have [default: fit, where leaves are cut out].
     #[arg(long, value_enum)]
     pub(crate) textures: Option<Textures>,
-    /// The height of the screen that the levels are for, in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = screen_height)]
-    pub(crate) screen_height: f64,
-    /// The vertical field of view of the camera that they are seen by, in degrees.
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = field_of_view)]
-    pub(crate) fov: f64,
+    #[command(flatten)]
+    pub(crate) screen: Screen,
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
@@ -124,17 +121,4 @@ fn difference(text: &str) -> Result<f64, String> {
 fn metres(text: &str) -> Result<f64, String> {
     let is_height = |m: f64| m > 0.0 && m.is_finite();
     number(text, is_height, "of metres above 0")
-}
-
-fn screen_height(text: &str) -> Result<f64, String> {
-    let is_right = |px: f64| SCREEN_HEIGHTS_PX.contains(&px);
-    number(text, is_right, "of pixels from 16 to 100000")
-}
-
-fn field_of_view(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |n| (1.0..179.0).contains(&n),
-        "of degrees from 1 to 179",
-    )
 }

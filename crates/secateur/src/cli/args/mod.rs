@@ -11,6 +11,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use secateur::{Alpha, Engine, JudgingViews, Memory, Selector, Sides};
+use secateur_simplify::option_numbers::{from_zero, number, share};
 
 use super::schema::RecordName;
 
@@ -208,24 +209,6 @@ pub(crate) struct SceneArgs {
     /// be given several times.
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) occluder: Vec<PathBuf>,
-}
-
-/// A number that passes a test, or what to write instead.
-fn number(text: &str, is_right: fn(f64) -> bool, what: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number| is_right(*number));
-    number.ok_or_else(|| format!("write a number {what}"))
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    number(text, |n| (0.0..=1.0).contains(&n), "from 0 to 1")
-}
-
-fn from_zero(text: &str) -> Result<f64, String> {
-    number(text, |n| n.is_finite() && n >= 0.0, "from 0 upwards")
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    number(text, |n| n.is_finite() && n > 0.0, "above 0")
 }
 
 fn leaves(text: &str) -> Result<u64, String> {

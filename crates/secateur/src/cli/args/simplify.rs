@@ -4,16 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use secateur::{
-    Alpha, ColorChoice, Corners, CutoffChoice, Engine, FieldOfView, Fitting, Hausdorff,
-    LeafTriangles, MeshoptMode, Needles, Preset, Reference, Resize, Resolution, Sides, Target,
-    Ties, WoodMode,
+    Alpha, ChainOptions, ColorChoice, CutoffChoice, Engine, FieldOfView, Fitting, FsaOptions,
+    LeafTriangles, MergeOptions, MeshoptMode, Needles, Preset, Reference, Resize, Resolution,
+    Sides, StochasticOptions, Target, Ties, WoodMode,
 };
-use secateur_plant::{ClusterSize, Metric};
 
 use super::super::names::MethodName;
 use super::{
-    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, above_zero, from_zero, leaves,
-    share,
+    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, from_zero, leaves, share,
 };
 
 #[derive(Args, Debug)]
@@ -120,42 +118,10 @@ pub(crate) struct Simplify {
     /// grow across only, or as every leaf does [default: widen for the look, else scale].
     #[arg(long, help_heading = OF_VDS, value_enum)]
     pub(crate) needles: Option<Needles>,
-    /// The seed of methods that choose at random.
-    #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
-    #[arg(
-        long, help_heading = OF_OTHERS,
-        value_name = "W",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = share
-    )]
-    pub(crate) area_weight: f64,
-    /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
-    #[arg(
-        long, help_heading = OF_OTHERS,
-        value_name = "W",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = above_zero
-    )]
-    pub(crate) distance_weight: f64,
-    /// fsa: how much it counts that two leaves are not in one plane.
-    #[arg(
-        long, help_heading = OF_OTHERS,
-        value_name = "W",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = from_zero
-    )]
-    pub(crate) planarity_weight: f64,
-    /// fsa: which two corners each of two leaves gives to the one that takes their place.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = Corners::Spread)]
-    pub(crate) corners: Corners,
-    /// fsa: what the Hausdorff distance of two leaves is taken between.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = Hausdorff::Corners)]
-    pub(crate) hausdorff: Hausdorff,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) stochastic: StochasticOptions,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) fsa: FsaOptions,
     /// meshopt: which of its simplifiers to use.
     #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptMode::Prune)]
     pub(crate) meshopt_mode: MeshoptMode,
@@ -165,12 +131,10 @@ pub(crate) struct Simplify {
     /// meshopt: move them after each halving of the triangles, as meshoptimizer's example does.
     #[arg(long, help_heading = OF_OTHERS, conflicts_with = "preserve_area")]
     pub(crate) dilate_borders: bool,
-    /// chain: what is counted of a branch; those with the least go first.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = Metric::BranchingLength)]
-    pub(crate) branch_metric: Metric,
-    /// merge: how large clusters of leaves are.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = ClusterSize::Paper)]
-    pub(crate) cluster_size: ClusterSize,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) chain: ChainOptions,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) merge: MergeOptions,
     /// Draw the result again in another way, and fail if its areas differ [default: in debug
     /// builds].
     #[arg(long, help_heading = OF_RECORDS, overrides_with = "no_audit")]

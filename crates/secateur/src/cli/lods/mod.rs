@@ -2,8 +2,6 @@
 
 mod finished;
 mod job;
-mod page;
-mod rows;
 mod table;
 mod wanted;
 
@@ -11,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Opening, Plant, Preset, WoodMode};
+use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_model::{AlphaMode, Surface};
@@ -30,8 +28,6 @@ use super::{interrupt, output};
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{about, check_free, check_outputs, jobs, outputs};
-pub(crate) use page::preview;
-pub(crate) use rows::{LevelRow, Place, rows};
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
 use wanted::options;
@@ -76,7 +72,7 @@ pub(crate) struct LodsRecord {
     /// The GPU and its driver; none on the CPU.
     adapter: Option<String>,
     /// The levels, finest first.
-    levels: Vec<LevelRow>,
+    levels: Vec<PlacedLevel>,
     /// SHA-256 of all that was done to the leaves of the coarsest level that has any.
     order_sha256: Option<String>,
     /// What was asked for and left out, and the like, a sentence each.
@@ -235,7 +231,8 @@ fn make(
     let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
-        let page = preview(tree, job, &options, made)?;
+        let page = levels.page();
+        let page = page.map_err(|error| Failure(about(job.tree, &error.to_string())))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
@@ -278,7 +275,7 @@ fn make(
         preset: options.leaves.preset,
         engine: levels.engine,
         adapter: levels.adapter.clone(),
-        levels: rows(job, made, &written),
+        levels: levels.placed(job.layout, &written),
         order_sha256: made.coarsest_order_sha256(),
         notes: made.notes.iter().chain(&written.notes).cloned().collect(),
         warnings,

@@ -1,7 +1,6 @@
 //! What a chain is to be like.
 
 use secateur::{Amount, Options};
-use secateur_scene::Screen;
 use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Wanted};
 use secateur_scene::impostor::Choice;
 
@@ -11,7 +10,7 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
     let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
         (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
         ([], [], None) => {
-            let screen = args.screen_height / HEIGHTS_PX[0];
+            let screen = args.screen.height_px / HEIGHTS_PX[0];
             Wanted::Heights(HEIGHTS_PX.map(|height| height * screen).to_vec())
         }
         ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
@@ -37,10 +36,7 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
         textures: args.textures.unwrap_or_default(),
-        screen: Screen {
-            height_px: args.screen_height,
-            field_of_view_degrees: args.fov,
-        },
+        screen: args.screen,
         max_difference: args.max_difference,
         original: !args.no_original,
         plant_height_m: args.plant_height,
