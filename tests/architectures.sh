@@ -92,7 +92,7 @@ for tree in "${trees[@]}"; do
   # The last of them, but for how long it took, and where.
   for on in here there; do
     "$on" measure "$tree" "$folder/here" --format json |
-      grep -vE '"(total|cpu|arch)"' > "$folder/$on.json"
+      grep -vE '"(total|cpu|arch|peak_rss_bytes)"' > "$folder/$on.json"
   done
   mv "$folder/here.json" "$folder/here"
   mv "$folder/there.json" "$folder/there"

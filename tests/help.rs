@@ -163,7 +163,9 @@ fn help_names_every_flag() {
         }
     }
     let all = bench.run(&["--help"]).succeeded().stdout;
-    for command in ["demo", "inspect", "simplify", "measure", "study", "grow"] {
+    for command in [
+        "demo", "inspect", "simplify", "measure", "study", "grow", "schema",
+    ] {
         assert!(all.contains(command), "{all}");
     }
     assert!(

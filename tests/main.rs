@@ -28,6 +28,7 @@ mod preview_page;
 mod program;
 mod report_page;
 mod scenes;
+mod schema;
 mod shared_trees;
 mod skin;
 mod small_files;

@@ -11,9 +11,10 @@ use std::sync::OnceLock;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbaImage;
-use secateur::{Detail, Document, Surface};
+use secateur::{Detail, Difference, Document, Surface};
 use secateur_eval::pictures::flip_mean;
 use secateur_scene::Screen;
+use secateur_scene::chain::{LevelKind, LevelReport};
 use secateur_scene::preview::{Facts, Level, Preview, page};
 use serde_json::{Value, json};
 
@@ -52,18 +53,26 @@ fn page_of_surfaces(surfaces: &[Vec<(Surface, bool)>]) -> String {
             of.map(|(s, _)| s.triangles.len() as u64).sum()
         };
         let pixels_high = (k > 0).then(|| 600.0 / f64::powi(2.0, k as i32 - 1));
-        let facts = Facts {
-            name: format!("LOD{k}"),
-            leaves: None,
+        let report = LevelReport {
+            kind: match k {
+                0 => LevelKind::Original,
+                _ => LevelKind::Mesh,
+            },
             triangles: triangles(true) + triangles(false),
             foliage_triangles: triangles(true),
             wood_triangles: triangles(false),
             distance: pixels_high.map_or(0.0, |pixels| screen.distance(height, pixels)),
-            pixels_high,
-            difference: (k > 0).then_some(0.123),
-            silhouette_iou: (k > 0).then_some(0.987),
+            pixels_high: pixels_high.unwrap_or(f64::INFINITY),
+            difference: Difference {
+                difference: 0.123,
+                ..Difference::default()
+            },
+            silhouette_iou: Some(0.987),
             pop: (k > 1).then_some(0.456),
+            ..LevelReport::default()
         };
+        let name = format!("LOD{k}");
+        let facts = Facts { name, report };
         Level { surfaces, facts }
     });
     let levels: Vec<Level<'_>> = levels.collect();

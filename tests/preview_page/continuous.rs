@@ -5,6 +5,7 @@ use secateur::{Detail, Document};
 use secateur_eval::pictures::flip_mean;
 use secateur_model::LodModel;
 use secateur_scene::Screen;
+use secateur_scene::chain::{LevelKind, LevelReport};
 use secateur_scene::order_file::read_order;
 use secateur_scene::preview::{Continuous, Facts, Level, Preview, page};
 use serde_json::{Value, json};
@@ -39,15 +40,15 @@ fn page_with(model: &LodModel) -> String {
         surfaces: &surfaces,
         facts: Facts {
             name: "original".to_owned(),
-            leaves: Some(tree.foliage().leaves().len() as u64),
-            triangles: tree.triangle_count(),
-            foliage_triangles: tree.leaf_triangle_count(),
-            wood_triangles: tree.wood_triangle_count(),
-            distance: 0.0,
-            pixels_high: None,
-            difference: None,
-            silhouette_iou: None,
-            pop: None,
+            report: LevelReport {
+                kind: LevelKind::Original,
+                leaves: tree.foliage().leaves().len() as u64,
+                triangles: tree.triangle_count(),
+                foliage_triangles: tree.leaf_triangle_count(),
+                wood_triangles: tree.wood_triangle_count(),
+                pixels_high: f64::INFINITY,
+                ..LevelReport::default()
+            },
         },
     }];
     let preview = Preview {

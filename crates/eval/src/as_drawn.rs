@@ -40,6 +40,7 @@ struct ViewPictures(Vec<(RgbaImage, Vec<bool>)>);
 /// How a client's picture of a tree compares with what the original truly looks like; means over
 /// the views.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct AsDrawnMeasurement {
     /// Width and height of the pictures in pixels.
     pub width_px: u32,
@@ -74,6 +75,7 @@ pub struct AsDrawnMeasurement {
 
 /// How a client's picture of an original compares with what it truly looks like; means over the views.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct OriginalAsDrawn {
     /// Pixels that it covers over those that it truly covers.
     pub coverage_over_truth: f64,

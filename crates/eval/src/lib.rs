@@ -34,6 +34,8 @@ mod parallel;
 pub mod pictures;
 mod point_in_triangle;
 mod render;
+#[cfg(feature = "cli")]
+mod schema;
 mod screen_triangle;
 mod shading;
 mod strengths;

@@ -24,6 +24,7 @@ use crate::visibility::AlphaFrom;
 /// views. Each frame is a picture of one sample a pixel, with the mip levels of such a picture; all frames
 /// together have the samples of the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct OverFrames {
     /// How many frames there are.
     pub frames: u32,

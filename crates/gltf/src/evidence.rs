@@ -20,6 +20,7 @@ pub(crate) const WOOD_POINTS: f64 = 0.0;
 
 /// A reason for (positive points) or against (negative) foliage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Reason {
     /// How much it counts: names 2 to 4, pieces up to 4, cut-outs 3, colour 1.
     /// From 2 in sum a primitive is foliage, up to 0 it is wood.

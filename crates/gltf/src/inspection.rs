@@ -10,6 +10,7 @@ use super::evidence::Reason;
 ///
 /// Prints as a readable text; as JSON through serde.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Inspection {
     /// The file, as it was named when it was opened.
     pub file: String,
@@ -36,6 +37,7 @@ pub struct Inspection {
 
 /// What a primitive was taken for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TakenFor {
     /// Leaves, wherever it is drawn.
@@ -52,6 +54,7 @@ pub enum TakenFor {
 
 /// A primitive and the reasons of the choice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct PrimitiveReport {
     /// Its place in the JSON, such as `meshes[0].primitives[1]`.
     pub place: String,
@@ -82,6 +85,7 @@ pub struct PrimitiveReport {
 
 /// The foliage in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct FoliageReport {
     /// Leaves, every instance counted.
     pub leaves: u64,
@@ -97,6 +101,7 @@ pub struct FoliageReport {
 
 /// The least, the middle and the greatest of some numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// The least of the values.
     pub min: f64,

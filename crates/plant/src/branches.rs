@@ -21,13 +21,16 @@ impl BranchIndex {
 
 /// How much a branch matters (section 4.1.1, a to d).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Metric {
-    /// B(n): how many branches grow from it.
+    /// How many branches grow from the branch.
     Children,
-    /// R(n): how many branches grow from it and from those, and so on.
+    /// How many branches grow from the branch, from those, and so on.
     Descendants,
-    /// P(n): the length of the longest path from its start to a tip, in metres.
+    /// The longest way from the branch's start to a tip.
     LongestPath,
+    /// The length of the branch and of all its descendants.
+    ///
     /// L(n): its length and that of all its descendants, in metres. What the
     /// paper prefers.
     #[default]

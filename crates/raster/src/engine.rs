@@ -12,15 +12,18 @@ use crate::{
 
 /// Where leaves are rasterised; the results are the same, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
+    /// The CPU; most whole commands gain nothing by a GPU.
+    ///
     /// The CPU. The one GPU that was measured made some whole commands up to an
     /// eighth faster and others up to a half slower (`docs/benchmarks.md`).
     #[default]
     Auto,
-    /// A GPU, or an error; software drivers are allowed.
+    /// A GPU, software drivers included.
     Gpu,
-    /// The CPU, on all its cores.
+    /// The CPU, with as many threads as `--threads` says.
     Cpu,
 }
 

@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use secateur_gltf::{Detail, Document};
 use secateur_model::Surface;
 use secateur_scene::Screen;
+use secateur_scene::chain::LevelReport;
 use secateur_scene::preview::{Facts, Level, Preview, page};
 
 fn main() -> ExitCode {
@@ -75,17 +76,17 @@ fn facts(k: usize, surfaces: &[(Surface, bool)], at: Option<(f64, f64)>) -> Fact
             .filter(|(_, is_foliage)| *is_foliage == foliage);
         of.map(|(surface, _)| surface.triangles.len() as u64).sum()
     };
-    Facts {
-        name: format!("LOD{k}"),
-        leaves: None,
+    let report = LevelReport {
         triangles: triangles(true) + triangles(false),
         foliage_triangles: triangles(true),
         wood_triangles: triangles(false),
         distance: at.map_or(0.0, |(distance, _)| distance),
-        pixels_high: at.map(|(_, pixels)| pixels),
-        difference: None,
-        silhouette_iou: None,
-        pop: None,
+        pixels_high: at.map_or(f64::INFINITY, |(_, pixels)| pixels),
+        ..LevelReport::default()
+    };
+    Facts {
+        name: format!("LOD{k}"),
+        report,
     }
 }
 

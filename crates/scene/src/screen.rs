@@ -2,11 +2,28 @@
 
 /// The screen that levels are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Screen {
-    /// Its height in pixels.
+    /// The height of the screen that the levels are for, in pixels.
+    #[cfg_attr(feature = "cli", arg(long = "screen-height", value_name = "PX"))]
+    #[cfg_attr(feature = "cli", arg(default_value_t = 1080.0, value_parser = height))]
     pub height_px: f64,
-    /// The vertical field of view of the camera, in degrees.
+    /// The vertical field of view of the camera that they are seen by, in degrees.
+    #[cfg_attr(feature = "cli", arg(long = "fov", value_name = "DEGREES"))]
+    #[cfg_attr(feature = "cli", arg(default_value_t = 60.0, value_parser = field_of_view))]
     pub field_of_view_degrees: f64,
+}
+
+#[cfg(feature = "cli")]
+fn height(text: &str) -> Result<f64, String> {
+    let is_right = |px: f64| crate::chain::SCREEN_HEIGHTS_PX.contains(&px);
+    secateur_simplify::option_numbers::number(text, is_right, "of pixels from 16 to 100000")
+}
+
+#[cfg(feature = "cli")]
+fn field_of_view(text: &str) -> Result<f64, String> {
+    let is_right = |n: f64| (1.0..179.0).contains(&n);
+    secateur_simplify::option_numbers::number(text, is_right, "of degrees from 1 to 179")
 }
 
 impl Default for Screen {

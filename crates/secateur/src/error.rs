@@ -16,6 +16,10 @@ pub enum Error {
     /// A camera file is not what it should be.
     #[error(transparent)]
     Cameras(#[from] CamerasError),
+    /// No page can be made of levels.
+    #[cfg(feature = "scene")]
+    #[error(transparent)]
+    Preview(#[from] secateur_scene::preview::PreviewError),
     /// Nothing can be measured.
     #[cfg(feature = "eval")]
     #[error(transparent)]

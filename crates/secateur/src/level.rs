@@ -42,28 +42,32 @@ pub struct LevelOptions {
 
 /// Which alpha cutoffs a level has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum CutoffChoice {
     /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
     #[default]
+    #[cfg_attr(feature = "cli", value(skip))]
     Auto,
-    /// Such that clients show as much of the crown from afar as there is; where no cutoff does, textures are read
-    /// without mip maps, or clear texels get an alpha below the cutoff.
+    /// Such that clients show as much of the crown from afar as there is, and near by what they did; where no
+    /// cutoff does, textures are read without mip maps, or clear texels get an alpha below the cutoff.
     Fit,
-    /// As [`Self::Fit`], but all textures are read with mip maps.
+    /// As fit, but all textures are read with mip maps.
     FitWithMips,
-    /// Cutoffs of the plant.
+    /// Those of the tree, raised only where single triangles would show specks.
     Keep,
 }
 
 /// Which colours clear texels of leaf textures have in a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ColorChoice {
     /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
     #[default]
+    #[cfg_attr(feature = "cli", value(skip))]
     Auto,
-    /// Colours of the leaves near them, where mip maps would mix in others.
+    /// Those of the leaves near them, where mip maps would mix in others.
     Dilate,
-    /// Colours of the plant.
+    /// Those of the tree.
     Keep,
 }
 

@@ -6,11 +6,12 @@ use std::path::Path;
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
 use secateur_gltf::{GltfError, WholeTree, WriteOptions};
 use secateur_raster::OpenEngine;
+use secateur_scene::Screen;
 use secateur_scene::chain::{
-    Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, Shape, chain,
+    Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
 };
 use secateur_simplify::{Error as SimplifyError, Observer};
-use serde_json::{Map, Value};
+use serde::Serialize;
 
 use crate::opened_plant::{Parts, Plant};
 
@@ -19,12 +20,39 @@ use crate::opened_plant::{Parts, Plant};
 pub struct Levels<'p> {
     tree: &'p WholeTree,
     name: String,
+    pub(crate) screen: Screen,
     /// The levels, and what has to be said of them.
     pub chain: Chain,
     /// Where leaves were drawn: `cpu` or `gpu`.
     pub engine: &'static str,
     /// The adapter's name and driver; none on the CPU.
     pub adapter: Option<String>,
+}
+
+/// A level that was written: where, and its figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct PlacedLevel {
+    /// Where it is.
+    #[serde(flatten)]
+    pub place: LevelPlace,
+    /// Where the level is that casts its shadow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow: Option<LevelPlace>,
+    /// Its figures.
+    #[serde(flatten)]
+    pub report: LevelReport,
+}
+
+/// Where a level is: a file of its own, or a node of the file of all levels.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum LevelPlace {
+    /// The level's file.
+    File(String),
+    /// The name of the level's node.
+    Node(String),
 }
 
 impl Plant {
@@ -58,6 +86,7 @@ impl Plant {
             chain: chain(tree, options, &engine, observer)?,
             tree,
             name: self.name(),
+            screen: options.screen,
             engine: engine.name(),
             adapter: engine.adapter(),
         })
@@ -70,6 +99,11 @@ impl Levels<'_> {
     pub fn named(self, name: impl Into<String>) -> Self {
         let name = name.into();
         Self { name, ..self }
+    }
+
+    /// What their nodes and files are called after.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// The plant that they are of.
@@ -109,11 +143,30 @@ impl Levels<'_> {
         items.prepare_chain(&self.name, &self.written_levels(), layout, path, options)
     }
 
+    /// The figures of each level, finest first, with the places that it was written to in this layout.
+    pub fn placed(&self, layout: Layout, written: &WrittenChain) -> Vec<PlacedLevel> {
+        let place = |k: usize| match layout {
+            Layout::Files => LevelPlace::File(written.files[k].display().to_string()),
+            Layout::Siblings | Layout::Msft => LevelPlace::Node(self.node(k)),
+        };
+        let placed = |(k, level): (usize, &ChainLevel)| PlacedLevel {
+            place: place(k),
+            shadow: Some(place(level.shadow)),
+            report: level.report.clone(),
+        };
+        self.chain.levels.iter().enumerate().map(placed).collect()
+    }
+
+    /// The name of the node of a level, counted from 0.
+    pub fn node(&self, level: usize) -> String {
+        format!("{}_LOD{level}", self.name)
+    }
+
     fn written_levels(&self) -> Vec<Level<'_>> {
         let levels = self.chain.levels.iter().enumerate();
         levels
             .map(|(k, level)| {
-                let facts = facts(&self.name, level);
+                let facts = level.extras(&self.node(level.shadow));
                 match &level.shape {
                     Shape::Original(lod) | Shape::Mesh(lod) => {
                         Level::new(&self.name, k, lod, facts).with_textures(&level.textures)
@@ -125,30 +178,4 @@ impl Levels<'_> {
             })
             .collect()
     }
-}
-
-/// What the node of a level says in its extras.
-fn facts(name: &str, level: &ChainLevel) -> Map<String, Value> {
-    let mut facts = Map::new();
-    let mut say = |name: &str, value: Value| facts.insert(name.to_owned(), value);
-    say("kind", level.kind().into());
-    say("distance", level.distance.into());
-    if level.pixels_high.is_finite() {
-        say("pixels_high", level.pixels_high.into());
-    }
-    say("screen_coverage", level.screen_coverage.into());
-    say("triangles", level.triangles().into());
-    say("difference", level.difference.difference.into());
-    say("block_coverage", level.difference.block_coverage.into());
-    say("shadow", format!("{name}_LOD{}", level.shadow).into());
-    if let Some(pop) = level.pop {
-        say("pop", pop.into());
-    }
-    if let Some(sha256) = &level.order_sha256 {
-        say("order_sha256", sha256.clone().into());
-    }
-    if let Shape::Impostor(made) = &level.shape {
-        say("impostor", made.impostor.facts());
-    }
-    facts
 }

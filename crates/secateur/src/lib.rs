@@ -98,6 +98,8 @@ mod error;
 mod level;
 #[cfg(feature = "scene")]
 mod levels;
+#[cfg(feature = "scene")]
+mod levels_page;
 #[cfg(feature = "eval")]
 mod measure;
 #[cfg(feature = "scene")]
@@ -108,7 +110,7 @@ pub use error::Error;
 #[cfg(feature = "scene")]
 pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
 #[cfg(feature = "scene")]
-pub use levels::Levels;
+pub use levels::{LevelPlace, Levels, PlacedLevel};
 #[cfg(feature = "eval")]
 pub use measure::{
     difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,
@@ -167,8 +169,8 @@ pub mod chain {
     pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
     pub use secateur_scene::Screen;
     pub use secateur_scene::chain::{
-        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, SceneLook, Shape, Textures,
-        Wanted,
+        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, SceneLook,
+        Shape, Textures, Wanted,
     };
     pub use secateur_scene::impostor::Choice as ImpostorChoice;
 }

@@ -10,8 +10,10 @@ use crate::select::{Select, Selection, Steps, Task};
 
 /// What can be chosen about the multiresolution chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ChainOptions {
-    /// What says how much a branch matters: those that matter least go first.
+    /// chain: what is counted of a branch; those with the least go first.
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     #[serde(with = "MetricName", default)]
     pub branch_metric: Metric,
 }
@@ -28,8 +30,10 @@ enum MetricName {
 
 /// What can be chosen about merging.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct MergeOptions {
-    /// How large clusters of leaves are.
+    /// merge: how large clusters of leaves are.
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     #[serde(with = "ClusterSizeName")]
     pub cluster_size: ClusterSize,
 }

@@ -30,6 +30,8 @@ pub mod meshopt;
 mod method;
 mod needles;
 mod observe;
+#[cfg(feature = "cli")]
+pub mod option_numbers;
 mod option_values;
 mod options;
 mod passes;

@@ -52,6 +52,7 @@ pub enum LeafTriangles {
 
 /// How needles grow: flat leaves without a cut-out that are more than four times as long as wide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Needles {
     /// Across: before sizes are fitted one is no longer than the original was, or than .85 of that if it became coarser,
@@ -93,6 +94,7 @@ pub enum Fitting {
 
 /// Whether holes of leaf textures count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Alpha {
     /// What an alpha mask cuts out is not there.
@@ -104,12 +106,13 @@ pub enum Alpha {
 
 /// From which sides leaves are seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Sides {
-    /// As the material says: clients cull the back faces of one that is not `doubleSided`.
+    /// As the material says: clients cull back faces where it is not doubleSided.
     #[default]
     Material,
-    /// From both, as the paper has it.
+    /// Every leaf is seen from both sides.
     Both,
 }
 

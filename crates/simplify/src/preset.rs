@@ -7,34 +7,49 @@ use crate::{Alpha, FieldOfView, LeafTriangles, Needles, Resolution, Sides, Views
 
 /// What a result is for. Each option can be changed afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Preset {
-    /// Pictures that look like the original: costs are measured against the foliage before each
+    /// Pictures that look like the original: the crown stays as dense as it was.
+    ///
+    /// Costs are measured against the foliage before each
     /// step, a neighbour takes over all of a pruned leaf's area while the views show less
     /// foliage than at first, and at the end sizes are fitted so that each part of the crown is
     /// as dense as it was.
     #[default]
     Look,
-    /// The least VMI error, at the price of the look: costs are measured against the original in
+    /// The least VMI error, at the price of a crown that gets too dense.
+    ///
+    /// Costs are measured against the original in
     /// views that turn from stage to stage, growth is in proportion to cost, and sizes are fitted to
     /// outline and information in other views.
     Information,
-    /// The paper as it is written (Entropy 2018, 20, 213, section 4): 20 views of 256 x 256,
-    /// solid leaves, costs against the original, and of Eq. 5, whose share is only said to be
-    /// from 0 to 1, the plainest reading: the cost in bits, at most 1. Nothing is fitted.
+    /// The paper as it is written: 20 views of 256 x 256, solid leaves, costs against the original, growth by
+    /// the cost in bits; options that say otherwise are refused.
+    ///
+    /// Entropy 2018, 20, 213, section 4. Of Eq. 5, whose share is only said to be from 0 to 1, it has
+    /// the plainest reading: the cost in bits, at most 1. Nothing is fitted.
     ///
     /// The paper's dodecahedron has "one unit of radius" and surrounds the object; how far that
     /// is in radii of the crown it does not say, so views stand where those of its judge do, at 3
     /// radii with 60 degrees.
     Paper,
+    /// The same, but a leaf's growth is its cost over the largest cost of the step.
+    ///
     /// [`Self::Paper`] with [`Resize::Normalised`].
     PaperNormalised,
+    /// The same, but a neighbour takes over all of the area.
+    ///
     /// [`Self::Paper`] with [`Resize::Full`].
     PaperFull,
+    /// The same, but a neighbour takes over all of the area only while the views have lost information.
+    ///
     /// [`Self::Paper`] with [`Resize::Deficit`].
     PaperDeficit,
-    /// [`Self::Paper`] with [`Resize::None`]: no leaf grows.
+    /// The same, but no leaf grows.
+    ///
+    /// [`Self::Paper`] with [`Resize::None`].
     PaperNone,
 }
 

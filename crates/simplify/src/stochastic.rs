@@ -15,14 +15,20 @@ use secateur_model::{Foliage, LeafId, PlantSkeleton, Random, RemovalOrder, Step}
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+#[cfg(feature = "cli")]
+use crate::option_numbers::share;
 use crate::select::{Select, Selection, Steps, Task, refuse};
 
 /// What can be chosen about stochastic pruning.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct StochasticOptions {
-    /// Which of the random orders.
+    /// The seed of methods that choose at random.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = 0))]
     pub seed: u64,
-    /// The share of the lost area that the survivors regain, 0 to 1.
+    /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value_t = 1.0))]
+    #[cfg_attr(feature = "cli", arg(allow_negative_numbers = true, value_parser = share))]
     pub area_weight: f64,
 }
 

@@ -7,6 +7,7 @@ use crate::Error;
 
 /// A number of things, or a share of those that there are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Amount {
     /// An absolute number; more than there are means all.
@@ -27,6 +28,7 @@ impl Amount {
 
 /// How far a run goes: what is left at its end, or what it may lose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
     /// At this many leaves. If that is more than there are, nothing is removed, and a

@@ -12,6 +12,7 @@ use crate::{Error, Perturbation};
 
 /// What the levels of a case are shares of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LevelOf {
     /// The leaves of the original.

@@ -130,6 +130,7 @@ impl<'a> LevelJudge<'a> {
         let left = ran.lod.foliage(foliage);
         let provenance = self.host.provenance();
         let mut row = Row {
+            schema_version: Row::SCHEMA_VERSION,
             tree: self.identity.tree.clone(),
             tree_sha256: self.identity.tree_sha256.clone(),
             method: case.method().to_owned(),

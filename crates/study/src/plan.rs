@@ -13,20 +13,22 @@ use crate::{Case, Perturbation, paper};
 
 /// A set of cases that answers one question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Plan {
     /// Every method, one setting each, and variants that explain them.
     Methods,
-    /// VDS from fewer views and at other resolutions, beside the other methods.
+    /// vds from fewer views and at other resolutions, beside the other methods.
     Speed,
     /// Methods under turned views, jittered corners, shuffled leaves and other settings.
     Stability,
-    /// Small scenes made for one failure each: their own trees and cases.
+    /// Small scenes made for one failure each, and what to do about it.
     Failures,
-    /// The paper's studies: plants with as many leaves as its models, and its cases.
+    /// The paper's studies: its figures beside those of plants with as many leaves.
     Paper,
-    /// Whole plants under one budget, beside leaves alone and gltfpack on the whole file.
+    /// Whole plants at shares of all triangles, beside leaves alone and gltfpack on the whole file, where that
+    /// is found.
     Whole,
-    /// Levels for the distances of a walk beside fixed shares, and impostors beside meshes of as many
+    /// Whole plants at distances: levels for these beside fixed shares, impostors beside meshes of as many
     /// triangles.
     Scene,
 }

@@ -13,7 +13,11 @@ pub type Values = BTreeMap<String, Option<f64>>;
 
 /// One run of a method on a tree, judged at one level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Row {
+    /// Version of the shape of rows: [`Self::SCHEMA_VERSION`]. Older rows have none and are of the first.
+    #[serde(default = "first_version")]
+    pub schema_version: u32,
     /// The tree's name: its file name without ending.
     pub tree: String,
     /// SHA-256 of the tree's files in hexadecimal; unknown of rows that are older.
@@ -105,6 +109,10 @@ pub struct Row {
     pub difference: String,
 }
 
+fn first_version() -> u32 {
+    1
+}
+
 fn one_icosahedron() -> JudgingViews {
     JudgingViews::Icosahedron
 }
@@ -180,6 +188,9 @@ pub(crate) fn millionths(level: f64) -> u64 {
 }
 
 impl Row {
+    /// Version of the shape of rows. It changes where a column goes or gets another meaning.
+    pub const SCHEMA_VERSION: u32 = 1;
+
     /// Whether it is of leaves, and so has a place in tables of methods and levels.
     pub(crate) fn is_of_leaves(&self) -> bool {
         self.whole.is_none() && self.seen_from.is_none()
@@ -284,6 +295,7 @@ pub(crate) mod tests {
             })
             .collect();
         Row {
+            schema_version: Row::SCHEMA_VERSION,
             tree: "oak".into(),
             tree_sha256: None,
             method: method.into(),

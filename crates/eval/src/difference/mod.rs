@@ -64,6 +64,7 @@ const WOOD_VIEWS: usize = 2;
 
 /// How far a level looks from its plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Difference {
     /// max(B, 1.75 M, .45 W), 0 to 1.75: the greater the worse.
     pub difference: f64,

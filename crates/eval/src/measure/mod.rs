@@ -32,11 +32,16 @@ use secateur_raster::{MAX_RESOLUTION, MAX_TOTAL_PIXELS, Scene, View, ViewSet};
     serde::Serialize,
     serde::Deserialize,
 )]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum JudgingViews {
+    /// Four sets of 12, none near a view that drives: the mean over the four, and the worst.
+    ///
     /// [`Judging::held_out`].
     #[default]
     HeldOut,
+    /// The paper's one set of 12, each 11 degrees from a view that drives.
+    ///
     /// [`Judging::icosahedron`].
     Icosahedron,
 }

@@ -58,6 +58,17 @@ impl Serialize for Scores {
     }
 }
 
+#[cfg(feature = "cli")]
+impl schemars::JsonSchema for Scores {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Scores".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        crate::schema::of_metrics(METRICS.iter().map(|m| (m.key, m.title, m.unit)))
+    }
+}
+
 /// How far a simplified foliage is from its original by one set of views. Serialises with the
 /// overall scores at the top level.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

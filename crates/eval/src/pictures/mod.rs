@@ -145,6 +145,17 @@ impl Serialize for PictureScores {
     }
 }
 
+#[cfg(feature = "cli")]
+impl schemars::JsonSchema for PictureScores {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "PictureScores".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        crate::schema::of_metrics(PICTURE_METRICS.iter().map(|m| (m.key, m.title, m.unit)))
+    }
+}
+
 /// How far a simplified tree looks from its original by one set of views. Serialises with the
 /// overall scores at the top level.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -4,10 +4,13 @@ use glam::DVec3;
 
 /// How large the card of a cluster is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ClusterSize {
-    /// Cluster leaves have the paper's radius R0.
+    /// The paper's radius: the mean distance and the mean radius of the leaves.
     #[default]
     Paper,
+    /// The radius at which cluster leaves have as much area as the leaves that they stand for.
+    ///
     /// Cluster leaves have as much area as the leaves that they stand for: covers as much where they
     /// overlap little, more where they overlap much, as pinnate ones do.
     Area,

@@ -133,7 +133,7 @@ fn levels(tree: &WholeTree, wanted: Wanted, wood: WoodMode, answers: &mut Answer
         Ok(chain) => {
             assert!(!chain.levels.is_empty());
             for level in &chain.levels {
-                assert!(level.triangles() > 0, "an empty level");
+                assert!(level.triangles > 0, "an empty level");
                 let figures = [
                     level.distance,
                     level.pixels_high,

@@ -97,8 +97,7 @@ impl Maker<'_> {
             {
                 let why = format!(
                     "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a difference of {pop:.3}",
-                    level.triangles(),
-                    level.pixels_high
+                    level.triangles, level.pixels_high
                 );
                 left_out.push((level, why));
                 continue;

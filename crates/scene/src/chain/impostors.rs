@@ -9,12 +9,13 @@ use secateur_simplify::Observer;
 use super::card_cutoffs::Covering;
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
+use super::level_report::{LevelKind, LevelReport};
 use super::look::LevelPicture;
 use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, Wanted};
 use super::placed::Placed;
 use super::texture_bytes::bytes_of;
-use super::textures::{Client, end_of};
+use super::textures::{Client, Textures, end_of};
 use super::which::no_level;
 use crate::impostor::crossed::Planes;
 use crate::impostor::fewest_cards::Seen;
@@ -265,29 +266,27 @@ impl Maker<'_> {
         let textures = textures.chain(normals.map(|map| &map.texture));
         let as_drawn = (!level.impostor.needs_sampler())
             .then(|| client.as_drawn(std::slice::from_ref(surface), range));
-        let level = ChainLevel {
+        let report = LevelReport {
+            kind: LevelKind::Impostor,
+            triangles: surface.triangles.len() as u64,
             texture_bytes: textures.map(|texture| bytes_of(texture)).sum(),
-            shape: Shape::Impostor(Box::new(level)),
-            leaves: 0,
-            foliage_triangles: 0,
-            wood_triangles: 0,
             distance: self.distance_m(begins_px),
             pixels_high: begins_px,
-            screen_coverage: 0.0,
             difference,
             flip_mean: self
                 .look
                 .flip_mean(&picture, (begins_px, self.options.screen)),
-            pop: None,
+            leaf_textures: Textures::Keep,
+            as_drawn,
+            impostor: Some(level.report()),
+            ..LevelReport::default()
+        };
+        let level = ChainLevel {
+            shape: Shape::Impostor(Box::new(level)),
+            report,
             shadow: 0,
-            silhouette_iou: None,
-            vmi_error_percent: None,
-            order_sha256: None,
-            view_count: None,
             order: None,
             textures: Vec::new(),
-            keeps_textures: true,
-            as_drawn,
         };
         (picture, level)
     }

@@ -1,57 +1,40 @@
 //! The levels of a chain.
 
-use secateur_eval::Difference;
+use std::ops::{Deref, DerefMut};
+
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Lod, RemovalOrder};
 
-use super::level_as_drawn::LevelAsDrawn;
+use super::level_report::{ImpostorReport, LevelReport};
 use crate::impostor::Impostor;
 
-/// A level of a chain, and from where it is to be seen.
+/// A level of a chain: what is drawn, and the figures of its report.
 #[derive(Clone, Debug)]
 pub struct ChainLevel {
     /// The mesh or the impostor that is drawn.
     pub shape: Shape,
-    /// Leaves that are left.
-    pub leaves: u64,
-    /// Triangles that leaves have in this level.
-    pub foliage_triangles: u64,
-    /// Triangles that wood has in this level.
-    pub wood_triangles: u64,
-    /// From how far off it is used, in metres: units of the file, unless the plant's height was given.
-    pub distance: f64,
-    /// How many pixels high the screen shows the plant's largest extent there; infinite at distance 0.
-    pub pixels_high: f64,
-    /// The least share of the screen's height at which it is drawn, before the next level takes
-    /// over; 0 for the last.
-    pub screen_coverage: f64,
-    /// How far it looks from the original there, with its own textures.
-    pub difference: Difference,
-    /// Mean FLIP of the whole plant against the original at that height, over the frame of `measure`.
-    pub flip_mean: f64,
-    /// The difference between it and the level before where they switch; none for the first.
-    pub pop: Option<f64>,
+    /// Its figures; a level dereferences to them.
+    pub report: LevelReport,
     /// The level that casts its shadow, counted from 0.
     pub shadow: usize,
-    /// Outline of the leaves against the original's, by three of the held-out views in 256 x 256
-    /// pixels, without exact textures; none for impostors.
-    pub silhouette_iou: Option<f64>,
-    /// VMI error of the leaves by the same, in per cent; none for impostors.
-    pub vmi_error_percent: Option<f64>,
-    /// SHA-256 of all that was done to the leaves; none for impostors.
-    pub order_sha256: Option<String>,
-    /// From how many views its leaves were chosen; none for impostors.
-    pub view_count: Option<usize>,
     /// All that was done to the leaves, as one order; none for impostors.
     pub order: Option<RemovalOrder>,
     /// Base colour textures of its own; empty where it has those of the tree.
     pub textures: Vec<LevelTexture>,
-    /// Whether its textures are those of the tree, but for the colours of clear texels.
-    pub keeps_textures: bool,
-    /// What all images of its materials take, four bytes a texel, with mips where they are read.
-    pub texture_bytes: u64,
-    /// How much of it a client shows; none for octahedral views, which only their sampler shows.
-    pub as_drawn: Option<LevelAsDrawn>,
+}
+
+impl Deref for ChainLevel {
+    type Target = LevelReport;
+
+    fn deref(&self) -> &LevelReport {
+        &self.report
+    }
+}
+
+impl DerefMut for ChainLevel {
+    fn deref_mut(&mut self) -> &mut LevelReport {
+        &mut self.report
+    }
 }
 
 /// What a level is.
@@ -79,21 +62,16 @@ pub struct ImpostorLevel {
     pub same_cost: Option<(u64, f64)>,
 }
 
-impl ChainLevel {
-    /// What it is, in a word: `original`, `mesh` or `impostor`.
-    pub fn kind(&self) -> &'static str {
-        match self.shape {
-            Shape::Original(_) => "original",
-            Shape::Mesh(_) => "mesh",
-            Shape::Impostor(_) => "impostor",
-        }
-    }
-
-    /// Triangles of the whole plant.
-    pub fn triangles(&self) -> u64 {
-        match &self.shape {
-            Shape::Original(_) | Shape::Mesh(_) => self.foliage_triangles + self.wood_triangles,
-            Shape::Impostor(level) => level.impostor.surface.triangles.len() as u64,
+impl ImpostorLevel {
+    /// What records say of it.
+    pub(super) fn report(&self) -> ImpostorReport {
+        let same_cost = self.same_cost;
+        ImpostorReport {
+            facts: self.impostor.facts(),
+            mesh_triangles: self.mesh_triangles,
+            mesh_difference: self.mesh_difference,
+            same_cost_triangles: same_cost.map(|(triangles, _)| triangles),
+            same_cost_difference: same_cost.map(|(_, difference)| difference),
         }
     }
 }
@@ -105,4 +83,14 @@ pub struct Chain {
     pub levels: Vec<ChainLevel>,
     /// What was asked for and left out, and the like, a sentence each.
     pub notes: Vec<String>,
+}
+
+impl Chain {
+    /// SHA-256 of all that was done to the leaves of the coarsest level that has any; none where no level does.
+    pub fn coarsest_order_sha256(&self) -> Option<String> {
+        let orders = self.levels.iter().rev();
+        orders
+            .map(|level| level.order_sha256.clone())
+            .find_map(|of| of)
+    }
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use secateur_eval::{Difference, Original as Measured};
+use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::Lod;
@@ -13,6 +13,7 @@ use secateur_simplify::{Error, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
+use super::level_report::{ClearTexels, LevelReport};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
 use super::options::{ChainOptions, Wanted};
@@ -278,26 +279,35 @@ impl<'a> Maker<'a> {
             surfaces: retextured(&made.drawn.level, &chosen.textures),
             materials: materials.clone(),
         });
-        let level = ChainLevel {
+        let [of_leaves, of_wood] =
+            [made.foliage_triangles, made.wood_triangles()].map(|count| count as u64);
+        let report = LevelReport {
             leaves: left.leaves().len() as u64,
-            foliage_triangles: made.foliage_triangles as u64,
-            wood_triangles: made.wood_triangles() as u64,
+            triangles: of_leaves + of_wood,
+            foliage_triangles: of_leaves,
+            wood_triangles: of_wood,
             distance: self.distance_m(height),
             pixels_high: height,
-            screen_coverage: 0.0,
             flip_mean: self.look.flip_mean(&picture, (height, self.options.screen)),
             difference,
-            pop: None,
-            shadow: 0,
             silhouette_iou: Some(seen.silhouette_iou()),
             vmi_error_percent: Some(seen.vmi_error_percent()),
             order_sha256: is_alone.then(|| order.sha256()),
             view_count: Some(of_first.leaves.views.len()),
-            order: is_alone.then_some(order),
-            textures: chosen.textures,
-            keeps_textures: chosen.keeps_textures,
+            leaf_textures: match chosen.keeps_textures {
+                true => Textures::Keep,
+                false => Textures::Fit,
+            },
+            clear_texels: Some(clear_texels(&chosen.textures)),
             texture_bytes,
             as_drawn: Some(chosen.as_drawn),
+            ..LevelReport::default()
+        };
+        let level = ChainLevel {
+            report,
+            shadow: 0,
+            order: is_alone.then_some(order),
+            textures: chosen.textures,
             shape: Shape::Mesh(made.lod),
         };
         Ok((picture, level))
@@ -306,30 +316,26 @@ impl<'a> Maker<'a> {
     /// The plant itself as a level, from distance 0 on.
     pub(super) fn original(&self) -> ChainLevel {
         let items = self.tree.items();
-        let (leaves, wood) = (self.tree.leaves(), self.tree.wood());
         let textures = self.dilated.clone();
         let materials = &self.look.original.materials;
         ChainLevel {
-            leaves: leaves.leaves().len() as u64,
-            foliage_triangles: leaves.triangles().len() as u64,
-            wood_triangles: wood.triangles().len() as u64,
-            distance: 0.0,
-            pixels_high: f64::INFINITY,
-            screen_coverage: 0.0,
-            difference: Difference::default(),
-            flip_mean: 0.0,
-            pop: None,
+            report: LevelReport {
+                clear_texels: Some(clear_texels(&textures)),
+                texture_bytes: texture_bytes(items.document(), materials, &textures),
+                ..LevelReport::of_plant(self.tree)
+            },
             shadow: 0,
-            silhouette_iou: Some(1.0),
-            vmi_error_percent: Some(0.0),
-            order_sha256: None,
-            view_count: None,
             order: None,
-            texture_bytes: texture_bytes(items.document(), materials, &textures),
             textures,
-            keeps_textures: true,
-            as_drawn: None,
             shape: Shape::Original(Lod::original(items.foliage().leaves().len())),
         }
+    }
+}
+
+/// Which colours clear texels have in a level of these textures of its own.
+fn clear_texels(textures: &[LevelTexture]) -> ClearTexels {
+    match textures {
+        [] => ClearTexels::Keep,
+        _ => ClearTexels::Dilate,
     }
 }

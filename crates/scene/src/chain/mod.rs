@@ -10,6 +10,7 @@ mod ladder;
 mod leaf_texture;
 mod level;
 mod level_as_drawn;
+mod level_report;
 mod level_surfaces;
 mod look;
 mod maker;
@@ -32,6 +33,7 @@ use secateur_simplify::{Observer, sphere_of};
 pub use error::ChainError;
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_as_drawn::LevelAsDrawn;
+pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
 pub use level_surfaces::show;
 use maker::Maker;
 pub use options::{

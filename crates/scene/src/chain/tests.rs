@@ -210,7 +210,7 @@ fn where_cards_go_for_what_their_switch_shows_the_meshes_stay() {
         for level in &levels[1..] {
             assert!(level.pop.unwrap() <= options.max_pop.unwrap_or(f64::INFINITY));
         }
-        let triangles: Vec<u64> = levels.iter().map(ChainLevel::triangles).collect();
+        let triangles: Vec<u64> = levels.iter().map(|level| level.triangles).collect();
         (triangles, notes)
     };
     let [of_few, of_many] =
@@ -316,7 +316,7 @@ fn the_fewest_triangles_stand_where_nothing_is_seen_of_a_plant() {
         let made = chain(&tree, &options, &engine, &mut go_on).unwrap();
         if impostor == Choice::Cards {
             let last = made.levels.last().unwrap();
-            assert!(last.triangles() <= 20, "{}", last.triangles());
+            assert!(last.triangles <= 20, "{}", last.triangles);
             let figures = (last.difference, last.flip_mean);
             assert_eq!(figures, (Difference::default(), 0.0));
         }

@@ -54,12 +54,14 @@ const MOST_PX: f64 = 256.0;
 const SPECKS_PX: f64 = 384.0;
 
 /// What leaves of a level show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Textures {
-    /// Textures made for the distance, or those of the tree with the colours of leaves in clear texels.
+    /// Made for the distance of each level: texels of about a pixel, which cover what the tree's do.
     #[default]
     Fit,
-    /// Textures of the tree.
+    /// Those of the tree.
     Keep,
 }
 

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use secateur_model::{AlphaMode, Mips, Surface};
 use secateur_simplify::{Error, Observer, Progress};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 pub(crate) use atlas::srgb_byte;
 use atlas::{Atlas, BORDER, halved_normals};
@@ -32,18 +32,27 @@ use octahedral::{CELLS, FRAMES, Octahedral};
 
 /// Which impostor a chain ends in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Choice {
-    /// The chain ends in a mesh.
+    /// No impostor: the chain ends in a mesh.
     #[default]
     None,
+    /// Crossed planes.
+    ///
     /// Planes that cross along the main axes of the crown, each with a picture.
     Crossed,
-    /// Cards, each with a flat layer of the plant, as few as are within the difference.
+    /// Cards, as few as are within `--max-difference`.
+    ///
+    /// Each has a flat layer of the plant.
     Cards,
+    /// Octahedral views.
+    ///
     /// Views from all directions in one texture, laid out as an octahedron that is folded open.
     Octahedral,
-    /// Crossed planes where they look no worse than what they take the place of, and cards where these are within
-    /// the difference and lighter than a mesh by a third.
+    /// Crossed planes where they look no worse, cards where they are lighter.
+    ///
+    /// Crossed planes look no worse than what they take the place of; cards are within the difference and lighter
+    /// than a mesh by a third.
     Auto,
 }
 
@@ -188,10 +197,10 @@ impl Impostor {
     }
 
     /// What samplers and reports need to know.
-    pub fn facts(&self) -> Value {
+    pub fn facts(&self) -> Map<String, Value> {
         let texture = self.surface.material.texture.as_ref();
         let size = texture.map(|texture| [texture.width, texture.height]);
-        match &self.look {
+        let facts = match &self.look {
             Look::Crossed(planes, cell) => json!({
                 "layout": "crossed",
                 "planes": planes.count(),
@@ -217,7 +226,8 @@ impl Impostor {
                 "centre": views.centre.to_array(),
                 "radius": views.radius,
             }),
-        }
+        };
+        facts.as_object().cloned().unwrap_or_default()
     }
 }
 

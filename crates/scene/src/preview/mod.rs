@@ -15,6 +15,7 @@ mod textures;
 use secateur_model::Surface;
 
 use crate::Screen;
+use crate::chain::LevelReport;
 
 pub use continuous::Continuous;
 pub use page::page;
@@ -47,31 +48,14 @@ pub struct Level<'a> {
     pub facts: Facts,
 }
 
-/// The figures of a level.
+/// What a page says of a level.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Facts {
     /// What it is called, short: `LOD1`.
     pub name: String,
-    /// Leaves, where they are known.
-    pub leaves: Option<u64>,
-    /// Triangles of the whole plant.
-    pub triangles: u64,
-    /// Triangles that leaves have.
-    pub foliage_triangles: u64,
-    /// Triangles that wood has.
-    pub wood_triangles: u64,
-    /// From how far off it is used, in the file's unit (metres), up to the next
-    /// level's distance. The original's is 0.
-    pub distance: f64,
-    /// How many pixels high the screen shows the plant there; none for the
-    /// original.
-    pub pixels_high: Option<f64>,
-    /// The difference from the original at that height.
-    pub difference: Option<f64>,
-    /// How much of the outline is the original's, 0 to 1.
-    pub silhouette_iou: Option<f64>,
-    /// The difference between it and the level before where they switch.
-    pub pop: Option<f64>,
+    /// Its figures.
+    #[serde(flatten)]
+    pub report: LevelReport,
 }
 
 /// Why there is no page.

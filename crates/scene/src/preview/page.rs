@@ -218,6 +218,7 @@ mod tests {
     use super::super::Level;
     use super::*;
     use crate::Screen;
+    use crate::chain::LevelReport;
 
     fn triangle() -> (Surface, bool) {
         let surface = Surface {
@@ -240,17 +241,15 @@ mod tests {
     }
 
     fn facts(name: &str) -> Facts {
-        Facts {
-            name: name.into(),
-            leaves: Some(1),
+        let report = LevelReport {
+            leaves: 1,
             triangles: 1,
             foliage_triangles: 1,
-            wood_triangles: 0,
-            distance: 0.0,
-            pixels_high: None,
-            difference: None,
-            silhouette_iou: None,
-            pop: None,
+            ..LevelReport::default()
+        };
+        Facts {
+            name: name.into(),
+            report,
         }
     }
 

@@ -29,6 +29,7 @@ pub struct Stream {
 
 /// A piece of a stream, and the level that it ends in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Piece {
     /// How many bytes of the stream end with it.
     pub bytes: u64,

@@ -1,14 +1,24 @@
 //! Colours of clear texels in a result, and what is said of them.
 
+use schemars::JsonSchema;
 use secateur_scene::Dilated;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-/// What the record says of them; nothing where all stay.
-pub(crate) fn record(chosen: &[Dilated]) -> Value {
-    let one = |one: &Dilated| json!({"material": one.material, "difference": one.difference});
-    match chosen {
-        [] => Value::Null,
-        _ => chosen.iter().map(one).collect(),
+/// A texture with other colours in its clear texels.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct ColorRecord {
+    /// The number of the material that shows it.
+    material: usize,
+    /// By how much mip maps of an eighth of the size differ by it, in the mean over what they show, of 255.
+    difference: f64,
+}
+
+impl From<&Dilated> for ColorRecord {
+    fn from(one: &Dilated) -> Self {
+        Self {
+            material: one.material,
+            difference: one.difference,
+        }
     }
 }
 

@@ -1,20 +1,21 @@
 //! Options that contradict the preset they stand beside.
 
-use secateur::{FieldOfView, Fitting, LeafTriangles, Preset, Resolution, Views};
+use secateur::{
+    Alpha, ColorChoice, CutoffChoice, FieldOfView, Fitting, LeafTriangles, Needles, Reference,
+    Resolution, Ties, Views,
+};
 
 use super::args::{MaxCoverage, Simplify};
-use super::names::{
-    AlphaName, ColorsName, CutoffsName, MethodName, NeedlesName, ReferenceName, TiesName, text,
-};
+use super::names::{MethodName, text};
 
 /// Why a paper's preset can't be what it says, a sentence; nothing where all agrees. Other presets
 /// are where options begin, and may be changed.
 pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
-    let preset = Preset::from(args.preset);
+    let preset = args.preset;
     if !preset.is_paper() {
         return None;
     }
-    let resize = args.resize.map(secateur::Resize::from);
+    let resize = args.resize;
     let is_vds = matches!(args.method, MethodName::Vds | MethodName::VdsReference);
     // The paper itself compares these three.
     let is_papers = args.views.as_ref().is_none_or(|name| {
@@ -36,11 +37,8 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
             args.resolution
                 .is_some_and(|r| r != Resolution::Pixels(256)),
         ),
-        ("--alpha", args.alpha == Some(AlphaName::Mask)),
-        (
-            "--reference",
-            args.reference == Some(ReferenceName::Previous),
-        ),
+        ("--alpha", args.alpha == Some(Alpha::Mask)),
+        ("--reference", args.reference == Some(Reference::Previous)),
         (
             "--resize",
             resize.is_some_and(|resize| resize != preset.vds().resize),
@@ -50,18 +48,18 @@ pub(crate) fn contradiction(args: &Simplify) -> Option<String> {
             "--max-coverage",
             matches!(args.max_coverage, Some(MaxCoverage(Some(_)))),
         ),
-        ("--ties", args.ties == TiesName::Spread),
+        ("--ties", args.ties == Ties::Spread),
         (
             "--leaf-triangles",
             args.leaf_triangles
                 .is_some_and(|t| t != LeafTriangles::Keep),
         ),
-        ("--needles", args.needles == Some(NeedlesName::Widen)),
+        ("--needles", args.needles == Some(Needles::Widen)),
         (
             "--cutoffs",
-            args.cutoffs.is_some_and(|name| name != CutoffsName::Keep),
+            args.cutoffs.is_some_and(|name| name != CutoffChoice::Keep),
         ),
-        ("--colors", args.colors == Some(ColorsName::Dilate)),
+        ("--colors", args.colors == Some(ColorChoice::Dilate)),
         ("--fit", !matches!(args.fit, Fitting::Auto | Fitting::None)),
     ];
     let (option, _) = others.into_iter().find(|(_, is_other)| *is_other)?;

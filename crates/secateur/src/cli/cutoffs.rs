@@ -1,27 +1,57 @@
 //! Alpha cutoffs of a result, and what is said of them.
 
+use schemars::JsonSchema;
 use secateur_scene::ChosenCutoffs;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-/// What the record says of them; nothing where all stay.
-pub(crate) fn record(chosen: Option<&ChosenCutoffs>) -> Value {
-    let of_width = |(width_px, [before, after]): &(u32, [f64; 2])| {
-        json!({
-            "width_px": width_px,
-            "coverage_over_truth_before": before,
-            "coverage_over_truth": after,
-        })
-    };
-    json!(chosen.map(|chosen| json!({
-        "times": chosen.times,
-        "of_materials": chosen.cutoffs.of_materials().collect::<Vec<_>>(),
-        "raised": chosen.raised_share.map(|share| json!({
-            "share_of_cutoff": share,
-            "materials": chosen.raised.iter().map(|one| one.material).collect::<Vec<_>>(),
-        })),
-        "without_mips": chosen.cutoffs.materials_without_mips().collect::<Vec<_>>(),
-        "as_drawn": chosen.coverage.iter().map(of_width).collect::<Vec<_>>(),
-    })))
+/// Alpha cutoffs that were chosen, and what they do.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct CutoffsRecord {
+    /// By what all cutoffs were multiplied.
+    times: f64,
+    /// Numbers of materials with their cutoffs.
+    of_materials: Vec<(usize, f64)>,
+    raised: Option<RaisedRecord>,
+    /// Numbers of materials whose textures are read without mip maps.
+    without_mips: Vec<usize>,
+    as_drawn: Vec<ShownRecord>,
+}
+
+/// Clear texels with more alpha than they had.
+#[derive(Serialize, JsonSchema)]
+struct RaisedRecord {
+    /// Their alpha over the cutoff.
+    share_of_cutoff: f64,
+    /// Numbers of materials.
+    materials: Vec<usize>,
+}
+
+/// Pixels that a client shows over those truly covered, in pictures of one width.
+#[derive(Serialize, JsonSchema)]
+struct ShownRecord {
+    width_px: u32,
+    coverage_over_truth_before: f64,
+    coverage_over_truth: f64,
+}
+
+impl From<&ChosenCutoffs> for CutoffsRecord {
+    fn from(chosen: &ChosenCutoffs) -> Self {
+        let shown = |(width_px, [before, after]): &(u32, [f64; 2])| ShownRecord {
+            width_px: *width_px,
+            coverage_over_truth_before: *before,
+            coverage_over_truth: *after,
+        };
+        Self {
+            times: chosen.times,
+            of_materials: chosen.cutoffs.of_materials().collect(),
+            raised: chosen.raised_share.map(|share| RaisedRecord {
+                share_of_cutoff: share,
+                materials: chosen.raised.iter().map(|one| one.material).collect(),
+            }),
+            without_mips: chosen.cutoffs.materials_without_mips().collect(),
+            as_drawn: chosen.coverage.iter().map(shown).collect(),
+        }
+    }
 }
 
 /// A line of the summary.
@@ -48,6 +78,7 @@ pub(crate) fn in_words(chosen: &ChosenCutoffs) -> String {
 mod tests {
     use super::*;
     use secateur_gltf::Cutoffs;
+    use serde_json::{Value, json};
 
     #[test]
     fn raised_texels_are_told() {
@@ -58,7 +89,8 @@ mod tests {
             raised_share: Some(0.6),
             coverage: vec![(512, [0.9, 1.0])],
         };
-        let told = record(Some(&chosen));
+        let record = |chosen: &ChosenCutoffs| json!(CutoffsRecord::from(chosen));
+        let told = record(&chosen);
         assert_eq!(
             told["raised"],
             json!({"share_of_cutoff": 0.6, "materials": []})
@@ -68,7 +100,7 @@ mod tests {
             "times 1.00, clear texels away from leaves with an alpha of 0.6 of the cutoff; pixels that clients show over what there is: 0.90 -> 1.00 at 512 px"
         );
         chosen.raised_share = None;
-        assert_eq!(record(Some(&chosen))["raised"], Value::Null);
+        assert_eq!(record(&chosen)["raised"], Value::Null);
         assert!(!in_words(&chosen).contains("texels"));
     }
 }

@@ -3,23 +3,29 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::{Amount, Opening, Plant, StagedFiles, WriteOptions, plant_to_glb};
+use schemars::JsonSchema;
+use secateur::{
+    Amount, LevelPlace, Levels, Opening, PlacedLevel, Plant, Preset, StagedFiles, WriteOptions,
+    plant_to_glb,
+};
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_scene::chain::{Chain, ChainOptions, Shape, Wanted};
+use secateur_scene::chain::{Chain, ChainOptions, LevelReport, Shape, Wanted};
 use secateur_scene::impostor::Choice;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::lods::{self, Job};
+use super::lods;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
+use super::record::Record;
 use super::simplify::timed;
-use super::summary::{columns, grouped, percent, size};
-use super::{interrupt, machine, output, record};
+use super::summary::grouped;
+use super::{interrupt, output, record};
 
 /// The levels, finest first, in per cent of all triangles.
 const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
@@ -56,12 +62,6 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let (tree, made) = (levels.tree(), &levels.chain);
 
     interrupt::writing()?;
-    let job = Job {
-        tree: &original,
-        name: "tree".to_owned(),
-        layout: Layout::Files,
-        place: args.output.clone(),
-    };
     // All files are written before the first appears: what fails leaves nothing.
     let mut staged = StagedFiles::new();
     let folder = staged.make_folder(&args.output);
@@ -69,7 +69,9 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     output::stage(&mut staged, &original, &glb)?;
     let (written, files) = timed(&mut stages, "write", || {
         let how = WriteOptions::default().overwrite(true);
-        Ok(levels.prepare(&job.place, job.layout, how)?.into_files())
+        Ok(levels
+            .prepare(&args.output, Layout::Files, how)?
+            .into_files())
     })?;
     staged.append(files);
     let sheet = args.output.join("contact-sheet.png");
@@ -79,41 +81,69 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
-        let page = lods::preview(tree, &job, &options, made)?;
+        let page = levels.page()?;
         output::stage(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
-    let rows = rows(tree, &job, made, &written, glb.len() as u64);
-    let record = json!({
-        "species": Species::Oak.name(),
-        "levels": rows,
-        "picture": sheet.display().to_string(),
-        "preview": page_file.display().to_string(),
-        "preset": options.leaves.preset,
-        "engine": levels.engine,
-        "adapter": levels.adapter,
-        "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
-        "seed": args.seed,
-        "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
-        "seconds": record::seconds(&stages, total),
-        "peak_rss_bytes": machine::peak_rss_bytes(),
-        "run": record::provenance("demo"),
-    });
+    let levels_made = rows(&levels, &written, (&original, glb.len()));
+    let rows = levels_made.iter().map(|level| json!(level)).collect();
+    let record = DemoRecord {
+        species: Species::Oak.name(),
+        levels: levels_made,
+        picture: sheet.display().to_string(),
+        preview: page_file.display().to_string(),
+        preset: options.leaves.preset,
+        engine: levels.engine,
+        adapter: levels.adapter.clone(),
+        order_sha256: made.coarsest_order_sha256(),
+        seed: args.seed,
+        notes: made.notes.iter().chain(&written.notes).cloned().collect(),
+    };
+    let record = Record::new("demo", record, &stages, total).to_value();
     let report = args.output.join("report.json");
     record::stage(&mut staged, Some(&report), &record)?;
     let pretty = pretty(tree, made, &sheet, total);
     staged.commit()?;
     Ok(Printed {
-        pretty,
-        record,
         rows,
+        ..Printed::single(pretty, record)
     })
+}
+
+/// An oak that was grown, and levels of it.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct DemoRecord {
+    species: &'static str,
+    /// The oak itself, then its levels, finest first.
+    levels: Vec<DemoLevel>,
+    picture: String,
+    preview: String,
+    preset: Preset,
+    /// Where leaves were drawn: `cpu` or `gpu`.
+    engine: &'static str,
+    adapter: Option<String>,
+    order_sha256: Option<String>,
+    seed: u64,
+    /// What has to be said of the levels, a sentence each.
+    notes: Vec<String>,
+}
+
+/// A level of the oak.
+#[derive(Serialize, JsonSchema)]
+struct DemoLevel {
+    /// The share of all triangles that it has; `original` for the oak itself.
+    level: String,
+    /// The size of the oak's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bytes: Option<usize>,
+    #[serde(flatten)]
+    placed: PlacedLevel,
 }
 
 fn chain_options(args: &args::Demo) -> ChainOptions {
     let share = |percent: u32| Amount::Share(f64::from(percent) / 100.0);
     let mut options = ChainOptions::default();
-    options.leaves.engine = args.engine.into();
+    options.leaves.engine = args.engine;
     ChainOptions {
         wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
         original: false,
@@ -145,8 +175,8 @@ fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
         if let Shape::Mesh(lod) = &level.shape {
             let document = items.lod_document(lod)?;
             exhibits.push(Exhibit {
-                title: title(tree, level.triangles()),
-                subtitle: words(level.leaves, level.triangles()),
+                title: title(tree, level.triangles),
+                subtitle: words(level.leaves, level.triangles),
                 surfaces: picture::surfaces(&document, &[])?,
             });
         }
@@ -154,72 +184,40 @@ fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
     Ok(exhibits)
 }
 
+/// The record of each level, the original first.
 fn rows(
-    tree: &WholeTree,
-    job: &Job<'_>,
-    made: &Chain,
+    levels: &Levels<'_>,
     written: &WrittenChain,
-    original_bytes: u64,
-) -> Vec<Value> {
-    let original = json!({
-        "level": "original",
-        "file": job.tree.display().to_string(),
-        "leaves": tree.leaves().leaves().len(),
-        "triangles": tree.items().foliage().triangles().len(),
-        "foliage_triangles": tree.leaves().triangles().len(),
-        "wood_triangles": tree.wood().triangles().len(),
-        "bytes": original_bytes,
+    (original, bytes): (&Path, usize),
+) -> Vec<DemoLevel> {
+    let tree = levels.tree();
+    let first = DemoLevel {
+        level: "original".to_owned(),
+        bytes: Some(bytes),
+        placed: PlacedLevel {
+            place: LevelPlace::File(original.display().to_string()),
+            shadow: None,
+            report: LevelReport::of_plant(tree),
+        },
+    };
+    let placed = levels.placed(Layout::Files, written).into_iter();
+    let named = placed.map(|placed| DemoLevel {
+        level: title(tree, placed.report.triangles),
+        bytes: None,
+        placed,
     });
-    let levels = lods::rows(job, made, written).into_iter();
-    let named = levels.zip(&made.levels).map(|(row, level)| {
-        record::joined(json!({ "level": title(tree, level.triangles()) }), row)
-    });
-    std::iter::once(original).chain(named).collect()
+    std::iter::once(first).chain(named).collect()
 }
 
 fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String {
-    let heads = [
-        "",
-        "triangles",
-        "leaves",
-        "wood",
-        "difference",
-        "outline IoU",
-        "VMI error",
-        "textures",
-    ];
-    let mut table = vec![heads.map(str::to_owned).to_vec()];
-    let none = || "-".to_owned();
-    table.push(vec![
-        "original".to_owned(),
-        grouped(tree.items().foliage().triangles().len() as u64),
-        grouped(tree.leaves().triangles().len() as u64),
-        grouped(tree.wood().triangles().len() as u64),
-        none(),
-        none(),
-        none(),
-        none(),
-    ]);
-    for level in &made.levels {
-        table.push(vec![
-            title(tree, level.triangles()),
-            grouped(level.triangles()),
-            grouped(level.foliage_triangles),
-            grouped(level.wood_triangles),
-            format!("{:.2}", level.difference.difference),
-            level
-                .silhouette_iou
-                .map_or_else(none, |iou| format!("{iou:.3}")),
-            level.vmi_error_percent.map_or_else(none, percent),
-            size(level.texture_bytes),
-        ]);
-    }
+    let levels = made.levels.iter();
+    let named = levels.map(|level| (title(tree, level.triangles), &level.report));
     format!(
         "An oak, grown and made into a chain of levels in {seconds:.1} s, judged from views it was not simplified by:\n\n\
          {}\n\
          Triangles are those of leaves and of wood; the difference is what people see at the height on the screen from which a level is seen: up to .18 cannot be told, .28 is good.\n\
          Open preview.html in a browser, or see {}; the tree, its levels (tree_LOD0.glb ...) and report.json are there too.\n",
-        columns(&table),
+        lods::table(&lods::OF_DEMO, &LevelReport::of_plant(tree), named),
         sheet.display(),
     )
 }

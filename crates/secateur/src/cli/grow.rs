@@ -7,20 +7,56 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use secateur::{GrownPlant, StagedFiles, plant_into_glb};
 use secateur_plant::{
     GrowError, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
 };
-use serde_json::{Value, json};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::args::{self, Common, Format};
 use super::failure::Failure;
+use super::grow_lod::GrownLodRecord;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
+use super::record::Record;
 use super::simplify::timed;
 use super::summary::{grouped, size};
-use super::{grow_lod, interrupt, machine, output, record};
+use super::{grow_lod, interrupt, output, record};
+
+/// A plant that was grown.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct GrowRecord {
+    /// The species, or the name of the rule file.
+    species: String,
+    /// The file that was written.
+    output: String,
+    bytes: usize,
+    /// SHA-256 of the file.
+    sha256: Option<String>,
+    leaves: usize,
+    triangles: SurfaceTriangles,
+    size_m: Size,
+    seed: u64,
+    /// The level of detail, if one was asked for.
+    lod: Option<GrownLodRecord>,
+}
+
+/// Triangles of a plant.
+#[derive(Serialize, JsonSchema)]
+struct SurfaceTriangles {
+    leaves: usize,
+    wood: usize,
+}
+
+/// Width, height and depth in metres.
+#[derive(Serialize, JsonSchema)]
+struct Size {
+    x: f64,
+    y: f64,
+    z: f64,
+}
 
 /// Grows a plant, writes it, and reports what it is.
 pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
@@ -55,28 +91,30 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     // A second for a large file, so only where someone will see it.
     let is_recorded = args.report.is_some() || common.format != Format::Pretty;
     let total = start.elapsed().as_secs_f64();
-    let record = json!({
-        "species": name,
-        "output": args.output.display().to_string(),
-        "bytes": bytes.len(),
-        "sha256": is_recorded.then(|| sha256(&bytes)),
-        "leaves": leaf_count,
-        "triangles": {
-            "leaves": triangles[0],
-            "wood": triangles[1],
+    let record = GrowRecord {
+        species: name.clone(),
+        output: args.output.display().to_string(),
+        bytes: bytes.len(),
+        sha256: is_recorded.then(|| sha256(&bytes)),
+        leaves: leaf_count,
+        triangles: SurfaceTriangles {
+            leaves: triangles[0],
+            wood: triangles[1],
         },
-        "size_m": { "x": size_m.x, "y": size_m.y, "z": size_m.z },
-        "seed": args.seed,
-        "lod": lod.as_ref().map(|lod| &lod.record),
-        "seconds": record::seconds(&stages, total),
-        "peak_rss_bytes": machine::peak_rss_bytes(),
-        "run": record::provenance("grow"),
-    });
+        size_m: Size {
+            x: size_m.x,
+            y: size_m.y,
+            z: size_m.z,
+        },
+        seed: args.seed,
+        lod: lod.as_ref().map(|(_, record)| record.clone()),
+    };
+    let record = Record::new("grow", record, &stages, total).to_value();
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
     let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
     let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
-    let of_lod = lod.map_or_else(String::new, |lod| format!("{} of ", lod.name));
+    let of_lod = lod.map_or_else(String::new, |(name, _)| format!("{name} of "));
     let pretty = format!(
         "{of_lod}{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
          triangles  {} of leaves, {} of wood\n  \
@@ -92,11 +130,8 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     Ok(Printed::single(pretty, record))
 }
 
-/// What is said of a level of detail.
-struct Lod {
-    name: String,
-    record: Value,
-}
+/// What a level of detail is called, and its record.
+type Lod = (String, GrownLodRecord);
 
 fn grown(source: &RuleSource, args: &args::Grow) -> Result<(GrownPlant, Option<Lod>), Failure> {
     let (rules, name) = (&*source.rules, &*source.name);
@@ -108,11 +143,7 @@ fn grown(source: &RuleSource, args: &args::Grow) -> Result<(GrownPlant, Option<L
     let skeleton = rules_skeleton(rules, name, leaves, seed).map_err(|e| source.failure(e))?;
     let level = grow_lod::level(name, &skeleton, amount, args)?;
     let plant = plant_of(level.skeleton, rules, name, seed).map_err(|e| source.failure(e))?;
-    let lod = Lod {
-        name: level.name,
-        record: level.record,
-    };
-    Ok((plant, Some(lod)))
+    Ok((plant, Some((level.name, level.record))))
 }
 
 fn check_outputs(args: &args::Grow) -> Result<(), Failure> {

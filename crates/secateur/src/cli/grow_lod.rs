@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use secateur_plant::{Chain, Metric, Record, Skeleton, check_depth, merge_levels};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::args::{self, LodMethod};
 use super::failure::Failure;
@@ -33,7 +34,23 @@ impl FromStr for Amount {
 pub(crate) struct GrownLevel {
     pub(crate) skeleton: Skeleton,
     pub(crate) name: String,
-    pub(crate) record: Value,
+    pub(crate) record: GrownLodRecord,
+}
+
+/// A level of detail by the plant's own branches.
+#[derive(Clone, Serialize, JsonSchema)]
+pub(crate) struct GrownLodRecord {
+    /// `chain` or `merge`.
+    method: &'static str,
+    /// The number of the level, from 1.
+    level: usize,
+    /// How many there are.
+    levels: usize,
+    /// merge: the thinnest stick that is left as it was, in metres, if any is.
+    threshold: Option<f64>,
+    /// merge: sticks that others stand for.
+    sticks_replaced: Option<usize>,
+    leaves_original: usize,
 }
 
 /// The level that is asked for of this plant.
@@ -63,12 +80,14 @@ fn of_chain(name: &str, skeleton: &Skeleton, amount: Amount) -> Result<GrownLeve
     Ok(GrownLevel {
         skeleton: chain.skeleton(levels),
         name: format!("{levels} of {} levels of its chain", chain.levels()),
-        record: json!({
-            "method": "chain",
-            "level": levels,
-            "levels": chain.levels(),
-            "leaves_original": skeleton.leaves.len(),
-        }),
+        record: GrownLodRecord {
+            method: "chain",
+            level: levels,
+            levels: chain.levels(),
+            threshold: None,
+            sticks_replaced: None,
+            leaves_original: skeleton.leaves.len(),
+        },
     })
 }
 
@@ -94,7 +113,7 @@ fn of_scheme(
     amount: Amount,
     args: &args::Grow,
 ) -> Result<GrownLevel, Failure> {
-    let levels = merge_levels(skeleton, &args.scheme, args.cluster_size.into());
+    let levels = merge_levels(skeleton, &args.scheme, args.cluster_size);
     let count = levels.len();
     let number = match amount {
         Amount::Level(level) => level,
@@ -110,14 +129,14 @@ fn of_scheme(
     let level = level.expect("the number of a level was checked");
     Ok(GrownLevel {
         name: format!("level {number} of {count} by merging"),
-        record: json!({
-            "method": "merge",
-            "level": number,
-            "levels": count,
-            "threshold": level.threshold.is_finite().then_some(level.threshold),
-            "sticks_replaced": level.replaced,
-            "leaves_original": skeleton.leaves.len(),
-        }),
+        record: GrownLodRecord {
+            method: "merge",
+            level: number,
+            levels: count,
+            threshold: Some(level.threshold).filter(|threshold| threshold.is_finite()),
+            sticks_replaced: Some(level.replaced),
+            leaves_original: skeleton.leaves.len(),
+        },
         skeleton: level.skeleton,
     })
 }

@@ -1,6 +1,7 @@
 //! Runs `secateur inspect`: says what a file holds and what of it are leaves.
 
 use std::path::Path;
+use std::time::Instant;
 
 use secateur::Document;
 use serde_json::json;
@@ -8,10 +9,12 @@ use serde_json::json;
 use super::args;
 use super::failure::Failure;
 use super::print::Printed;
+use super::record::Record;
 use super::{output, record};
 
 /// Shows what is in a file; that the foliage can't be told is no failure.
 pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
+    let start = Instant::now();
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.tree])?;
     }
@@ -20,11 +23,13 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;
     let inspection = document.inspect(&args.foliage.foliage);
-    let record = json!(inspection);
+    let pretty = inspection.to_string();
+    let rows = inspection.primitives.iter().map(|p| json!(p)).collect();
+    let total = start.elapsed().as_secs_f64();
+    let record = Record::new("inspect", inspection, &[], total).to_value();
     record::write(args.report.as_deref(), &record)?;
     Ok(Printed {
-        pretty: inspection.to_string(),
-        rows: inspection.primitives.iter().map(|p| json!(p)).collect(),
-        record,
+        rows,
+        ..Printed::single(pretty, record)
     })
 }

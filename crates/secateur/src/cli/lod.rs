@@ -3,15 +3,40 @@
 use std::path::Path;
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use secateur::{Document, LodModel, WriteOptions};
-use serde_json::json;
+use serde::Serialize;
 
 use super::args::{self, LevelArgs};
 use super::failure::Failure;
 use super::print::Printed;
+use super::record::{Bytes, Counts, Record, bytes_of, shown};
 use super::simplify::{share, timed, warn_all};
 use super::summary::{columns, grouped};
-use super::{interrupt, machine, order, output, record};
+use super::{interrupt, order, output, record};
+
+/// A level along a removal order.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct LodRecord {
+    /// The plant's file.
+    input: String,
+    /// The files that were written, the one that was asked for first.
+    output: Vec<String>,
+    bytes: Bytes,
+    leaves: Counts,
+    /// Triangles of the whole plant.
+    triangles: Counts,
+    /// Triangles of leaves.
+    foliage_triangles: Counts,
+    /// Steps of the order, and how many of them lead to the level.
+    steps: Counts,
+    /// SHA-256 of the steps that lead to the level.
+    order_sha256: String,
+    /// The largest area of a leaf as a multiple of its original one.
+    max_area_scale: f64,
+    /// What of the written file is not as one might expect, a sentence each.
+    notes: Vec<String>,
+}
 
 /// Reads a tree and an order, writes one level.
 pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
@@ -53,24 +78,23 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
     let mut prefix = model.order().clone();
     prefix.truncate(steps);
     let triangles_left = lod.foliage(tree.foliage()).triangles().len();
-    let record = json!({
-        "input": args.tree.display().to_string(),
-        "output": written.files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),
-        "bytes": { "original": record::bytes_of(&args.tree), "final": written.bytes },
-        "leaves": { "original": model.most_leaves(), "final": lod.leaf_count() },
-        "triangles": { "original": tree.triangle_count(), "final": written.triangles },
-        "foliage_triangles": {
-            "original": tree.foliage().triangles().len(),
-            "final": triangles_left,
+    let record = LodRecord {
+        input: args.tree.display().to_string(),
+        output: shown(&written.files),
+        bytes: Bytes {
+            original: bytes_of(&args.tree),
+            written: written.bytes,
         },
-        "steps": { "original": model.order().len(), "final": steps },
-        "order_sha256": prefix.sha256(),
-        "max_area_scale": lod.max_area_scale(),
-        "seconds": record::seconds(&stages, start.elapsed().as_secs_f64()),
-        "peak_rss_bytes": machine::peak_rss_bytes(),
-        "notes": written.notes,
-        "run": record::provenance("lod"),
-    });
+        leaves: Counts::of(model.most_leaves(), lod.leaf_count()),
+        triangles: Counts::of(tree.triangle_count(), written.triangles),
+        foliage_triangles: Counts::of(tree.foliage().triangles().len(), triangles_left),
+        steps: Counts::of(model.order().len(), steps),
+        order_sha256: prefix.sha256(),
+        max_area_scale: lod.max_area_scale(),
+        notes: written.notes.clone(),
+    };
+    let total = start.elapsed().as_secs_f64();
+    let record = Record::new("lod", record, &stages, total).to_value();
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
 

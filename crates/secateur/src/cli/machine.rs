@@ -1,6 +1,7 @@
 //! What the machine is, for reports.
 
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// The largest resident set of this process so far in bytes, where the system
 /// tells.
@@ -29,14 +30,26 @@ pub(crate) fn give_back_free_memory() {
 }
 
 /// Processor, cores and system.
-pub(crate) fn describe() -> Value {
-    json!({
-        "cpu": cpu_model(),
-        "cores": std::thread::available_parallelism().ok().map(|n| n.get()),
-        "threads": rayon::current_num_threads(),
-        "os": std::env::consts::OS,
-        "arch": std::env::consts::ARCH,
-    })
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Machine {
+    /// The processor's name, where the system tells.
+    cpu: Option<String>,
+    cores: Option<usize>,
+    /// Threads that the program used.
+    threads: usize,
+    os: &'static str,
+    arch: &'static str,
+}
+
+/// The machine that this runs on.
+pub(crate) fn describe() -> Machine {
+    Machine {
+        cpu: cpu_model(),
+        cores: std::thread::available_parallelism().ok().map(|n| n.get()),
+        threads: rayon::current_num_threads(),
+        os: std::env::consts::OS,
+        arch: std::env::consts::ARCH,
+    }
 }
 
 fn cpu_model() -> Option<String> {

@@ -3,20 +3,132 @@
 use std::path::Path;
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use secateur::{AsDrawnMeasurement, Difference, Document, Measurement, PictureMeasurement};
 use secateur_eval::ViewCount;
-use secateur_eval::measure::{Scores, VMI_ERROR_PERCENT};
-use secateur_eval::pictures::PictureScores;
+use secateur_eval::measure::{RigMeasurement, Scores, VMI_ERROR_PERCENT};
+use secateur_eval::pictures::{PictureRigMeasurement, PictureScores};
 use secateur_model::Surface;
-use serde_json::json;
+use serde::Serialize;
 
 use super::args;
 use super::failure::Failure;
 use super::names::text;
 use super::print::Printed;
+use super::record::Record;
 use super::simplify::warn_all;
 use super::summary::grouped;
 use super::{interrupt, output, record};
+
+/// How a simplified tree compares with its original.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct MeasureRecord {
+    #[serde(flatten)]
+    measured: Metrics,
+    /// The original's file.
+    original: String,
+    /// The simplified tree's file.
+    simplified: String,
+    leaves: OfBoth,
+    /// Triangles of the whole plant.
+    triangles: OfBoth,
+    /// The largest difference at the heights asked for.
+    difference: f64,
+    /// The largest `block_coverage` at these heights.
+    block_coverage: f64,
+    differences: Vec<DifferenceAt>,
+    /// What has to be said of the result, a sentence each.
+    warnings: Vec<String>,
+    /// What a client draws, if `--as-drawn` asks for it.
+    as_drawn: Option<AsDrawnMeasurement>,
+    alpha: String,
+    sides: String,
+    /// The views that judge, as `--views` spells them.
+    judged_by: String,
+}
+
+/// The metrics of foliage and of pictures: the mean over the sets of views, and what it is of.
+#[derive(Serialize, JsonSchema)]
+struct Metrics {
+    #[serde(flatten)]
+    overall: AllScores,
+    /// The worst set's value of each metric; of one set alone its worst view's.
+    worst: AllScores,
+    /// Of each view alone, set by set.
+    per_view: Vec<AllScores>,
+    /// How many views were judged, of all sets.
+    views: usize,
+    /// Width and height of images in pixels.
+    resolution: u32,
+    /// Each set by itself.
+    rigs: Vec<SetMetrics>,
+}
+
+/// The metrics by one set of views.
+#[derive(Serialize, JsonSchema)]
+struct SetMetrics {
+    #[serde(flatten)]
+    overall: AllScores,
+    /// The worst view's value of each metric.
+    worst: AllScores,
+    per_view: Vec<AllScores>,
+}
+
+/// Metrics of foliage and of pictures, by their keys.
+#[derive(Serialize, JsonSchema)]
+struct AllScores {
+    #[serde(flatten)]
+    counted: Scores,
+    #[serde(flatten)]
+    pictured: PictureScores,
+}
+
+/// A number of the original and of the simplified tree.
+#[derive(Serialize, JsonSchema)]
+struct OfBoth {
+    original: u64,
+    simplified: u64,
+}
+
+/// The difference that people see at a height on the screen.
+#[derive(Serialize, JsonSchema)]
+struct DifferenceAt {
+    pixels_high: f64,
+    #[serde(flatten)]
+    seen: Difference,
+}
+
+impl Metrics {
+    fn of(counted: &Measurement, pictured: &PictureMeasurement) -> Self {
+        let sets = counted.rigs.iter().zip(&pictured.rigs);
+        let set = |(counted, pictured): (&RigMeasurement, &PictureRigMeasurement)| SetMetrics {
+            overall: AllScores::of((&counted.overall, &pictured.overall)),
+            worst: AllScores::of((&counted.worst, &pictured.worst)),
+            per_view: AllScores::of_all(&counted.per_view, &pictured.per_view),
+        };
+        Self {
+            overall: AllScores::of((&counted.overall, &pictured.overall)),
+            worst: AllScores::of((&counted.worst, &pictured.worst)),
+            per_view: AllScores::of_all(&counted.per_view, &pictured.per_view),
+            views: counted.views,
+            resolution: counted.resolution,
+            rigs: sets.map(set).collect(),
+        }
+    }
+}
+
+impl AllScores {
+    fn of((counted, pictured): (&Scores, &PictureScores)) -> Self {
+        Self {
+            counted: counted.clone(),
+            pictured: pictured.clone(),
+        }
+    }
+
+    fn of_all(counted: &[Scores], pictured: &[PictureScores]) -> Vec<Self> {
+        counted.iter().zip(pictured).map(Self::of).collect()
+    }
+}
 
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
@@ -36,10 +148,10 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         output::check_spares(tree.document(), &outputs)?;
     }
     interrupt::check()?;
-    let (alpha, sides) = (args.alpha.into(), secateur::Sides::from(args.sides));
+    let (alpha, sides) = (args.alpha, args.sides);
     let foliages =
         [&original, &simplified].map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
-    let views = args.views.into();
+    let views = args.views;
     let measured = secateur::measure_by(views, &foliages[0], &foliages[1])
         .map_err(Failure::about(&args.original))?;
     interrupt::check()?;
@@ -69,32 +181,32 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         None => None,
     };
     let total = start.elapsed().as_secs_f64();
-    let about = json!({
-        "original": args.original.display().to_string(),
-        "simplified": args.simplified.display().to_string(),
-        "leaves": {
-            "original": foliages[0].leaves().len(),
-            "simplified": foliages[1].leaves().len(),
+    let of_height = |(pixels_high, seen): &(f64, Difference)| DifferenceAt {
+        pixels_high: *pixels_high,
+        seen: *seen,
+    };
+    let record = MeasureRecord {
+        measured: Metrics::of(&measured, &pictured),
+        original: args.original.display().to_string(),
+        simplified: args.simplified.display().to_string(),
+        leaves: OfBoth {
+            original: foliages[0].leaves().len() as u64,
+            simplified: foliages[1].leaves().len() as u64,
         },
-        "triangles": {
-            "original": original.triangle_count(),
-            "simplified": simplified.triangle_count(),
+        triangles: OfBoth {
+            original: original.triangle_count(),
+            simplified: simplified.triangle_count(),
         },
-        "difference": difference,
-        "block_coverage": worst(|seen| seen.block_coverage),
-        "differences": differences.iter().map(|(pixels_high, seen)| {
-            record::joined(json!({ "pixels_high": pixels_high }), json!(seen))
-        }).collect::<Vec<_>>(),
-        "warnings": warnings,
-        "as_drawn": drawn,
-        "alpha": text(args.alpha),
-        "sides": text(args.sides),
-        "judged_by": text(args.views),
-        "seconds": record::seconds(&[], total),
-        "run": record::provenance("measure"),
-    });
-    let metrics = record::merged(json!(measured), json!(pictured));
-    let record = record::joined(metrics, about);
+        difference,
+        block_coverage: worst(|seen| seen.block_coverage),
+        differences: differences.iter().map(of_height).collect(),
+        warnings,
+        as_drawn: drawn,
+        alpha: text(args.alpha),
+        sides: text(args.sides),
+        judged_by: text(args.views),
+    };
+    let record = Record::new("measure", record, &[], total).to_value();
     record::write(args.report.as_deref(), &record)?;
     let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
     Ok(Printed::single(
@@ -126,6 +238,41 @@ pub(crate) fn another_plant(difference: f64) -> String {
     )
 }
 
+/// Metrics of the summary: name, key, and what they say.
+const METRICS: [(&str, &str, &str); 7] = [
+    (
+        "VMI error",
+        "vmi_error_percent",
+        "information lost, less is better",
+    ),
+    (
+        "silhouette IoU",
+        "silhouette_iou",
+        "overlap of the outlines, 1 is best",
+    ),
+    (
+        "precision",
+        "precision",
+        "pixels of the result that the original has too",
+    ),
+    (
+        "recall",
+        "recall",
+        "pixels of the original that the result still has",
+    ),
+    (
+        "coverage",
+        "coverage_ratio",
+        "pixels of the result over those of the original",
+    ),
+    ("SSIM", "ssim", "likeness of shaded pictures, 1 is best"),
+    (
+        "FLIP",
+        "flip_mean",
+        "visible difference of shaded pictures, 0 is best",
+    ),
+];
+
 fn pretty(
     measured: &Measurement,
     (pictured, differences): (&PictureMeasurement, &[(f64, Difference)]),
@@ -139,16 +286,21 @@ fn pretty(
         1 => format!("  {name:<14}  {mean:>10}   {what}\n"),
         _ => format!("  {name:<14}  {mean:>10}  {worst:>10}   {what}\n"),
     };
-    let of_foliage = |name: &str, key: &str, what: &str| {
-        let text = |scores: &Scores| match scores.get(key).unwrap_or(f64::NAN) {
+    let metric = |(name, key, what): (&str, &str, &str)| {
+        let text = |(counted, pictured): (&Scores, &PictureScores)| match counted
+            .get(key)
+            .or(pictured.get(key))
+            .unwrap_or(f64::NAN)
+        {
             percent if key == VMI_ERROR_PERCENT.key => format!("{percent:.2} %"),
             value => format!("{value:.4}"),
         };
-        line(name, [&measured.overall, &measured.worst].map(text), what)
-    };
-    let of_pictures = |name: &str, key: &str, what: &str| {
-        let text = |scores: &PictureScores| format!("{:.4}", scores.get(key).unwrap_or(f64::NAN));
-        line(name, [&pictured.overall, &pictured.worst].map(text), what)
+        let overall = text((&measured.overall, &pictured.overall));
+        line(
+            name,
+            [overall, text((&measured.worst, &pictured.worst))],
+            what,
+        )
     };
     let [before, after] = leaves.map(grouped);
     let (each, side) = (measured.views / sets.max(1), measured.resolution);
@@ -156,40 +308,12 @@ fn pretty(
         1 => format!("{each} views of {side} x {side} pixels"),
         _ => format!("{sets} sets of {each} views of {side} x {side} pixels: mean and worst set"),
     };
-    let mut lines = vec![
-        line("leaves", [after, String::new()], &format!("of {before}")),
-        of_foliage(
-            "VMI error",
-            "vmi_error_percent",
-            "information lost, less is better",
-        ),
-        of_foliage(
-            "silhouette IoU",
-            "silhouette_iou",
-            "overlap of the outlines, 1 is best",
-        ),
-        of_foliage(
-            "precision",
-            "precision",
-            "pixels of the result that the original has too",
-        ),
-        of_foliage(
-            "recall",
-            "recall",
-            "pixels of the original that the result still has",
-        ),
-        of_foliage(
-            "coverage",
-            "coverage_ratio",
-            "pixels of the result over those of the original",
-        ),
-        of_pictures("SSIM", "ssim", "likeness of shaded pictures, 1 is best"),
-        of_pictures(
-            "FLIP",
-            "flip_mean",
-            "visible difference of shaded pictures, 0 is best",
-        ),
-    ];
+    let mut lines = vec![line(
+        "leaves",
+        [after, String::new()],
+        &format!("of {before}"),
+    )];
+    lines.extend(METRICS.map(metric));
     for (pixels_high, seen) in differences {
         let what = format!(
             "what people see {pixels_high} pixels high: up to .18 cannot be told, .28 is good, .5 is coarse; coverage of the worst block is {:.3} off",

@@ -24,7 +24,9 @@ mod picture;
 mod print;
 mod progress_bar;
 mod record;
+mod schema;
 mod simplify;
+mod simplify_record;
 mod stream;
 mod study;
 mod summary;
@@ -85,6 +87,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Study(args) => study::run(args, &cli.common)?,
         Command::Stream(args) => stream::run(args, &cli.common)?,
         Command::Grow(args) => grow::run(args, &cli.common)?,
+        Command::Schema(args) => schema::run(args)?,
     };
     if cli.common.quiet {
         return Ok(());

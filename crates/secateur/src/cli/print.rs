@@ -13,10 +13,27 @@ use super::failure::Failure;
 pub(crate) struct Printed {
     /// Lines for a reader (`--format pretty`).
     pub(crate) pretty: String,
-    /// The record as `--format json` prints it.
-    pub(crate) record: Value,
+    /// The records as `--format json` prints them.
+    pub(crate) records: Records,
     /// The records that make the rows of tables.
     pub(crate) rows: Vec<Value>,
+}
+
+/// What a command says for programs.
+pub(crate) enum Records {
+    /// A record, indented.
+    One(Value),
+    /// A record for each plant, one a line (JSON lines), however many there are.
+    Lines(Vec<Value>),
+}
+
+impl Records {
+    pub(crate) fn as_text(&self) -> String {
+        match self {
+            Self::One(record) => format!("{record:#}\n"),
+            Self::Lines(records) => records.iter().map(|record| format!("{record}\n")).collect(),
+        }
+    }
 }
 
 impl Printed {
@@ -25,14 +42,14 @@ impl Printed {
         Self {
             pretty,
             rows: vec![record.clone()],
-            record,
+            records: Records::One(record),
         }
     }
 
     pub(crate) fn as_text(&self, format: Format) -> String {
         match format {
             Format::Pretty => self.pretty.clone(),
-            Format::Json => format!("{:#}\n", self.record),
+            Format::Json => self.records.as_text(),
             Format::Csv => csv(&self.table()),
             Format::Md => markdown(&self.table()),
         }

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur::{
-    ChainOptions, Error, Foliage, FsaOptions, Level, LevelOptions, LevelParts, LevelWarning, Lod,
-    MergeOptions, MeshoptBorders, MeshoptOptions, Method, Objective, Opening, Options, Plant,
-    PreparedLod, Preset, Progress, Resolution, Simplified, StagedFiles, StochasticOptions, Stopped,
-    VdsOptions, Views, Warning, WoodMode, WriteOptions, Written, read_cameras,
+    Error, Foliage, Level, LevelOptions, LevelParts, LevelWarning, Lod, MeshoptBorders,
+    MeshoptOptions, Method, Objective, Opening, Options, Plant, PreparedLod, Progress, Resolution,
+    Simplified, StagedFiles, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
+    read_cameras,
 };
 use secateur_raster::Scene;
 
@@ -18,7 +18,8 @@ use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::{self, RunRecord};
+use super::record::{self, Record};
+use super::simplify_record::Simplifying;
 use super::summary::{columns, grouped, percent, size};
 use super::{colors, cutoffs, interrupt, machine, order, output};
 
@@ -37,7 +38,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         foliage: args.foliage.foliage.clone(),
         vertex_alpha: args.vertex_alpha.vertex_alpha,
         wood: match args.wood {
-            Some(wood) => wood.into(),
+            Some(wood) => wood,
             None => LevelOptions::usual_wood(options.target),
         },
         memory: args.memory.memory,
@@ -95,22 +96,21 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     if let Some(folder) = &args.debug_images {
         stage_debug_images(&mut staged, folder, &options, &plant, result)?;
     }
-    let run = RunRecord {
+    let run = Simplifying {
         input: &args.tree,
         plant: &plant,
         level: &level,
         options: &options,
         written: &written,
         surroundings: &surroundings,
-        stages: &stages,
-        total_seconds: start.elapsed().as_secs_f64(),
         warnings: &warnings,
     };
-    let record = record::of_simplify(&run, args);
+    let total = start.elapsed().as_secs_f64();
+    let record = Record::new("simplify", run.record(args), &stages, total).to_value();
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
     warn_all(&of_look);
-    Ok(Printed::single(pretty(&run, args), record))
+    Ok(Printed::single(pretty(&run, args, total), record))
 }
 
 /// The outputs, none of which is known to be in the way of another file.
@@ -145,20 +145,20 @@ fn write_options(args: &args::Simplify) -> WriteOptions {
 
 /// What a run is asked to do.
 pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
-    let options = Options::with_preset(args.preset.into(), args.target.target());
+    let options = Options::with_preset(args.preset, args.target.target());
     Ok(Options {
         method: method(args),
-        engine: args.engine.into(),
+        engine: args.engine,
         views: match &args.views {
             Some(name) => views(name)?,
             None => options.views.clone(),
         },
         field_of_view: args.field_of_view.unwrap_or(options.field_of_view),
         resolution: args.resolution.unwrap_or(options.resolution),
-        alpha: args.alpha.map_or(options.alpha, Into::into),
-        sides: args.sides.map_or(options.sides, Into::into),
+        alpha: args.alpha.unwrap_or(options.alpha),
+        sides: args.sides.unwrap_or(options.sides),
         leaf_triangles: args.leaf_triangles.unwrap_or(options.leaf_triangles),
-        needles: args.needles.map_or(options.needles, Into::into),
+        needles: args.needles.unwrap_or(options.needles),
         fit: args.fit,
         audit: args.audit || (options.audit && !args.no_audit),
         ..options
@@ -169,44 +169,32 @@ fn method(args: &args::Simplify) -> Method {
     match args.method {
         MethodName::Vds => Method::Vds(vds(args)),
         MethodName::VdsReference => Method::VdsReference(vds(args)),
-        MethodName::Fsa => Method::Fsa(FsaOptions {
-            distance_weight: args.distance_weight,
-            planarity_weight: args.planarity_weight,
-            corners: args.corners.into(),
-            hausdorff: args.hausdorff.into(),
-        }),
-        MethodName::Stochastic => Method::Stochastic(StochasticOptions {
-            seed: args.seed,
-            area_weight: args.area_weight,
-        }),
+        MethodName::Fsa => Method::Fsa(args.fsa),
+        MethodName::Stochastic => Method::Stochastic(args.stochastic),
         MethodName::Meshopt => Method::Meshopt(MeshoptOptions {
-            mode: args.meshopt_mode.into(),
+            mode: args.meshopt_mode,
             borders: match (args.preserve_area, args.dilate_borders) {
                 (true, _) => MeshoptBorders::PreserveArea,
                 (false, true) => MeshoptBorders::Dilate,
                 (false, false) => MeshoptBorders::Stay,
             },
         }),
-        MethodName::Chain => Method::Chain(ChainOptions {
-            branch_metric: args.branch_metric.into(),
-        }),
-        MethodName::Merge => Method::Merge(MergeOptions {
-            cluster_size: args.cluster_size.into(),
-        }),
+        MethodName::Chain => Method::Chain(args.chain),
+        MethodName::Merge => Method::Merge(args.merge),
     }
 }
 
 fn vds(args: &args::Simplify) -> VdsOptions {
-    let preset = Preset::from(args.preset).vds();
+    let preset = args.preset.vds();
     VdsOptions {
-        reference: args.reference.map_or(preset.reference, Into::into),
-        resize: args.resize.map_or(preset.resize, Into::into),
+        reference: args.reference.unwrap_or(preset.reference),
+        resize: args.resize.unwrap_or(preset.resize),
         neighbours: args.neighbours as usize,
         max_coverage: match args.max_coverage {
             Some(MaxCoverage(limit)) => limit,
             None => preset.max_coverage,
         },
-        ties: args.ties.into(),
+        ties: args.ties,
     }
 }
 
@@ -235,8 +223,8 @@ fn level<'p>(
     let progress_bar = RunProgress::new(common);
     let options = LevelOptions {
         simplify: options.clone(),
-        cutoffs: args.cutoffs.map(Into::into).unwrap_or_default(),
-        colors: args.colors.map(Into::into).unwrap_or_default(),
+        cutoffs: args.cutoffs.unwrap_or_default(),
+        colors: args.colors.unwrap_or_default(),
     };
     let level = plant.level_watched(&options, &mut |progress| {
         if let Progress::Stage(_) = progress {
@@ -379,8 +367,8 @@ fn fitted_to(objective: Objective) -> String {
 }
 
 /// Whether `measure` looks from elsewhere than what drove the run.
-fn who_judges(run: &RunRecord<'_>) -> String {
-    match record::driving_views_that_judge(run) {
+fn who_judges(run: &Simplifying<'_>) -> String {
+    match run.driving_views_that_judge() {
         0 => "`secateur measure` judges by others".to_owned(),
         count => {
             format!("`secateur measure` judges by {count} of them too, which flatters the result")
@@ -388,7 +376,7 @@ fn who_judges(run: &RunRecord<'_>) -> String {
     }
 }
 
-fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
+fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String {
     let (result, written): (&Simplified, &Written) = (&run.level.simplified, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
     let numbers = |name: &str, before: u64, after: u64| {
@@ -475,7 +463,7 @@ fn pretty(run: &RunRecord<'_>, args: &args::Simplify) -> String {
     let memory = machine::peak_rss_bytes().map(|bytes| format!(", {} of memory", size(bytes)));
     say(
         "cost",
-        format!("{:.2} s{}", run.total_seconds, memory.unwrap_or_default()),
+        format!("{seconds:.2} s{}", memory.unwrap_or_default()),
     );
     if let Some(path) = result.audited_by {
         say("audit", format!("the {path} draws the same areas"));

@@ -6,28 +6,90 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use secateur::{
     ChainOptions, Document, LodModel, Method, Options, StagedFiles, Target, Tree, simplify_with,
     surfaces_to_glb,
 };
 use secateur_gltf::Detail;
-use secateur_scene::stream::{Stream, read_stream, stream_page, write_stream};
-use serde_json::{Value, json};
+use secateur_scene::stream::{Piece, Stream, read_stream, stream_page, write_stream};
+use serde::Serialize;
+use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
 use super::not_sent::not_sent;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
+use super::record::{Bytes, Counts, Record, bytes_of, shown_if};
 use super::simplify::{sentences, share, timed, warn_all};
 use super::summary::{columns, grouped, size};
-use super::{interrupt, machine, order, output, record};
+use super::{interrupt, order, output, record};
 
 /// Of the leaves, what the first piece has where nothing else is said.
 const FIRST_SHARE: f64 = 0.02;
 
 /// What of a stream a summary shows: the level when this share of its bytes is there.
 const SHARES: [f64; 6] = [0.0, 0.1, 0.25, 0.5, 0.75, 1.0];
+
+/// A stream that was written.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct StreamRecord {
+    /// The plant's file.
+    input: String,
+    /// The stream.
+    output: String,
+    /// The page that shows the plant as it arrives, if one was asked for.
+    preview: Option<String>,
+    bytes: Bytes,
+    leaves: OfFirst,
+    /// Triangles of the whole plant.
+    triangles: OfFirst,
+    /// Pieces of the stream, the coarsest level first.
+    pieces: Vec<Piece>,
+    /// What the plant has and the stream has not, by the names of the file format.
+    not_sent: Vec<String>,
+    order_sha256: String,
+}
+
+/// A number of the original and of the first piece.
+#[derive(Serialize, JsonSchema)]
+struct OfFirst {
+    original: u64,
+    first: u64,
+}
+
+/// The plant of a stream, or of as much as there is of one.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct StreamReadRecord {
+    /// The stream.
+    input: String,
+    /// The plant's file.
+    output: String,
+    bytes: BytesRead,
+    leaves: Counts,
+    triangles: Counts,
+    pieces: PiecesRead,
+    steps: Counts,
+    order_sha256: String,
+    is_whole: bool,
+}
+
+/// Bytes that were read, those of whole pieces, and those of the file that was written.
+#[derive(Serialize, JsonSchema)]
+struct BytesRead {
+    read: u64,
+    used: u64,
+    #[serde(rename = "final")]
+    written: u64,
+}
+
+/// Pieces of a stream, and how many of them were there.
+#[derive(Serialize, JsonSchema)]
+struct PiecesRead {
+    all: u64,
+    read: u64,
+}
 
 /// Reads a tree and writes a stream, or the other way round.
 pub(crate) fn run(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
@@ -85,27 +147,36 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
         let html = stream_page(&name, &stream, beside.as_deref());
         output::stage(&mut staged, page, html.as_bytes())?;
     }
-    let pieces: Vec<Value> = stream.pieces.iter().map(|piece| json!(piece)).collect();
-    let record = json!({
-        "input": args.input.display().to_string(),
-        "output": args.output.display().to_string(),
-        "preview": args.preview.as_ref().map(|page| page.display().to_string()),
-        "bytes": { "original": record::bytes_of(&args.input), "final": stream.bytes.len() },
-        "leaves": { "original": model.most_leaves(), "first": stream.pieces[0].leaves },
-        "triangles": { "original": tree.triangle_count(), "first": stream.pieces[0].triangles },
-        "pieces": pieces,
-        "not_sent": not_sent,
-        "order_sha256": model.order().sha256(),
-        "seconds": record::seconds(&stages, start.elapsed().as_secs_f64()),
-        "peak_rss_bytes": machine::peak_rss_bytes(),
-        "run": record::provenance("stream"),
-    });
+    let first = stream.pieces[0];
+    let record = StreamRecord {
+        input: args.input.display().to_string(),
+        output: args.output.display().to_string(),
+        preview: shown_if(args.preview.as_deref()),
+        bytes: Bytes {
+            original: bytes_of(&args.input),
+            written: stream.bytes.len() as u64,
+        },
+        leaves: OfFirst {
+            original: model.most_leaves() as u64,
+            first: first.leaves.into(),
+        },
+        triangles: OfFirst {
+            original: tree.triangle_count(),
+            first: first.triangles,
+        },
+        pieces: stream.pieces.clone(),
+        not_sent,
+        order_sha256: model.order().sha256(),
+    };
+    let total = start.elapsed().as_secs_f64();
+    let record = Record::new("stream", record, &stages, total).to_value();
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
+    let rows = stream.pieces.iter().map(|piece| json!(piece)).collect();
     Ok(Printed {
         pretty: pretty(args, &tree, &stream),
-        record,
-        rows: pieces,
+        rows,
+        ..Printed::single(String::new(), record)
     })
 }
 
@@ -135,7 +206,7 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
         (None, ratio) => Target::leaf_share(ratio.unwrap_or(FIRST_SHARE)),
     };
     let mut options = Options::to(target);
-    options.engine = args.engine.into();
+    options.engine = args.engine;
     options.memory = tree.memory_left();
     options.audit = false;
     if coarsest.chain {
@@ -185,7 +256,7 @@ fn pretty(args: &args::Stream, tree: &Tree, stream: &Stream) -> String {
     text += &columns(&rows);
     let pieces = stream.pieces.len();
     text += &format!("  pieces     {pieces}; every prefix from the first one on is a plant\n");
-    if let Some(file) = record::bytes_of(&args.input) {
+    if let Some(file) = bytes_of(&args.input) {
         text += &format!("  the tree   {} as a file\n", size(file));
     }
     if let Some(page) = &args.preview {
@@ -224,20 +295,26 @@ fn read(args: &args::Stream) -> Result<Printed, Failure> {
     let [triangles, of_triangles] = plant.triangles();
     let [pieces, of_pieces] = plant.pieces();
     let [steps, of_steps] = plant.steps();
-    let record = json!({
-        "input": args.input.display().to_string(),
-        "output": args.output.display().to_string(),
-        "bytes": { "read": bytes.len(), "used": used, "final": glb.len() },
-        "leaves": { "original": of_leaves, "final": leaves },
-        "triangles": { "original": of_triangles, "final": triangles },
-        "pieces": { "all": of_pieces, "read": pieces },
-        "steps": { "original": of_steps, "final": steps },
-        "order_sha256": plant.order_sha256(),
-        "is_whole": plant.is_whole(),
-        "seconds": record::seconds(&stages, start.elapsed().as_secs_f64()),
-        "peak_rss_bytes": machine::peak_rss_bytes(),
-        "run": record::provenance("stream"),
-    });
+    let record = StreamReadRecord {
+        input: args.input.display().to_string(),
+        output: args.output.display().to_string(),
+        bytes: BytesRead {
+            read: bytes.len() as u64,
+            used,
+            written: glb.len() as u64,
+        },
+        leaves: Counts::of(of_leaves, leaves),
+        triangles: Counts::of(of_triangles, triangles),
+        pieces: PiecesRead {
+            all: of_pieces.into(),
+            read: pieces.into(),
+        },
+        steps: Counts::of(of_steps, steps),
+        order_sha256: plant.order_sha256().to_owned(),
+        is_whole: plant.is_whole(),
+    };
+    let total = start.elapsed().as_secs_f64();
+    let record = Record::new("stream", record, &stages, total).to_value();
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
     let text = format!(

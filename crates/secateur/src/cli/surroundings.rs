@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use secateur::{Detail, Document, Foliage, Memory, Options, Problem, Views, scene_views};
 use secateur_scene::chain::SceneLook;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::args::SceneArgs;
 use super::failure::Failure;
 use super::output;
+use super::record::{shown, shown_if};
 
 /// What a scene and further files hold.
 #[derive(Default)]
@@ -99,13 +101,23 @@ impl Surroundings {
     }
 
     /// What a record says of them.
-    pub(crate) fn record(&self, args: &SceneArgs) -> Value {
+    pub(crate) fn record(&self, args: &SceneArgs) -> SurroundingsRecord {
         let occluders = self.occluders.as_ref();
-        let files = args.occluder.iter().map(|file| file.display().to_string());
-        json!({
-            "scene": args.scene.as_ref().map(|file| file.display().to_string()),
-            "occluders": files.collect::<Vec<_>>(),
-            "occluder_triangles": occluders.map_or(0, |all| all.triangles().len()),
-        })
+        SurroundingsRecord {
+            scene: shown_if(args.scene.as_deref()),
+            occluders: shown(&args.occluder),
+            occluder_triangles: occluders.map_or(0, |all| all.triangles().len()),
+        }
     }
+}
+
+/// What stands about a plant.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct SurroundingsRecord {
+    /// The file of `--scene`.
+    scene: Option<String>,
+    /// The files of `--occluder`.
+    occluders: Vec<String>,
+    /// Triangles that hide leaves.
+    occluder_triangles: usize,
 }

@@ -28,6 +28,8 @@ use secateur_model::{Foliage, PlantSkeleton, RemovalOrder, Step};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+#[cfg(feature = "cli")]
+use crate::option_numbers::{above_zero, from_zero};
 use crate::select::{Select, Selection, Steps, Task, refuse};
 
 use leaf::{ActiveLeaf, Vertex};
@@ -35,39 +37,54 @@ use pairs::Pairs;
 
 /// Which two corners a leaf gives to the new one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Corners {
-    /// The larger leaf those furthest from the middle of the other, the other those furthest from
-    /// these two: leaves that nearly coincide do not become a sliver.
+    /// Of the larger leaf the two corners furthest from the other leaf's middle, of the other leaf the two
+    /// furthest from those: no slivers.
     #[default]
     Spread,
-    /// Both those furthest from the other leaf, as it is published.
+    /// Of each leaf the two corners furthest from the other leaf, as it is published.
     Furthest,
 }
 
 /// What the Hausdorff distance of two leaves is taken between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Hausdorff {
-    /// The corners of the two leaves.
+    /// Between the corners of the two leaves.
     #[default]
     Corners,
-    /// The surfaces of the two leaves: from the corners of one to the triangles of the other, which is exact for
-    /// flat, convex leaves. A leaf through another's middle is near it, whatever its corners.
+    /// Between the surfaces of the two leaves.
+    ///
+    /// From the corners of one to the triangles of the other, which is exact for flat, convex leaves. A leaf
+    /// through another's middle is near it, whatever its corners.
     Surface,
 }
 
 /// What can be chosen about leaf collapse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct FsaOptions {
+    /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
+    ///
     /// w_d: above 0 and finite.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value_t = 1.0))]
+    #[cfg_attr(feature = "cli", arg(allow_negative_numbers = true, value_parser = above_zero))]
     pub distance_weight: f64,
+    /// fsa: how much it counts that two leaves are not in one plane.
+    ///
     /// w_p: 0 or more and finite.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value_t = 1.0))]
+    #[cfg_attr(feature = "cli", arg(allow_negative_numbers = true, value_parser = from_zero))]
     pub planarity_weight: f64,
-    /// Which corners the new leaf has.
+    /// fsa: which two corners each of two leaves gives to the one that takes their place.
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     #[serde(default)]
     pub corners: Corners,
-    /// What H is the distance of.
+    /// fsa: what the Hausdorff distance of two leaves is taken between.
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     #[serde(default)]
     pub hausdorff: Hausdorff,
 }

@@ -26,15 +26,17 @@ use crate::select::{Select, Selection, Steps, Task};
 
 /// Which of meshoptimizer's simplifiers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
-    /// `simplify` with its option to drop small parts of the mesh.
+    /// `simplify`, then small parts are dropped.
     #[default]
     Prune,
-    /// `simplify` alone: only collapses edges, so that a leaf goes when its last
-    /// triangle loses an edge.
+    /// `simplify` alone, which only collapses edges.
+    ///
+    /// A leaf goes when its last triangle loses an edge.
     Plain,
-    /// `simplify_sloppy`: joins vertices that share a cell of a grid.
+    /// `simplify_sloppy`, which joins vertices that share a cell of a grid.
     Sloppy,
 }
 

@@ -8,23 +8,29 @@ use crate::Target;
 
 /// F of Eq. 4: the foliage that a candidate is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Reference {
-    /// The original foliage, as Algorithm 1 computes it once before its loop.
+    /// Compare with the original foliage.
+    ///
+    /// Algorithm 1 computes it once before its loop.
     #[default]
     Original,
-    /// The foliage before the step.
+    /// Compare with the foliage before the step.
     Previous,
 }
 
 /// The share of a pruned leaf's area that its neighbours gain. Eq. 5 only says
 /// that it lies in 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Resize {
-    /// The cost over the largest cost of any leaf in this step.
+    /// The cost over the largest cost of the step.
     #[default]
     Normalised,
+    /// Like `normalised`, scaled so that other numbers of views grow about as much as 20 do.
+    ///
     /// `max(0, 1 - (1 - cost / largest cost) sqrt(V / 20))` with V views, 20 or more, and
     /// `(cost / largest cost) ^ sqrt(V / 20)` with fewer; 0 where the cost is 0. As
     /// [`Self::Normalised`] with 20 views. A cost is a sum over the views, so costs differ the less in proportion
@@ -32,17 +38,20 @@ pub enum Resize {
     Steady,
     /// The cost in bits, at most 1.
     Literal,
-    /// Always 1: neighbours gain all the area that goes.
+    /// 1: neighbours take over the whole area.
     Full,
+    /// 1 while the views together have lost information, else 0.
+    ///
     /// 1 while the sum over the views of VMI, less that of the original
     /// foliage, is negative without the leaf; else 0.
     Deficit,
-    /// 0: leaves are only removed.
+    /// 0: no leaf grows.
     None,
 }
 
 /// Which of several leaves of the same least cost goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Ties {
     /// The lowest leaf number, as Algorithm 1's strict comparison has it.

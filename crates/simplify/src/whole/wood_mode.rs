@@ -4,20 +4,31 @@ use serde::{Deserialize, Serialize};
 
 /// What becomes of the wood while leaves are simplified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum WoodMode {
+    /// The wood is simplified with the leaves, under one budget of triangles.
+    ///
     /// Wood is simplified too, by whichever of [`Self::Geometry`] and [`Self::Vmi`] looks better a
     /// triangle: see [`Self::decided`].
     Auto,
+    /// The wood stays as it was; the leaves get what it leaves of a budget of triangles.
+    ///
     /// Wood stays as it was: [`simplify_keeping_wood`](super::simplify_keeping_wood).
     Keep,
+    /// The wood stays as it was; a budget of triangles counts the leaves alone.
+    ///
     /// Wood is not looked at: triangles count the leaves alone, as in
     /// [`simplify`](crate::simplify()).
     Ignore,
+    /// As auto, and pieces of wood get coarser by collapses that change the views' information least.
+    ///
     /// Wood is simplified too; pieces get coarser by half-edge collapses that change the mutual
     /// information of views least: [`Wood::by_information`](crate::wood::Wood::by_information).
     Vmi,
+    /// As auto, and pieces of wood get coarser by their geometry.
+    ///
     /// Wood is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`](crate::wood::Wood::by_geometry).
     Geometry,
 }

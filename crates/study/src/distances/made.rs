@@ -164,7 +164,7 @@ impl<'a> Maker<'a> {
                 surfaces,
                 is_impostor: matches!(level.shape, Shape::Impostor(_)),
                 leaves: level.leaves,
-                triangles: level.triangles(),
+                triangles: level.triangles,
             });
             begins_m.push(level.distance);
         }

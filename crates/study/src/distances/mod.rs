@@ -68,6 +68,7 @@ impl WalkPlan {
 
 /// From where a row's plant is seen, and what is drawn there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct SeenFrom {
     /// Which kind of level stands for the plant.
     pub case: DistanceCase,
@@ -81,6 +82,7 @@ pub struct SeenFrom {
 
 /// What is drawn of a plant at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum DistanceCase {
@@ -249,6 +251,7 @@ impl Walk<'_> {
         let provenance = self.host.provenance();
         let (leaves, wood) = (tree.leaves(), tree.wood());
         Row {
+            schema_version: Row::SCHEMA_VERSION,
             tree: identity.tree.clone(),
             tree_sha256: identity.tree_sha256.clone(),
             method,

@@ -84,6 +84,7 @@ impl<'a> PlantJudge<'a> {
         let [picture, difference] = files.map(|file| file.path);
         let provenance = self.host.provenance();
         Ok(Row {
+            schema_version: Row::SCHEMA_VERSION,
             tree: self.identity.tree.clone(),
             tree_sha256: self.identity.tree_sha256.clone(),
             method,

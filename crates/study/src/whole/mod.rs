@@ -27,6 +27,7 @@ const LEVELS: [f64; 3] = [0.5, 0.25, 0.1];
 
 /// What a row of a whole plant counts beside what other rows do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct WholeCounts {
     /// Triangles of the original, wood and leaves.
     pub triangles_original: u64,

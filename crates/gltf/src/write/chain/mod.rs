@@ -40,16 +40,17 @@ use crate::write_problem::WriteProblem;
 use secateur_model::{Lod, Surface, Texture};
 
 /// How the levels of a chain lie in files. Engines exclude each other here.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Layout {
-    /// A file for each level, named after it.
+    /// A file for each level: NAME_LOD0.glb, NAME_LOD1.glb, ...
     Files,
-    /// One file: the levels' nodes are the children of one node that has the
-    /// chain's name, and all of them are in the scene.
+    /// One file with a node for each level under one parent, as Unity and Unreal import it.
     Siblings,
-    /// One file with the extension `MSFT_lod`: the finest level is in the scene
-    /// and names the others, which are not.
+    /// One file with the extension MSFT_lod, as Babylon.js reads it.
+    ///
+    /// The finest level is in the scene and names the others, which are not.
     Msft,
 }
 

@@ -4,7 +4,12 @@ class Chain {
   constructor(scene) {
     const [screenHeight, degrees] = scene.screen;
     const size = scene.high.map((x, k) => Math.max(x - scene.low[k], 1e-9));
-    this.facts = scene.levels.map((level) => level.facts);
+    // Null is what is not known of a level, and what the original would say of itself.
+    this.facts = scene.levels.map(({ facts }) => ({
+      ...facts,
+      leaves: facts.leaves || null,
+      ...(facts.kind === "original" && { difference: null, silhouette_iou: null }),
+    }));
     this.screenHeight = screenHeight;
     this.tangent = Math.tan((degrees * Math.PI) / 360);
     this.size = size;

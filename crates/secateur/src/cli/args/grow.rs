@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use secateur_plant::{MAX_LEAVES, Scheme};
+use secateur_plant::{ClusterSize, MAX_LEAVES, Scheme};
 
 use super::super::grow_lod::Amount;
-use super::super::names::ClusterSizeName;
 
 #[derive(Args, Debug)]
 pub(crate) struct Grow {
@@ -40,8 +39,8 @@ pub(crate) struct Grow {
     )]
     pub(crate) scheme: Scheme,
     /// merge: how large clusters of leaves are.
-    #[arg(long, value_enum, default_value_t = ClusterSizeName::Paper, requires = "lod")]
-    pub(crate) cluster_size: ClusterSizeName,
+    #[arg(long, value_enum, default_value_t = ClusterSize::Paper, requires = "lod")]
+    pub(crate) cluster_size: ClusterSize,
     /// Write the machine-readable record of the run to this file.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,

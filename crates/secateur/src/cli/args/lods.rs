@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use secateur::{Alpha, Engine, Sides};
 
-use super::super::names::{AlphaName, ChainPresetName, ChainWoodName, EngineName, SidesName};
+use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;
-use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, SCREEN_HEIGHTS_PX};
+use secateur_gltf::chain::Layout;
+use secateur_scene::Screen;
+use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
+use secateur_scene::impostor::Choice as ImpostorChoice;
 
 #[derive(Args, Debug)]
 pub(crate) struct Lods {
@@ -33,7 +37,7 @@ pub(crate) struct Lods {
     pub(crate) distances: Option<Distances>,
     /// How the levels lie in files [default: files in a folder, siblings in one file].
     #[arg(long, value_enum)]
-    pub(crate) layout: Option<LayoutName>,
+    pub(crate) layout: Option<Layout>,
     /// The largest difference that a level may have where it begins to be seen: .18 cannot be told at its size, .28
     /// is good, .50 is coarse, for backgrounds.
     #[arg(long, value_name = "F", default_value_t = Limits::GOOD.difference, value_parser = difference)]
@@ -49,7 +53,7 @@ pub(crate) struct Lods {
     /// look no worse than the lightest mesh and, with --distances, cards where they are within --max-difference and
     /// save a third of the triangles of the mesh there [default: auto, none with --levels and --triangles].
     #[arg(long, value_enum)]
-    pub(crate) impostor: Option<ImpostorName>,
+    pub(crate) impostor: Option<ImpostorChoice>,
     /// How many levels coarser the level that casts a level's shadow is, 0 to 2.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=2))]
     pub(crate) shadow_steps: u8,
@@ -62,13 +66,9 @@ pub(crate) struct Lods {
     pub(crate) wood: ChainWoodName,
     /// Which textures cut-out leaves have [default: fit, where leaves are cut out].
     #[arg(long, value_enum)]
-    pub(crate) textures: Option<TexturesName>,
-    /// The height of the screen that the levels are for, in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1080.0, value_parser = screen_height)]
-    pub(crate) screen_height: f64,
-    /// The vertical field of view of the camera that they are seen by, in degrees.
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = field_of_view)]
-    pub(crate) fov: f64,
+    pub(crate) textures: Option<Textures>,
+    #[command(flatten)]
+    pub(crate) screen: Screen,
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
@@ -78,17 +78,17 @@ pub(crate) struct Lods {
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
-    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
-    pub(crate) alpha: AlphaName,
+    #[arg(long, value_enum, default_value_t = Alpha::Mask)]
+    pub(crate) alpha: Alpha,
     /// From which sides leaves are seen.
-    #[arg(long, value_enum, default_value_t = SidesName::Material)]
-    pub(crate) sides: SidesName,
+    #[arg(long, value_enum, default_value_t = Sides::Material)]
+    pub(crate) sides: Sides,
     /// What the leaves are simplified for.
     #[arg(long, value_enum, default_value_t = ChainPresetName::Look)]
     pub(crate) preset: ChainPresetName,
     /// Where to rasterise; results are the same.
-    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
-    pub(crate) engine: EngineName,
+    #[arg(long, value_enum, default_value_t = Engine::Auto)]
+    pub(crate) engine: Engine,
     /// Write a page to look at the original and the chain side by side; it needs nothing else.
     #[arg(long, value_name = "FILE.html")]
     pub(crate) preview: Option<PathBuf>,
@@ -98,62 +98,6 @@ pub(crate) struct Lods {
     /// Write the machine-readable record of the run to this file.
     #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
-}
-
-/// Which impostor a chain ends in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ImpostorName {
-    /// No impostor
-    None,
-    /// Crossed planes
-    Crossed,
-    /// Cards, as few as are within `--max-difference`
-    Cards,
-    /// Octahedral views
-    Octahedral,
-    /// Crossed planes where they look no worse, cards where they are lighter
-    Auto,
-}
-
-impl From<ImpostorName> for secateur_scene::impostor::Choice {
-    fn from(name: ImpostorName) -> Self {
-        match name {
-            ImpostorName::None => Self::None,
-            ImpostorName::Crossed => Self::Crossed,
-            ImpostorName::Cards => Self::Cards,
-            ImpostorName::Octahedral => Self::Octahedral,
-            ImpostorName::Auto => Self::Auto,
-        }
-    }
-}
-
-/// Which textures the leaves of a level have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TexturesName {
-    /// Made for the distance of each level: texels of about a pixel, which cover what the tree's do
-    Fit,
-    /// Those of the tree
-    Keep,
-}
-
-impl From<TexturesName> for secateur_scene::chain::Textures {
-    fn from(name: TexturesName) -> Self {
-        match name {
-            TexturesName::Fit => Self::Fit,
-            TexturesName::Keep => Self::Keep,
-        }
-    }
-}
-
-/// How levels lie in files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LayoutName {
-    /// A file for each level: NAME_LOD0.glb, NAME_LOD1.glb, ...
-    Files,
-    /// One file with a node for each level under one parent, as Unity and Unreal import it
-    Siblings,
-    /// One file with the extension MSFT_lod, as Babylon.js reads it
-    Msft,
 }
 
 /// Distances of levels, rising.
@@ -179,17 +123,4 @@ fn difference(text: &str) -> Result<f64, String> {
 fn metres(text: &str) -> Result<f64, String> {
     let is_height = |m: f64| m > 0.0 && m.is_finite();
     number(text, is_height, "of metres above 0")
-}
-
-fn screen_height(text: &str) -> Result<f64, String> {
-    let is_right = |px: f64| SCREEN_HEIGHTS_PX.contains(&px);
-    number(text, is_right, "of pixels from 16 to 100000")
-}
-
-fn field_of_view(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |n| (1.0..179.0).contains(&n),
-        "of degrees from 1 to 179",
-    )
 }

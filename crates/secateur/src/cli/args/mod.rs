@@ -10,16 +10,17 @@ mod study;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use secateur::{Memory, Selector, VertexAlpha};
+use secateur::{Alpha, Engine, JudgingViews, Memory, Selector, Sides, VertexAlpha};
+use secateur_simplify::option_numbers::{from_zero, number, share};
 
-use super::names::{AlphaName, EngineName, JudgingViewsName, SidesName};
+use super::schema::RecordName;
 
 pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
-pub(crate) use lods::{LayoutName, Lods, TexturesName};
+pub(crate) use lods::Lods;
 pub(crate) use simplify::{MaxCoverage, Simplify};
 pub(crate) use stream::Stream;
-pub(crate) use study::{PlanName, Study};
+pub(crate) use study::Study;
 
 /// Makes the foliage of plants and trees light enough for real-time scenes.
 #[derive(Debug, Parser)]
@@ -58,6 +59,8 @@ pub(crate) enum Command {
     Stream(Box<Stream>),
     /// Grow a plant from rules: a species, or a file of your own.
     Grow(Grow),
+    /// Print the JSON Schema of a record that a command writes, or which records there are.
+    Schema(Schema),
 }
 
 /// Headings that part the many options of `simplify`, and those of all commands.
@@ -107,8 +110,8 @@ pub(crate) struct Demo {
     #[arg(long, value_name = "S", default_value_t = 3)]
     pub(crate) seed: u64,
     /// Where images are drawn; the result is the same, bit for bit.
-    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
-    pub(crate) engine: EngineName,
+    #[arg(long, value_enum, default_value_t = Engine::Auto)]
+    pub(crate) engine: Engine,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
 }
@@ -130,6 +133,13 @@ pub(crate) struct Inspect {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct Schema {
+    /// The record; without a name all are listed.
+    #[arg(value_enum, value_name = "NAME")]
+    pub(crate) name: Option<RecordName>,
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct Measure {
     /// The original tree, .glb or .gltf.
     #[arg(value_name = "ORIGINAL.glb")]
@@ -138,8 +148,8 @@ pub(crate) struct Measure {
     #[arg(value_name = "SIMPLIFIED.glb")]
     pub(crate) simplified: PathBuf,
     /// Where to judge from.
-    #[arg(long, value_enum, default_value_t = JudgingViewsName::HeldOut)]
-    pub(crate) views: JudgingViewsName,
+    #[arg(long, value_enum, default_value_t = JudgingViews::HeldOut)]
+    pub(crate) views: JudgingViews,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]
@@ -147,11 +157,11 @@ pub(crate) struct Measure {
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count.
-    #[arg(long, value_enum, default_value_t = AlphaName::Mask)]
-    pub(crate) alpha: AlphaName,
+    #[arg(long, value_enum, default_value_t = Alpha::Mask)]
+    pub(crate) alpha: Alpha,
     /// From which sides leaves are seen.
-    #[arg(long, value_enum, default_value_t = SidesName::Material)]
-    pub(crate) sides: SidesName,
+    #[arg(long, value_enum, default_value_t = Sides::Material)]
+    pub(crate) sides: Sides,
     /// The heights on the screen in pixels at which the difference that people see is taken, such as 1080,270.
     #[arg(long, value_name = "PX,PX,...", value_delimiter = ',', default_value = "540", value_parser = height)]
     pub(crate) pixels_high: Vec<f64>,
@@ -211,24 +221,6 @@ pub(crate) struct SceneArgs {
     /// be given several times.
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) occluder: Vec<PathBuf>,
-}
-
-/// A number that passes a test, or what to write instead.
-fn number(text: &str, is_right: fn(f64) -> bool, what: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number| is_right(*number));
-    number.ok_or_else(|| format!("write a number {what}"))
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    number(text, |n| (0.0..=1.0).contains(&n), "from 0 to 1")
-}
-
-fn from_zero(text: &str) -> Result<f64, String> {
-    number(text, |n| n.is_finite() && n >= 0.0, "from 0 upwards")
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    number(text, |n| n.is_finite() && n > 0.0, "above 0")
 }
 
 fn leaves(text: &str) -> Result<u64, String> {

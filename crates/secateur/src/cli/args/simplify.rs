@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use secateur::{FieldOfView, Fitting, LeafTriangles, Resolution, Target};
-
-use super::super::names::{
-    AlphaName, ClusterSizeName, ColorsName, CornersName, CutoffsName, EngineName, HausdorffName,
-    MeshoptModeName, MethodName, MetricName, NeedlesName, PresetName, ReferenceName, ResizeName,
-    SidesName, TiesName, WoodName,
+use secateur::{
+    Alpha, ChainOptions, ColorChoice, CutoffChoice, Engine, FieldOfView, Fitting, FsaOptions,
+    LeafTriangles, MergeOptions, MeshoptMode, Needles, Preset, Reference, Resize, Resolution,
+    Sides, StochasticOptions, Target, Ties, WoodMode,
 };
+
+use super::super::names::MethodName;
 use super::{
-    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg, above_zero,
-    from_zero, leaves, share,
+    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg, from_zero,
+    leaves, share,
 };
 
 #[derive(Args, Debug)]
@@ -31,7 +31,7 @@ pub(crate) struct Simplify {
     /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole
     /// plant; else ignore].
     #[arg(long, value_enum)]
-    pub(crate) wood: Option<WoodName>,
+    pub(crate) wood: Option<WoodMode>,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]
@@ -40,16 +40,16 @@ pub(crate) struct Simplify {
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count [default: mask; ignore for the paper's presets].
     #[arg(long, value_enum)]
-    pub(crate) alpha: Option<AlphaName>,
+    pub(crate) alpha: Option<Alpha>,
     /// From which sides leaves are seen [default: material; both for the paper's presets].
     #[arg(long, value_enum)]
-    pub(crate) sides: Option<SidesName>,
+    pub(crate) sides: Option<Sides>,
     /// How leaves are chosen.
     #[arg(long, value_enum, default_value_t = MethodName::Vds)]
     pub(crate) method: MethodName,
     /// Where to rasterise; results are the same.
-    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
-    pub(crate) engine: EngineName,
+    #[arg(long, value_enum, default_value_t = Engine::Auto)]
+    pub(crate) engine: Engine,
     /// Where to look from: auto (dodecahedron; 60 with a budget of triangles where most leaves cover at most a pixel),
     /// dodecahedron (20 views), turning (20 at a time, which turn between stages), icosahedron (12), 32, 60, 92, 8, 6, vnc (20 views, later 12, 8 and 6), or a JSON
     /// file {"cameras": [{"eye": [x,y,z], "target": [x,y,z], "up", "fov_y_degrees", "near"}]}
@@ -68,8 +68,8 @@ pub(crate) struct Simplify {
     pub(crate) resolution: Option<Resolution>,
     /// What the result is for; other options override what look and information set, and
     /// contradict the paper's.
-    #[arg(long, value_enum, default_value_t = PresetName::Look)]
-    pub(crate) preset: PresetName,
+    #[arg(long, value_enum, default_value_t = Preset::Look)]
+    pub(crate) preset: Preset,
     /// Whether to change the sizes of the remaining leaves at the end until other views than those
     /// that chose them (your own cameras: the same ones) look like the original. coverage: each
     /// part of the crown gets as dense as it was. A weight W from 0 to 100: the outline and the
@@ -88,19 +88,19 @@ pub(crate) struct Simplify {
     /// Which alpha cutoffs cut-out leaves have in the result [default: fit for the look by vds, if masks
     /// count; else keep].
     #[arg(long, value_enum)]
-    pub(crate) cutoffs: Option<CutoffsName>,
+    pub(crate) cutoffs: Option<CutoffChoice>,
     /// Which colours clear texels of leaf textures have in the result: mip maps mix them in, so that leaves
     /// over black get darker from afar [default: dilate where cutoffs are chosen; else keep].
     #[arg(long, value_enum)]
-    pub(crate) colors: Option<ColorsName>,
+    pub(crate) colors: Option<ColorChoice>,
     /// What the cost of a leaf is measured against [default: previous for the look, original for
     /// information].
     #[arg(long, help_heading = OF_VDS, value_enum)]
-    pub(crate) reference: Option<ReferenceName>,
+    pub(crate) reference: Option<Reference>,
     /// The share of a pruned leaf's area that its neighbours gain [default: full for the look,
     /// normalised for information].
     #[arg(long, help_heading = OF_VDS, value_enum)]
-    pub(crate) resize: Option<ResizeName>,
+    pub(crate) resize: Option<Resize>,
     /// How many nearest neighbours share that area.
     #[arg(long, help_heading = OF_VDS, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) neighbours: u32,
@@ -110,8 +110,8 @@ pub(crate) struct Simplify {
     #[arg(long, help_heading = OF_VDS, value_name = "C|none", allow_negative_numbers = true, value_parser = max_coverage)]
     pub(crate) max_coverage: Option<MaxCoverage>,
     /// Which of equally cheap leaves goes first: the first in the file, or spread over the crown.
-    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = TiesName::Order)]
-    pub(crate) ties: TiesName,
+    #[arg(long, help_heading = OF_VDS, value_enum, default_value_t = Ties::Order)]
+    pub(crate) ties: Ties,
     /// How many triangles a leaf keeps at most: a number; keep: all; auto: with `--triangles`
     /// fewer, so that more leaves stay (a leaf with holes keeps as many as show the same, or two),
     /// else all [default: auto; keep for the paper's presets].
@@ -120,58 +120,24 @@ pub(crate) struct Simplify {
     /// With `--triangles`: whether flat leaves more than four times as long as wide, without a cut-out,
     /// grow across only, or as every leaf does [default: widen for the look, else scale].
     #[arg(long, help_heading = OF_VDS, value_enum)]
-    pub(crate) needles: Option<NeedlesName>,
-    /// The seed of methods that choose at random.
-    #[arg(long, help_heading = OF_OTHERS, value_name = "S", default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// stochastic: the share of the lost area that the survivors regain, 0 to 1.
-    #[arg(
-        long, help_heading = OF_OTHERS,
-        value_name = "W",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = share
-    )]
-    pub(crate) area_weight: f64,
-    /// fsa: how much the distance of two leaves counts, in units of a leaf's size.
-    #[arg(
-        long, help_heading = OF_OTHERS,
-        value_name = "W",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = above_zero
-    )]
-    pub(crate) distance_weight: f64,
-    /// fsa: how much it counts that two leaves are not in one plane.
-    #[arg(
-        long, help_heading = OF_OTHERS,
-        value_name = "W",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = from_zero
-    )]
-    pub(crate) planarity_weight: f64,
-    /// fsa: which two corners each of two leaves gives to the one that takes their place.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = CornersName::Spread)]
-    pub(crate) corners: CornersName,
-    /// fsa: what the Hausdorff distance of two leaves is taken between.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = HausdorffName::Corners)]
-    pub(crate) hausdorff: HausdorffName,
+    pub(crate) needles: Option<Needles>,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) stochastic: StochasticOptions,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) fsa: FsaOptions,
     /// meshopt: which of its simplifiers to use.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptModeName::Prune)]
-    pub(crate) meshopt_mode: MeshoptModeName,
+    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MeshoptMode::Prune)]
+    pub(crate) meshopt_mode: MeshoptMode,
     /// meshopt: move the borders of what is left outwards, to give back lost area.
     #[arg(long, help_heading = OF_OTHERS)]
     pub(crate) preserve_area: bool,
     /// meshopt: move them after each halving of the triangles, as meshoptimizer's example does.
     #[arg(long, help_heading = OF_OTHERS, conflicts_with = "preserve_area")]
     pub(crate) dilate_borders: bool,
-    /// chain: what is counted of a branch; those with the least go first.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = MetricName::BranchingLength)]
-    pub(crate) branch_metric: MetricName,
-    /// merge: how large clusters of leaves are.
-    #[arg(long, help_heading = OF_OTHERS, value_enum, default_value_t = ClusterSizeName::Paper)]
-    pub(crate) cluster_size: ClusterSizeName,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) chain: ChainOptions,
+    #[command(flatten, next_help_heading = OF_OTHERS)]
+    pub(crate) merge: MergeOptions,
     /// Draw the result again in another way, and fail if its areas differ [default: in debug
     /// builds].
     #[arg(long, help_heading = OF_RECORDS, overrides_with = "no_audit")]

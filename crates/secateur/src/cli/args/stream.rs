@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use secateur::Engine;
 
 use super::{Foliage, MemoryArg, VertexAlphaArg, leaves, share};
-use crate::cli::names::EngineName;
 
 #[derive(Args, Debug)]
 pub(crate) struct Stream {
@@ -27,8 +27,8 @@ pub(crate) struct Stream {
     #[arg(long, value_name = "PAGE.html", conflicts_with = "read")]
     pub(crate) preview: Option<PathBuf>,
     /// Where images are drawn, where the tree is simplified; the result is the same, bit for bit.
-    #[arg(long, value_enum, default_value_t = EngineName::Auto, conflicts_with = "read")]
-    pub(crate) engine: EngineName,
+    #[arg(long, value_enum, default_value_t = Engine::Auto, conflicts_with = "read")]
+    pub(crate) engine: Engine,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
     #[command(flatten)]

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use secateur_study::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX};
+use clap::Args;
+use secateur::JudgingViews;
+use secateur_study::{DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX, Plan};
 
-use super::super::names::JudgingViewsName;
 use super::lods::{Distances, distances};
 use super::{Foliage, MemoryArg};
 
@@ -28,7 +28,7 @@ pub(crate) struct Study {
     pub(crate) memory: MemoryArg,
     /// What is run; several with commas between them.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "methods")]
-    pub(crate) plan: Vec<PlanName>,
+    pub(crate) plan: Vec<Plan>,
     /// Instead of plans: a method and options of `simplify`, such as 'vds --views 8'; can be given
     /// several times. If it has `--triangles`, without a number, its levels are shares of the
     /// triangles.
@@ -37,7 +37,7 @@ pub(crate) struct Study {
     /// Where to judge from [default: held-out; for the paper's plants, and for the plan paper alone,
     /// icosahedron].
     #[arg(long, value_enum, conflicts_with = "redraw")]
-    pub(crate) views: Option<JudgingViewsName>,
+    pub(crate) views: Option<JudgingViews>,
     /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1]; for whole
     /// plants, and as fixed shares of scene, of all triangles [default: 0.5,0.25,0.1].
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
@@ -58,27 +58,6 @@ pub(crate) struct Study {
     /// Run nothing: draw charts and report from the rows again.
     #[arg(long)]
     pub(crate) redraw: bool,
-}
-
-/// What a study runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PlanName {
-    /// Every method, one setting each, and variants that explain them
-    Methods,
-    /// vds from fewer views and at other resolutions, beside the other methods
-    Speed,
-    /// Methods under turned views, jittered corners, shuffled leaves and other settings
-    Stability,
-    /// Small scenes made for one failure each, and what to do about it
-    Failures,
-    /// The paper's studies: its figures beside those of plants with as many leaves
-    Paper,
-    /// Whole plants at shares of all triangles, beside leaves alone and gltfpack on the whole file,
-    /// where that is found
-    Whole,
-    /// Whole plants at distances: levels for these beside fixed shares, impostors beside meshes of as
-    /// many triangles
-    Scene,
 }
 
 fn level(text: &str) -> Result<f64, String> {

@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 
 use super::super::args;
 use super::super::failure::Failure;
+use super::super::record::SCHEMA_VERSION;
 use super::super::{machine, output};
 use super::job::Job;
 use super::wanted::options;
@@ -19,10 +20,10 @@ use super::wanted::options;
 /// The levels of a tree as an earlier call left them.
 #[derive(Debug, Deserialize, Serialize)]
 pub(super) struct Finished {
+    schema_version: u32,
     key: String,
     files: Vec<Known>,
     pub(super) record: Value,
-    pub(super) rows: Vec<Value>,
     pub(super) pretty: String,
 }
 
@@ -44,7 +45,7 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
     }
     let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
     let about = (
-        (env!("CARGO_PKG_VERSION"), machine::commit()),
+        (env!("CARGO_PKG_VERSION"), machine::commit(), SCHEMA_VERSION),
         (files, args.scene.scene.is_some()),
         (&job.name, job.layout, args.textures.is_some()),
         (selectors.collect::<Vec<_>>(), args.vertex_alpha),
@@ -96,7 +97,7 @@ pub(super) fn noted(
     args: &args::Lods,
     job: &Job<'_>,
     key: String,
-    made: (&Value, &[Value], &str),
+    made: (&Value, &str),
     files: StagedFiles,
 ) -> Result<StagedFiles, Failure> {
     let Some(place) = note(args, job) else {
@@ -115,12 +116,12 @@ pub(super) fn noted(
             sha256: hex(&Sha256::digest(bytes)),
         });
     }
-    let (record, rows, pretty) = made;
+    let (record, pretty) = made;
     let finished = Finished {
+        schema_version: SCHEMA_VERSION,
         key,
         files: known,
         record: record.clone(),
-        rows: rows.to_vec(),
         pretty: pretty.to_owned(),
     };
     let text = serde_json::to_string_pretty(&finished).expect("values of JSON");

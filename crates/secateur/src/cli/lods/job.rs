@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use secateur_gltf::chain::Layout;
 use secateur_scene::chain::MAX_LEVELS;
 
-use super::super::args::{self, LayoutName};
+use super::super::args;
 use super::super::failure::Failure;
 use super::super::output;
 use super::finished::Finished;
@@ -32,16 +32,16 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
             args.trees.len()
         )));
     }
-    if is_file && args.layout == Some(LayoutName::Files) {
+    if is_file && args.layout == Some(Layout::Files) {
         return Err(Failure(format!(
             "{}: the layout of files needs a folder as its output",
             args.output.display()
         )));
     }
     let layout = match (args.layout, is_file) {
-        (Some(LayoutName::Siblings), _) | (None, true) => Layout::Siblings,
-        (Some(LayoutName::Msft), _) => Layout::Msft,
-        (Some(LayoutName::Files) | None, _) => Layout::Files,
+        (Some(layout), _) => layout,
+        (None, true) => Layout::Siblings,
+        (None, false) => Layout::Files,
     };
     let mut names: Vec<String> = Vec::new();
     for tree in &args.trees {

@@ -2,50 +2,111 @@
 
 mod finished;
 mod job;
-mod page;
-mod rows;
 mod table;
 mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use secateur::{Opening, Plant};
+use schemars::JsonSchema;
+use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
+use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_model::{AlphaMode, Surface};
-use secateur_scene::chain::Textures;
+use secateur_scene::chain::{LevelReport, Textures};
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::args::{self, Common, TexturesName};
+use super::args::{self, Common};
 use super::failure::Failure;
 use super::measure::warning_of;
-use super::print::Printed;
+use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
-use super::surroundings::Surroundings;
-use super::{interrupt, machine, output, record};
+use super::record::{OfOriginal, Record, shown, shown_if};
+use super::surroundings::{Surroundings, SurroundingsRecord};
+use super::{interrupt, output};
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{about, check_free, check_outputs, jobs, outputs};
-pub(crate) use page::preview;
-use rows::layout_name;
-pub(crate) use rows::rows;
 use table::pretty;
+pub(crate) use table::{OF_DEMO, table};
 use wanted::options;
+
+/// The levels of a plant.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct LodsRecord {
+    /// The plant's file.
+    input: String,
+    /// What nodes and files of the levels are called after.
+    name: String,
+    layout: Layout,
+    /// The files that were written, those of levels first.
+    files: Vec<String>,
+    /// Bytes of all files.
+    bytes: u64,
+    /// The page to look at the levels, if one was asked for.
+    preview: Option<String>,
+    leaves: OfOriginal,
+    /// Triangles of the whole plant.
+    triangles: OfOriginal,
+    /// Triangles of leaves.
+    foliage_triangles: OfOriginal,
+    /// Triangles of wood.
+    wood_triangles: OfOriginal,
+    surroundings: SurroundingsRecord,
+    screen: ScreenRecord,
+    /// The largest difference that a level may have.
+    max_difference: f64,
+    /// The largest `block_coverage` that a level may have.
+    max_block_coverage: f64,
+    plant_height_m: Option<f64>,
+    /// The largest difference that a switch may show.
+    max_pop: Option<f64>,
+    wood: WoodMode,
+    textures: Textures,
+    /// The largest difference that a switch shows.
+    largest_pop: Option<f64>,
+    preset: Preset,
+    /// Where leaves were drawn: `cpu` or `gpu`.
+    engine: &'static str,
+    /// The GPU and its driver; none on the CPU.
+    adapter: Option<String>,
+    /// The levels, finest first.
+    levels: Vec<PlacedLevel>,
+    /// SHA-256 of all that was done to the leaves of the coarsest level that has any.
+    order_sha256: Option<String>,
+    /// What was asked for and left out, and the like, a sentence each.
+    notes: Vec<String>,
+    /// What has to be said of plant and levels, a sentence each.
+    warnings: Vec<String>,
+    /// Whether the levels are those of an earlier call: neither plant nor options have changed.
+    kept: bool,
+}
+
+/// The screen that levels are for.
+#[derive(Serialize, JsonSchema)]
+struct ScreenRecord {
+    height_px: f64,
+    fov_degrees: f64,
+}
 
 /// A tree that was done.
 struct Done {
     record: Value,
-    rows: Vec<Value>,
     pretty: String,
 }
 
 impl Done {
-    /// As an earlier call left it.
-    fn again(finished: Finished) -> Self {
+    /// As an earlier call left it; what it took is this call's.
+    fn again(finished: Finished, seconds: f64) -> Self {
         let kept = "  kept       as it was made before: neither the tree nor what was asked for has changed\n";
+        let of_call = Record::new("lods", json!({ "kept": true }), &[], seconds).to_value();
+        let mut record = finished.record;
+        if let (Some(entries), Value::Object(of_call)) = (record.as_object_mut(), of_call) {
+            entries.extend(of_call);
+        }
         Self {
-            record: record::joined(finished.record, json!({ "kept": true })),
-            rows: finished.rows,
+            record,
             pretty: finished.pretty + kept,
         }
     }
@@ -79,38 +140,37 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
             }
         }
     }
+    // What was read for all counts with the first.
+    let mut since = start;
     let mut trees = Vec::new();
     for ((job, key), known) in jobs.iter().zip(keys).zip(finished) {
         trees.push(match known {
-            Some(known) if is_done(&known) => Done::again(known),
+            Some(known) if is_done(&known) => Done::again(known, since.elapsed().as_secs_f64()),
             known => {
                 let may_overwrite = args.overwrite || known.is_some();
-                make(args, common, (job, key, may_overwrite), &surroundings)?
+                make(
+                    args,
+                    common,
+                    (job, key, may_overwrite),
+                    &surroundings,
+                    since,
+                )?
             }
         });
+        since = Instant::now();
     }
-    let total = start.elapsed().as_secs_f64();
-    let mut record = match &mut trees[..] {
-        [only] => only.record.take(),
-        several => json!({
-            "trees": several.iter_mut().map(|done| done.record.take()).collect::<Vec<_>>(),
-        }),
-    };
-    record = record::joined(
-        record,
-        json!({
-            "seconds": record::seconds(&[], total),
-            "peak_rss_bytes": machine::peak_rss_bytes(),
-            "run": record::provenance("lods"),
-        }),
-    );
+    let pretty = trees.iter().map(|done| done.pretty.as_str()).collect();
+    let records: Vec<Value> = trees.into_iter().map(|done| done.record).collect();
+    let levels = records.iter().map(|record| record["levels"].as_array());
+    let rows = levels.flatten().flatten().cloned().collect();
+    let records = Records::Lines(records);
     if let Some(report) = &args.report {
-        output::write_file(report, format!("{record:#}\n").as_bytes())?;
+        output::write_file(report, records.as_text().as_bytes())?;
     }
     Ok(Printed {
-        pretty: trees.iter().map(|done| done.pretty.as_str()).collect(),
-        rows: trees.into_iter().flat_map(|done| done.rows).collect(),
-        record,
+        pretty,
+        rows,
+        records,
     })
 }
 
@@ -128,7 +188,7 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     output::check_spares(document, &outputs)?;
-    if args.textures == Some(TexturesName::Fit) && !has_cut_outs(document)? {
+    if args.textures == Some(Textures::Fit) && !has_cut_outs(document)? {
         return Err(Failure(format!(
             "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
             job.tree.display()
@@ -142,8 +202,8 @@ fn make(
     common: &Common,
     (job, key, may_overwrite): (&Job<'_>, String, bool),
     surroundings: &Surroundings,
+    start: Instant,
 ) -> Result<Done, Failure> {
-    let start = Instant::now();
     let mut options = options(args);
     surroundings.apply(&mut options.leaves);
     options.scene = surroundings.look(&args.scene, args.memory.memory)?;
@@ -172,54 +232,63 @@ fn make(
     let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
-        let page = preview(tree, job, &options, made)?;
+        let page = levels.page();
+        let page = page.map_err(|error| Failure(about(job.tree, &error.to_string())))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let rows = rows(job, made, &written);
-    let record = json!({
-        "input": job.tree.display().to_string(),
-        "name": job.name,
-        "layout": layout_name(job.layout),
-        "files": written.files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),
-        "bytes": written.bytes,
-        "preview": args.preview.as_ref().map(|f| f.display().to_string()),
-        "leaves": { "original": tree.leaves().leaves().len() },
-        "triangles": { "original": tree.items().foliage().triangles().len() },
-        "foliage_triangles": { "original": tree.leaves().triangles().len() },
-        "wood_triangles": { "original": tree.wood().triangles().len() },
-        "surroundings": surroundings.record(&args.scene),
-        "screen": { "height_px": options.screen.height_px, "fov_degrees": options.screen.field_of_view_degrees },
-        "max_difference": options.max_difference,
-        "max_block_coverage": options.limits().block_coverage,
-        "plant_height_m": options.plant_height_m,
-        "max_pop": options.max_pop,
-        "wood": options.wood.decided(),
-        "textures": match options.textures {
-            Textures::Fit => "fit",
-            Textures::Keep => "keep",
+    let original = LevelReport::of_plant(tree);
+    let record = LodsRecord {
+        input: job.tree.display().to_string(),
+        name: job.name.clone(),
+        layout: job.layout,
+        files: shown(&written.files),
+        bytes: written.bytes,
+        preview: shown_if(args.preview.as_deref()),
+        leaves: OfOriginal {
+            original: original.leaves,
         },
-        "largest_pop": made.levels.iter().filter_map(|level| level.pop).reduce(f64::max),
-        "preset": options.leaves.preset,
-        "engine": levels.engine,
-        "adapter": levels.adapter,
-        "levels": rows,
-        "order_sha256": made.levels.iter().rev().find_map(|level| level.order_sha256.clone()),
-        "seconds": record::seconds(&[], seconds),
-        "notes": made.notes.iter().chain(&written.notes).collect::<Vec<_>>(),
-        "warnings": warnings,
-        "kept": false,
-    });
-    let pretty = pretty(tree, job, args, made, &written, seconds);
-    let staged = finished::noted(args, job, key, (&record, &rows, &pretty), staged)?;
+        triangles: OfOriginal {
+            original: original.triangles,
+        },
+        foliage_triangles: OfOriginal {
+            original: original.foliage_triangles,
+        },
+        wood_triangles: OfOriginal {
+            original: original.wood_triangles,
+        },
+        surroundings: surroundings.record(&args.scene),
+        screen: ScreenRecord {
+            height_px: options.screen.height_px,
+            fov_degrees: options.screen.field_of_view_degrees,
+        },
+        max_difference: options.max_difference,
+        max_block_coverage: options.limits().block_coverage,
+        plant_height_m: options.plant_height_m,
+        max_pop: options.max_pop,
+        wood: options.wood.decided(),
+        textures: options.textures,
+        largest_pop: made
+            .levels
+            .iter()
+            .filter_map(|level| level.pop)
+            .reduce(f64::max),
+        preset: options.leaves.preset,
+        engine: levels.engine,
+        adapter: levels.adapter.clone(),
+        levels: levels.placed(job.layout, &written),
+        order_sha256: made.coarsest_order_sha256(),
+        notes: made.notes.iter().chain(&written.notes).cloned().collect(),
+        warnings,
+        kept: false,
+    };
+    let record = Record::new("lods", record, &[], seconds).to_value();
+    let pretty = pretty(&original, job, args, made, &written, seconds);
+    let staged = finished::noted(args, job, key, (&record, &pretty), staged)?;
     interrupt::writing()?;
     staged.commit()?;
     interrupt::written();
-    Ok(Done {
-        record,
-        rows,
-        pretty,
-    })
+    Ok(Done { record, pretty })
 }
 
 /// Whether the alpha of a texture cuts anything out of what is drawn.

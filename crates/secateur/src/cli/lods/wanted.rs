@@ -1,8 +1,7 @@
 //! What a chain is to be like.
 
 use secateur::{Amount, Options};
-use secateur_scene::Screen;
-use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Textures, Wanted};
+use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Wanted};
 use secateur_scene::impostor::Choice;
 
 use super::super::args;
@@ -11,7 +10,7 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
     let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
         (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
         ([], [], None) => {
-            let screen = args.screen_height / HEIGHTS_PX[0];
+            let screen = args.screen.height_px / HEIGHTS_PX[0];
             Wanted::Heights(HEIGHTS_PX.map(|height| height * screen).to_vec())
         }
         ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
@@ -19,15 +18,15 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
     };
     let usual = ChainOptions::default();
     let leaves = Options {
-        alpha: args.alpha.into(),
-        sides: args.sides.into(),
-        engine: args.engine.into(),
+        alpha: args.alpha,
+        sides: args.sides,
+        engine: args.engine,
         audit: usual.leaves.audit,
         shows_what_is_left: usual.leaves.shows_what_is_left,
         ..Options::with_preset(args.preset.into(), usual.leaves.target)
     };
     let impostor = match (args.impostor, &wanted) {
-        (Some(name), _) => name.into(),
+        (Some(choice), _) => choice,
         (None, Wanted::Triangles(_)) => Choice::None,
         (None, _) => Choice::Auto,
     };
@@ -36,11 +35,8 @@ pub(super) fn options(args: &args::Lods) -> ChainOptions {
         impostor,
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
-        textures: args.textures.map_or(Textures::Fit, Into::into),
-        screen: Screen {
-            height_px: args.screen_height,
-            field_of_view_degrees: args.fov,
-        },
+        textures: args.textures.unwrap_or_default(),
+        screen: args.screen,
         max_difference: args.max_difference,
         original: !args.no_original,
         plant_height_m: args.plant_height,

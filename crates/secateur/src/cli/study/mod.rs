@@ -5,16 +5,29 @@ mod host;
 
 use std::time::Instant;
 
-use secateur_eval::JudgingViews;
-use secateur_study::{Case, Error, Plan, StudyOptions, redraw, run as run_study};
-use serde_json::json;
+use schemars::JsonSchema;
+use secateur_study::{Case, Error, StudyOptions, redraw, run as run_study};
+use serde::Serialize;
 
-use super::args::{self, Common, PlanName};
+use super::args::{self, Common};
 use super::failure::Failure;
+use super::output;
 use super::print::Printed;
+use super::record::{Record, shown};
 use super::summary::grouped;
-use super::{output, record};
 use host::Program;
+
+/// What a study has drawn.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct StudyRecord {
+    /// How many rows there are.
+    rows: u64,
+    /// The folder of rows, charts and report.
+    output: String,
+    report: String,
+    csv: String,
+    charts: Vec<String>,
+}
 
 /// Runs what is missing, then draws everything from the rows.
 pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failure> {
@@ -34,15 +47,14 @@ pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failur
         drawn.report.display(),
         drawn.csv.display()
     );
-    let record = json!({
-        "rows": count,
-        "output": args.output.display().to_string(),
-        "report": drawn.report.display().to_string(),
-        "csv": drawn.csv.display().to_string(),
-        "charts": drawn.charts.iter().map(|p| p.display().to_string()).collect::<Vec<_>>(),
-        "seconds": record::seconds(&[], total),
-        "run": record::provenance("study"),
-    });
+    let record = StudyRecord {
+        rows: count,
+        output: args.output.display().to_string(),
+        report: drawn.report.display().to_string(),
+        csv: drawn.csv.display().to_string(),
+        charts: shown(&drawn.charts),
+    };
+    let record = Record::new("study", record, &[], total).to_value();
     Ok(Printed::single(pretty, record))
 }
 
@@ -53,9 +65,9 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         trees: args.trees.clone(),
         folder: args.output.clone(),
         selectors: args.foliage.foliage.clone(),
-        plans: args.plan.iter().map(|plan| Plan::from(*plan)).collect(),
+        plans: args.plan.clone(),
         cases: cases?,
-        views: args.views.map(JudgingViews::from),
+        views: args.views,
         levels: args.levels.clone(),
         distances_m: (args.distances.as_ref()).map_or_else(Vec::new, |all| all.0.clone()),
         only: args.only.clone(),
@@ -63,20 +75,6 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
         seeds: args.seeds,
         memory: args.memory.memory,
     })
-}
-
-impl From<PlanName> for Plan {
-    fn from(name: PlanName) -> Self {
-        match name {
-            PlanName::Methods => Self::Methods,
-            PlanName::Speed => Self::Speed,
-            PlanName::Stability => Self::Stability,
-            PlanName::Failures => Self::Failures,
-            PlanName::Paper => Self::Paper,
-            PlanName::Whole => Self::Whole,
-            PlanName::Scene => Self::Scene,
-        }
-    }
 }
 
 impl From<Error> for Failure {

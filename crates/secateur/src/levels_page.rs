@@ -1,21 +1,25 @@
-//! The page to look at a chain.
+//! The page to look at levels.
 
 use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, Document, GltfError, LeafSurface, WholeTree};
 use secateur_model::{LodModel, Surface};
-use secateur_scene::chain::{Chain, ChainLevel, ChainOptions, Shape, show};
+use secateur_scene::chain::{Chain, ChainLevel, LevelReport, Shape, show};
 use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
 
-use super::super::failure::Failure;
-use super::job::{Job, about};
+use crate::{Error, Levels};
 
-/// The page, from the levels as a client would draw them.
-pub(crate) fn preview(
-    tree: &WholeTree,
-    job: &Job<'_>,
-    options: &ChainOptions,
-    made: &Chain,
-) -> Result<String, Failure> {
+impl Levels<'_> {
+    /// A page to look at the plant and its levels side by side, as a client would draw them; it needs nothing else.
+    ///
+    /// # Errors
+    /// [`Error::Gltf`] if what is drawn can't be read, [`Error::Preview`] if there is nothing to look at.
+    pub fn page(&self) -> Result<String, Error> {
+        page_of(self)
+    }
+}
+
+fn page_of(levels: &Levels<'_>) -> Result<String, Error> {
+    let (tree, made) = (levels.tree(), &levels.chain);
     let items = tree.items();
     let draw = |document: &Document, textures: &[LevelTexture]| {
         let drawn = document.drawn(Detail::Full, &[])?;
@@ -41,33 +45,17 @@ pub(crate) fn preview(
     }
     let first = Facts {
         name: "original".to_owned(),
-        leaves: Some(tree.leaves().leaves().len() as u64),
-        triangles: items.foliage().triangles().len() as u64,
-        foliage_triangles: tree.leaves().triangles().len() as u64,
-        wood_triangles: tree.wood().triangles().len() as u64,
-        distance: 0.0,
-        pixels_high: None,
-        difference: None,
-        silhouette_iou: None,
-        pop: None,
+        report: LevelReport::of_plant(tree),
     };
     // The original is there already.
     let is_lighter = |(_, level): &(usize, &ChainLevel)| !matches!(level.shape, Shape::Original(_));
     let rest = made.levels.iter().enumerate().filter(is_lighter);
     let rest = rest.map(|(k, level)| Facts {
         name: format!("LOD{k}"),
-        leaves: matches!(level.shape, Shape::Mesh(_)).then_some(level.leaves),
-        triangles: level.triangles(),
-        foliage_triangles: level.foliage_triangles,
-        wood_triangles: level.wood_triangles,
-        distance: level.distance,
-        pixels_high: Some(level.pixels_high),
-        difference: Some(level.difference.difference),
-        silhouette_iou: level.silhouette_iou,
-        pop: level.pop,
+        report: level.report.clone(),
     });
     let facts: Vec<Facts> = std::iter::once(first).chain(rest).collect();
-    let levels: Vec<Shown<'_>> = surfaces
+    let all: Vec<Shown<'_>> = surfaces
         .iter()
         .zip(facts)
         .map(|(surfaces, facts)| Shown { surfaces, facts })
@@ -79,12 +67,12 @@ pub(crate) fn preview(
         model,
     });
     let preview = Preview {
-        title: &job.name,
-        screen: options.screen,
-        levels: &levels,
+        title: levels.name(),
+        screen: levels.screen,
+        levels: &all,
         continuous,
     };
-    page(&preview).map_err(|error| Failure(about(job.tree, &error.to_string())))
+    Ok(page(&preview)?)
 }
 
 /// The order that led to the coarsest level, and the leaves that it is of; none where no level has
@@ -92,7 +80,7 @@ pub(crate) fn preview(
 fn removal_order(
     tree: &WholeTree,
     made: &Chain,
-) -> Result<Option<(Vec<LeafSurface>, LodModel)>, Failure> {
+) -> Result<Option<(Vec<LeafSurface>, LodModel)>, GltfError> {
     let orders = made.levels.iter().filter_map(|level| level.order.clone());
     let Some(order) = orders.max_by_key(|order| order.len()) else {
         return Ok(None);
@@ -101,7 +89,6 @@ fn removal_order(
     let mut surfaces = tree.items().leaf_surfaces(Detail::Full)?;
     // Behind the leaves come pieces of wood, which are in surfaces of their own.
     surfaces.retain(|of| of.leaves.iter().any(|leaf| leaf.leaf.index() < leaves));
-    let model = LodModel::new(order, tree.leaves());
-    let model = model.map_err(|error| Failure(error.to_string()))?;
+    let model = LodModel::new(order, tree.leaves()).expect("levels have orders of their leaves");
     Ok(Some((surfaces, model)))
 }
