@@ -60,7 +60,7 @@ impl Verdict {
 }
 
 /// Marks the parts that are foliage: those that a selector names, or, without
-/// selectors, those whose evidence is clear; there may be none.
+/// selectors, those that are known to be or whose evidence is clear; there may be none.
 pub(crate) fn choose(
     document: &Document,
     survey: &Survey,
@@ -70,9 +70,14 @@ pub(crate) fn choose(
 ) -> Result<(), Problem> {
     if selectors.is_empty() {
         for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
-            if verdicts[group].is_foliage() {
-                part.role = Role::Leaf;
-            }
+            let labels = document.labels(&survey.groups[group], part.node);
+            let known = document.known_roles.as_ref();
+            let known = known.and_then(|known| known.role(labels));
+            let of_evidence = match verdicts[group].is_foliage() {
+                true => Role::Leaf,
+                false => Role::Wood,
+            };
+            part.role = known.unwrap_or(of_evidence);
         }
         return Ok(());
     }

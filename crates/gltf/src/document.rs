@@ -12,6 +12,7 @@ use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::input::read_within;
 use super::kept_images::KeptImages;
+use super::known_roles::KnownRoles;
 use super::property;
 use super::selector::Selector;
 use super::uri;
@@ -41,6 +42,8 @@ pub struct Document {
     pub(crate) kept_images: Arc<KeptImages>,
     /// What its leaves were named by, where they were.
     pub(crate) selectors: Vec<Selector>,
+    /// What parts of the plant that it was made of are.
+    pub(crate) known_roles: Option<KnownRoles>,
     /// Whether the alpha of vertex colours is a part of the look, where that is known already.
     pub(crate) vertex_alpha_counts: Option<bool>,
     /// How much memory it was opened with.
@@ -182,6 +185,7 @@ impl Document {
             decompressed_bytes: AtomicU64::new(0),
             kept_images: Arc::default(),
             selectors: Vec::new(),
+            known_roles: None,
             vertex_alpha_counts: None,
             memory,
             budget,

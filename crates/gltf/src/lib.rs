@@ -93,7 +93,7 @@
 //! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs` |
-//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs` |
+//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
@@ -126,6 +126,7 @@ mod inspection;
 mod instances;
 mod judged;
 mod kept_images;
+mod known_roles;
 mod ktx2;
 mod leaf_surfaces;
 mod leaves;

@@ -91,7 +91,13 @@ impl Document {
         if mask.is_none() && !looks_mixed() {
             return Ok(None);
         }
+        let known = self.known_roles.as_ref();
+        let is_known = known.is_some_and(|known| known.is_mixed(&group.look.name));
         let is_wood = |piece: &[u32]| {
+            // Coarser wood may be flat strips.
+            if let (true, Some((uvs, mask))) = (is_known, &mask) {
+                return opaque_share(mask, uvs, triangles, piece) >= LEAST_OPAQUE;
+            }
             if is_flat(positions, triangles, piece) {
                 return false;
             }

@@ -247,6 +247,25 @@ fn wood_alone_is_no_foliage() {
     );
 }
 
+/// A few cards of many say nothing, and a plant that had leaves has no others.
+#[test]
+fn what_is_known_of_a_plant_holds_for_its_levels() {
+    let original = quads_and_box().document().into_tree(&[]).unwrap();
+    assert_eq!(original.foliage().leaves().len(), 20);
+    let mut level = quads_and_box();
+    let quads = level.root["meshes"][0]["primitives"][0]["indices"].clone();
+    let few = level.shorts("SCALAR", &[0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7]);
+    assert_ne!(quads, few);
+    level.root["meshes"][0]["primitives"][0]["indices"] = few.into();
+    assert!(error(&level, &[]).contains("no foliage was found"));
+    let known = level.document().with_roles_of(&original);
+    assert_eq!(known.into_tree(&[]).unwrap().foliage().leaves().len(), 2);
+    // A selector decides nevertheless.
+    let named = level.document().with_roles_of(&original);
+    let named = named.into_tree(&["material:#1".parse().unwrap()]).unwrap();
+    assert_eq!(named.foliage().leaves().len(), 1);
+}
+
 #[test]
 fn one_card_drawn_many_times_is_many_leaves() {
     let mut tree = SmallTree::empty();

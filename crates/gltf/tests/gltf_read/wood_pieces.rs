@@ -20,6 +20,8 @@ struct Atlas {
     /// Where in the texture the trunk has its bark from.
     bark_u: [f32; 2],
     alpha: &'static str,
+    /// How many sides the trunk has; with two it is flat.
+    sides: usize,
 }
 
 /// A trunk from the ground under a crown.
@@ -28,6 +30,7 @@ const STANDING: Atlas = Atlas {
     trunk_foot: 0.0,
     bark_u: [0.55, 0.95],
     alpha: "MASK",
+    sides: SIDES,
 };
 
 impl Atlas {
@@ -48,15 +51,18 @@ impl Atlas {
             indices.extend([0, 1, 2, 2, 1, 3].map(|corner| first + corner));
         }
         let first = 4 * LEAVES;
-        for k in 0..=SIDES {
-            let (sin, cos) = (k as f32 / SIDES as f32 * TAU).sin_cos();
+        for k in 0..=self.sides {
+            let (sin, cos) = (k as f32 / self.sides as f32 * TAU).sin_cos();
             for y in [self.trunk_foot, 6.0] {
                 let [left, right] = self.bark_u;
                 positions.extend([0.3 * cos, y, 0.3 * sin]);
-                uvs.extend([left + (right - left) * k as f32 / SIDES as f32, y / 6.0]);
+                uvs.extend([
+                    left + (right - left) * k as f32 / self.sides as f32,
+                    y / 6.0,
+                ]);
             }
         }
-        for k in 0..SIDES {
+        for k in 0..self.sides {
             let corners = [0, 1, 2, 2, 1, 3].map(|corner| (first + 2 * k + corner) as u16);
             indices.extend(corners);
         }
@@ -210,4 +216,21 @@ fn what_is_cut_out_is_foliage_where_nothing_else_is() {
     };
     let inspection = bush.tree().document().inspect(&[]);
     assert_eq!(inspection.primitives[0].taken_for, TakenFor::Foliage);
+}
+
+/// A coarse trunk may be flat, as leaves are.
+#[test]
+fn wood_of_a_level_is_known_from_its_plant() {
+    let original = STANDING.tree().document().into_tree(&[]).unwrap();
+    let flat = Atlas {
+        sides: 2,
+        ..STANDING
+    };
+    let wood_triangles = |document: Document| {
+        let whole = document.into_whole_tree(&[]).unwrap();
+        whole.wood().triangles().len()
+    };
+    assert_eq!(wood_triangles(flat.tree().document()), 0);
+    let known = flat.tree().document().with_roles_of(&original);
+    assert_eq!(wood_triangles(known), 4);
 }

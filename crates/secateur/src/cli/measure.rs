@@ -4,7 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{AsDrawnMeasurement, Difference, Document, Measurement, PictureMeasurement};
+use secateur::{
+    AsDrawnMeasurement, Difference, Document, GltfError, Measurement, PictureMeasurement, Problem,
+    Selector, Tree,
+};
 use secateur_eval::ViewCount;
 use secateur_eval::measure::{RigMeasurement, Scores, VMI_ERROR_PERCENT};
 use secateur_eval::pictures::{PictureRigMeasurement, PictureScores};
@@ -138,11 +141,21 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     }
     let open = |path: &Path, memory| {
         let document = Document::open_within(path, memory)?;
-        let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
-        document.into_tree(&args.foliage.foliage)
+        Ok(document.with_vertex_alpha(args.vertex_alpha.vertex_alpha))
     };
-    let original = open(&args.original, args.memory.memory)?;
+    let named = &args.foliage.foliage;
+    let original = |selectors: &[Selector]| -> Result<Tree, GltfError> {
+        open(&args.original, args.memory.memory)?.into_tree(selectors)
+    };
+    // Of a plant without leaves all is judged as its pieces are.
+    let (original, named) = match original(named) {
+        Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
+            (original(&[Selector::All])?, &vec![Selector::All])
+        }
+        other => (other?, named),
+    };
     let simplified = open(&args.simplified, original.memory_left())?;
+    let simplified = simplified.with_roles_of(&original).into_tree(named)?;
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     for tree in [&original, &simplified] {
         output::check_spares(tree.document(), &outputs)?;

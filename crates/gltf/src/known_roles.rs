@@ -1,0 +1,82 @@
+//! What the parts of a plant are, for files that were made of it: nothing is guessed twice.
+
+use std::collections::{HashMap, HashSet};
+
+use super::roles::Role;
+use super::selector::{Label, Labels};
+use super::{Document, Tree};
+
+/// Roles by names, which files of one plant share.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KnownRoles {
+    /// By material and node, where all such parts have one.
+    of_parts: HashMap<[String; 2], Option<Role>>,
+    /// By material, likewise.
+    of_materials: HashMap<String, Option<Role>>,
+    /// Materials of leaves whose primitives have pieces of wood.
+    mixed: HashSet<String>,
+}
+
+impl KnownRoles {
+    fn of(tree: &Tree) -> Self {
+        let document = tree.document();
+        let mut known = Self::default();
+        let mut seen = HashSet::new();
+        for part in &tree.parts {
+            let is_leaf = part.role == Role::Leaf;
+            if !seen.insert((part.mesh, part.primitive, part.node, is_leaf)) {
+                continue;
+            }
+            let Ok(look) = document.look(part.mesh, part.primitive) else {
+                continue;
+            };
+            let material = Label {
+                name: &look.name,
+                index: look.material,
+            };
+            let is_named = !material.name.is_empty();
+            let material = material.to_string();
+            let node = document.label("nodes", part.node).to_string();
+            let add = |known: &mut Option<Role>| *known = known.filter(|role| *role == part.role);
+            add(known
+                .of_parts
+                .entry([material.clone(), node])
+                .or_insert(Some(part.role)));
+            // Numbers of materials are those of one file.
+            if is_named {
+                if part.wood_pieces.is_some() {
+                    known.mixed.insert(material.clone());
+                }
+                add(known
+                    .of_materials
+                    .entry(material)
+                    .or_insert(Some(part.role)));
+            }
+        }
+        known
+    }
+
+    /// Whether leaves of a material are known to have pieces of wood among them.
+    pub(crate) fn is_mixed(&self, material: &str) -> bool {
+        self.mixed.contains(material)
+    }
+
+    /// What a part with these labels is, where that is known.
+    pub(crate) fn role(&self, labels: Labels<'_>) -> Option<Role> {
+        let material = labels.material.to_string();
+        let of_parts = self
+            .of_parts
+            .get(&[material.clone(), labels.node.to_string()]);
+        let of_part = of_parts.copied().flatten();
+        of_part.or_else(|| self.of_materials.get(&material).copied().flatten())
+    }
+}
+
+impl Document {
+    /// With the leaves and the wood of the plant that it was made of, by the names of materials and nodes: where no
+    /// selector names the leaves, evidence decides for other parts alone.
+    pub fn with_roles_of(mut self, original: &Tree) -> Self {
+        self.known_roles = Some(KnownRoles::of(original));
+        self
+    }
+}
