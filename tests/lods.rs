@@ -525,3 +525,69 @@ fn a_broken_tree_among_others_stops_them_all_before_anything_is_written() {
     run.failed_saying(&["broken.glb"]);
     assert_eq!(bench.names(), ["broken.glb", "oak.glb"]);
 }
+
+/// One bad file stops none of the others, unless that is asked for.
+#[test]
+fn of_several_trees_those_that_can_be_done_are() {
+    let bench = Bench::new();
+    bench.put("bad.glb", b"glTF");
+    bench.put("ash.glb", &bench.read("oak.glb"));
+    let lods = ["lods", "bad.glb", "oak.glb", "none.glb", "ash.glb"];
+    let how = [
+        "-o",
+        "levels",
+        "--levels",
+        "0.3",
+        "--no-original",
+        "--format",
+        "json",
+    ];
+    let ran = bench.run(&[&lods[..], &how].concat());
+    assert_eq!(ran.code, Some(3), "{}", ran.stderr);
+    let errors: Vec<&str> = ran.stderr.lines().filter(|l| l.contains("error")).collect();
+    assert_eq!(errors.len(), 2, "{}", ran.stderr);
+    let records = ran
+        .stdout
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap());
+    let records: Vec<Value> = records.collect();
+    let inputs: Vec<&str> = records
+        .iter()
+        .map(|r| r["input"].as_str().unwrap())
+        .collect();
+    assert_eq!(inputs, ["oak.glb", "ash.glb", "bad.glb", "none.glb"]);
+    for (record, is_done) in records.iter().zip([true, true, false, false]) {
+        assert_eq!(record["schema_version"], 1);
+        assert_eq!(record["levels"].is_array(), is_done);
+        assert_eq!(record["error"].is_string(), !is_done);
+    }
+    let there = |name: &str| bench.path(&format!("levels/{name}_LOD0.glb")).is_file();
+    assert!(there("oak") && there("ash"));
+    // Only what is done is told of once more.
+    let pretty = bench.run(&[&lods[..], &how[..5]].concat());
+    assert_eq!(pretty.code, Some(3));
+    assert!(pretty.stdout.contains("2 of 4 failed"), "{}", pretty.stdout);
+    // Or else the first failure ends it, before anything is made.
+    let stops = ["-o", "others", "--keep-going=false"];
+    let ran = bench.run(&[&lods[..], &stops].concat());
+    ran.failed_saying(&["bad.glb"]);
+    assert!(!bench.path("others").exists());
+    // A single tree fails as it did.
+    let alone = bench.run(&["lods", "bad.glb", "-o", "others"]);
+    alone.failed_saying(&["bad.glb"]);
+}
+
+#[test]
+fn no_input_of_a_call_is_overwritten() {
+    let bench = Bench::new();
+    bench.put("oak_LOD0.glb", &bench.read("oak.glb"));
+    let before = bench.read("oak_LOD0.glb");
+    let how = ["-o", ".", "--levels", "0.3", "--overwrite"];
+    let two = bench.run(&[&["lods", "oak.glb", "oak_LOD0.glb"], &how[..]].concat());
+    two.failed_saying(&["oak_LOD0.glb", "is an input of this call"]);
+    let hidden = ["--occluder", "oak_LOD0.glb"];
+    let behind = bench.run(&[&["lods", "oak.glb"], &how[..], &hidden].concat());
+    behind.failed_saying(&["oak_LOD0.glb", "is an input of this call"]);
+    assert_eq!(bench.read("oak_LOD0.glb"), before);
+    assert_eq!(bench.names(), ["oak.glb", "oak_LOD0.glb"]);
+}

@@ -40,6 +40,9 @@ use args::{Cli, Command, Common};
 use failure::Failure;
 use print::Printed;
 
+/// The exit code where some of several inputs failed.
+const SOME_FAILED: u8 = 3;
+
 /// Runs the command that the process was called with.
 pub(crate) fn main() -> ExitCode {
     let cli = match Cli::try_parse().and_then(without_contradiction) {
@@ -52,7 +55,8 @@ pub(crate) fn main() -> ExitCode {
     };
     log::start(&cli.common);
     match run(&cli) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::from(SOME_FAILED),
         Err(failure) => {
             log::error(&failure);
             ExitCode::from(1)
@@ -74,7 +78,8 @@ fn without_contradiction(cli: Cli) -> Result<Cli, clap::Error> {
     }
 }
 
-fn run(cli: &Cli) -> Result<(), Failure> {
+/// Runs a command; whether some of its inputs failed.
+fn run(cli: &Cli) -> Result<bool, Failure> {
     interrupt::listen();
     use_threads(&cli.common)?;
     let printed: Printed = match &cli.command {
@@ -89,10 +94,10 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Grow(args) => grow::run(args, &cli.common)?,
         Command::Schema(args) => schema::run(args)?,
     };
-    if cli.common.quiet {
-        return Ok(());
+    if !cli.common.quiet {
+        print::to_stdout(&printed.as_text(cli.common.format))?;
     }
-    print::to_stdout(&printed.as_text(cli.common.format))
+    Ok(printed.some_failed)
 }
 
 fn use_threads(common: &Common) -> Result<(), Failure> {

@@ -17,6 +17,8 @@ pub(crate) struct Printed {
     pub(crate) records: Records,
     /// The records that make the rows of tables.
     pub(crate) rows: Vec<Value>,
+    /// Whether some of several inputs failed; the exit code is then 3.
+    pub(crate) some_failed: bool,
 }
 
 /// What a command says for programs.
@@ -43,6 +45,7 @@ impl Printed {
             pretty,
             rows: vec![record.clone()],
             records: Records::One(record),
+            some_failed: false,
         }
     }
 

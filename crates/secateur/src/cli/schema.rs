@@ -12,7 +12,7 @@ use super::demo::DemoRecord;
 use super::failure::Failure;
 use super::grow::GrowRecord;
 use super::lod::LodRecord;
-use super::lods::LodsRecord;
+use super::lods::{FailureRecord, LodsRecord};
 use super::measure::MeasureRecord;
 use super::names::text;
 use super::print::{Printed, Records};
@@ -34,6 +34,8 @@ pub(crate) enum RecordName {
     Lod,
     /// The levels of a plant; for each plant a record, one a line
     Lods,
+    /// A plant of several that could not be done: in the place of its record of `lods`
+    LodsFailure,
     /// How a simplified tree compares with its original
     Measure,
     /// A plant and a level of it
@@ -64,6 +66,7 @@ pub(crate) fn run(args: &args::Schema) -> Result<Printed, Failure> {
         pretty: all.iter().map(named).collect(),
         records: Records::One(json!(rows)),
         rows,
+        some_failed: false,
     })
 }
 
@@ -81,6 +84,7 @@ fn schema(name: RecordName) -> Schema {
         RecordName::Inspect => of::<Record<Inspection>>(),
         RecordName::Lod => of::<Record<LodRecord>>(),
         RecordName::Lods => of::<Record<LodsRecord>>(),
+        RecordName::LodsFailure => of::<Record<FailureRecord>>(),
         RecordName::Measure => of::<Record<MeasureRecord>>(),
         RecordName::Simplify => of::<Record<SimplifyRecord>>(),
         RecordName::Stream => of::<Record<StreamRecord>>(),

@@ -22,6 +22,10 @@ pub(crate) struct Lods {
     /// of them.
     #[arg(short, long, value_name = "DIR|OUT.glb")]
     pub(crate) output: PathBuf,
+    /// Whether trees that cannot be done are left out, and told of at the end with exit code 3, instead of ending the
+    /// call [default: true for several trees].
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub(crate) keep_going: Option<bool>,
     /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: four
     /// levels for heights on the screen of 1080, 540, 270 and 135 pixels, each as light as `--max-difference` lets
     /// it be].

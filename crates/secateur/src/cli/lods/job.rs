@@ -1,6 +1,8 @@
 //! Where the levels of each tree go.
 
+use std::collections::HashSet;
 use std::ffi::OsStr;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::chain::Layout;
@@ -91,6 +93,20 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
         ));
     }
     let places: Vec<PathBuf> = jobs.iter().flat_map(places).collect();
+    let found = inputs
+        .iter()
+        .filter_map(|input| fs::canonicalize(input).ok());
+    let found: HashSet<PathBuf> = found.collect();
+    let is_input = |place: &&PathBuf| {
+        let place = fs::canonicalize(place);
+        place.is_ok_and(|place| found.contains(&place))
+    };
+    if let Some(place) = places.iter().find(is_input) {
+        return Err(Failure(format!(
+            "{}: is an input of this call, and a level would take its place; give another folder",
+            place.display()
+        )));
+    }
     let beside = [&args.report, &args.preview].into_iter().flatten();
     let outputs: Vec<&Path> = places.iter().chain(beside).map(PathBuf::as_path).collect();
     output::check_distinct(&outputs)

@@ -24,7 +24,7 @@ use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
 use super::record::{OfOriginal, Record, shown, shown_if};
 use super::surroundings::{Surroundings, SurroundingsRecord};
-use super::{interrupt, output};
+use super::{interrupt, log, output};
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{about, check_free, check_outputs, jobs, outputs};
@@ -83,6 +83,15 @@ pub(crate) struct LodsRecord {
     kept: bool,
 }
 
+/// A plant that could not be done.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct FailureRecord {
+    /// The plant's file.
+    input: String,
+    /// Why, in a sentence.
+    error: String,
+}
+
 /// The screen that levels are for.
 #[derive(Serialize, JsonSchema)]
 struct ScreenRecord {
@@ -113,7 +122,7 @@ impl Done {
 }
 
 /// Makes a chain of each tree, one after the other: what is finished when the program ends stays, and
-/// is not done again by the next call.
+/// is not done again by the next call. Of several trees those that cannot be done are left out.
 pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     let jobs = jobs(args)?;
@@ -122,45 +131,52 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     let surroundings = args.scene.read(args.memory.memory, &outputs)?;
-    let mut keys = Vec::new();
-    let mut finished = Vec::new();
-    for job in &jobs {
-        let key = finished::key(args, job)?;
-        let known = Finished::of(args, job, &key).filter(|_| !args.overwrite);
-        check_free(args, job, known.as_ref())?;
-        keys.push(key);
-        finished.push(known);
-    }
-    let is_done = |known: &Finished| known.is_whole(args);
-    if jobs.len() > 1 {
-        // What cannot be read is refused before anything is made of the others.
-        for (job, known) in jobs.iter().zip(&finished) {
-            if !known.as_ref().is_some_and(is_done) {
+    let keeps_going = args.keep_going.unwrap_or(jobs.len() > 1);
+    if !keeps_going && jobs.len() > 1 {
+        // What cannot be done is refused before anything is made of the others.
+        for job in &jobs {
+            let (_, known) = key_and_known(args, job)?;
+            if !known.is_some_and(|known| known.is_whole(args)) {
                 opened(args, job)?;
             }
         }
     }
     // What was read for all counts with the first.
     let mut since = start;
-    let mut trees = Vec::new();
-    for ((job, key), known) in jobs.iter().zip(keys).zip(finished) {
-        trees.push(match known {
-            Some(known) if is_done(&known) => Done::again(known, since.elapsed().as_secs_f64()),
-            known => {
-                let may_overwrite = args.overwrite || known.is_some();
-                make(
-                    args,
-                    common,
-                    (job, key, may_overwrite),
-                    &surroundings,
-                    since,
-                )?
+    let mut pretty = String::new();
+    let mut records = Vec::new();
+    let mut failed = Vec::new();
+    for job in &jobs {
+        match done(args, common, job, &surroundings, since) {
+            Ok(done) => {
+                pretty.push_str(&done.pretty);
+                records.push(done.record);
             }
-        });
+            Err(failure) => {
+                if !keeps_going || interrupt::check().is_err() {
+                    return Err(failure);
+                }
+                log::error(&failure);
+                let seconds = since.elapsed().as_secs_f64();
+                failed.push((job, failure, seconds));
+            }
+        }
         since = Instant::now();
     }
-    let pretty = trees.iter().map(|done| done.pretty.as_str()).collect();
-    let records: Vec<Value> = trees.into_iter().map(|done| done.record).collect();
+    if !failed.is_empty() {
+        pretty.push_str(&format!("{} of {} failed\n", failed.len(), jobs.len()));
+        for (_, failure, _) in &failed {
+            pretty.push_str(&format!("  {failure}\n"));
+        }
+    }
+    let some_failed = !failed.is_empty();
+    records.extend(failed.into_iter().map(|(job, failure, seconds)| {
+        let failure = FailureRecord {
+            input: job.tree.display().to_string(),
+            error: failure.to_string(),
+        };
+        Record::new("lods", failure, &[], seconds).to_value()
+    }));
     let levels = records.iter().map(|record| record["levels"].as_array());
     let rows = levels.flatten().flatten().cloned().collect();
     let records = Records::Lines(records);
@@ -171,7 +187,34 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
         pretty,
         rows,
         records,
+        some_failed,
     })
+}
+
+/// What a tree's levels are known by, and those that an earlier call left; nothing else may be in their places.
+fn key_and_known(args: &args::Lods, job: &Job<'_>) -> Result<(String, Option<Finished>), Failure> {
+    let key = finished::key(args, job)?;
+    let known = Finished::of(args, job, &key).filter(|_| !args.overwrite);
+    check_free(args, job, known.as_ref())?;
+    Ok((key, known))
+}
+
+/// A tree's levels, made or as an earlier call left them.
+fn done(
+    args: &args::Lods,
+    common: &Common,
+    job: &Job<'_>,
+    surroundings: &Surroundings,
+    since: Instant,
+) -> Result<Done, Failure> {
+    let (key, known) = key_and_known(args, job)?;
+    let may_overwrite = args.overwrite || known.is_some();
+    match known {
+        Some(known) if known.is_whole(args) => {
+            Ok(Done::again(known, since.elapsed().as_secs_f64()))
+        }
+        _ => make(args, common, (job, key, may_overwrite), surroundings, since),
+    }
 }
 
 /// The tree of a job, if a chain can be made of it.
