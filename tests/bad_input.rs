@@ -124,12 +124,17 @@ fn positions_that_are_no_numbers() {
 #[test]
 fn foliage_that_cannot_be_told() {
     let wood = json!({ "name": "bark" });
-    change_refused("/materials/0", wood, &["--foliage material:bark"]);
+    change_refused(
+        "/materials/0",
+        wood,
+        &["no foliage was found", "--foliage all"],
+    );
     let bench = Bench::new();
     put_changed(&bench, "/materials/0", json!({ "name": "bark" }));
     // To look at it is no failure.
     let shown = bench.run(&["inspect", "tree.gltf"]).succeeded();
-    assert!(shown.stdout.contains("problem: "), "{}", shown.stdout);
+    let note = "note: no leaves were found";
+    assert!(shown.stdout.contains(note), "{}", shown.stdout);
     let arguments = |selector| {
         [
             "tree.gltf",

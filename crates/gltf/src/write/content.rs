@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use serde_json::{Value, json};
 
 use super::beyond_cards;
+use super::chain::forget_unused;
 use super::compact_vertices::drop_unused_vertices;
 use super::cutoffs::Cutoffs;
 use super::draft::Draft;
@@ -66,6 +67,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod, cutoffs: &Cutoffs) -> Result<C
     cutoffs.apply(&mut draft, tree);
     drop_nodes(&mut draft.root, &left_out);
     drop_unused_vertices(&mut draft, &before)?;
+    forget_unused(&mut draft);
     let triangles = count_triangles(tree, &edits)?;
     finished(draft, &before, triangles)
 }

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use glam::{DQuat, DVec3};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::draft::{Draft, NewElements, Role};
 use super::references::as_index;
@@ -23,8 +23,7 @@ pub(super) struct Placement {
     pub(super) resize: Option<Resize>,
 }
 
-/// Gives a node the instances that are left. Those that draw another mesh than
-/// the first become a child of it with instances of its own.
+/// Gives a node the instances that are left; all of them draw one mesh.
 pub(super) fn place_instances(
     draft: &mut Draft,
     node: usize,
@@ -49,25 +48,15 @@ pub(super) fn place_instances(
         ));
     }
     let attributes = old_attributes(draft, node);
-    let Some(((first_mesh, first_members), others)) = groups.split_first() else {
+    // Those that come apart are one mesh by now.
+    let Some((mesh, members)) = groups.first() else {
         draft.take_mesh_away(node);
         take_instancing_away(&mut draft.root["nodes"][node]);
         return Ok(());
     };
-    for (mesh, members) in others {
-        let own = instance_attributes(draft, &attributes, members)?;
-        push_child(draft, node, *mesh, own);
-    }
-    if !others.is_empty() {
-        let place = draft.document.place("nodes", node);
-        draft.notes.push(format!(
-            "{place}: its instances have different leaves now: {} children were added for them",
-            others.len()
-        ));
-    }
-    let own = instance_attributes(draft, &attributes, first_members)?;
+    let own = instance_attributes(draft, &attributes, members)?;
     let fields = &mut draft.root["nodes"][node];
-    fields["mesh"] = (*first_mesh).into();
+    fields["mesh"] = (*mesh).into();
     fields["extensions"][INSTANCING]["attributes"] = own;
     Ok(())
 }
@@ -212,25 +201,7 @@ fn push_vectors(
     draft.push_accessor(origin, new)
 }
 
-fn push_child(draft: &mut Draft, node: usize, mesh: usize, attributes: Value) {
-    let parent = &draft.root["nodes"][node];
-    let mut instancing = parent["extensions"][INSTANCING].clone();
-    instancing["attributes"] = attributes;
-    let mut child = json!({"mesh": mesh, "extensions": {INSTANCING: instancing}});
-    for inherited in ["name", "skin", "weights"] {
-        if let Some(value) = parent.get(inherited) {
-            child[inherited] = value.clone();
-        }
-    }
-    let number = draft.push("nodes", child);
-    let fields = &mut draft.root["nodes"][node];
-    match fields.get_mut("children").and_then(Value::as_array_mut) {
-        Some(children) => children.push(number.into()),
-        None => fields["children"] = json!([number]),
-    }
-}
-
-fn take_instancing_away(node: &mut Value) {
+pub(super) fn take_instancing_away(node: &mut Value) {
     let Some(fields) = node.as_object_mut() else {
         return;
     };

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use serde_json::Value;
 
+use super::baked_instances::bake_instances;
 use super::draft::Draft;
 use super::instances::{Placement, place_instances};
 use super::leaf_edits::{LeafEdits, Use, group_by_edits, uses_by_mesh};
@@ -31,6 +32,14 @@ pub(super) fn rewrite_meshes(
         }
         let seen: HashSet<usize> = uses.iter().map(|place| place.node).collect();
         let is_drawn_elsewhere = drawn_by[&mesh].iter().any(|node| !seen.contains(node));
+        let baked = nodes_that_come_apart(tree, edits, &uses, &moved_by_others)?;
+        let (apart, uses): (Vec<Use>, Vec<Use>) = uses
+            .into_iter()
+            .partition(|place| baked.contains(&place.node));
+        for node in baked {
+            let places: Vec<&Use> = apart.iter().filter(|place| place.node == node).collect();
+            bake_instances(draft, tree, edits, (node, mesh), &places)?;
+        }
         let plan = plan_mesh(
             draft,
             tree,
@@ -46,6 +55,53 @@ pub(super) fn rewrite_meshes(
         apply(draft, mesh, &uses, &plan.placements)?;
     }
     Ok(empty)
+}
+
+/// The nodes with instances that would draw more than one mesh from now on.
+fn nodes_that_come_apart(
+    tree: &Tree,
+    edits: &LeafEdits,
+    uses: &[Use],
+    moved_by_others: &HashSet<usize>,
+) -> Result<BTreeSet<usize>, Fault> {
+    let mut of_nodes: BTreeMap<usize, Vec<&Use>> = BTreeMap::new();
+    for place in uses.iter().filter(|place| place.instance.is_some()) {
+        of_nodes.entry(place.node).or_default().push(place);
+    }
+    let mut apart = BTreeSet::new();
+    for (node, places) in of_nodes {
+        let mut draws_old = false;
+        let mut changed = Vec::new();
+        for &place in &places {
+            let is_changed = place.parts.iter().any(|&part| edits.is_changed(part));
+            if is_changed
+                && single_leaf_resize(tree, edits, place, true, moved_by_others)?.is_none()
+            {
+                changed.push(place);
+            } else {
+                draws_old = true;
+            }
+        }
+        let groups = group_by_edits(tree, edits, &changed);
+        let shows = |group: &&Vec<usize>| shows_anything(tree, edits, changed[group[0]]);
+        if groups.iter().filter(shows).count() + usize::from(draws_old) > 1 {
+            apart.insert(node);
+        }
+    }
+    Ok(apart)
+}
+
+/// Whether anything of a place's mesh is left.
+fn shows_anything(tree: &Tree, edits: &LeafEdits, place: &Use) -> bool {
+    let [first, ..] = place.parts[..] else {
+        return true;
+    };
+    let mesh = &tree.document.root["meshes"][tree.parts[first].mesh];
+    let primitives = mesh.get("primitives").and_then(Value::as_array);
+    let is_left = |&part: &usize| {
+        edits.has_made(part) || edits.of_part(part).any(|edit| edit.area_scale.is_some())
+    };
+    primitives.is_some_and(|all| all.len() > place.parts.len()) || place.parts.iter().any(is_left)
 }
 
 fn nodes_by_mesh(root: &Value) -> HashMap<usize, Vec<usize>> {

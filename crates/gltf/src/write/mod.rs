@@ -5,6 +5,7 @@
 //! keep their numbers, so that an extension nobody here knows stays right; the
 //! bytes that are still named are packed into one buffer.
 
+mod baked_instances;
 mod base_color;
 mod beyond_cards;
 mod bounds;

@@ -50,7 +50,8 @@ fn share_equal(draft: &mut Draft) {
     });
 }
 
-fn forget_unused(draft: &mut Draft) {
+/// Forgets new accessors, and their views, that nothing names.
+pub(in crate::write) fn forget_unused(draft: &mut Draft) {
     let first_new = len(&draft.document.root, "accessors");
     let count = len(&draft.root, "accessors");
     let uses = count_references(&mut draft.root, count, visit_accessor_numbers);

@@ -12,14 +12,14 @@ use crate::error::Fault;
 use crate::primitive::Topology;
 
 /// A primitive of a level, and whether its triangles are leaves.
-pub(super) struct LevelPrimitive {
-    pub(super) json: Value,
-    pub(super) is_foliage: bool,
+pub(in crate::write) struct LevelPrimitive {
+    pub(in crate::write) json: Value,
+    pub(in crate::write) is_foliage: bool,
 }
 
 /// Joins primitives that differ in their vertices only; leaves and wood stay
 /// apart. In the order of the first of each.
-pub(super) fn merged(
+pub(in crate::write) fn merged(
     draft: &mut Draft,
     primitives: Vec<LevelPrimitive>,
 ) -> Result<Vec<Value>, Fault> {

@@ -24,7 +24,10 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value};
 
+pub(super) use deduplicate::forget_unused;
+pub(super) use merged::{LevelPrimitive, merged};
 pub use on_disk::{PreparedChain, WrittenChain};
+pub(super) use vertices::Baker;
 
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;

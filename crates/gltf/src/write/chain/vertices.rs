@@ -36,7 +36,7 @@ enum Kind {
 /// Moves primitives into the space of the scene. An accessor that several of
 /// them have is moved once for each transform.
 #[derive(Default)]
-pub(super) struct Baker {
+pub(in crate::write) struct Baker {
     moved: HashMap<(usize, Kind, [u64; 16]), usize>,
     /// Places whose quantised positions became f32.
     pub(super) became_f32: Vec<String>,
@@ -77,7 +77,7 @@ impl Transform {
 impl Baker {
     /// The primitive as a node with this transform draws it, for a node that has
     /// none. `place` is what notes call it.
-    pub(super) fn bake(
+    pub(in crate::write) fn bake(
         &mut self,
         draft: &mut Draft,
         primitive: &mut Value,

@@ -118,6 +118,11 @@ fn places_whose_new_leaves_agree_share_a_mesh() {
             let lod = cut_down(&tree, scale_of_first);
             let after = read(tree.lod_to_bytes(&lod).unwrap());
             let meshes = |tree: &Tree| tree.document.root["meshes"].as_array().unwrap().len();
+            // Instances that differ are one mesh in the place of the old one.
+            let added = match name.starts_with("instanced") {
+                true => 0,
+                false => added,
+            };
             assert_eq!(meshes(&after), meshes(&tree) + added, "{name}");
             let area = |foliage: &secateur_model::Foliage| {
                 let mut areas: Vec<f64> = foliage.leaves().iter().map(|l| l.area()).collect();

@@ -243,23 +243,24 @@ fn no_instance_no_instancing() {
 }
 
 #[test]
-fn instances_whose_leaves_differ_part() {
+fn instances_whose_leaves_differ_are_drawn_at_once() {
     // Instance 1 keeps one leaf, grown; instances 2 and 3 stay as they were.
-    let parted = content(&encodings::instanced_twig(), one_gone_one_grown);
-    let nodes = &parted.root["nodes"];
-    assert_eq!(nodes[2]["mesh"], 1, "most are as they were");
-    assert_eq!(nodes[2]["children"], json!([3]));
-    assert_eq!(nodes[3]["mesh"], 2);
-    assert_eq!(
-        nodes[3]["extensions"]["EXT_mesh_gpu_instancing"]["extras"],
-        "a row of trees"
-    );
-    assert!(
-        parted
-            .notes
-            .iter()
-            .any(|note| note.contains("children were added"))
-    );
+    let tree = encodings::instanced_twig().tree();
+    let lod = one_gone_one_grown(&tree);
+    let after = read(tree.lod_to_bytes(&lod).unwrap());
+    let root = &after.document.root;
+    let nodes = root["nodes"].as_array().unwrap();
+    assert_eq!(nodes.len(), 3);
+    assert_eq!(nodes[2].get("children"), None);
+    assert_eq!(nodes[2].get("extensions"), None);
+    assert_eq!(root.get("extensionsUsed"), None);
+    assert_eq!(root["meshes"].as_array().unwrap().len(), 2);
+    let primitives = root["meshes"][1]["primitives"].as_array().unwrap();
+    assert_eq!(primitives.len(), 1);
+    let left = lod.foliage(&tree.foliage);
+    assert_eq!(after.foliage.triangles().len(), left.triangles().len());
+    let apart = content(&encodings::instanced_twig(), one_gone_one_grown);
+    assert!(apart.notes.iter().any(|note| note.contains("are one mesh")));
 }
 
 #[test]
