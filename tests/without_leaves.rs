@@ -47,9 +47,12 @@ fn a_dead_tree_gets_levels_and_a_note() {
         "{left} of {all}"
     );
     assert_eq!(half["leaves"]["final"], 0);
-    let lods = record(&bench, &["lods", "dead.glb", "-o", "levels"]);
+    let arguments = ["lods", "dead.glb", "-o", "levels", "--distances", "20"];
+    let lods = record(&bench, &arguments);
     let levels = lods["levels"].as_array().unwrap();
     assert!(levels.len() > 1, "{lods}");
+    assert_eq!(half["notes"][0], note);
+    assert_eq!(lods["notes"][0], note);
     for level in levels {
         assert!(level["difference"].as_f64().unwrap() <= 0.28, "{level}");
         assert_eq!(level["leaves"], 0);

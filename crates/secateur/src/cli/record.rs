@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use schemars::JsonSchema;
-use secateur::StagedFiles;
+use secateur::{Plant, StagedFiles};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -78,6 +78,17 @@ impl Counts {
             left: left.try_into().unwrap_or(u64::MAX),
         }
     }
+}
+
+/// What is to be said of a plant, then these notes, each once.
+pub(crate) fn notes<'a>(plant: &Plant, others: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let mut notes = plant.inspection().notes.clone();
+    for note in others {
+        if !notes.contains(note) {
+            notes.push(note.clone());
+        }
+    }
+    notes
 }
 
 impl<T: Serialize> Record<T> {

@@ -426,12 +426,15 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
             result.adapter.as_deref().unwrap_or("CPU")
         ),
     );
+    let has_leaves = !plant.leaves().leaves().is_empty();
     let (views, side) = (result.views.len(), result.resolution);
-    say("views", format!("{views} of {side} x {side} pixels"));
+    if has_leaves {
+        say("views", format!("{views} of {side} x {side} pixels"));
+    }
     if let (Some(reason), true) = (&result.views_reason, views > 20) {
         say("", reason.clone());
     }
-    if run.options.resolution == Resolution::Auto {
+    if has_leaves && run.options.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }
     if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
@@ -443,7 +446,7 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
     if !run.level.colors.is_empty() {
         say("colours", colors::in_words(&run.level.colors));
     }
-    if let Some(lost) = result.driving_error_percent() {
+    if has_leaves && let Some(lost) = result.driving_error_percent() {
         say(
             "loss",
             format!(
@@ -453,13 +456,15 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
             ),
         );
     }
-    say(
-        "growth",
-        format!(
-            "the largest leaf has {:.1} times its original area",
-            result.passes.max_area_scale()
-        ),
-    );
+    if has_leaves {
+        say(
+            "growth",
+            format!(
+                "the largest leaf has {:.1} times its original area",
+                result.passes.max_area_scale()
+            ),
+        );
+    }
     let memory = machine::peak_rss_bytes().map(|bytes| format!(", {} of memory", size(bytes)));
     say(
         "cost",
@@ -468,8 +473,8 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
     if let Some(path) = result.audited_by {
         say("audit", format!("the {path} draws the same areas"));
     }
-    for note in &written.notes {
-        say("note", note.clone());
+    for note in run.notes() {
+        say("note", note);
     }
     text
 }

@@ -14,7 +14,7 @@ use serde_json::{Map, Value, json};
 use super::args;
 use super::colors::ColorRecord;
 use super::cutoffs::CutoffsRecord;
-use super::record::{Bytes, Counts, bytes_of, shown};
+use super::record::{self, Bytes, Counts, bytes_of, shown};
 use super::surroundings::{Surroundings, SurroundingsRecord};
 
 /// A plant and a level of it.
@@ -114,6 +114,11 @@ pub(crate) struct Simplifying<'a> {
 }
 
 impl Simplifying<'_> {
+    /// What is to be said of the plant and of the files.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        record::notes(self.plant, self.written.notes.iter())
+    }
+
     /// What the record says.
     pub(crate) fn record(&self, args: &args::Simplify) -> SimplifyRecord {
         let (plant, level, written) = (self.plant, self.level, self.written);
@@ -149,7 +154,7 @@ impl Simplifying<'_> {
             settings: self.settings(args),
             foliage: foliage(plant.inspection()),
             warnings: self.warnings.to_vec(),
-            notes: written.notes.clone(),
+            notes: self.notes(),
         }
     }
 

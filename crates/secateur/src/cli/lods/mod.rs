@@ -22,7 +22,7 @@ use super::failure::Failure;
 use super::measure::warning_of;
 use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
-use super::record::{OfOriginal, Record, shown, shown_if};
+use super::record::{self, OfOriginal, Record, shown, shown_if};
 use super::surroundings::{Surroundings, SurroundingsRecord};
 use super::{interrupt, log, output};
 use finished::Finished;
@@ -281,6 +281,7 @@ fn make(
     }
     let seconds = start.elapsed().as_secs_f64();
     let original = LevelReport::of_plant(tree);
+    let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
     let record = LodsRecord {
         input: job.tree.display().to_string(),
         name: job.name.clone(),
@@ -321,12 +322,12 @@ fn make(
         adapter: levels.adapter.clone(),
         levels: levels.placed(job.layout, &written),
         order_sha256: made.coarsest_order_sha256(),
-        notes: made.notes.iter().chain(&written.notes).cloned().collect(),
+        notes: notes.clone(),
         warnings,
         kept: false,
     };
     let record = Record::new("lods", record, &[], seconds).to_value();
-    let pretty = pretty(&original, job, args, made, &written, seconds);
+    let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
     let staged = finished::noted(args, job, key, (&record, &pretty), staged)?;
     interrupt::writing()?;
     staged.commit()?;

@@ -102,8 +102,8 @@ pub(super) fn pretty(
     original: &LevelReport,
     job: &Job<'_>,
     args: &args::Lods,
-    made: &Chain,
-    written: &WrittenChain,
+    (made, written): (&Chain, &WrittenChain),
+    notes: &[String],
     seconds: f64,
 ) -> String {
     let levels = made.levels.iter().enumerate();
@@ -121,7 +121,7 @@ pub(super) fn pretty(
         "cost",
         format!("{seconds:.2} s, {} in all", size(written.bytes)),
     );
-    for note in made.notes.iter().chain(&written.notes) {
+    for note in notes {
         say("note", note.clone());
     }
     text
