@@ -1,11 +1,17 @@
 //! What a stream says of its plant before the first leaf.
 
+use std::io::Cursor;
+use std::sync::Arc;
+
+use image::{ImageFormat, ImageReader};
 use secateur_model::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Texture, Wrap};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// The longest side of a picture, in texels.
 const MAX_SIDE: u32 = 2048;
+
+/// The most bytes of all pictures of a stream, decoded: 32 of the largest.
+const MAX_DECODED: u64 = 512 << 20;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
@@ -92,12 +98,21 @@ pub(super) struct SurfaceHead {
 }
 
 impl Picture {
-    /// The texture, decoded; nothing where the bytes are no picture or one that is too large.
-    fn texture(&self, pictures: &[u8]) -> Option<Texture> {
+    fn reader<'p>(&self, pictures: &'p [u8]) -> Option<ImageReader<Cursor<&'p [u8]>>> {
         let end = self.at.checked_add(self.length)?;
         let png = pictures.get(self.at..end)?;
-        let mut reader =
-            image::ImageReader::with_format(std::io::Cursor::new(png), image::ImageFormat::Png);
+        Some(ImageReader::with_format(Cursor::new(png), ImageFormat::Png))
+    }
+
+    /// How many bytes the texture takes, as the picture's header has it.
+    fn decoded_bytes(&self, pictures: &[u8]) -> Option<u64> {
+        let (width, height) = self.reader(pictures)?.into_dimensions().ok()?;
+        Some(4 * u64::from(width) * u64::from(height))
+    }
+
+    /// The texture, decoded; nothing where the bytes are no picture or one that is too large.
+    fn texture(&self, pictures: &[u8]) -> Option<Texture> {
+        let mut reader = self.reader(pictures)?;
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(MAX_SIDE);
         limits.max_image_height = Some(MAX_SIDE);
@@ -171,12 +186,20 @@ impl Look {
 impl Head {
     /// The materials of its surfaces, or what is wrong with them.
     pub(super) fn materials(&self, pictures: &[u8]) -> Result<Vec<Arc<Material>>, &'static str> {
+        let unreadable = "one of its pictures cannot be read";
+        let mut decoded = 0;
+        for picture in &self.textures {
+            decoded += picture.decoded_bytes(pictures).ok_or(unreadable)?;
+            if decoded > MAX_DECODED {
+                return Err("its pictures take more than 512 MiB when decoded");
+            }
+        }
         let textures = self
             .textures
             .iter()
             .map(|p| p.texture(pictures).map(Arc::new));
         let textures: Option<Vec<_>> = textures.collect();
-        let textures = textures.ok_or("one of its pictures cannot be read")?;
+        let textures = textures.ok_or(unreadable)?;
         let materials = self.materials.iter().map(|look| look.material(&textures));
         let materials: Option<Vec<Material>> = materials.collect();
         let materials = materials.ok_or("a material names a picture that is not there")?;
@@ -184,5 +207,46 @@ impl Head {
         let of_surface = |surface: &SurfaceHead| materials.get(surface.material).map(Arc::clone);
         let of_surfaces: Option<Vec<_>> = self.surfaces.iter().map(of_surface).collect();
         of_surfaces.ok_or("a surface names a material that is not there")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture of few bytes may be named many times, and is decoded each time.
+    #[test]
+    fn pictures_that_take_too_much_are_refused_before_they_are_decoded() {
+        let mut png = Cursor::new(Vec::new());
+        let picture = image::GrayImage::new(MAX_SIDE, MAX_SIDE);
+        picture.write_to(&mut png, ImageFormat::Png).unwrap();
+        let png = png.into_inner();
+        let picture = Picture {
+            at: 0,
+            length: png.len(),
+            is_srgb: true,
+            wrap: [WrapName::Repeat; 2],
+            is_smooth_near: true,
+            is_smooth_far: true,
+            mips: MipsName::Blended,
+        };
+        let head = |count| Head {
+            name: String::new(),
+            leaves: 0,
+            triangles: 0,
+            steps: 0,
+            leaf_names: 0,
+            pieces: 0,
+            order_sha256: String::new(),
+            low: [0.0; 3],
+            high: [0.0; 3],
+            reach: 0.0,
+            textures: vec![picture.clone(); count],
+            materials: Vec::new(),
+            surfaces: Vec::new(),
+        };
+        assert!(head(2).materials(&png).is_ok());
+        let refused = head(33).materials(&png).unwrap_err();
+        assert!(refused.contains("512 MiB"), "{refused}");
     }
 }

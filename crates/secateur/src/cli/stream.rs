@@ -8,10 +8,10 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    ChainOptions, Document, LodModel, Method, Options, StagedFiles, Target, Tree, simplify_with,
-    surfaces_to_glb,
+    ChainOptions, Document, LodModel, Memory, Method, Options, StagedFiles, Target, Tree,
+    simplify_with, surfaces_to_glb,
 };
-use secateur_gltf::Detail;
+use secateur_gltf::{Detail, read_within};
 use secateur_scene::stream::{Piece, Stream, read_stream, stream_page, write_stream};
 use serde::Serialize;
 use serde_json::json;
@@ -280,7 +280,10 @@ fn read(args: &args::Stream) -> Result<Printed, Failure> {
     }
     output::check_distinct(&outputs)?;
     let mut stages = Vec::new();
-    let bytes = timed(&mut stages, "load", || first_bytes(&args.input, args.bytes))?;
+    let memory = args.memory.memory;
+    let bytes = timed(&mut stages, "load", || {
+        first_bytes(&args.input, args.bytes, memory)
+    })?;
     let (plant, used) = timed(&mut stages, "read", || {
         read_stream(&bytes).map_err(|error| Failure(format!("{}: {error}", args.input.display())))
     })?;
@@ -332,13 +335,14 @@ fn read(args: &args::Stream) -> Result<Printed, Failure> {
     Ok(Printed::single(text, record))
 }
 
-/// The first bytes of a file, all where no number is said.
-fn first_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Failure> {
+/// The first bytes of a file, all where no number is said; of what has no end no more than `memory` allows.
+fn first_bytes(path: &Path, most: Option<u64>, memory: Memory) -> Result<Vec<u8>, Failure> {
+    let Some(most) = most else {
+        return Ok(read_within(path, memory)?);
+    };
     let read = || {
         let mut bytes = Vec::new();
-        let file = File::open(path)?;
-        file.take(most.unwrap_or(u64::MAX))
-            .read_to_end(&mut bytes)?;
+        File::open(path)?.take(most).read_to_end(&mut bytes)?;
         Ok(bytes)
     };
     read().map_err(|e: std::io::Error| Failure::of_file(path, "cannot be read", &e))
