@@ -352,3 +352,20 @@ fn what_never_ends_is_refused() {
         .failed_saying(&[endless, "the file"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }
+
+/// `timeout` ends it by a signal after a second, and would kill it five seconds later.
+#[cfg(unix)]
+#[test]
+fn who_waits_for_an_input_ends_when_it_is_asked_to() {
+    let bench = Bench::new();
+    for command in [
+        "inspect pipe",
+        "simplify pipe -o out.glb --leaves 1",
+        "lods pipe -o levels",
+    ] {
+        let line = format!("rm -f pipe; mkfifo pipe; timeout -k 5 1 $SECATEUR {command}; echo $?");
+        let ran = bench.run_in_shell(&line);
+        assert_eq!(ran.stdout, "124\n", "{command}: {}", ran.stderr);
+        assert!(ran.stderr.contains("stopped"), "{command}: {}", ran.stderr);
+    }
+}

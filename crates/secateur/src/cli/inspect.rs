@@ -10,7 +10,7 @@ use super::args;
 use super::failure::Failure;
 use super::print::Printed;
 use super::record::Record;
-use super::{output, record};
+use super::{interrupt, output, record};
 
 /// Shows what is in a file; that the foliage can't be told is no failure.
 pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
@@ -18,7 +18,7 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.tree])?;
     }
-    let document = Document::open_within(&args.tree, args.memory.memory)?;
+    let document = interrupt::reading(|| Document::open_within(&args.tree, args.memory.memory))?;
     let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;

@@ -1,17 +1,24 @@
 //! Ctrl-C, and the signals by which systems end programs (SIGTERM, SIGHUP): the first time a clean
 //! stop, the second time at once.
 
+use super::log;
 use secateur::SimplifyError;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static WANTED: AtomicBool = AtomicBool::new(false);
 static WRITING: AtomicBool = AtomicBool::new(false);
+static READING: AtomicBool = AtomicBool::new(false);
 
 /// From now on these ask for a stop.
 pub(crate) fn listen() {
     let handler = || {
         let again = WANTED.swap(true, Ordering::Relaxed);
+        // An input may never come, and nothing is there yet that could be left behind.
+        if READING.load(Ordering::Relaxed) {
+            log::error(&SimplifyError::Stopped.into());
+            std::process::exit(1);
+        }
         // Never in the middle of a file.
         if again && !WRITING.load(Ordering::Relaxed) {
             std::process::exit(1);
@@ -28,6 +35,14 @@ pub(crate) fn check() -> Result<(), SimplifyError> {
         true => Err(SimplifyError::Stopped),
         false => Ok(()),
     }
+}
+
+/// Reads an input: what ends programs ends this one at once.
+pub(crate) fn reading<T>(read: impl FnOnce() -> T) -> T {
+    READING.store(true, Ordering::Relaxed);
+    let read = read();
+    READING.store(false, Ordering::Relaxed);
+    read
 }
 
 /// Whether to go on, for callbacks.

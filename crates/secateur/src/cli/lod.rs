@@ -54,7 +54,7 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
 
     let mut stages = Vec::new();
     let tree = timed(&mut stages, "load", || {
-        let document = Document::open(&args.tree)?;
+        let document = interrupt::reading(|| Document::open(&args.tree))?;
         let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
         Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
     })?;

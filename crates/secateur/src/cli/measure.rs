@@ -140,7 +140,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
     let open = |path: &Path, memory| {
-        let document = Document::open_within(path, memory)?;
+        let document = interrupt::reading(|| Document::open_within(path, memory))?;
         Ok(document.with_vertex_alpha(args.vertex_alpha.vertex_alpha))
     };
     let named = &args.foliage.foliage;

@@ -45,7 +45,9 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let mut plant = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Ok(Plant::open_with(&args.tree, &opening)?)
+        Ok(interrupt::reading(|| {
+            Plant::open_with(&args.tree, &opening)
+        })?)
     })?;
     let tree = plant.tree();
     output::check_spares(tree.document(), &outputs)?;

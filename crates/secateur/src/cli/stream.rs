@@ -113,7 +113,8 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
 
     let mut stages = Vec::new();
     let tree = timed(&mut stages, "load", || {
-        let document = Document::open_within(&args.input, args.memory.memory)?;
+        let memory = args.memory.memory;
+        let document = interrupt::reading(|| Document::open_within(&args.input, memory))?;
         let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
         Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
     })?;
@@ -282,7 +283,7 @@ fn read(args: &args::Stream) -> Result<Printed, Failure> {
     let mut stages = Vec::new();
     let memory = args.memory.memory;
     let bytes = timed(&mut stages, "load", || {
-        first_bytes(&args.input, args.bytes, memory)
+        interrupt::reading(|| first_bytes(&args.input, args.bytes, memory))
     })?;
     let (plant, used) = timed(&mut stages, "read", || {
         read_stream(&bytes).map_err(|error| Failure(format!("{}: {error}", args.input.display())))

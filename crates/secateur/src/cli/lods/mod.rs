@@ -193,7 +193,7 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
 
 /// What a tree's levels are known by, and those that an earlier call left; nothing else may be in their places.
 fn key_and_known(args: &args::Lods, job: &Job<'_>) -> Result<(String, Option<Finished>), Failure> {
-    let key = finished::key(args, job)?;
+    let key = interrupt::reading(|| finished::key(args, job))?;
     let known = Finished::of(args, job, &key).filter(|_| !args.overwrite);
     check_free(args, job, known.as_ref())?;
     Ok((key, known))
@@ -226,7 +226,7 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
         memory: args.memory.memory,
         ..Opening::default()
     };
-    let plant = Plant::open_with(job.tree, &opening)?;
+    let plant = interrupt::reading(|| Plant::open_with(job.tree, &opening))?;
     let document = plant.tree().document();
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
