@@ -1,5 +1,6 @@
 //! The excesses of a block's sixteen leaves, in f32, as vector instructions.
 
+#[cfg(target_arch = "x86_64")]
 use super::super::switches::{Mechanism, is_on};
 use super::widths::Width;
 
