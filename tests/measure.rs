@@ -1,8 +1,9 @@
 //! Tests of `secateur measure`: figures, view sets and refusals.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use crate::program::Bench;
+use crate::glb::{chunks, joined};
+use crate::program::{Bench, oak};
 
 #[test]
 fn a_tree_is_equal_to_itself() {
@@ -260,4 +261,36 @@ fn what_a_client_draws_is_held_against_what_is_there() {
     assert!((0.9..1.1).contains(&without), "{without}");
     let wrong = bench.run(&["measure", "oak.glb", "oak.glb", "--as-drawn", "4"]);
     assert_eq!(wrong.code, Some(2));
+}
+
+/// Ten units beside its original, and half as large.
+#[test]
+fn another_size_and_another_place_are_said() {
+    let bench = Bench::new();
+    let (json, bin) = chunks(oak());
+    let mut root: Value = serde_json::from_slice(json).unwrap();
+    let scene = root["scene"].as_u64().unwrap_or(0) as usize;
+    let roots = root["scenes"][scene]["nodes"].clone();
+    let count = root["nodes"].as_array().unwrap().len();
+    let mut put = |name: &str, change: Value| {
+        let mut parent = change;
+        parent["children"] = roots.clone();
+        let nodes = root["nodes"].as_array_mut().unwrap();
+        nodes.truncate(count);
+        nodes.push(parent);
+        root["scenes"][scene]["nodes"] = json!([count]);
+        bench.put(name, &joined(&root, bin));
+    };
+    put("beside.glb", json!({"translation": [10, 0, 0]}));
+    put("half.glb", json!({"scale": [0.5, 0.5, 0.5]}));
+    put("same.glb", json!({"translation": [0, 0, 0]}));
+    for (other, is_said) in [
+        ("beside.glb", true),
+        ("half.glb", true),
+        ("same.glb", false),
+    ] {
+        let ran = bench.run(&["measure", "oak.glb", other]).succeeded();
+        let says = ran.stderr.contains("do not hold the same plant");
+        assert_eq!(says, is_said, "{other}: {}", ran.stderr);
+    }
 }

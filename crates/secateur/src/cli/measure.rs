@@ -184,7 +184,8 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         all.fold(0.0, f64::max)
     };
     let difference = worst(|seen| seen.difference);
-    let warnings = warning_of(difference);
+    let mut warnings = warning_of(difference);
+    warnings.extend(other_place(&original, &simplified));
     warn_all(&warnings);
     let drawn = match args.as_drawn {
         Some(width_px) => {
@@ -232,6 +233,27 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         ),
         record,
     ))
+}
+
+/// A sentence where a result is not as large as its original, or not where that is: by more than a fifth of the
+/// largest extent.
+fn other_place(original: &Tree, simplified: &Tree) -> Option<String> {
+    const MOST_OFF: f64 = 0.2;
+    let boxes = [original, simplified].map(|tree| tree.inspection().extents);
+    let [Some(before), Some(after)] = boxes else {
+        return None;
+    };
+    let size = |[low, high]: [[f64; 3]; 2]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    let middle = |[low, high]: [[f64; 3]; 2], k: usize| 0.5 * (low[k] + high[k]);
+    let (own, other) = (size(before), size(after));
+    let moved = (0..3).map(|k| (middle(after, k) - middle(before, k)).abs());
+    let moved = moved.fold(0.0, f64::max);
+    let is_off = (other - own).abs() > MOST_OFF * own || moved > MOST_OFF * own;
+    is_off.then(|| {
+        format!(
+            "the two files do not hold the same plant: the original is {own:.3} units large, the other {other:.3}, and its middle is {moved:.3} units off"
+        )
+    })
 }
 
 /// A sentence where a result is another plant.
