@@ -9,9 +9,9 @@ use super::{Document, Tree};
 /// Roles by names, which files of one plant share.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownRoles {
-    /// By material and node, where all such parts have one.
+    /// The role of all parts of a material and a node; none where they differ.
     of_parts: HashMap<[String; 2], Option<Role>>,
-    /// By material, likewise.
+    /// The role of all parts of a named material; none where they differ.
     of_materials: HashMap<String, Option<Role>>,
     /// Materials of leaves whose primitives have pieces of wood.
     mixed: HashSet<String>,

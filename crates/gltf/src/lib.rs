@@ -92,7 +92,7 @@
 //! | the two chunks of a GLB | `container.rs` |
 //! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
-//! | which triangles are a leaf | `leaves.rs`, `find.rs` |
+//! | which triangles are a leaf | `leaves.rs`, `find.rs`; what is doubtful: `find_warnings.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
@@ -119,6 +119,7 @@ mod draco;
 mod error;
 mod evidence;
 mod find;
+mod find_warnings;
 mod folder;
 mod helper_names;
 mod input;

@@ -39,7 +39,7 @@ pub struct PlacedLevel {
     /// Where the level is that casts its shadow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow: Option<LevelPlace>,
-    /// Its figures.
+    /// The figures of the level, as reports have them.
     #[serde(flatten)]
     pub report: LevelReport,
 }

@@ -361,36 +361,6 @@ impl<'a> WholePlant<'a> {
         })
     }
 
-    /// [`Self::level`] of a plant without leaves.
-    fn bare_level(
-        &self,
-        budget: Budget,
-        options: &Options,
-        engine: &OpenEngine,
-    ) -> Result<WholeLevel, Error> {
-        let sphere = sphere_of(&self.wood)?;
-        let evenly = match budget.sharing {
-            Sharing::Evenly => self.levels.evenly(budget.triangles),
-            Sharing::ByNumber | Sharing::LeafMargin(_) => None,
-        };
-        let mut wood = self.wood_of(&[], budget);
-        match evenly {
-            Some(lod) => {
-                wood.triangles = lod.foliage(&self.wood).triangles().len();
-                wood.lod = lod;
-            }
-            None => self.use_rest(&mut wood, 0, budget.triangles),
-        }
-        let mut leaves = bare::simplified_nothing(sphere, options, engine)?;
-        leaves.warnings.extend(self.warning_of(&wood));
-        Ok(WholeLevel {
-            leaves,
-            wood: wood.lod,
-            wood_triangles: wood.triangles,
-            leaf_gap: None,
-        })
-    }
-
     /// Has wood the triangles of a budget that leaves cannot use, where these are many of them.
     fn use_rest(&self, wood: &mut WoodLevel, of_leaves: usize, triangles: usize) {
         let left = of_leaves + wood.triangles;

@@ -142,15 +142,9 @@ fn a_word_that_is_copied_counts_once() {
 fn branches_on_cut_out_cards_are_no_wood() {
     let with = |name: &str, alpha: &str| {
         let mut tree = quads_and_box();
-        let mut png = std::io::Cursor::new(Vec::new());
-        let half = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([90, 60, 30, 255 * x as u8]));
-        half.write_to(&mut png, image::ImageFormat::Png).unwrap();
-        let view = tree.view(png.get_ref());
-        tree.append(
-            "images",
-            json!({"bufferView": view, "mimeType": "image/png"}),
-        );
-        tree.append("textures", json!({"source": 0}));
+        tree.texture(&image::RgbaImage::from_fn(2, 1, |x, _| {
+            image::Rgba([90, 60, 30, 255 * x as u8])
+        }));
         let pbr = json!({"baseColorTexture": {"index": 0}});
         let cards = json!({"name": name, "alphaMode": alpha, "pbrMetallicRoughness": pbr});
         tree.set("/materials", json!([cards, {"name": "x"}]))

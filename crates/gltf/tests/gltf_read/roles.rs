@@ -209,18 +209,9 @@ fn a_flat_plant_is_a_plant() {
 fn cut_out_cards_are_no_ground() {
     let garden = Garden::new().with_tree().with("Card", 2, &square(8.0, 0.0));
     let mut file = garden.file;
-    let mut png = Vec::new();
-    let half_clear = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([9, 99, 9, 255 * x as u8]));
-    let mut cursor = std::io::Cursor::new(&mut png);
-    half_clear
-        .write_to(&mut cursor, image::ImageFormat::Png)
-        .unwrap();
-    let view = file.view(&png);
-    file.append(
-        "images",
-        json!({"bufferView": view, "mimeType": "image/png"}),
-    );
-    file.append("textures", json!({"source": 0}));
+    file.texture(&image::RgbaImage::from_fn(2, 1, |x, _| {
+        image::Rgba([9, 99, 9, 255 * x as u8])
+    }));
     let material = |alpha: &str| json!({"alphaMode": alpha, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
     for (alpha, is_plant) in [("MASK", true), ("BLEND", true), ("OPAQUE", false)] {
         let file = file.clone().set("/materials/2", material(alpha));

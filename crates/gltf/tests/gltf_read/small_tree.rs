@@ -102,6 +102,16 @@ impl SmallTree {
         primitives.as_array_mut().unwrap().push(primitive);
     }
 
+    /// Adds a PNG image and a texture of it.
+    pub(crate) fn texture(&mut self, texels: &image::RgbaImage) {
+        let mut png = std::io::Cursor::new(Vec::new());
+        texels.write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let view = self.view(png.get_ref());
+        let image = json!({"bufferView": view, "mimeType": "image/png"});
+        let image = self.append("images", image);
+        self.append("textures", json!({"source": image}));
+    }
+
     /// Puts a value into the JSON; the last step of the path may be new.
     pub(crate) fn set(mut self, path: &str, value: Value) -> Self {
         let (parent, key) = path.rsplit_once('/').unwrap();

@@ -72,17 +72,9 @@ impl Atlas {
         });
         let indices = tree.shorts("SCALAR", &indices);
         tree.primitive(json!({"attributes": accessors, "indices": indices, "material": 0}));
-        let mut png = std::io::Cursor::new(Vec::new());
-        let texels = image::RgbaImage::from_fn(4, 1, |x, _| {
+        tree.texture(&image::RgbaImage::from_fn(4, 1, |x, _| {
             image::Rgba([60, 99, 20, if x == 1 { 0 } else { 255 }])
-        });
-        texels.write_to(&mut png, image::ImageFormat::Png).unwrap();
-        let view = tree.view(png.get_ref());
-        tree.append(
-            "images",
-            json!({"bufferView": view, "mimeType": "image/png"}),
-        );
-        tree.append("textures", json!({"source": 0}));
+        }));
         let pbr = json!({"baseColorTexture": {"index": 0}});
         let material =
             json!({"name": "tree", "alphaMode": self.alpha, "pbrMetallicRoughness": pbr});

@@ -68,7 +68,7 @@ pub struct LevelReport {
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum LevelKind {
-    /// The plant itself.
+    /// The plant as its file has it, not simplified.
     Original,
     /// The plant with fewer triangles.
     #[default]
@@ -110,7 +110,7 @@ pub struct ImpostorReport {
 #[derive(Default, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct AsDrawn {
-    /// As `coverage_as_drawn`.
+    /// The number of `coverage_as_drawn` again, under the key that other records have for coverage.
     coverage_ratio: Option<f64>,
     /// Pixels that a client covers over those truly covered, from where the level begins to be seen.
     coverage_as_drawn: Option<f64>,

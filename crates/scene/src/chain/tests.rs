@@ -27,7 +27,7 @@ fn oak() -> WholeTree {
     grown(Species::Oak, 120)
 }
 
-/// A plant with so many leaves.
+/// A grown plant of a species with this number of leaves.
 pub(super) fn grown(species: Species, leaves: u32) -> WholeTree {
     let options = GrowOptions { leaves, seed: 5 };
     let plant = plant_to_glb(&grow(species, &options).unwrap());

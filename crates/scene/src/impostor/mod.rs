@@ -37,16 +37,12 @@ pub enum Choice {
     /// No impostor: the chain ends in a mesh.
     #[default]
     None,
-    /// Crossed planes.
-    ///
     /// Planes that cross along the main axes of the crown, each with a picture.
     Crossed,
     /// Cards, as few as are within `--max-difference`.
     ///
     /// Each has a flat layer of the plant.
     Cards,
-    /// Octahedral views.
-    ///
     /// Views from all directions in one texture, laid out as an octahedron that is folded open.
     Octahedral,
     /// Crossed planes where they look no worse, cards where they are lighter.

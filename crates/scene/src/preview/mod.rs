@@ -53,7 +53,7 @@ pub struct Level<'a> {
 pub struct Facts {
     /// What it is called, short: `LOD1`.
     pub name: String,
-    /// Its figures.
+    /// The figures that the page's table shows.
     #[serde(flatten)]
     pub report: LevelReport,
 }

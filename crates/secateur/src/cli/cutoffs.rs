@@ -22,7 +22,7 @@ pub(crate) struct CutoffsRecord {
 struct RaisedRecord {
     /// Their alpha over the cutoff.
     share_of_cutoff: f64,
-    /// Numbers of materials.
+    /// Numbers of the materials in whose textures clear texels got an alpha.
     materials: Vec<usize>,
 }
 

@@ -5,15 +5,48 @@ use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::Vmi;
 use secateur_raster::{OpenEngine, ViewSet};
 
+use super::{Budget, Sharing, WholeLevel, WholePlant};
 use crate::observe::observe;
 use crate::passes::Passes;
-use crate::{Error, Options, Simplified, Stopped, Views};
+use crate::{Error, Options, Simplified, Stopped, Views, sphere_of};
 
 /// Width of the pictures in pixels, which show nothing.
 const RESOLUTION: u32 = 1;
 
+impl WholePlant<'_> {
+    /// [`Self::level`] of a plant without leaves.
+    pub(super) fn bare_level(
+        &self,
+        budget: Budget,
+        options: &Options,
+        engine: &OpenEngine,
+    ) -> Result<WholeLevel, Error> {
+        let sphere = sphere_of(&self.wood)?;
+        let evenly = match budget.sharing {
+            Sharing::Evenly => self.levels.evenly(budget.triangles),
+            Sharing::ByNumber | Sharing::LeafMargin(_) => None,
+        };
+        let mut wood = self.wood_of(&[], budget);
+        match evenly {
+            Some(lod) => {
+                wood.triangles = lod.foliage(&self.wood).triangles().len();
+                wood.lod = lod;
+            }
+            None => self.use_rest(&mut wood, 0, budget.triangles),
+        }
+        let mut leaves = simplified_nothing(sphere, options, engine)?;
+        leaves.warnings.extend(self.warning_of(&wood));
+        Ok(WholeLevel {
+            leaves,
+            wood: wood.lod,
+            wood_triangles: wood.triangles,
+            leaf_gap: None,
+        })
+    }
+}
+
 /// What a run over no leaf at all hands back.
-pub(super) fn simplified_nothing(
+fn simplified_nothing(
     sphere: BoundingSphere,
     options: &Options,
     engine: &OpenEngine,
