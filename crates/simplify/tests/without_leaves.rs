@@ -77,6 +77,50 @@ fn a_plant_without_leaves_has_levels() {
     }
 }
 
+/// A curved sheet of 200 triangles from x on, one unit wide and high.
+fn sheet(x: f64) -> Vec<LeafTriangle> {
+    const SIDE: usize = 10;
+    let place = |i: usize, k: usize| {
+        let [u, v] = [i, k].map(|n| n as f64 / SIDE as f64);
+        DVec3::new(x + u, v, 0.1 * (2.0 * (x + u)).sin() * v)
+    };
+    let quads = (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| (i, k)));
+    let triangles = quads.flat_map(|(i, k)| {
+        let [a, b] = [place(i, k), place(i + 1, k)];
+        let [c, d] = [place(i, k + 1), place(i + 1, k + 1)];
+        [[a, b, d], [a, d, c]]
+    });
+    triangles.map(LeafTriangle::plain).collect()
+}
+
+/// Both face the same way where they touch, so nothing but their names tells whose a corner is.
+#[test]
+fn pieces_that_touch_keep_their_own_corners() {
+    let (mut wood, leaves) = (Foliage::default(), Foliage::default());
+    for x in [0.0, 1.0] {
+        wood.push_leaf(&sheet(x), None).unwrap();
+    }
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(&wood, &leaves, &wood, &engine).unwrap();
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    let budget = Budget {
+        triangles: 200,
+        sharing: Sharing::Evenly,
+    };
+    let mut go_on = |_| ControlFlow::Continue(());
+    let level = plant
+        .level(budget, &options, &engine, None, &mut go_on)
+        .unwrap();
+    for (made, _) in level.wood.made() {
+        let corners = made.triangles.iter().flatten();
+        let own = 3 * wood.triangles_of(made.donor).len() as u32;
+        for corner in corners {
+            assert!(corner.like < own);
+        }
+    }
+    assert!((180..=200).contains(&level.wood_triangles));
+}
+
 #[test]
 fn all_of_it_may_stay() {
     let (wood, leaves) = (snowman(), Foliage::default());
