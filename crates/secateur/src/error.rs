@@ -19,7 +19,7 @@ pub enum Error {
     /// No page can be made of levels.
     #[cfg(feature = "scene")]
     #[error(transparent)]
-    Preview(#[from] secateur_scene::preview::PreviewError),
+    Preview(#[from] secateur_pages::preview::PreviewError),
     /// Nothing can be measured.
     #[cfg(feature = "eval")]
     #[error(transparent)]

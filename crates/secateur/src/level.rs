@@ -8,11 +8,11 @@ use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
-use secateur_model::{Lod, Memory, Surface};
-use secateur_raster::OpenEngine;
-use secateur_scene::{
+use secateur_levels::{
     ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
+use secateur_model::{Lod, Memory, Surface};
+use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{
     Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };

@@ -2,9 +2,9 @@
 
 use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, Document, GltfError, LeafSurface, WholeTree};
+use secateur_levels::chain::{Chain, ChainLevel, LevelReport, Shape, show};
 use secateur_model::{LodModel, Surface};
-use secateur_scene::chain::{Chain, ChainLevel, LevelReport, Shape, show};
-use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
+use secateur_pages::preview::{Continuous, Facts, Level as Shown, Preview, page};
 
 use crate::{Error, Levels};
 
