@@ -261,6 +261,7 @@ impl Walk<'_> {
             level: NO_LEVEL,
             level_of: LevelOf::Triangles,
             judged_by: identity.judged_by,
+            judged_leaves: crate::JudgedLeaves::AsInFile,
             // Only default views drive.
             is_driven_by_judging_views: false,
             leaves_original: leaves.leaves().len() as u64,
