@@ -16,6 +16,10 @@ pub enum Error {
     /// A camera file is not what it should be.
     #[error(transparent)]
     Cameras(#[from] CamerasError),
+    /// A plant can't be grown.
+    #[cfg(feature = "plant")]
+    #[error(transparent)]
+    Grow(#[from] secateur_plant::GrowError),
     /// No page can be made of levels.
     #[cfg(feature = "scene")]
     #[error(transparent)]

@@ -318,11 +318,12 @@ impl<'a> Maker<'a> {
         let items = self.tree.items();
         let textures = self.dilated.clone();
         let materials = &self.look.original.materials;
+        let wood_triangles = self.tree.wood().triangles().len() as u64;
         ChainLevel {
             report: LevelReport {
                 clear_texels: Some(clear_texels(&textures)),
                 texture_bytes: texture_bytes(items.document(), materials, &textures),
-                ..LevelReport::of_plant(self.tree)
+                ..LevelReport::of_plant(self.tree.leaves(), wood_triangles)
             },
             shadow: 0,
             order: None,

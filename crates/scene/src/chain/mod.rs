@@ -40,6 +40,7 @@ pub use options::{
     ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, SCREEN_HEIGHTS_PX, Wanted,
 };
 pub use scene_look::SceneLook;
+pub use texture_bytes::texture_bytes;
 pub use textures::Textures;
 use which::{asked, lightest};
 
