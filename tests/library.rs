@@ -1,8 +1,8 @@
 //! What the library writes, held against the files of the program.
 
-use secateur::chain::{Layout, LevelsOptions};
+use secateur::chain::{BadOptions, ChainError, Layout, LevelsOptions, Wanted};
 use secateur::plant::{GrowOptions, Species};
-use secateur::{LevelOptions, Opening, Plant, Target, WoodMode, judge};
+use secateur::{Error, LevelOptions, Memory, Opening, Plant, Target, WoodMode, judge};
 use serde_json::Value;
 
 use crate::program::{Bench, shared_tree};
@@ -135,4 +135,37 @@ fn the_library_judges_as_the_program_does() {
         }
     }
     assert!(judged.misplaced().is_none());
+}
+
+/// What went wrong is told by types, in words that name no option of the program.
+#[test]
+fn errors_can_be_matched() {
+    let missing = Plant::open("no.glb").unwrap_err();
+    let cause = std::error::Error::source(&missing).unwrap();
+    let cause: &std::io::Error = cause.downcast_ref().unwrap();
+    assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
+
+    let oak = Plant::grow(
+        Species::Oak,
+        &GrowOptions {
+            leaves: 60,
+            seed: 2,
+        },
+    )
+    .unwrap();
+    let none = LevelsOptions {
+        wanted: Wanted::Heights(Vec::new()),
+        ..LevelsOptions::default()
+    };
+    let refused = oak.levels(&none).unwrap_err();
+    let no_level = ChainError::Options(BadOptions::NoLevel);
+    assert!(matches!(refused, Error::Levels(error) if error.to_string() == no_level.to_string()));
+
+    let mut few = LevelOptions::triangles(0.3);
+    few.simplify.memory = Memory::Bytes(1 << 16);
+    let refused = oak.level(&few).unwrap_err();
+    assert!(refused.over_memory().is_some(), "{refused}");
+    assert!(!refused.to_string().contains("--"), "{refused}");
+    let none = Plant::grow(Species::Oak, &GrowOptions { leaves: 0, seed: 2 });
+    assert!(matches!(none, Err(Error::Grow(_))));
 }

@@ -300,13 +300,12 @@ impl Plant {
         &self,
         options: &Options,
         observer: &mut Observer<'_>,
-    ) -> Result<LevelParts, SimplifyError> {
+    ) -> Result<LevelParts, Error> {
         let (tree, mode) = match self.parts() {
-            Parts::Leaves(tree) => return simplified_leaves(tree, options, observer),
+            Parts::Leaves(tree) => return Ok(simplified_leaves(tree, options, observer)?),
             Parts::Whole(tree, mode) => (tree, *mode),
         };
-        let engine = OpenEngine::open(options.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
         let (leaves, wood) = (tree.leaves(), tree.wood());
         let level = match mode {
             WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
@@ -321,7 +320,7 @@ impl Plant {
                             sharing: Sharing::Evenly,
                         };
                         let other = plant.level(evenly, options, &engine, None, observer)?;
-                        nearer_of(tree, level, other)
+                        nearer_of(tree, level, other)?
                     }
                     Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => level,
                 }
@@ -336,17 +335,16 @@ impl Plant {
     }
 }
 
-/// Of two levels the one that looks nearer to the tree; the first where that can't be told.
-fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> WholeLevel {
-    let over = |level: &WholeLevel| {
+/// Of two levels the one that looks nearer to the tree.
+fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> Result<WholeLevel, Error> {
+    let over = |level: &WholeLevel| -> Result<f64, Error> {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
-        let seen = difference_of(tree.items(), &lod).ok()?;
-        Some(seen.difference)
+        Ok(difference_of(tree.items(), &lod)?.difference)
     };
-    match (over(&first), over(&second)) {
-        (Some(of_first), Some(of_second)) if of_second < of_first => second,
-        _ => first,
-    }
+    Ok(match over(&second)? < over(&first)? {
+        true => second,
+        false => first,
+    })
 }
 
 fn simplified_leaves(

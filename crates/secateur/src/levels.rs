@@ -8,11 +8,12 @@ use secateur_gltf::{GltfError, WholeTree, WriteOptions};
 use secateur_raster::OpenEngine;
 use secateur_scene::Screen;
 use secateur_scene::chain::{
-    Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
+    BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
 };
 use secateur_simplify::{Error as SimplifyError, Observer};
 use serde::Serialize;
 
+use crate::Error;
 use crate::opened_plant::{Parts, Plant};
 
 /// Levels of a plant, finest first. They are written with the material changes that belong to them.
@@ -59,9 +60,9 @@ impl Plant {
     /// Makes levels of the plant.
     ///
     /// # Errors
-    /// [`ChainError`] if the options contradict each other, the plant was opened with its wood ignored, or it can't be
-    /// simplified as asked.
-    pub fn levels(&self, options: &LevelsOptions) -> Result<Levels, ChainError> {
+    /// [`Error::Levels`] if the options contradict each other or the plant was opened with its wood ignored,
+    /// [`Error::Simplify`] if it can't be simplified as asked.
+    pub fn levels(&self, options: &LevelsOptions) -> Result<Levels, Error> {
         self.levels_watched(options, &mut |_| ControlFlow::Continue(()))
     }
 
@@ -73,15 +74,11 @@ impl Plant {
         &self,
         options: &LevelsOptions,
         observer: &mut Observer<'_>,
-    ) -> Result<Levels, ChainError> {
+    ) -> Result<Levels, Error> {
         let Parts::Whole(tree, _) = self.parts() else {
-            return Err(ChainError::Wanted(
-                "levels are of wood and leaves: open the plant without ignoring its wood"
-                    .to_owned(),
-            ));
+            return Err(BadOptions::WoodIgnored.into());
         };
-        let engine = OpenEngine::open(options.leaves.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let engine = OpenEngine::open(options.leaves.engine).map_err(SimplifyError::from)?;
         Ok(Levels {
             chain: chain(tree, options, &engine, observer)?,
             plant: self.clone(),

@@ -133,8 +133,8 @@ pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
     FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
     Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, RemovalOrder, Segment, SegmentIndex,
-    SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
+    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy, RemovalOrder, Segment,
+    SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{
@@ -167,8 +167,8 @@ pub mod chain {
     pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
     pub use secateur_scene::Screen;
     pub use secateur_scene::chain::{
-        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, SceneLook,
-        Shape, Textures, Wanted,
+        BadOptions, Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport,
+        SceneLook, Shape, Textures, Wanted,
     };
     pub use secateur_scene::impostor::Choice as ImpostorChoice;
 }

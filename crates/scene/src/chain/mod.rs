@@ -30,7 +30,7 @@ use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
 use secateur_simplify::{Observer, sphere_of};
 
-pub use error::ChainError;
+pub use error::{BadOptions, ChainError};
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_as_drawn::LevelAsDrawn;
 pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
@@ -74,9 +74,7 @@ pub fn chain(
         )),
         (true, _) => levels.insert(0, maker.original()),
         (false, 0) => {
-            return Err(ChainError::Wanted(
-                "no level would have fewer triangles than the tree has".to_owned(),
-            ));
+            return Err(ChainError::NoLighterLevel);
         }
         (false, _) => {}
     }

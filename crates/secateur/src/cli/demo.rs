@@ -55,8 +55,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let options = chain_options(args);
     let progress_bar = RunProgress::new(common);
     let levels = timed(&mut stages, "levels", || {
-        let levels = opened.levels_watched(&options, &mut |p| progress_bar.show(p));
-        levels.map_err(|error| Failure(error.to_string()))
+        Ok(opened.levels_watched(&options, &mut |p| progress_bar.show(p))?)
     })?;
     drop(progress_bar);
     let (tree, made) = (levels.tree(), &levels.chain);

@@ -257,7 +257,7 @@ fn make(
     let progress_bar = RunProgress::new(common);
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure(about(job.tree, &error.to_string())))?
+        .map_err(|error| about(job.tree, error))?
         .named(&job.name);
     drop(progress_bar);
     let made = &levels.chain;
@@ -276,7 +276,7 @@ fn make(
     staged.append(files);
     if let Some(file) = &args.preview {
         let page = levels.preview_html();
-        let page = page.map_err(|error| Failure(about(job.tree, &error.to_string())))?;
+        let page = page.map_err(|error| about(job.tree, error))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
