@@ -142,8 +142,7 @@ impl LeavesByHeight {
 pub enum StandError {
     /// The plant has one level only.
     #[error(
-        "the instances have no levels: the removal order of their plant ({leaves} leaves) has no \
-         step; write one to fewer leaves with simplify --order"
+        "the instances have no levels: the removal order of their plant ({leaves} leaves) has no step; simplify the plant to fewer leaves"
     )]
     NoLevels {
         /// Leaves of the plant.

@@ -1,7 +1,7 @@
 //! The figures of a level, as records, tables, pages and `extras` have them.
 
 use secateur_eval::Difference;
-use secateur_gltf::WholeTree;
+use secateur_model::Foliage;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
@@ -153,15 +153,14 @@ const IN_EXTRAS: [&str; 9] = [
 
 impl LevelReport {
     /// The plant itself, seen from distance 0 on.
-    pub fn of_plant(tree: &WholeTree) -> Self {
-        let (leaves, wood) = (tree.leaves(), tree.wood());
-        let [of_leaves, of_wood] = [leaves, wood].map(|of| of.triangles().len() as u64);
+    pub fn of_plant(leaves: &Foliage, wood_triangles: u64) -> Self {
+        let foliage_triangles = leaves.triangles().len() as u64;
         Self {
             kind: LevelKind::Original,
             leaves: leaves.leaves().len() as u64,
-            triangles: of_leaves + of_wood,
-            foliage_triangles: of_leaves,
-            wood_triangles: of_wood,
+            triangles: foliage_triangles + wood_triangles,
+            foliage_triangles,
+            wood_triangles,
             pixels_high: f64::INFINITY,
             silhouette_iou: Some(1.0),
             vmi_error_percent: Some(0.0),

@@ -9,7 +9,7 @@ use secateur_gltf::chain::LevelTexture;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
-use secateur_simplify::{Error, Observer, Options, Shared, Target};
+use secateur_simplify::{Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
@@ -174,7 +174,7 @@ impl<'a> Maker<'a> {
     /// light.
     ///
     /// # Errors
-    /// [`ChainError`] if the observer breaks it off.
+    /// [`ChainError`] for anything else that keeps it from being made.
     pub(super) fn level_if_any(
         &self,
         triangles: usize,
@@ -182,8 +182,8 @@ impl<'a> Maker<'a> {
     ) -> Result<Option<Made>, ChainError> {
         match self.level(triangles, observer) {
             Ok(made) => Ok(Some(made)),
-            Err(stopped @ ChainError::Simplify(Error::Stopped)) => Err(stopped),
-            Err(_) => Ok(None),
+            Err(error) if error.is_not_so_light() => Ok(None),
+            Err(error) => Err(error),
         }
     }
 
@@ -198,7 +198,7 @@ impl<'a> Maker<'a> {
     /// What has to be said of a plant before levels of it are made.
     ///
     /// # Errors
-    /// [`ChainError::Wanted`] if a distance is inside the crown.
+    /// [`ChainError::InsidePlant`] if a distance is inside the crown.
     pub(super) fn remarks(&self) -> Result<Vec<String>, ChainError> {
         let unit_m = self.size_m() / self.look.size;
         if let Wanted::Distances(distances) = &self.options.wanted
@@ -206,10 +206,11 @@ impl<'a> Maker<'a> {
         {
             let reach_m = self.look.reach * unit_m;
             if *nearest <= reach_m {
-                let least = (reach_m * 11.0).ceil() / 10.0;
-                return Err(ChainError::Wanted(format!(
-                    "a distance of {nearest} m is inside the plant, which reaches {reach_m:.1} m from its middle: begin at {least:.1} m"
-                )));
+                return Err(ChainError::InsidePlant {
+                    distance_m: *nearest,
+                    reach_m,
+                    least_m: (reach_m * 11.0).ceil() / 10.0,
+                });
             }
         }
         let height_m = self.look.height * unit_m;
@@ -318,11 +319,12 @@ impl<'a> Maker<'a> {
         let items = self.tree.items();
         let textures = self.dilated.clone();
         let materials = &self.look.original.materials;
+        let wood_triangles = self.tree.wood().triangles().len() as u64;
         ChainLevel {
             report: LevelReport {
                 clear_texels: Some(clear_texels(&textures)),
                 texture_bytes: texture_bytes(items.document(), materials, &textures),
-                ..LevelReport::of_plant(self.tree)
+                ..LevelReport::of_plant(self.tree.leaves(), wood_triangles)
             },
             shadow: 0,
             order: None,

@@ -30,7 +30,7 @@ use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
 use secateur_simplify::{Observer, sphere_of};
 
-pub use error::ChainError;
+pub use error::{BadOptions, ChainError};
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_as_drawn::LevelAsDrawn;
 pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
@@ -38,6 +38,7 @@ pub use level_surfaces::show;
 use maker::Maker;
 pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, Wanted};
 pub use scene_look::SceneLook;
+pub use texture_bytes::texture_bytes;
 pub use textures::Textures;
 use which::{asked, lightest};
 
@@ -71,9 +72,7 @@ pub fn chain(
         )),
         (true, _) => levels.insert(0, maker.original()),
         (false, 0) => {
-            return Err(ChainError::Wanted(
-                "no level would have fewer triangles than the tree has".to_owned(),
-            ));
+            return Err(ChainError::NoLighterLevel);
         }
         (false, _) => {}
     }

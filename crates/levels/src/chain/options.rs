@@ -6,7 +6,7 @@ use secateur_eval::Limits;
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Amount, Options, Target};
 
-use super::error::ChainError;
+use super::error::BadOptions;
 use super::scene_look::SceneLook;
 use super::textures::Textures;
 use crate::impostor::Choice;
@@ -104,9 +104,9 @@ impl ChainOptions {
     /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
     ///
     /// # Errors
-    /// [`ChainError::Wanted`] if not.
-    pub fn check(&self) -> Result<(), ChainError> {
-        let refused = |what: &str| Err(ChainError::Wanted(what.to_owned()));
+    /// [`BadOptions`] if not.
+    pub fn check(&self) -> Result<(), BadOptions> {
+        let out_of_range = |what| Err(BadOptions::OutOfRange(what));
         let (count, falls) = match &self.wanted {
             Wanted::Triangles(amounts) => {
                 let of = |amount: &Amount| match amount {
@@ -126,57 +126,51 @@ impl ChainOptions {
         if let Wanted::Triangles(amounts) = &self.wanted
             && amounts.iter().any(|amount| amount.of(usize::MAX) == 0)
         {
-            return refused("a level of no triangles shows nothing: ask for more than 0");
+            return Err(BadOptions::NoTriangles);
         }
         let is_above_zero = |x: f64| x.is_finite() && x > 0.0;
         let is_difference = |x: f64| x > 0.0 && x <= MOST_DIFFERENCE;
         if let Wanted::Heights(all) = &self.wanted
             && !all.iter().all(|x| is_above_zero(*x))
         {
-            return refused("heights of levels must be above 0");
+            return out_of_range("heights of levels must be above 0");
         }
         if let Wanted::Distances(all) = &self.wanted
             && !all.iter().all(|x| DISTANCES.contains(x))
         {
-            return refused("distances of levels must be from 0.01 to 1,000,000");
+            return out_of_range("distances of levels must be from 0.01 to 1,000,000");
         }
         if !SCREEN_HEIGHTS_PX.contains(&self.screen.height_px) {
-            return refused("a screen must be from 16 to 100,000 pixels high");
+            return out_of_range("a screen must be from 16 to 100,000 pixels high");
         }
         let degrees = self.screen.field_of_view_degrees;
         if !(is_above_zero(degrees) && degrees < 180.0) {
-            return refused("a field of view must be above 0 and below 180 degrees");
+            return out_of_range("a field of view must be above 0 and below 180 degrees");
         }
         match (count, falls) {
-            (0, _) => refused("a chain needs at least one level"),
-            (count, _) if count > MAX_LEVELS => Err(ChainError::Wanted(format!(
-                "{count} levels were asked for: a chain has at most {MAX_LEVELS}"
-            ))),
+            (0, _) => Err(BadOptions::NoLevel),
+            (count, _) if count > MAX_LEVELS => Err(BadOptions::TooManyLevels(count)),
             // After numbers of triangles an impostor is a level more.
             (MAX_LEVELS, _)
                 if self.impostor != Choice::None && matches!(self.wanted, Wanted::Triangles(_)) =>
             {
-                Err(ChainError::Wanted(format!(
-                    "an impostor after {MAX_LEVELS} levels is one too many: a chain has at most {MAX_LEVELS}"
-                )))
+                Err(BadOptions::NoRoomForImpostor)
             }
             (_, false) if matches!(self.wanted, Wanted::Distances(_)) => {
-                refused("distances must rise: each level is farther off than the one before")
+                Err(BadOptions::NotFarther)
             }
-            (_, false) => {
-                refused("levels go from fine to coarse: each must be less than the one before")
-            }
+            (_, false) => Err(BadOptions::NotCoarser),
             _ if self.shadow_steps > 2 => {
-                refused("what casts a shadow is at most two levels coarser")
+                out_of_range("what casts a shadow is at most two levels coarser")
             }
             _ if !self.max_pop.is_none_or(is_difference) => {
-                refused("the difference that a switch may show must be above 0 and at most 2")
+                out_of_range("the difference that a switch may show must be above 0 and at most 2")
             }
             _ if !is_difference(self.max_difference) => {
-                refused("the difference that a level may have must be above 0 and at most 2")
+                out_of_range("the difference that a level may have must be above 0 and at most 2")
             }
             _ if !self.plant_height_m.is_none_or(is_above_zero) => {
-                refused("the height of a plant must be above 0 metres")
+                out_of_range("the height of a plant must be above 0 metres")
             }
             _ => Ok(()),
         }

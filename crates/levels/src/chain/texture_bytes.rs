@@ -7,8 +7,9 @@ use secateur_gltf::Document;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Mips, Texture};
 
-/// Bytes of all images that a level's materials use, four a texel, mips where they are read.
-pub(super) fn texture_bytes(
+/// Bytes of all images that these materials of a file use, four a texel, mips where they are read; textures of a level's
+/// own count in place of theirs.
+pub fn texture_bytes(
     document: &Document,
     materials: &[Option<usize>],
     own: &[LevelTexture],

@@ -37,10 +37,10 @@ pub(super) fn asked(
         let triangles = amount.of(maker.all);
         let level = maker.level(triangles, observer)?;
         if level.triangles() == 0 {
-            return Err(ChainError::Wanted(format!(
-                "no leaf and no piece of wood is left with {triangles} of {} triangles: ask for more",
-                maker.all
-            )));
+            return Err(ChainError::NothingLeft {
+                triangles,
+                there: maker.all,
+            });
         }
         if is_no_less(&level, placed.last(), maker) {
             notes.push(format!(

@@ -67,13 +67,10 @@ pub enum OrderFileError {
     #[error("the removal order is no base64")]
     NoBase64,
     /// Another version of the form.
-    #[error("the removal order is of version {0}; this program reads versions 1 and 2")]
+    #[error("the removal order is of version {0}; only versions 1 and 2 can be read")]
     Version(u32),
     /// The order of other leaves.
-    #[error(
-        "the removal order is of another tree, or of other leaves of it: simplify this one with \
-         `--order`, with the same `--foliage`"
-    )]
+    #[error("the removal order is of another tree, or of other leaves of it")]
     OtherTree,
     /// Fewer bytes than the counts say.
     #[error("the removal order is cut short: it ends in {part} {number} of {count}")]

@@ -216,12 +216,12 @@ fn views(name: &str) -> Result<Views, Error> {
     })
 }
 
-fn level<'p>(
-    plant: &'p Plant,
+fn level(
+    plant: &Plant,
     options: &Options,
     args: &args::Simplify,
     common: &Common,
-) -> Result<Level<'p>, Failure> {
+) -> Result<Level, Failure> {
     let progress_bar = RunProgress::new(common);
     let options = LevelOptions {
         simplify: options.clone(),

@@ -28,8 +28,7 @@ pub(super) fn made(
         ..Options::with_preset(Preset::default(), Target::triangle_share(level))
     };
     let (leaves, wood) = (tree.leaves(), tree.wood());
-    let engine = OpenEngine::open(options.engine)
-        .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+    let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
     let mut observer = |_: Progress| match host.is_stop_asked() {
         false => ControlFlow::Continue(()),
         true => ControlFlow::Break(()),

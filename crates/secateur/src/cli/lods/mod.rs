@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
-use secateur_levels::chain::{LevelReport, Textures};
+use secateur_levels::chain::Textures;
 use secateur_model::{AlphaMode, Surface};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -257,10 +257,10 @@ fn make(
     let progress_bar = RunProgress::new(common);
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure(about(job.tree, &error.to_string())))?
+        .map_err(|error| about(job.tree, error))?
         .named(&job.name);
     drop(progress_bar);
-    let (tree, made) = (levels.tree(), &levels.chain);
+    let made = &levels.chain;
     let differences = made.levels.iter().map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
@@ -275,12 +275,12 @@ fn make(
     let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
-        let page = levels.page();
-        let page = page.map_err(|error| Failure(about(job.tree, &error.to_string())))?;
+        let page = levels.preview_html();
+        let page = page.map_err(|error| about(job.tree, error))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let original = LevelReport::of_plant(tree);
+    let original = levels.plant().report();
     let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
     let record = LodsRecord {
         input: job.tree.display().to_string(),
