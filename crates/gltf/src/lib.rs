@@ -131,6 +131,7 @@ mod known_roles;
 mod ktx2;
 mod leaf_surfaces;
 mod leaves;
+mod level_names;
 mod levels_inside;
 mod material;
 mod meshopt;

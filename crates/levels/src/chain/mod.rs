@@ -28,7 +28,7 @@ mod which;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
-use secateur_simplify::{Observer, sphere_of};
+use secateur_simplify::{Observer, Progress, sphere_of};
 
 pub use error::{BadOptions, ChainError};
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
@@ -64,6 +64,7 @@ pub fn chain(
             lightest(&maker, &client, &mut notes, observer)?
         }
     };
+    Progress::Level { done: 1, of: 1 }.tell(observer)?;
     let impostors = maker.impostors(&placed, &client, &mut notes, observer)?;
     let mut levels = maker.ending(placed, impostors, &client, &mut notes, observer)?;
     match (options.original, levels.len()) {

@@ -23,6 +23,7 @@ mod output;
 mod picture;
 mod print;
 mod progress_bar;
+mod progress_share;
 mod record;
 mod schema;
 mod simplify;

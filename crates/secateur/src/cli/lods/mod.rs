@@ -2,6 +2,7 @@
 
 mod finished;
 mod job;
+mod nameless;
 mod table;
 mod wanted;
 
@@ -254,7 +255,7 @@ fn make(
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
         .map_err(|error| about(job.tree, error))?
