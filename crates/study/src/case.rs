@@ -232,7 +232,7 @@ impl Case {
     }
 
     /// Leaves as the paper has them: whole polygons, seen from both sides.
-    pub(crate) fn as_in_paper(mut self) -> Self {
+    pub(crate) fn with_leaves_of_paper(mut self) -> Self {
         self.options.sides = Sides::Both;
         self.solid_leaves()
     }

@@ -12,7 +12,7 @@
 //! writing files, and facts of the machine.
 
 mod as_options;
-mod beaten;
+mod better_rivals;
 mod case;
 mod chart;
 mod columns;

@@ -100,7 +100,7 @@ pub(crate) const MODELS: [Model; 7] = [
 /// What is run on every model and every tree.
 pub(crate) fn cases() -> Vec<Case> {
     let mut cases = Preset::PAPER.map(named_cases::paper).to_vec();
-    cases.extend([look(), information()].map(Case::as_in_paper));
+    cases.extend([look(), information()].map(Case::with_leaves_of_paper));
     cases.extend([fsa(), stochastic()]);
     cases
 }

@@ -18,7 +18,7 @@ use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::not_sent::not_sent;
+use super::left_out_of_stream::not_sent;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{Bytes, Counts, Record, bytes_of, shown_if};

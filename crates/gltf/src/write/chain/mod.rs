@@ -6,9 +6,9 @@
 
 mod cards_apart;
 mod deduplicate;
-mod made;
 mod materials;
 mod merged;
+mod mesh_levels;
 mod names;
 mod node_trees;
 mod on_disk;
@@ -274,7 +274,7 @@ fn content(
         && let LevelContent::Surface(surface) = level.content
     {
         let pivot = placement::placement(tree);
-        return made::alone(&tree.document, level, surface, pivot);
+        return mesh_levels::alone(&tree.document, level, surface, pivot);
     }
     let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);

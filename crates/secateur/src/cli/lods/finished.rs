@@ -15,8 +15,8 @@ use super::super::failure::Failure;
 use super::super::record::SCHEMA_VERSION;
 use super::super::{machine, output};
 use super::job::Job;
+use super::level_options::options;
 use super::nameless;
-use super::wanted::options;
 
 /// The levels of a tree as an earlier call left them.
 #[derive(Debug, Deserialize, Serialize)]

@@ -2,9 +2,9 @@
 
 mod finished;
 mod job;
+mod level_options;
 mod nameless;
 mod table;
-mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -29,9 +29,9 @@ use super::{interrupt, log, output};
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{about, check_free, check_outputs, jobs, outputs};
+use level_options::options;
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
-use wanted::options;
 
 /// The levels of a plant.
 #[derive(Serialize, JsonSchema)]
