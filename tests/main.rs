@@ -16,6 +16,7 @@ mod formats;
 mod glb;
 mod grow;
 mod help;
+mod independent_reader;
 mod library;
 mod lod;
 mod lods;
