@@ -3,10 +3,10 @@
 use std::error::Error as _;
 
 use secateur_gltf::GltfError;
+#[cfg(feature = "scene")]
+use secateur_levels::chain::{BadOptions, ChainError};
 use secateur_model::OverMemory;
 use secateur_raster::CamerasError;
-#[cfg(feature = "scene")]
-use secateur_scene::chain::{BadOptions, ChainError};
 
 /// Why a plant could not be read, simplified, judged or written.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +32,7 @@ pub enum Error {
     /// No page can be made of levels.
     #[cfg(feature = "scene")]
     #[error(transparent)]
-    Preview(#[from] secateur_scene::preview::PreviewError),
+    Preview(#[from] secateur_pages::preview::PreviewError),
     /// Nothing can be measured.
     #[cfg(feature = "eval")]
     #[error(transparent)]

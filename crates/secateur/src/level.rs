@@ -8,13 +8,13 @@ use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
+use secateur_levels::chain::{LevelKind, LevelReport};
+use secateur_levels::{
+    ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
+};
 use secateur_model::{Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
-use secateur_scene::chain::{LevelKind, LevelReport};
-use secateur_scene::{
-    ChosenCutoffs, Dilated, MaterialChange, Screen, choose_cutoffs, dilated_textures,
-    material_changes,
-};
+use secateur_runtime::Screen;
 use secateur_simplify::whole::{
     Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };

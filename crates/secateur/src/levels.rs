@@ -5,11 +5,11 @@ use std::path::Path;
 
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
 use secateur_gltf::{GltfError, WholeTree, WriteOptions};
-use secateur_raster::OpenEngine;
-use secateur_scene::Screen;
-use secateur_scene::chain::{
+use secateur_levels::chain::{
     BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
 };
+use secateur_raster::OpenEngine;
+use secateur_runtime::Screen;
 use secateur_simplify::{Error as SimplifyError, Observer};
 use serde::Serialize;
 

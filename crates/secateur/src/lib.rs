@@ -165,12 +165,12 @@ pub use glam;
 #[cfg(feature = "scene")]
 pub mod chain {
     pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
-    pub use secateur_scene::Screen;
-    pub use secateur_scene::chain::{
+    pub use secateur_levels::chain::{
         BadOptions, Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport,
         SceneLook, Shape, Textures, Wanted,
     };
-    pub use secateur_scene::impostor::Choice as ImpostorChoice;
+    pub use secateur_levels::impostor::Choice as ImpostorChoice;
+    pub use secateur_runtime::Screen;
 }
 
 /// A GPU to rasterise on.

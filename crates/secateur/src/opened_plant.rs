@@ -7,10 +7,10 @@ use std::sync::Arc;
 #[cfg(feature = "plant")]
 use secateur_gltf::plant_into_glb;
 use secateur_gltf::{Document, GltfError, Inspection, Selector, Tree, VertexAlpha, WholeTree};
+use secateur_levels::chain::LevelReport;
 use secateur_model::{Foliage, Memory, PlantSkeleton};
 #[cfg(feature = "plant")]
 use secateur_plant::{GrowOptions, Species};
-use secateur_scene::chain::LevelReport;
 use secateur_simplify::whole::WoodMode;
 
 #[cfg(feature = "plant")]

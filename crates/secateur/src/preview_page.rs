@@ -2,10 +2,10 @@
 
 use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, DrawnSurface, GltfError, LeafSurface};
+use secateur_levels::chain::{ChainLevel, LevelReport, Shape, show, texture_bytes};
 use secateur_model::{LodModel, RemovalOrder, Surface};
-use secateur_scene::Screen;
-use secateur_scene::chain::{ChainLevel, LevelReport, Shape, show, texture_bytes};
-use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
+use secateur_pages::preview::{Continuous, Facts, Level as Shown, Preview, page};
+use secateur_runtime::Screen;
 
 use crate::{Error, Level, Levels, Plant};
 

@@ -10,9 +10,9 @@ use secateur::{
 };
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
+use secateur_levels::chain::{Chain, ChainOptions, Shape, Wanted};
+use secateur_levels::impostor::Choice;
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_scene::chain::{Chain, ChainOptions, Shape, Wanted};
-use secateur_scene::impostor::Choice;
 use serde::Serialize;
 use serde_json::json;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use secateur::{Lod, LodModel, Memory, Plant, RemovalOrder, StagedFiles, Tree, WriteOptions};
 use secateur_gltf::read_within;
-use secateur_scene::order_file::{self, OrderFileError};
+use secateur_runtime::order_file::{self, OrderFileError};
 
 use super::failure::Failure;
 use super::output;

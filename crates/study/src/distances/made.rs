@@ -7,11 +7,11 @@ use std::time::Instant;
 
 use secateur_eval::Limits;
 use secateur_gltf::{Cutoffs, WholeTree};
+use secateur_levels::chain::{ChainError, ChainOptions, Shape, Textures, Wanted, chain};
+use secateur_levels::impostor::Choice;
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
-use secateur_scene::Screen;
-use secateur_scene::chain::{ChainError, ChainOptions, Shape, Textures, Wanted, chain};
-use secateur_scene::impostor::Choice;
+use secateur_runtime::Screen;
 use secateur_simplify::whole::{WholePlant, WoodMode};
 use secateur_simplify::{Amount, Error as SimplifyError, Options, Preset, Progress, Target};
 

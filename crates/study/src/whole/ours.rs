@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur_gltf::WholeTree;
+use secateur_levels::{MaterialChange, choose_cutoffs};
 use secateur_raster::OpenEngine;
-use secateur_scene::{MaterialChange, choose_cutoffs};
 use secateur_simplify::whole::{WholePlant, simplify_keeping_wood};
 use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Target};
 

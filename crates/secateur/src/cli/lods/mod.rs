@@ -12,8 +12,8 @@ use schemars::JsonSchema;
 use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
+use secateur_levels::chain::Textures;
 use secateur_model::{AlphaMode, Surface};
-use secateur_scene::chain::Textures;
 use serde::Serialize;
 use serde_json::{Value, json};
 
