@@ -22,6 +22,7 @@ use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
     simplify_on,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::Session;
@@ -33,20 +34,24 @@ use crate::opened_plant::{Parts, Plant};
 const LOOKED_AT_PX: f64 = 128.0;
 
 /// How a level is made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LevelOptions {
     /// How many triangles or leaves it has, and how leaves are chosen. A skeleton and memory that it lacks are the
     /// plant's.
     pub simplify: Options,
     /// Which alpha cutoffs its materials have.
+    #[serde(default)]
     pub cutoffs: CutoffChoice,
     /// Which colours clear texels of its textures have.
+    #[serde(default)]
     pub colors: ColorChoice,
 }
 
 /// Which alpha cutoffs a level has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
 pub enum CutoffChoice {
     /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
     #[default]
@@ -62,8 +67,9 @@ pub enum CutoffChoice {
 }
 
 /// Which colours clear texels of leaf textures have in a level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
 pub enum ColorChoice {
     /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
     #[default]

@@ -108,6 +108,7 @@ mod scene;
 mod session;
 #[cfg(feature = "scene")]
 mod surroundings;
+mod versioned;
 
 pub use error::Error;
 #[cfg(feature = "scene")]
@@ -129,6 +130,7 @@ pub use secateur_levels::chain::ChainOptions as LevelsOptions;
 pub use session::Session;
 #[cfg(feature = "scene")]
 pub use surroundings::Surroundings;
+pub use versioned::Versioned;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
