@@ -217,7 +217,7 @@ fn level(
     args: &args::Simplify,
     common: &Common,
 ) -> Result<Level, Failure> {
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, &args.tree.display().to_string());
     let options = LevelOptions {
         simplify: options.clone(),
         cutoffs: args.cutoffs.unwrap_or_default(),
