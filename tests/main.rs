@@ -38,6 +38,7 @@ mod study;
 #[path = "browser/tab.rs"]
 mod tab;
 mod triangles;
+mod user_crate;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;

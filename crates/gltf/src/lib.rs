@@ -113,6 +113,7 @@ mod camera_path;
 mod chain_problem;
 mod choice;
 mod container;
+mod cost;
 mod cutouts;
 mod document;
 mod draco;
@@ -175,6 +176,7 @@ pub mod chain {
 }
 
 pub use camera_path::{MAX_VIEWS_OF_A_PATH, VIEWS_OF_A_PATH};
+pub use cost::LevelCost;
 pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;

@@ -178,9 +178,10 @@ mod tests {
 
     use glam::DVec3;
     use secateur_model::{LeafTriangle, Memory};
+    use secateur_raster::OpenEngine;
 
     use super::*;
-    use crate::{Error, Fitting, Resolution, Target, simplify, simplify_with};
+    use crate::{Error, Fitting, Resolution, Target, simplify, simplify_on};
 
     /// `leaves` unit squares at one place.
     fn pile(leaves: usize) -> Foliage {
@@ -251,7 +252,13 @@ mod tests {
             }
             ControlFlow::Continue(())
         };
-        simplify_with(&foliage, &options(1 << 30, Fitting::Coverage), watch).unwrap();
+        simplify_on(
+            &OpenEngine::cpu(),
+            &foliage,
+            &options(1 << 30, Fitting::Coverage),
+            watch,
+        )
+        .unwrap();
         assert!(stages.contains(&crate::Stage::Fit));
     }
 }

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::Lod;
+use secateur_model::{Lod, Memory};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Observer, Options, Shared, Target};
@@ -97,7 +97,10 @@ impl<'a> Maker<'a> {
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
             leaf_options: Options {
-                memory: items.memory_left(),
+                memory: match of_leaves.memory {
+                    Memory::Auto => items.memory_left(),
+                    own => own,
+                },
                 ..options.leaves.clone()
             },
             tree,

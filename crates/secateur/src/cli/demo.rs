@@ -132,9 +132,6 @@ pub(crate) struct DemoRecord {
 struct DemoLevel {
     /// The share of all triangles that it has; `original` for the oak itself.
     level: String,
-    /// The size of the oak's file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bytes: Option<usize>,
     #[serde(flatten)]
     placed: PlacedLevel,
 }
@@ -190,19 +187,17 @@ fn rows(
     (original, bytes): (&Path, usize),
 ) -> Vec<DemoLevel> {
     let tree = levels.tree();
+    let plant = levels.plant();
+    let file = LevelPlace::File(original.display().to_string());
+    let mut cost = plant.tree().document().cost();
+    cost.bytes = bytes as u64;
     let first = DemoLevel {
         level: "original".to_owned(),
-        bytes: Some(bytes),
-        placed: PlacedLevel {
-            place: LevelPlace::File(original.display().to_string()),
-            shadow: None,
-            report: levels.plant().report(),
-        },
+        placed: PlacedLevel::new(file, cost, plant.report()),
     };
     let placed = levels.placed(Layout::Files, written).into_iter();
     let named = placed.map(|placed| DemoLevel {
         level: title(tree, placed.report.triangles),
-        bytes: None,
         placed,
     });
     std::iter::once(first).chain(named).collect()

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
+use secateur::{Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_levels::chain::Textures;
@@ -24,7 +24,7 @@ use super::measure::warning_of;
 use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
-use super::surroundings::{Surroundings, SurroundingsRecord};
+use super::surroundings::SurroundingsRecord;
 use super::{interrupt, log, output};
 use finished::Finished;
 pub(crate) use job::Job;
@@ -248,10 +248,9 @@ fn make(
     surroundings: &Surroundings,
     start: Instant,
 ) -> Result<Done, Failure> {
-    let mut options = options(args);
-    surroundings.apply(&mut options.leaves);
-    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
-    let plant = opened(args, job)?;
+    let options = options(args);
+    let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
+    let plant = opened(args, job)?.within(drawn);
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
@@ -302,7 +301,7 @@ fn make(
         wood_triangles: OfOriginal {
             original: original.wood_triangles,
         },
-        surroundings: surroundings.record(&args.scene),
+        surroundings: args.scene.record(surroundings),
         screen: ScreenRecord {
             height_px: options.screen.height_px,
             fov_degrees: options.screen.field_of_view_degrees,
