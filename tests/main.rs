@@ -12,6 +12,7 @@ mod demo;
 mod doors;
 mod engines;
 mod fit;
+mod folder;
 mod formats;
 mod glb;
 mod grow;
