@@ -9,9 +9,7 @@ use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
 use secateur_levels::chain::{LevelKind, LevelReport};
-use secateur_levels::{
-    ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
-};
+use secateur_levels::{ChosenCutoffs, Dilated, choose_cutoffs, dilated_textures, material_changes};
 use secateur_model::{Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
 use secateur_runtime::Screen;
@@ -22,112 +20,16 @@ use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
     simplify_on,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::Session;
 use crate::judged::difference_judge;
+use crate::level_options::{ColorChoice, LevelOptions};
 use crate::opened_plant::{Parts, Plant};
 
 /// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
 /// coarse so small is so at any size.
 const LOOKED_AT_PX: f64 = 128.0;
-
-/// How a level is made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LevelOptions {
-    /// How many triangles or leaves it has, and how leaves are chosen. A skeleton and memory that it lacks are the
-    /// plant's.
-    pub simplify: Options,
-    /// Which alpha cutoffs its materials have.
-    #[serde(default)]
-    pub cutoffs: CutoffChoice,
-    /// Which colours clear texels of its textures have.
-    #[serde(default)]
-    pub colors: ColorChoice,
-}
-
-/// Which alpha cutoffs a level has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[serde(rename_all = "kebab-case")]
-pub enum CutoffChoice {
-    /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
-    #[default]
-    #[cfg_attr(feature = "cli", value(skip))]
-    Auto,
-    /// Such that clients show as much of the crown from afar as there is, and near by what they did; where no
-    /// cutoff does, textures are read without mip maps, or clear texels get an alpha below the cutoff.
-    Fit,
-    /// As fit, but all textures are read with mip maps.
-    FitWithMips,
-    /// Those of the tree, raised only where single triangles would show specks.
-    Keep,
-}
-
-/// Which colours clear texels of leaf textures have in a level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[serde(rename_all = "kebab-case")]
-pub enum ColorChoice {
-    /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
-    #[default]
-    #[cfg_attr(feature = "cli", value(skip))]
-    Auto,
-    /// Those of the leaves near them, where mip maps would mix in others.
-    Dilate,
-    /// Those of the tree.
-    Keep,
-}
-
-impl LevelOptions {
-    /// The level for the look with this target.
-    pub fn to(target: Target) -> Self {
-        Self::of(Options::to(target))
-    }
-
-    /// The level for the look with a share of all triangles, above 0 to 1.
-    pub fn triangles(share: f64) -> Self {
-        Self::to(Target::triangle_share(share))
-    }
-
-    /// The level of these options, with cutoffs and colours as suit them.
-    pub fn of(simplify: Options) -> Self {
-        Self {
-            simplify,
-            cutoffs: CutoffChoice::default(),
-            colors: ColorChoice::default(),
-        }
-    }
-
-    /// What becomes of the wood where nothing else is said: a budget of triangles is the whole plant's, other targets
-    /// are of leaves.
-    pub fn usual_wood(target: Target) -> WoodMode {
-        match target {
-            Target::Triangles(_) => WoodMode::Auto,
-            Target::Leaves(_) | Target::MaxErrorPercent(_) => WoodMode::Ignore,
-        }
-    }
-
-    /// What may be done to cutoffs; none where they stay.
-    fn change(&self) -> Option<MaterialChange> {
-        match self.cutoffs {
-            CutoffChoice::Keep => None,
-            CutoffChoice::Auto if !self.simplify.chooses_cutoffs() => None,
-            CutoffChoice::FitWithMips => Some(MaterialChange::Cutoffs),
-            CutoffChoice::Auto | CutoffChoice::Fit => Some(MaterialChange::CutoffsOrMips),
-        }
-    }
-
-    fn dilates(&self) -> bool {
-        match self.colors {
-            ColorChoice::Auto => self.change().is_some(),
-            ColorChoice::Dilate => true,
-            ColorChoice::Keep => false,
-        }
-    }
-}
 
 /// What has to be said of a level.
 #[derive(Clone, Debug, PartialEq)]

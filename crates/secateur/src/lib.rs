@@ -68,6 +68,9 @@
 //! | for | look at |
 //! |---|---|
 //! | what the program does | `Plant`, `Level`, `Levels`, `chain` |
+//! | one engine and one memory for many calls; progress, cancelling | `Session` |
+//! | what a plant stands within | `Surroundings` |
+//! | options in files | [`Versioned`] |
 //! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`VertexAlpha`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
@@ -98,6 +101,8 @@ mod judged;
 #[cfg(feature = "scene")]
 mod level;
 #[cfg(feature = "scene")]
+mod level_options;
+#[cfg(feature = "scene")]
 mod levels;
 #[cfg(feature = "scene")]
 mod opened_plant;
@@ -116,7 +121,9 @@ pub use judged::{
     AllScores, Figures, JudgeOptions, Judged, Misplaced, SetFigures, judge, judge_document,
 };
 #[cfg(feature = "scene")]
-pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
+pub use level::{Level, LevelParts, LevelWarning};
+#[cfg(feature = "scene")]
+pub use level_options::{ColorChoice, CutoffChoice, LevelOptions};
 #[cfg(feature = "scene")]
 pub use levels::{LevelPlace, Levels, PlacedLevel};
 #[cfg(feature = "scene")]
