@@ -15,8 +15,8 @@ use super::super::failure::Failure;
 use super::super::record::SCHEMA_VERSION;
 use super::super::{machine, output};
 use super::job::Job;
+use super::level_options::options;
 use super::nameless;
-use super::wanted::options;
 
 /// The levels of a tree as an earlier call left them.
 #[derive(Debug, Deserialize, Serialize)]
@@ -40,7 +40,7 @@ struct Known {
 /// read. Trees that cannot be read are refused here.
 pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
     let memory = args.memory.memory;
-    let sha256 = |path: &Path| tree_sha256(path, memory).map_err(|e| Failure(e.to_string()));
+    let sha256 = |path: &Path| tree_sha256(path, memory).map_err(Failure::from);
     let mut files = vec![sha256(job.tree)?];
     for path in args.scene.files() {
         files.push(sha256(path)?);
