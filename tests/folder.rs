@@ -65,7 +65,7 @@ const KINDS: [(&str, Edit); 16] = [
     }),
     ("mirrored", |root| below(root, json!({"scale": [-1, 1, 1]}))),
     ("lying", |root| {
-        below(root, json!({"rotation": [-0.70710678, 0, 0, 0.70710678]}))
+        below(root, json!({"rotation": [-0.6, 0, 0, 0.8]}))
     }),
     ("blended", |root| {
         each_material(root, |m| m["alphaMode"] = "BLEND".into())

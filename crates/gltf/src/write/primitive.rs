@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
-use super::flat_normals;
+use super::flat_normals::FlatShaded;
 use super::leaf_edits::{Blend, LeafEdits, MadeCorner};
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
@@ -171,15 +171,16 @@ fn kept_triangles(
     let flat = match is_solid {
         true => {
             let primitive = draft.document.primitive(part.mesh, part.primitive)?;
-            flat_normals::if_flat(draft.document, primitive, &triangles)?
+            FlatShaded::of(draft.document, primitive, &triangles)?
         }
         false => None,
     };
     for triangle in edits.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
-        let own_normal = flat.as_ref().and_then(|normals| {
-            let side = corners.iter().map(|&corner| normals[corner as usize]).sum();
-            flat_normals::on_side_of([0, 1, 2].map(|k| triangle[k].position_local), side)
+        let own_normal = flat.as_ref().and_then(|flat| {
+            let places = [0, 1, 2].map(|k| triangle[k].position_local);
+            let like = [0, 1, 2].map(|k| triangle[k].like.0);
+            flat.normal_of(places, like, corners)
         });
         let normal_bits = own_normal.map(|normal| normal.to_array().map(f64::to_bits));
         let mut resize = |k: usize| {
