@@ -18,6 +18,7 @@ use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
 use super::options::{ChainOptions, Wanted};
 use super::placed::Placed;
+use super::stage_clock::{ChainStage, StageClock};
 use super::stands::Stands;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Client, Textures};
@@ -73,12 +74,13 @@ impl<'a> Maker<'a> {
         options: &'a ChainOptions,
         engine: &'a OpenEngine,
     ) -> Result<Self, ChainError> {
+        let clock = StageClock::start();
         let items = tree.items();
         // Every level shows them.
         items.document().keep_images();
         let [leaves, wood] = [tree.leaves(), tree.wood()];
         let of_leaves = &options.leaves;
-        let (look, judging) = Look::new(tree, options)?;
+        let (look, judging) = Look::new(tree, options, clock)?;
         let stands = match options.wood {
             WoodMode::Keep | WoodMode::Ignore => None,
             mode => Some(Stands::of(tree, look.judge(), mode, of_leaves, engine)?),
@@ -131,6 +133,15 @@ impl<'a> Maker<'a> {
         observer: &mut Observer<'_>,
     ) -> Result<Made, ChainError> {
         let budget = budget.into();
+        let make = || self.level_within(budget, observer);
+        self.look.clock.time(ChainStage::Simplify, make)
+    }
+
+    fn level_within(
+        &self,
+        budget: Budget,
+        observer: &mut Observer<'_>,
+    ) -> Result<Made, ChainError> {
         let options = &self.leaf_options;
         let parts = match &self.stands {
             Some(stands) => stands.level(budget, options, self.engine, observer)?,

@@ -251,6 +251,7 @@ fn make(
     let options = options(args);
     let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
     let plant = opened(args, job)?.within(drawn);
+    let mut stages = vec![("read", start.elapsed().as_secs_f64())];
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
@@ -261,6 +262,8 @@ fn make(
         .named(&job.name);
     drop(progress_bar);
     let made = &levels.chain;
+    stages.extend_from_slice(&made.seconds);
+    let writing = Instant::now();
     let differences = made.levels.iter().map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
@@ -279,6 +282,7 @@ fn make(
         let page = page.map_err(|error| about(job.tree, error))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
+    stages.push(("write", writing.elapsed().as_secs_f64()));
     let seconds = start.elapsed().as_secs_f64();
     let original = levels.plant().report();
     let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
@@ -326,7 +330,7 @@ fn make(
         warnings,
         kept: false,
     };
-    let record = Record::new("lods", record, &[], seconds).to_value();
+    let record = Record::new("lods", record, &stages, seconds).to_value();
     let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
     let staged = finished::noted(args, job, key, (&record, &pretty), staged)?;
     interrupt::writing()?;
