@@ -169,7 +169,7 @@ pub mod chain {
     pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain,
+        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain, check_name,
     };
 }
 

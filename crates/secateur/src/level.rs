@@ -8,17 +8,17 @@ use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
-use secateur_model::{Lod, Memory, Surface};
+use secateur_model::{Budget, Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
 use secateur_scene::{
     ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
 use secateur_simplify::whole::{
-    Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
+    Budget as TriangleBudget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
-    simplify_with,
+    simplify_with, take_plant,
 };
 
 use crate::opened_plant::{Parts, Plant};
@@ -253,6 +253,13 @@ impl Plant {
         if options.memory == Memory::Auto {
             options.memory = self.tree().memory_left();
         }
+        if let Parts::Whole(tree, mode) = self.parts()
+            && *mode != WoodMode::Keep
+        {
+            let mut budget = Budget::new(options.memory);
+            take_plant(&mut budget, tree.leaves(), tree.wood()).map_err(SimplifyError::from)?;
+            options.memory = budget.memory();
+        }
         if options.method.needs_skeleton() && options.skeleton.is_none() {
             options.skeleton = self.skeleton()?;
         }
@@ -280,7 +287,7 @@ impl Plant {
                 let level = plant.simplified(options, &engine, observer)?;
                 match options.target {
                     Target::Triangles(amount) if leaves.leaves().is_empty() => {
-                        let evenly = Budget {
+                        let evenly = TriangleBudget {
                             triangles: amount.of(plant.triangle_count()),
                             sharing: Sharing::Evenly,
                         };

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::Lod;
+use secateur_model::{Budget as MemoryBudget, Lod};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Error, Observer, Options, Shared, Target};
@@ -16,6 +16,7 @@ use super::level::{ChainLevel, Shape};
 use super::level_report::{ClearTexels, LevelReport};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
+use super::memory::take_levels;
 use super::options::{ChainOptions, Wanted};
 use super::placed::Placed;
 use super::stands::Stands;
@@ -74,6 +75,8 @@ impl<'a> Maker<'a> {
         engine: &'a OpenEngine,
     ) -> Result<Self, ChainError> {
         let items = tree.items();
+        let mut memory = MemoryBudget::new(items.memory_left());
+        take_levels(&mut memory, tree, options)?;
         // Every level shows them.
         items.document().keep_images();
         let [leaves, wood] = [tree.leaves(), tree.wood()];
@@ -97,7 +100,7 @@ impl<'a> Maker<'a> {
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
             leaf_options: Options {
-                memory: items.memory_left(),
+                memory: memory.memory(),
                 ..options.leaves.clone()
             },
             tree,

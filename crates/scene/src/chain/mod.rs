@@ -14,6 +14,7 @@ mod level_report;
 mod level_surfaces;
 mod look;
 mod maker;
+mod memory;
 mod nearer;
 mod opaque;
 mod options;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::StagedFiles;
-use secateur_study::tree_sha256;
+use secateur_study::{file_sha256, tree_sha256};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -65,7 +65,12 @@ fn note(args: &args::Lods, job: &Job<'_>) -> Option<PathBuf> {
 impl Finished {
     /// What a call of the same key left of a tree, finished or not; nothing if there was none.
     pub(super) fn of(args: &args::Lods, job: &Job<'_>, key: &str) -> Option<Self> {
-        let text = fs::read(note(args, job)?).ok()?;
+        let place = note(args, job)?;
+        // A pipe would never end, nor what a link may lead to.
+        fs::symlink_metadata(&place)
+            .ok()
+            .filter(fs::Metadata::is_file)?;
+        let text = fs::read(place).ok()?;
         let found: Self = serde_json::from_slice(&text).ok()?;
         (found.key == key).then_some(found)
     }
@@ -87,7 +92,7 @@ impl Known {
     fn is_there(&self, args: &args::Lods) -> bool {
         // A path that is not in the folder stays as it is only if it is absolute.
         let place = args.output.join(&self.file);
-        fs::read(place).is_ok_and(|bytes| hex(&Sha256::digest(bytes)) == self.sha256)
+        file_sha256(&place).is_ok_and(|sha256| sha256 == self.sha256)
     }
 }
 
@@ -105,15 +110,15 @@ pub(super) fn noted(
     };
     let mut known = Vec::new();
     for (place, temporary) in files.pending() {
-        let bytes =
-            fs::read(temporary).map_err(|e| Failure::of_file(place, "cannot be read", &e))?;
+        let sha256 = file_sha256(temporary);
+        let sha256 = sha256.map_err(|e| Failure::of_file(place, "cannot be read", &e))?;
         let in_folder = place.strip_prefix(&args.output).map(Path::to_owned);
         known.push(Known {
             file: match in_folder {
                 Ok(file) => file,
                 Err(_) => std::path::absolute(place).unwrap_or_else(|_| place.to_owned()),
             },
-            sha256: hex(&Sha256::digest(bytes)),
+            sha256,
         });
     }
     let (record, pretty) = made;
@@ -126,7 +131,7 @@ pub(super) fn noted(
     };
     let text = serde_json::to_string_pretty(&finished).expect("values of JSON");
     let mut all = StagedFiles::new();
-    output::stage(&mut all, &place, format!("{text}\n").as_bytes())?;
+    output::stage_derived(&mut all, &place, format!("{text}\n").as_bytes())?;
     all.append(files);
     Ok(all)
 }
