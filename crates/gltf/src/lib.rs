@@ -106,6 +106,8 @@
 //! | what vertices hang on, for wind | `wind.rs` |
 //! | textured triangles as a file | `write/surfaces.rs` |
 
+#![forbid(unsafe_code)]
+
 mod accessor;
 mod binary_chunk;
 mod buffer;

@@ -16,6 +16,8 @@
 //! - [`stand`]: instances of a plant, those that a camera sees, and how much detail each needs.
 //! - [`preview`]: a page that shows a tree's levels of detail beside the original.
 
+#![forbid(unsafe_code)]
+
 pub mod chain;
 mod clear_texels;
 mod cutoffs;

@@ -11,6 +11,8 @@
 //! What a study needs of the program that runs it is a [`Host`]: progress, a wish to stop,
 //! writing files, and facts of the machine.
 
+#![forbid(unsafe_code)]
+
 mod as_options;
 mod beaten;
 mod case;

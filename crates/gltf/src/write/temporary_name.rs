@@ -12,7 +12,7 @@ const PREFIX: &str = ".secateur-";
 const ENDING: &str = ".tmp";
 
 /// A file that is older than this is of no run that still goes on.
-const OLD: Duration = Duration::from_hours(24);
+const OLD: Duration = Duration::from_secs(24 * 3600);
 
 /// A file in a folder under a name of this run, with the permissions of an ordinary one.
 pub(super) fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
