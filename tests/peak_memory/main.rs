@@ -2,13 +2,10 @@
 
 mod counting;
 
-use std::ops::ControlFlow;
-
-use secateur::chain::{ChainError, LevelsOptions, Wanted};
+use secateur::chain::{LevelsOptions, Wanted};
 use secateur::plant::{GrowOptions, Species, grow};
 use secateur::{
-    Amount, Engine, Error, LevelOptions, Memory, Opening, OverMemory, Plant, SimplifyError,
-    plant_to_glb,
+    Amount, Engine, Error, LevelOptions, Memory, Opening, OverMemory, Plant, plant_to_glb,
 };
 
 /// What the file, the plant and its levels are allowed to be over: the look at a level of `simplify` in small
@@ -35,11 +32,12 @@ fn one_level(plant: &Plant) -> Result<(), OverMemory> {
     let mut options = LevelOptions::triangles(0.1);
     options.simplify.engine = Engine::Cpu;
     options.simplify.audit = false;
-    match plant.level(&options) {
-        Ok(_) => Ok(()),
-        Err(Error::Simplify(SimplifyError::Memory(over))) => Err(over),
-        Err(other) => panic!("{other}"),
-    }
+    plant.level(&options).map(drop).map_err(of_memory)
+}
+
+fn of_memory(error: Error) -> OverMemory {
+    let over = error.over_memory().cloned();
+    over.unwrap_or_else(|| panic!("{error}"))
 }
 
 fn levels(plant: &Plant) -> Result<(), OverMemory> {
@@ -49,11 +47,7 @@ fn levels(plant: &Plant) -> Result<(), OverMemory> {
     };
     options.leaves.engine = Engine::Cpu;
     options.screen.height_px = 400.0;
-    match plant.levels_watched(&options, &mut |_| ControlFlow::Continue(())) {
-        Ok(_) => Ok(()),
-        Err(ChainError::Simplify(SimplifyError::Memory(over))) => Err(over),
-        Err(other) => panic!("{other}"),
-    }
+    plant.levels(&options).map(drop).map_err(of_memory)
 }
 
 /// One test, so that nothing else is held meanwhile: a run that would pass its memory is refused, and in words before

@@ -60,6 +60,5 @@ fn update(hasher: &mut Sha256, path: &Path) -> io::Result<()> {
 }
 
 fn hex(hasher: Sha256) -> String {
-    let digest = hasher.finalize();
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    secateur_model::hex(&hasher.finalize())
 }
