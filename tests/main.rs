@@ -24,6 +24,7 @@ mod lods;
 mod main_job;
 mod measure;
 mod memory;
+mod odd_plants;
 mod odd_trees;
 mod outputs;
 mod preview_page;

@@ -106,6 +106,8 @@
 //! | what vertices hang on, for wind | `wind.rs` |
 //! | textured triangles as a file | `write/surfaces.rs` |
 
+#![forbid(unsafe_code)]
+
 mod accessor;
 mod binary_chunk;
 mod buffer;
@@ -171,7 +173,7 @@ pub mod chain {
     pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain,
+        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain, check_name,
     };
 }
 

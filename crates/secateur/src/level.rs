@@ -10,15 +10,15 @@ use secateur_gltf::{
 };
 use secateur_levels::chain::{LevelKind, LevelReport};
 use secateur_levels::{ChosenCutoffs, Dilated, choose_cutoffs, dilated_textures, material_changes};
-use secateur_model::{Lod, Memory, Surface};
+use secateur_model::{Budget, Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
 use secateur_runtime::Screen;
 use secateur_simplify::whole::{
-    Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
+    Budget as TriangleBudget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
-    simplify_on,
+    simplify_on, take_plant,
 };
 
 use crate::Error;
@@ -223,6 +223,13 @@ impl Plant {
             };
             options.memory = self.surroundings().left_of(left);
         }
+        if let Parts::Whole(tree, mode) = self.parts()
+            && *mode != WoodMode::Keep
+        {
+            let mut budget = Budget::new(options.memory);
+            take_plant(&mut budget, tree.leaves(), tree.wood()).map_err(SimplifyError::from)?;
+            options.memory = budget.memory();
+        }
         if options.method.needs_skeleton() && options.skeleton.is_none() {
             options.skeleton = self.skeleton()?;
         }
@@ -270,7 +277,7 @@ fn whole_level(
     let level = plant.simplified(options, engine, observer)?;
     match options.target {
         Target::Triangles(amount) if leaves.leaves().is_empty() => {
-            let evenly = Budget {
+            let evenly = TriangleBudget {
                 triangles: amount.of(plant.triangle_count()),
                 sharing: Sharing::Evenly,
             };

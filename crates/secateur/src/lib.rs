@@ -95,6 +95,8 @@
 //! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
 //! the GPU; turn it off where only the library is wanted. `scene`: levels with their materials (`Plant`, `Level`).
 
+#![forbid(unsafe_code)]
+
 mod error;
 #[cfg(feature = "scene")]
 mod judged;

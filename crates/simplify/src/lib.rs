@@ -53,6 +53,7 @@ pub mod whole;
 pub mod wood;
 
 pub use error::Error;
+pub use memory::take_plant;
 pub use method::Method;
 pub use needles::Needle;
 pub use observe::{Shown, observe};

@@ -31,6 +31,7 @@ mod single_leaf_mesh;
 mod skeleton;
 mod staged_files;
 mod surfaces;
+mod temporary_name;
 #[cfg(test)]
 mod tests;
 mod texels;

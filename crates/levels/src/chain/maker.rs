@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{Lod, Memory};
+use secateur_model::{Budget as MemoryBudget, Lod, Memory};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Observer, Options, Shared, Target};
@@ -16,6 +16,7 @@ use super::level::{ChainLevel, Shape};
 use super::level_report::{ClearTexels, LevelReport};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
+use super::memory::take_levels;
 use super::options::{ChainOptions, Wanted};
 use super::placed::Placed;
 use super::stage_clock::{ChainStage, StageClock};
@@ -76,6 +77,11 @@ impl<'a> Maker<'a> {
     ) -> Result<Self, ChainError> {
         let clock = StageClock::start();
         let items = tree.items();
+        let mut memory = MemoryBudget::new(match options.leaves.memory {
+            Memory::Auto => items.memory_left(),
+            own => own,
+        });
+        take_levels(&mut memory, tree, options)?;
         // Every level shows them.
         items.document().keep_images();
         let [leaves, wood] = [tree.leaves(), tree.wood()];
@@ -99,10 +105,7 @@ impl<'a> Maker<'a> {
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
             leaf_options: Options {
-                memory: match of_leaves.memory {
-                    Memory::Auto => items.memory_left(),
-                    own => own,
-                },
+                memory: memory.memory(),
                 ..options.leaves.clone()
             },
             tree,

@@ -15,6 +15,7 @@ mod level_report;
 mod level_surfaces;
 mod look;
 mod maker;
+mod memory;
 mod options;
 mod placed;
 mod scene_look;

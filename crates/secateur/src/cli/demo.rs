@@ -65,7 +65,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let mut staged = StagedFiles::new();
     let folder = staged.make_folder(&args.output);
     folder.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
-    output::stage(&mut staged, &original, &glb)?;
+    output::stage_derived(&mut staged, &original, &glb)?;
     let (written, files) = timed(&mut stages, "write", || {
         let how = WriteOptions::default().overwrite(true);
         Ok(levels
@@ -76,12 +76,12 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let sheet = args.output.join("contact-sheet.png");
     timed(&mut stages, "picture", || {
         let exhibits = exhibits(tree, made)?;
-        output::stage(&mut staged, &sheet, &picture::sheet(&exhibits)?)
+        output::stage_derived(&mut staged, &sheet, &picture::sheet(&exhibits)?)
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
         let page = levels.preview_html()?;
-        output::stage(&mut staged, &page_file, page.as_bytes())
+        output::stage_derived(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
     let levels_made = rows(&levels, &written, (&original, glb.len()));

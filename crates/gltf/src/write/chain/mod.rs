@@ -235,18 +235,27 @@ impl Tree {
     }
 }
 
+/// Refuses a name that nodes and files of levels cannot have everywhere.
+///
+/// # Errors
+/// [`ChainProblem::Name`].
+pub fn check_name(name: &str) -> Result<(), ChainProblem> {
+    let is_plain = !name.is_empty()
+        && !name.starts_with('.')
+        && !name.contains(|c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c));
+    match is_plain {
+        true => Ok(()),
+        false => Err(ChainProblem::Name(crate::error::shortened(name))),
+    }
+}
+
 fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProblem> {
     if levels.is_empty() || levels.len() > MAX_LEVELS {
         return Err(ChainProblem::Levels(levels.len()));
     }
     let mut names = HashSet::new();
     for name in levels.iter().map(|level| level.name.as_str()).chain([name]) {
-        let is_plain = !name.is_empty()
-            && !name.starts_with('.')
-            && !name.contains(|c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c));
-        if !is_plain {
-            return Err(ChainProblem::Name(crate::error::shortened(name)));
-        }
+        check_name(name)?;
         if !names.insert(name) {
             return Err(ChainProblem::SameName(name.to_owned()));
         }

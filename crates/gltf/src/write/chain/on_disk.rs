@@ -135,7 +135,9 @@ impl Tree {
             // Levels share their images.
             let (lod, cutoffs) = (Lod::original(0), Cutoffs::default());
             let what = (&lod, &cutoffs);
-            let prepared = level.prepare_lod_beside(what, &place, options, &written.files)?;
+            // Names of levels come from that of the plant.
+            let at = (place.as_path(), layout != Layout::Files);
+            let prepared = level.prepare_lod_beside(what, at, options, &written.files)?;
             let (one, files) = prepared.into_files();
             staged.append(files);
             written.bytes += one.bytes;
