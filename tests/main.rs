@@ -40,6 +40,7 @@ mod triangles;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;
+mod web_page;
 mod wind;
 mod without_leaves;
 mod wood;

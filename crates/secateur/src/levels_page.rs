@@ -4,7 +4,9 @@ use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, Document, GltfError, LeafSurface, WholeTree};
 use secateur_model::{LodModel, Surface};
 use secateur_scene::chain::{Chain, ChainLevel, LevelReport, Shape, show};
-use secateur_scene::preview::{Continuous, Facts, Level as Shown, Preview, page};
+use secateur_scene::preview::{
+    Continuous, Facts, Level as Shown, Packed, Pictures, Preview, PreviewError, packed, page,
+};
 
 use crate::{Error, Levels};
 
@@ -14,11 +16,22 @@ impl Levels<'_> {
     /// # Errors
     /// [`Error::Gltf`] if what is drawn can't be read, [`Error::Preview`] if there is nothing to look at.
     pub fn page(&self) -> Result<String, Error> {
-        page_of(self)
+        previewed(self, page)
+    }
+
+    /// What such a page draws, for who has the page already.
+    ///
+    /// # Errors
+    /// As [`page`](Self::page).
+    pub fn packed(&self, pictures: Pictures) -> Result<Packed, Error> {
+        previewed(self, |preview| packed(preview, pictures))
     }
 }
 
-fn page_of(levels: &Levels<'_>) -> Result<String, Error> {
+fn previewed<T>(
+    levels: &Levels<'_>,
+    make: impl FnOnce(&Preview<'_>) -> Result<T, PreviewError>,
+) -> Result<T, Error> {
     let (tree, made) = (levels.tree(), &levels.chain);
     let items = tree.items();
     let draw = |document: &Document, textures: &[LevelTexture]| {
@@ -72,7 +85,7 @@ fn page_of(levels: &Levels<'_>) -> Result<String, Error> {
         levels: &all,
         continuous,
     };
-    Ok(page(&preview)?)
+    Ok(make(&preview)?)
 }
 
 /// The order that led to the coarsest level, and the leaves that it is of; none where no level has
