@@ -65,13 +65,26 @@ fn check_manners(tab: &mut Tab) {
     }
 }
 
-/// Which share of the picture is not its background.
-fn drawn(tab: &mut Tab) -> f64 {
+/// Which share of the picture is not its background, and of its height the share that has such pixels.
+fn drawn(tab: &mut Tab) -> [f64; 2] {
     let picture = tab.picture();
     let part = tab.part(&picture, "#canvas");
     let background = *part.get_pixel(2, 2);
-    let differs = part.pixels().filter(|pixel| **pixel != background).count();
-    differs as f64 / f64::from(part.width() * part.height())
+    let differs = part.enumerate_pixels();
+    let rows: Vec<u32> = differs
+        .filter(|(.., pixel)| **pixel != background)
+        .map(|(_, y, _)| y)
+        .collect();
+    let high = rows
+        .iter()
+        .max()
+        .zip(rows.iter().min())
+        .map_or(0, |(last, first)| last - first);
+    let pixels = f64::from(part.width() * part.height());
+    [
+        rows.len() as f64 / pixels,
+        f64::from(high) / f64::from(part.height()),
+    ]
 }
 
 fn text_of(tab: &mut Tab, selector: &str) -> String {
@@ -87,8 +100,11 @@ fn a_plant_is_opened_corrected_made_lighter_and_compared() {
     };
     let bench = Bench::new();
     opens(&mut tab, &bench, &["oak.glb"]);
-    let share = drawn(&mut tab);
-    assert!((0.1..0.9).contains(&share), "the plant is large: {share}");
+    let [_, high] = drawn(&mut tab);
+    assert!(
+        (0.75..0.99).contains(&high),
+        "the plant fills the picture: {high}"
+    );
     assert!(text_of(&mut tab, "#counts").contains("240 leaves"));
 
     // The trunk becomes leaves, and wood again.
@@ -119,11 +135,11 @@ fn a_plant_is_opened_corrected_made_lighter_and_compared() {
     assert!(left <= 0.25 * all && left > 0.15 * all, "{left} of {all}");
     for mode in ["beside", "wipe", "blink"] {
         tab.click(&format!("[data-mode={mode}]"));
-        let share = drawn(&mut tab);
-        assert!(share > 0.05, "{mode}: {share}");
+        let [share, _] = drawn(&mut tab);
+        assert!(share > 0.03, "{mode}: {share}");
     }
     tab.click("#true-size");
-    assert!(drawn(&mut tab) > 0.0);
+    assert!(drawn(&mut tab)[0] > 0.0);
     let command = text_of(&mut tab, "#command");
     assert_eq!(
         command,
@@ -177,7 +193,7 @@ fn a_plant_is_grown_and_made_lighter_by_fingers() {
     };
     tab.ask("void page.open({ grown: { species: 'bush', leaves: 150, seed: 1 } })");
     wait_for(&mut tab, "!page.state.isBusy && page.state.source !== null");
-    assert!(drawn(&mut tab) > 0.1);
+    assert!(drawn(&mut tab)[1] > 0.5);
     tab.click("[data-kind=level]");
     tab.click("#make");
     wait_for(
@@ -210,6 +226,7 @@ fn a_chain_is_cancelled_at_once_and_made_by_keys() {
     assert!(tab.ask("page.state.results.size") == json!(0));
 
     tab.ask("page.decisions.decide({ levels: 'shares', shares: [0.4, 0.1] })");
+    wait_for(&mut tab, "!page.state.isBusy");
     tab.press("#make", "Enter");
     wait_for(
         &mut tab,

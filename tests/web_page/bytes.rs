@@ -11,11 +11,11 @@ use crate::program::Bench;
 use crate::tab::{DESKTOP, Tab};
 
 const PLANTS: [(Species, u32); 5] = [
-    (Species::Oak, 90),
-    (Species::Birch, 120),
-    (Species::Pine, 150),
-    (Species::Rowan, 30),
-    (Species::Bush, 100),
+    (Species::Birch, 40),
+    (Species::Bush, 30),
+    (Species::Carya, 12),
+    (Species::Palmetto, 60),
+    (Species::Rowan, 12),
 ];
 
 /// What is decided in the page, and the words after `secateur simplify|lods plant.glb -o OUTPUT`.
@@ -26,12 +26,12 @@ fn settings() -> [(Value, &'static [&'static str]); 3] {
             &["simplify", "--triangles", "0.3"],
         ),
         (
-            json!({"kind": "level", "level": {"amount": "triangles", "value": 150}}),
-            &["simplify", "--triangles", "150"],
+            json!({"kind": "level", "level": {"amount": "triangles", "value": 1500}}),
+            &["simplify", "--triangles", "1500"],
         ),
         (
-            json!({"kind": "chain", "levels": "distances", "distances": [6, 40], "maxDifference": 0.28}),
-            &["lods", "--distances", "6,40"],
+            json!({"kind": "chain", "levels": "shares", "shares": [0.3, 0.1]}),
+            &["lods", "--levels", "0.3,0.1"],
         ),
     ]
 }

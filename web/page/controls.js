@@ -115,7 +115,7 @@ const listenToStage = () => {
   for (const button of document.querySelectorAll("[data-mode]")) {
     button.addEventListener("click", () => (button.dataset.mode === "blink" ? blink() : setMode(button.dataset.mode)));
   }
-  $("wipe").addEventListener("input", (e) => stage.set({ wipe: e.target.value / 1000 }));
+  $("wipe").addEventListener("input", (e) => setView({ wipe: e.target.value / 1000 }));
   $("roles").addEventListener("click", keys.r);
   $("true-size").addEventListener("click", keys.t);
   $("reset").addEventListener("click", () => stage.orbit.reset());

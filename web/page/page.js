@@ -6,6 +6,8 @@ const state = {
   name: "",
   inspection: null,
   problem: null,
+  // The selectors that the inspection is of, as JSON.
+  leaves: "[]",
   // Results by what was asked for, the last ones of this plant.
   results: new Map(),
   isBusy: false,
@@ -45,7 +47,7 @@ const busy = async (text, work, isShown = true) => {
   }
 };
 
-// What the engine has open is what is asked of it.
+// Opens the plant again where the engine has it not, or with other leaves.
 const reopen = async () => {
   const wanted = JSON.stringify(decisions.now.leaves);
   if (engine.open === wanted) return null;
@@ -55,6 +57,7 @@ const reopen = async () => {
 };
 
 const shown = (opened, isNew) => {
+  state.leaves = JSON.stringify(decisions.now.leaves);
   const { inspection, problem, picture } = opened;
   const parts = picture.scene.parts.map((part) => ({ ...part, role: roleOf(part, inspection) }));
   picture.scene.parts = parts;
@@ -83,10 +86,10 @@ const open = (source) => busy("Opening", async () => {
 // A decision was made, or taken back: what it changes is changed.
 const decided = () => {
   if (!state.source) return say();
-  if (engine.open !== JSON.stringify(decisions.now.leaves) && !state.isBusy) {
+  if (state.leaves !== JSON.stringify(decisions.now.leaves) && !state.isBusy) {
     busy("Opening", async () => {
-      const opened = await reopen();
-      if (opened) shown(opened, false);
+      engine.open = null;
+      shown(await reopen(), false);
       look();
     });
     return;
@@ -242,10 +245,13 @@ const sayView = (result) => {
   $("roles").disabled = mode !== "plant";
   press($("true-size"), view.isTrueSize);
   $("wipe").hidden = mode !== "wipe";
+  $("seam").hidden = mode !== "wipe";
+  $("seam").style.left = `${100 * view.wipe}%`;
   const [first, second] = $("captions").children;
   const original = `${state.name} · ${number(trianglesOf(state.inspection))} triangles`;
   const level = () => {
-    const words = wordsOf(result.levels[shownLevel()], result.original, shownLevel());
+    const k = shownLevel();
+    const words = wordsOf(result.levels[k], result.original, result.kind === "level" ? null : k);
     return `${words.title} · ${words.cost}`;
   };
   second.hidden = mode === "plant" || mode === "blink";
@@ -262,7 +268,7 @@ const sayLevels = (result) => {
   $("distance").setAttribute("aria-valuetext", $("distance-text").textContent);
   press($("auto"), decisions.now.shown === null);
   $("fades").hidden = !(view.isTrueSize && high < 200);
-  fillLevels(result.levels, result.original, shownLevel(), (k) => {
+  fillLevels(result, shownLevel(), (k) => {
     decisions.decide({ shown: k });
   });
   $("notes").replaceChildren(...result.notes.map((note) => element("li", note)));

@@ -121,9 +121,9 @@ const RIGHT = {
 };
 
 // The levels, a button each.
-const fillLevels = (levels, original, shown, choose) => {
-  const rows = levels.map((level, k) => {
-    const words = wordsOf(level, original, k);
+const fillLevels = (result, shown, choose) => {
+  const rows = result.levels.map((level, k) => {
+    const words = wordsOf(level, result.original, result.kind === "level" ? null : k);
     const button = element("button", "", { type: "button", title: words.more });
     button.append(element("strong", `${words.title} · ${words.cost}`), element("span", words.look));
     button.setAttribute("aria-current", String(k === shown));

@@ -43,6 +43,8 @@ class Stage {
     for (const old of [this.plant, this.levels]) if (old) this.renderer.free(old.model);
     this.plant = this.taken(picture);
     this.levels = null;
+    this.renderer.use(this.plant.model);
+    this.plant.profile = profileOf(this.renderer.level(0), this.plant.chain.center);
     this.ask();
   }
 
@@ -58,7 +60,7 @@ class Stage {
   }
 
   get chain() {
-    return (this.levels ?? this.plant).chain;
+    return this.isAlone ? this.plant.chain : this.levels.chain;
   }
 
   // Whether the plant alone is shown, with the roles of its parts.
@@ -79,7 +81,7 @@ class Stage {
 
   cameraOf(box) {
     const { view, orbit, chain } = this;
-    if (!view.isTrueSize) return chain.closeUp(orbit, box.width / box.height);
+    if (!view.isTrueSize) return filled(chain, this.plant.profile, orbit, box.width / box.height);
     // A page's pixel is one of the screen that levels are for.
     return chain.trueSize(orbit, view.distance, box.height / (window.devicePixelRatio || 1));
   }

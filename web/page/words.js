@@ -1,12 +1,14 @@
 // Words of artists for the figures of levels.
 
 const number = (n) => n.toLocaleString("en-US");
-const metresOf = (d) => `${d < 10 ? d.toFixed(1) : number(Math.round(d))} m`;
+// Numbers stay beside their units.
+const SPACE = "\u00a0";
+const metresOf = (d) => `${d < 10 ? d.toFixed(1) : number(Math.round(d))}${SPACE}m`;
 const percentOf = (part, whole) => {
   const percent = (100 * part) / Math.max(whole, 1);
-  return `${percent < 10 ? percent.toFixed(1) : Math.round(percent)} %`;
+  return `${percent < 10 ? percent.toFixed(1) : Math.round(percent)}${SPACE}%`;
 };
-const bytesText = (bytes) => (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1000))} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
+const bytesText = (bytes) => (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1000))}${SPACE}kB` : `${(bytes / 1e6).toFixed(1)}${SPACE}MB`);
 const figure = (x) => x.toFixed(2).replace(/^0/, "");
 
 // How a difference looks; the borders are those of docs/difference.md.
@@ -17,11 +19,11 @@ const looks = (difference) => {
   return "looks like another plant";
 };
 
-// What is said of a level: { title, cost, look, more }.
+// What is said of a level, by its number or, where it is the only one, null: { title, cost, look, more }.
 const wordsOf = (level, original, k) => {
   const cost = `${number(level.triangles)} triangles · ${percentOf(level.triangles, original.triangles)}`;
   const from = level.distance > 0 ? `from ${metresOf(level.distance)} on` : "from the nearest on";
-  const kind = { original: "The plant itself", impostor: "Pictures" }[level.kind] ?? `Level ${k}`;
+  const kind = { original: "The plant itself", impostor: "Pictures" }[level.kind] ?? (k === null ? "Lighter" : `Level ${k}`);
   const isOriginal = level.kind === "original";
   const look = isOriginal ? from : `${looks(level.difference)} ${from}`;
   const leaves = level.leaves > 0 ? `${number(level.leaves)} leaves of ${number(level.foliage_triangles)} triangles, ${number(level.wood_triangles)} of wood` : null;

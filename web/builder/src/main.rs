@@ -30,8 +30,9 @@ const OF_PREVIEW: [&str; 7] = [
 ];
 
 /// Scripts of this page, in the order in which they build on each other.
-const OF_PAGE: [&str; 8] = [
+const OF_PAGE: [&str; 9] = [
     "words.js",
+    "fit.js",
     "leaves.js",
     "decisions.js",
     "engine.js",

@@ -197,7 +197,8 @@ class Renderer {
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, arrays.indices, gl.STATIC_DRAW);
     gl.bindVertexArray(null);
-    return { ...surface, vertices, buffers: { triangles, lines: null }, corners: arrays.indices };
+    const { positions, indices: corners } = arrays;
+    return { ...surface, vertices, buffers: { triangles, lines: null }, corners, positions, vertexCount: surface.vertices };
   }
 
   // The three sides of each triangle, made when they are first wanted.
