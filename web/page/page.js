@@ -228,7 +228,7 @@ const sayPlant = (inspection) => {
     : `${number(triangles)} triangles`;
   const said = [state.problem, ...inspection.notes, ...inspection.warnings].filter((text) => text);
   $("problem").hidden = said.length === 0;
-  $("problem").textContent = said.join(" ");
+  $("problem").textContent = said.join(" ").replaceAll("use `--foliage`", "choose them here");
   const { picked } = stage.view;
   fillParts(inspection, picked, pick);
   fillPart(inspection.primitives.find((primitive) => primitive.place === picked));

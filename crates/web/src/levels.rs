@@ -1,9 +1,10 @@
 //! What is made of a plant: one level, or a chain.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use secateur::chain::{ChainError, ChainFiles, Layout, LevelReport, LevelsOptions};
-use secateur::{Detail, Difference, Document, Level, Levels, Observer, Plant};
+use secateur::{Detail, Document, Level, Levels, Observer, Plant};
 use secateur_scene::preview::{Facts, Level as Shown, Pictures};
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -32,7 +33,7 @@ impl JsLevel {
             triangles: leaf_triangles + level.wood_triangles,
             foliage_triangles: leaf_triangles,
             wood_triangles: level.wood_triangles,
-            difference: level.difference.unwrap_or_else(unknown),
+            difference: level.difference.unwrap_or_default(),
             ..LevelReport::default()
         };
         Ok(Self {
@@ -45,11 +46,6 @@ impl JsLevel {
             plant: Rc::clone(plant),
         })
     }
-}
-
-/// The difference of a level that could not be looked at.
-fn unknown() -> Difference {
-    Difference::default()
 }
 
 #[wasm_bindgen(js_class = Level)]
@@ -123,7 +119,11 @@ impl OwnedLevels {
 
 /// A chain of levels of a plant.
 #[wasm_bindgen(js_name = Levels)]
-pub struct JsLevels(pub(crate) OwnedLevels);
+pub struct JsLevels {
+    owned: OwnedLevels,
+    /// The files of the layout that was asked for last.
+    last: RefCell<Option<(Layout, Rc<ChainFiles>)>>,
+}
 
 #[wasm_bindgen(js_class = Levels)]
 impl JsLevels {
@@ -137,7 +137,7 @@ impl JsLevels {
     /// # Errors
     /// A sentence where there is too much of it to draw.
     pub fn picture(&self) -> Result<JsPicture, String> {
-        let packed = self.0.levels.packed(Pictures::Texels);
+        let packed = self.owned.levels.packed(Pictures::Texels);
         packed.map(JsPicture).map_err(|error| error.to_string())
     }
 
@@ -146,7 +146,7 @@ impl JsLevels {
     /// # Errors
     /// As [`picture`](Self::picture).
     pub fn preview(&self) -> Result<String, String> {
-        self.0.levels.page().map_err(|error| error.to_string())
+        self.owned.levels.page().map_err(|error| error.to_string())
     }
 
     /// The names of the files in a layout: `files`, `siblings` or `msft`.
@@ -154,8 +154,8 @@ impl JsLevels {
     /// # Errors
     /// A sentence where there is no such layout, or a file would be beyond 4 GiB.
     pub fn names(&self, layout: &str) -> Result<Vec<String>, String> {
-        let files = self.files(layout)?.files.into_iter();
-        Ok(files.map(|file| file.name).collect())
+        let made = self.files(layout)?;
+        Ok(made.files.iter().map(|file| file.name.clone()).collect())
     }
 
     /// A file of a layout, counted from 0: the bytes that `secateur lods` writes.
@@ -163,8 +163,8 @@ impl JsLevels {
     /// # Errors
     /// As [`names`](Self::names), or where there is no such file.
     pub fn file(&self, layout: &str, number: usize) -> Result<Vec<u8>, String> {
-        let mut files = self.files(layout)?.files.into_iter();
-        let file = files.nth(number).map(|file| file.bytes);
+        let made = self.files(layout)?;
+        let file = made.files.get(number).map(|file| file.bytes.clone());
         file.ok_or_else(|| format!("there is no file {number} in the layout {layout}"))
     }
 
@@ -173,7 +173,7 @@ impl JsLevels {
     /// # Errors
     /// As [`names`](Self::names).
     pub fn zip(&self, layout: &str, with_preview: bool) -> Result<Vec<u8>, String> {
-        let name = self.0.levels.name();
+        let name = self.owned.levels.name();
         let mut zip = Zip::default();
         let made = self.files(layout)?;
         for file in &made.files {
@@ -189,19 +189,33 @@ impl JsLevels {
 }
 
 impl JsLevels {
-    fn files(&self, layout: &str) -> Result<ChainFiles, String> {
+    pub(crate) fn of(owned: OwnedLevels) -> Self {
+        Self {
+            owned,
+            last: RefCell::default(),
+        }
+    }
+
+    fn files(&self, layout: &str) -> Result<Rc<ChainFiles>, String> {
         let layout = match layout {
             "files" => Layout::Files,
             "siblings" => Layout::Siblings,
             "msft" => Layout::Msft,
             other => return Err(format!("there is no layout {other}")),
         };
-        let made = self.0.levels.to_bytes(layout);
-        made.map_err(|error| error.to_string())
+        if let Some((known, files)) = &*self.last.borrow()
+            && *known == layout
+        {
+            return Ok(Rc::clone(files));
+        }
+        let made = self.owned.levels.to_bytes(layout);
+        let files = Rc::new(made.map_err(|error| error.to_string())?);
+        *self.last.borrow_mut() = Some((layout, Rc::clone(&files)));
+        Ok(files)
     }
 
     fn record(&self) -> Value {
-        let levels = &self.0.levels;
+        let levels = &self.owned.levels;
         let reports = levels.chain.levels.iter().enumerate();
         let reports: Vec<Value> = reports
             .map(|(k, level)| {

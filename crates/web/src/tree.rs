@@ -149,7 +149,7 @@ impl JsTree {
         let plant = self.plant.as_ref().map_err(Clone::clone)?;
         let mut observer = |now: Progress| tell(progress, now);
         OwnedLevels::make(plant, &options, &mut observer)
-            .map(JsLevels)
+            .map(JsLevels::of)
             .map_err(|error| for_a_tab(&error.to_string()))
     }
 }
