@@ -12,10 +12,12 @@ mod demo;
 mod doors;
 mod engines;
 mod fit;
+mod folder;
 mod formats;
 mod glb;
 mod grow;
 mod help;
+mod independent_reader;
 mod library;
 mod lod;
 mod lods;
@@ -37,6 +39,7 @@ mod study;
 #[path = "browser/tab.rs"]
 mod tab;
 mod triangles;
+mod user_crate;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;

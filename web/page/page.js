@@ -31,11 +31,14 @@ const busy = async (text, work, isShown = true) => {
   $("busy").hidden = !isShown;
   tell("");
   say();
+  let isChain = false;
   try {
     return await work((progress) => {
+      // Of a chain the bar shows the levels that are done, of one level its steps.
+      if (progress.stage === "level") isChain = true;
       if (STAGES[progress.stage]) $("doing").textContent = STAGES[progress.stage];
-      if (progress.share === null) $("bar").removeAttribute("value");
-      else $("bar").value = progress.share;
+      if (progress.stage === "level" || (!isChain && progress.share !== null)) $("bar").value = progress.share;
+      else if (!isChain) $("bar").removeAttribute("value");
     });
   } catch (error) {
     if (!(error instanceof Cancelled)) tell(error.message);
@@ -138,7 +141,7 @@ const make = () => busy("Getting ready", async (progress) => {
   const began = performance.now();
   const { report, picture } = await engine.call("make", { key, kind, settings }, progress);
   const taken = stage.taken(picture);
-  const levels = kind === "level" ? [{ ...report.level, distance: taken.chain.distance(128), pixels_high: 128, kind: "mesh" }] : report.levels;
+  const levels = kind === "level" ? [report.level] : report.levels;
   const original = taken.chain.facts[0];
   const notes = [...(report.notes ?? []), ...(report.warnings ?? [])];
   state.results.set(key, { kind, taken, levels, original, notes, ms: performance.now() - began });

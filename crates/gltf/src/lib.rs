@@ -113,6 +113,7 @@ mod camera_path;
 mod chain_problem;
 mod choice;
 mod container;
+mod cost;
 mod cutouts;
 mod document;
 mod draco;
@@ -125,12 +126,12 @@ mod helper_names;
 mod input;
 mod inspection;
 mod instances;
-mod judged;
 mod kept_images;
 mod known_roles;
 mod ktx2;
 mod leaf_surfaces;
 mod leaves;
+mod level_names;
 mod levels_inside;
 mod material;
 mod meshopt;
@@ -142,6 +143,7 @@ mod picture;
 mod primitive;
 mod property;
 mod report;
+mod role_groups;
 mod roles;
 mod scene;
 mod selector;
@@ -174,6 +176,7 @@ pub mod chain {
 }
 
 pub use camera_path::{MAX_VIEWS_OF_A_PATH, VIEWS_OF_A_PATH};
+pub use cost::LevelCost;
 pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;

@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 use super::accessor::Shape;
 use super::choice;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
-use super::judged::Judged;
 use super::material::{TextureUse, base_color_texture};
 use super::parts::{Part, check_limit};
 use super::picture::Pictures;
+use super::role_groups::Judged;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
 use secateur_model::{Finish, Hold, Material, Mips, NormalMap, Surface, Texture};
@@ -63,6 +63,8 @@ pub struct MaterialImage {
     pub image: usize,
     /// Width and height in texels.
     pub size: [u32; 2],
+    /// Whether it is stored in blocks of 4 x 4 texels (KTX2), as a GPU keeps it: 16 bytes each.
+    pub is_in_blocks: bool,
     /// Whether the sampler reads mip maps.
     pub has_mips: bool,
     /// Whether it is the base colour.
@@ -105,12 +107,23 @@ impl Document {
                 images.push(MaterialImage {
                     image,
                     size,
+                    is_in_blocks: self.is_ktx2(image),
                     has_mips: used.filters.mips != Mips::None,
                     is_base_color: base == Some(texture as u64),
                 });
             }
         });
         images
+    }
+
+    fn is_ktx2(&self, image: usize) -> bool {
+        let image = self.root.get("images").and_then(|all| all.get(image));
+        let text = |key| {
+            image
+                .and_then(|image| image.get(key)?.as_str())
+                .unwrap_or("")
+        };
+        text("mimeType") == "image/ktx2" || text("uri").to_ascii_lowercase().ends_with(".ktx2")
     }
 
     /// Everything of the plant, as textured triangles in world space: a

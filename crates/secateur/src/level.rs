@@ -1,48 +1,57 @@
 //! One level of detail of a plant: what is left, what changes in its materials, and how it looks.
 
-use std::ops::{ControlFlow, Deref};
+use std::ops::Deref;
 use std::path::Path;
 
 use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
-use secateur_model::{Lod, Memory, Surface};
-use secateur_raster::OpenEngine;
-use secateur_scene::{
+use secateur_levels::chain::{LevelKind, LevelReport};
+use secateur_levels::{
     ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
+use secateur_model::{Lod, Memory, Surface};
+use secateur_raster::OpenEngine;
+use secateur_runtime::Screen;
 use secateur_simplify::whole::{
     Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
-    simplify_with,
+    simplify_on,
 };
+use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
+use crate::Error;
+use crate::Session;
+use crate::judged::difference_judge;
 use crate::opened_plant::{Parts, Plant};
-use crate::{Error, difference_judge};
 
 /// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
 /// coarse so small is so at any size.
 const LOOKED_AT_PX: f64 = 128.0;
 
 /// How a level is made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LevelOptions {
     /// How many triangles or leaves it has, and how leaves are chosen. A skeleton and memory that it lacks are the
     /// plant's.
     pub simplify: Options,
     /// Which alpha cutoffs its materials have.
+    #[serde(default)]
     pub cutoffs: CutoffChoice,
     /// Which colours clear texels of its textures have.
+    #[serde(default)]
     pub colors: ColorChoice,
 }
 
 /// Which alpha cutoffs a level has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
 pub enum CutoffChoice {
     /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
     #[default]
@@ -58,8 +67,9 @@ pub enum CutoffChoice {
 }
 
 /// Which colours clear texels of leaf textures have in a level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
 pub enum ColorChoice {
     /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
     #[default]
@@ -139,6 +149,8 @@ pub enum LevelWarning {
 /// All that makes up a level.
 #[derive(Clone, Debug)]
 pub struct LevelParts {
+    /// How it was made: options with what plant, surroundings and session had of what they lacked.
+    pub options: Options,
     /// The run over the leaves.
     pub simplified: Simplified,
     /// What is left of all that [`Plant::tree`] can change.
@@ -166,12 +178,12 @@ impl LevelParts {
 
 /// A level of a plant. It is written with the material changes that belong to it.
 #[derive(Clone, Debug)]
-pub struct Level<'p> {
-    plant: &'p Plant,
+pub struct Level {
+    plant: Plant,
     parts: LevelParts,
 }
 
-impl Deref for Level<'_> {
+impl Deref for Level {
     type Target = LevelParts;
 
     fn deref(&self) -> &LevelParts {
@@ -179,7 +191,37 @@ impl Deref for Level<'_> {
     }
 }
 
-impl Level<'_> {
+impl Level {
+    /// The plant that it is of.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Its figures. The distance and the height in pixels are those from which it was looked at for its difference, on
+    /// the usual [`Screen`]; what was not measured is 0 or none.
+    pub fn report(&self) -> LevelReport {
+        let run = &self.parts.simplified;
+        let left = run.lod.foliage(self.plant.leaves());
+        let foliage_triangles = left.triangles().len() as u64;
+        let extents = self.plant.inspection().extents;
+        let size = extents.map_or(0.0, |[low, high]| {
+            (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
+        });
+        LevelReport {
+            kind: LevelKind::Mesh,
+            leaves: left.leaves().len() as u64,
+            triangles: foliage_triangles + self.parts.wood_triangles,
+            foliage_triangles,
+            wood_triangles: self.parts.wood_triangles,
+            distance: Screen::default().distance(size, LOOKED_AT_PX),
+            pixels_high: LOOKED_AT_PX,
+            difference: self.parts.difference.unwrap_or_default(),
+            order_sha256: Some(run.passes.in_one_order().sha256()),
+            view_count: Some(run.views.len()),
+            ..LevelReport::default()
+        }
+    }
+
     /// The level as a GLB: what `secateur simplify` writes.
     ///
     /// # Errors
@@ -221,11 +263,19 @@ impl Plant {
     ///
     /// # Errors
     /// [`Error::Simplify`] if the plant can't be simplified as asked.
-    pub fn level(&self, options: &LevelOptions) -> Result<Level<'_>, Error> {
-        self.level_watched(options, &mut |_| ControlFlow::Continue(()))
+    pub fn level(&self, options: &LevelOptions) -> Result<Level, Error> {
+        self.level_in(&Session::default(), options)
     }
 
-    /// As [`level`](Self::level), telling its progress; the observer may break it off.
+    /// As [`level`](Self::level), in a session.
+    ///
+    /// # Errors
+    /// As [`level`](Self::level), or [`SimplifyError::Stopped`] if the session was cancelled.
+    pub fn level_in(&self, session: &Session, options: &LevelOptions) -> Result<Level, Error> {
+        session.watched(|observer| self.level_on(session, options, observer))
+    }
+
+    /// As [`level`](Self::level), with an observer that may borrow and may break it off.
     ///
     /// # Errors
     /// As [`level`](Self::level), or [`SimplifyError::Stopped`] if it was broken off.
@@ -233,9 +283,19 @@ impl Plant {
         &self,
         options: &LevelOptions,
         observer: &mut Observer<'_>,
-    ) -> Result<Level<'_>, Error> {
-        let simplify = self.completed(&options.simplify)?;
-        let mut parts = self.simplified(&simplify, observer)?;
+    ) -> Result<Level, Error> {
+        self.level_on(&Session::default(), options, observer)
+    }
+
+    fn level_on(
+        &self,
+        session: &Session,
+        options: &LevelOptions,
+        observer: &mut Observer<'_>,
+    ) -> Result<Level, Error> {
+        let simplify = self.completed(session, &options.simplify)?;
+        let engine = session.engine(simplify.engine)?;
+        let mut parts = self.simplified(simplify, &engine, observer)?;
         let tree = self.tree();
         parts.timed("cutoffs", observer, |parts| {
             parts.choose_cutoffs(tree, options);
@@ -244,14 +304,22 @@ impl Plant {
             parts.choose_colors(tree, options);
         })?;
         parts.timed("difference", observer, |parts| parts.look(tree))?;
-        Ok(Level { plant: self, parts })
+        Ok(Level {
+            plant: self.clone(),
+            parts,
+        })
     }
 
-    /// Options with what the plant has of what they lack.
-    fn completed(&self, options: &Options) -> Result<Options, Error> {
+    /// Options with what plant, surroundings and session have of what they lack.
+    fn completed(&self, session: &Session, options: &Options) -> Result<Options, Error> {
         let mut options = options.clone();
+        self.surroundings().apply(&mut options);
         if options.memory == Memory::Auto {
-            options.memory = self.tree().memory_left();
+            let left = match session.memory() {
+                Memory::Auto => self.tree().memory_left(),
+                own => own,
+            };
+            options.memory = self.surroundings().left_of(left);
         }
         if options.method.needs_skeleton() && options.skeleton.is_none() {
             options.skeleton = self.skeleton()?;
@@ -262,71 +330,82 @@ impl Plant {
     /// What is left of leaves and wood.
     fn simplified(
         &self,
-        options: &Options,
+        options: Options,
+        engine: &OpenEngine,
         observer: &mut Observer<'_>,
-    ) -> Result<LevelParts, SimplifyError> {
+    ) -> Result<LevelParts, Error> {
         let (tree, mode) = match self.parts() {
-            Parts::Leaves(tree) => return simplified_leaves(tree, options, observer),
+            Parts::Leaves(tree) => return Ok(simplified_leaves(tree, options, engine, observer)?),
             Parts::Whole(tree, mode) => (tree, *mode),
         };
-        let engine = OpenEngine::open(options.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let level = whole_level(tree, mode, &options, engine, observer)?;
         let (leaves, wood) = (tree.leaves(), tree.wood());
-        let level = match mode {
-            WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
-            mode => {
-                let items = tree.items().foliage();
-                let plant = WholePlant::by(mode, items, leaves, wood, options, &engine)?;
-                let level = plant.simplified(options, &engine, observer)?;
-                match options.target {
-                    Target::Triangles(amount) if leaves.leaves().is_empty() => {
-                        let evenly = Budget {
-                            triangles: amount.of(plant.triangle_count()),
-                            sharing: Sharing::Evenly,
-                        };
-                        let other = plant.level(evenly, options, &engine, None, observer)?;
-                        nearer_of(tree, level, other)
-                    }
-                    Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => level,
-                }
-            }
-        };
         let left = level.leaves.lod.foliage(leaves).triangles().len() + level.wood_triangles;
         let there = leaves.triangles().len() + wood.triangles().len();
         options.check_met(left, there)?;
         let lod = tree.joined(&level.leaves.lod, &level.wood);
         let wood_triangles = level.wood_triangles as u64;
-        Ok(LevelParts::of(level.leaves, lod, wood_triangles))
+        Ok(LevelParts::of(options, level.leaves, (lod, wood_triangles)))
     }
 }
 
-/// Of two levels the one that looks nearer to the tree; the first where that can't be told.
-fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> WholeLevel {
-    let over = |level: &WholeLevel| {
-        let lod = tree.joined(&level.leaves.lod, &level.wood);
-        let seen = difference_of(tree.items(), &lod).ok()?;
-        Some(seen.difference)
-    };
-    match (over(&first), over(&second)) {
-        (Some(of_first), Some(of_second)) if of_second < of_first => second,
-        _ => first,
+/// A level of leaves and wood. Of a plant without leaves two ways are tried.
+fn whole_level(
+    tree: &WholeTree,
+    mode: WoodMode,
+    options: &Options,
+    engine: &OpenEngine,
+    observer: &mut Observer<'_>,
+) -> Result<WholeLevel, Error> {
+    let (leaves, wood) = (tree.leaves(), tree.wood());
+    if mode == WoodMode::Keep {
+        return Ok(simplify_keeping_wood(
+            leaves, wood, options, engine, observer,
+        )?);
     }
+    let items = tree.items().foliage();
+    let plant = WholePlant::by(mode, items, leaves, wood, options, engine)?;
+    let level = plant.simplified(options, engine, observer)?;
+    match options.target {
+        Target::Triangles(amount) if leaves.leaves().is_empty() => {
+            let evenly = Budget {
+                triangles: amount.of(plant.triangle_count()),
+                sharing: Sharing::Evenly,
+            };
+            let other = plant.level(evenly, options, engine, None, observer)?;
+            nearer_of(tree, level, other)
+        }
+        Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level),
+    }
+}
+
+/// Of two levels the one that looks nearer to the tree.
+fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> Result<WholeLevel, Error> {
+    let over = |level: &WholeLevel| -> Result<f64, Error> {
+        let lod = tree.joined(&level.leaves.lod, &level.wood);
+        Ok(difference_of(tree.items(), &lod)?.difference)
+    };
+    Ok(match over(&second)? < over(&first)? {
+        true => second,
+        false => first,
+    })
 }
 
 fn simplified_leaves(
     tree: &Tree,
-    options: &Options,
+    options: Options,
+    engine: &OpenEngine,
     observer: &mut Observer<'_>,
 ) -> Result<LevelParts, SimplifyError> {
-    let result = simplify_with(tree.foliage(), options, observer)?;
+    let result = simplify_on(engine, tree.foliage(), &options, observer)?;
     let left = result.lod.foliage(tree.foliage()).triangles().len();
     // Wood is a plant without leaves.
     let is_bare = left == 0 && tree.wood_triangle_count() > 0;
     if !(is_bare && asks_for_none(options.target)) {
         options.check_met(left, tree.foliage().triangles().len())?;
     }
-    let lod = result.lod.clone();
-    Ok(LevelParts::of(result, lod, tree.wood_triangle_count()))
+    let left = (result.lod.clone(), tree.wood_triangle_count());
+    Ok(LevelParts::of(options, result, left))
 }
 
 /// Whether no triangle is to be left of what is counted.
@@ -340,10 +419,11 @@ fn asks_for_none(target: Target) -> bool {
 
 impl LevelParts {
     /// Before anything is known but what is left.
-    fn of(simplified: Simplified, lod: Lod, wood_triangles: u64) -> Self {
+    fn of(options: Options, simplified: Simplified, (lod, wood_triangles): (Lod, u64)) -> Self {
         let warnings = simplified.warnings.iter().cloned().map(LevelWarning::Run);
         Self {
             warnings: warnings.collect(),
+            options,
             simplified,
             lod,
             wood_triangles,

@@ -1,24 +1,24 @@
 //! The levels of detail of a plant that an engine loads: complete from 0 m on.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
-use secateur_gltf::{GltfError, WholeTree, WriteOptions};
-use secateur_raster::OpenEngine;
-use secateur_scene::Screen;
-use secateur_scene::chain::{
-    Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
+use secateur_gltf::{GltfError, LevelCost, WholeTree, WriteOptions};
+use secateur_levels::chain::{
+    BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
 };
-use secateur_simplify::{Error as SimplifyError, Observer};
+use secateur_model::Memory;
+use secateur_runtime::Screen;
+use secateur_simplify::Observer;
 use serde::Serialize;
 
 use crate::opened_plant::{Parts, Plant};
+use crate::{Error, Session};
 
 /// Levels of a plant, finest first. They are written with the material changes that belong to them.
 #[derive(Debug)]
-pub struct Levels<'p> {
-    tree: &'p WholeTree,
+pub struct Levels {
+    plant: Plant,
     name: String,
     pub(crate) screen: Screen,
     /// The levels, and what has to be said of them.
@@ -39,6 +39,12 @@ pub struct PlacedLevel {
     /// Where the level is that casts its shadow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow: Option<LevelPlace>,
+    /// Primitives that are drawn, each instance counted.
+    pub draws: u64,
+    /// Bytes of its file; of levels in one file those that lie there for it and for no finer one.
+    pub bytes: u64,
+    /// Bytes that it takes in a GPU's memory: `texture_bytes`, vertices and indices. What levels share counts for each.
+    pub gpu_bytes: u64,
     /// The figures of the level, as reports have them.
     #[serde(flatten)]
     pub report: LevelReport,
@@ -55,36 +61,69 @@ pub enum LevelPlace {
     Node(String),
 }
 
+impl PlacedLevel {
+    /// A level that casts its own shadow.
+    pub fn new(place: LevelPlace, cost: LevelCost, report: LevelReport) -> Self {
+        Self {
+            place,
+            shadow: None,
+            draws: cost.draws,
+            bytes: cost.bytes,
+            gpu_bytes: report.texture_bytes + cost.geometry_bytes,
+            report,
+        }
+    }
+}
+
 impl Plant {
     /// Makes levels of the plant.
     ///
     /// # Errors
-    /// [`ChainError`] if the options contradict each other, the plant was opened with its wood ignored, or it can't be
-    /// simplified as asked.
-    pub fn levels(&self, options: &LevelsOptions) -> Result<Levels<'_>, ChainError> {
-        self.levels_watched(options, &mut |_| ControlFlow::Continue(()))
+    /// [`Error::Levels`] if the options contradict each other or the plant was opened with its wood ignored,
+    /// [`Error::Simplify`] if it can't be simplified as asked.
+    pub fn levels(&self, options: &LevelsOptions) -> Result<Levels, Error> {
+        self.levels_in(&Session::default(), options)
     }
 
-    /// As [`levels`](Self::levels), telling its progress; the observer may break it off.
+    /// As [`levels`](Self::levels), in a session.
     ///
     /// # Errors
-    /// As [`levels`](Self::levels), or [`SimplifyError::Stopped`] if it was broken off.
+    /// As [`levels`](Self::levels), or [`SimplifyError::Stopped`](secateur_simplify::Error::Stopped) if the session was
+    /// cancelled.
+    pub fn levels_in(&self, session: &Session, options: &LevelsOptions) -> Result<Levels, Error> {
+        session.watched(|observer| self.levels_on(session, options, observer))
+    }
+
+    /// As [`levels`](Self::levels), with an observer that may borrow and may break it off.
+    ///
+    /// # Errors
+    /// As [`levels`](Self::levels), or [`SimplifyError::Stopped`](secateur_simplify::Error::Stopped) if it was broken off.
     pub fn levels_watched(
         &self,
         options: &LevelsOptions,
         observer: &mut Observer<'_>,
-    ) -> Result<Levels<'_>, ChainError> {
+    ) -> Result<Levels, Error> {
+        self.levels_on(&Session::default(), options, observer)
+    }
+
+    fn levels_on(
+        &self,
+        session: &Session,
+        options: &LevelsOptions,
+        observer: &mut Observer<'_>,
+    ) -> Result<Levels, Error> {
         let Parts::Whole(tree, _) = self.parts() else {
-            return Err(ChainError::Wanted(
-                "levels are of wood and leaves: open the plant without ignoring its wood"
-                    .to_owned(),
-            ));
+            return Err(BadOptions::WoodIgnored.into());
         };
-        let engine = OpenEngine::open(options.leaves.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let mut options = options.clone();
+        self.surroundings().apply_to_levels(&mut options);
+        if options.leaves.memory == Memory::Auto {
+            options.leaves.memory = session.memory();
+        }
+        let engine = session.engine(options.leaves.engine)?;
         Ok(Levels {
-            chain: chain(tree, options, &engine, observer)?,
-            tree,
+            chain: chain(tree, &options, &engine, observer)?,
+            plant: self.clone(),
             name: self.name(),
             screen: options.screen,
             engine: engine.name(),
@@ -93,7 +132,7 @@ impl Plant {
     }
 }
 
-impl Levels<'_> {
+impl Levels {
     /// These levels with another name than that of the plant's file: their nodes and files are called after it.
     #[must_use]
     pub fn named(self, name: impl Into<String>) -> Self {
@@ -107,8 +146,16 @@ impl Levels<'_> {
     }
 
     /// The plant that they are of.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Its leaves and wood.
     pub fn tree(&self) -> &WholeTree {
-        self.tree
+        match self.plant.parts() {
+            Parts::Whole(tree, _) => tree,
+            Parts::Leaves(_) => unreachable!("levels are of plants with their wood"),
+        }
     }
 
     /// The levels as GLB files: what `secateur lods` writes.
@@ -116,7 +163,7 @@ impl Levels<'_> {
     /// # Errors
     /// [`GltfError`] if a part of the file that was not needed so far is damaged, or the result is beyond 4 GiB.
     pub fn to_bytes(&self, layout: Layout) -> Result<ChainFiles, GltfError> {
-        let items = self.tree.items();
+        let items = self.tree().items();
         items.chain_to_bytes(&self.name, &self.written_levels(), layout)
     }
 
@@ -139,7 +186,7 @@ impl Levels<'_> {
         layout: Layout,
         options: WriteOptions,
     ) -> Result<PreparedChain, GltfError> {
-        let items = self.tree.items();
+        let items = self.tree().items();
         items.prepare_chain(&self.name, &self.written_levels(), layout, path, options)
     }
 
@@ -150,9 +197,8 @@ impl Levels<'_> {
             Layout::Siblings | Layout::Msft => LevelPlace::Node(self.node(k)),
         };
         let placed = |(k, level): (usize, &ChainLevel)| PlacedLevel {
-            place: place(k),
             shadow: Some(place(level.shadow)),
-            report: level.report.clone(),
+            ..PlacedLevel::new(place(k), written.costs[k], level.report.clone())
         };
         self.chain.levels.iter().enumerate().map(placed).collect()
     }

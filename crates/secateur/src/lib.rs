@@ -7,22 +7,21 @@
 //! Simplification of Plant and Tree Foliage, Entropy 2018, 20, 213).
 //!
 //! # From a tree to a lighter tree
-//! ```
-//! use secateur::plant::{GrowOptions, Species, grow};
-//! use secateur::{LevelOptions, Opening, Plant, plant_to_glb};
+//! ```no_run
+//! use secateur::plant::{GrowOptions, Species};
+//! use secateur::{Layout, LevelOptions, LevelsOptions, Plant, judge};
 //!
 //! // Any .glb or .gltf will do: Plant::open(path). This one grows here.
-//! let oak = grow(Species::Oak, &GrowOptions { leaves: 200, seed: 1 })?;
-//! let oak = Plant::from_bytes("oak.glb", plant_to_glb(&oak), &Opening::default())?;
+//! let oak = Plant::grow(Species::Oak, &GrowOptions { leaves: 200, seed: 1 })?;
 //!
-//! // What `secateur simplify --triangles 0.25` makes, material changes included.
+//! // What `secateur simplify --triangles 0.25` writes, material changes included.
 //! let level = oak.level(&LevelOptions::triangles(0.25))?;
-//! assert!(level.difference.is_some_and(|seen| seen.difference < 0.5));
+//! level.write("oak-25.glb")?;
+//! let judged = judge(&oak, &Plant::open("oak-25.glb")?)?;
+//! assert!(judged.difference_at(540.0).difference < 0.5);
 //!
-//! let glb = level.to_bytes()?; // or level.write(path)
-//! // Levels for an engine, as `secateur lods` makes them:
-//! // oak.levels(&LevelsOptions::default())?.write("levels", Layout::Files)?;
-//! # assert!(glb.starts_with(b"glTF"));
+//! // Levels for an engine, as `secateur lods` writes them.
+//! oak.levels(&LevelsOptions::default())?.write("levels", Layout::Files)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -43,11 +42,11 @@
 //!   to the original. [`Passes`] holds what each of them did; every prefix of its [`RemovalOrder`]
 //!   is a LOD ([`Passes::lod_after`]), so one run to the coarsest level gives all finer ones.
 //! - `Plant` and `Level` do all of this as the program does, and choose what changes in materials too.
-//! - [`simplify_with`] tells its progress and can be broken off; [`simplify_on`] works on a GPU
-//!   that is open already.
+//! - A `Session` tells progress and can be cancelled; `Surroundings` say from where a plant is seen and what hides it.
+//!   [`simplify_on`] does the same for a foliage alone.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
 //!   it was: wood, materials, textures, attributes, names, extensions.
-//! - `measure` judges a result by views that [`simplify()`] never saw.
+//! - `judge` compares a result with its plant from views that [`simplify()`] never saw.
 //!
 //! Equal trees and options give the same order on every machine, on the CPU
 //! and on every GPU, bit for bit: from the snapped triangles on all arithmetic
@@ -79,7 +78,7 @@
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
 //! | all levels of an order | [`LodModel`], [`UniformLevel`], [`Forest`] |
-//! | judging | `measure`, `measure_pictures`, `measure_as_drawn` |
+//! | judging | `judge`, `Judged`, `Figures` |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`Options::skeleton`] |
 //! | trees without files | `plant` |
 //!
@@ -95,35 +94,47 @@
 
 mod error;
 #[cfg(feature = "scene")]
+mod judged;
+#[cfg(feature = "scene")]
 mod level;
 #[cfg(feature = "scene")]
 mod levels;
 #[cfg(feature = "scene")]
-mod levels_page;
-#[cfg(feature = "eval")]
-mod measure;
-#[cfg(feature = "scene")]
 mod opened_plant;
+#[cfg(feature = "scene")]
+mod preview_page;
 mod scene;
+#[cfg(feature = "scene")]
+mod session;
+#[cfg(feature = "scene")]
+mod surroundings;
+mod versioned;
 
 pub use error::Error;
+#[cfg(feature = "scene")]
+pub use judged::{
+    AllScores, Figures, JudgeOptions, Judged, Misplaced, SetFigures, judge, judge_document,
+};
 #[cfg(feature = "scene")]
 pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
 #[cfg(feature = "scene")]
 pub use levels::{LevelPlace, Levels, PlacedLevel};
-#[cfg(feature = "eval")]
-pub use measure::{
-    difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,
-    measure_pictures_by,
-};
 #[cfg(feature = "scene")]
 pub use opened_plant::{Opening, Plant};
 pub use scene::scene_views;
+#[cfg(feature = "scene")]
+pub use secateur_gltf::chain::Layout;
+#[cfg(feature = "scene")]
+pub use secateur_levels::chain::ChainOptions as LevelsOptions;
+#[cfg(feature = "scene")]
+pub use session::Session;
+#[cfg(feature = "scene")]
+pub use surroundings::Surroundings;
+pub use versioned::Versioned;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
-    AsDrawnMeasurement, Difference, DifferenceJudge, Judging, JudgingViews, MeasureError,
-    Measurement, OriginalAsDrawn, PictureMeasurement,
+    AsDrawnMeasurement, Difference, Judging, JudgingViews, MeasureError, OriginalAsDrawn,
 };
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,
@@ -135,8 +146,8 @@ pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
     FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
     Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, RemovalOrder, Segment, SegmentIndex,
-    SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
+    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy, RemovalOrder, Segment,
+    SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{
@@ -157,7 +168,7 @@ pub use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_ke
 pub use secateur_simplify::{
     Alpha, Amount, Error as SimplifyError, FieldOfView, Fitting, LeafTriangles, Method, Needles,
     Observer, Options, Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped,
-    Target, Views, Warning, as_seen, observe, simplify, simplify_on, simplify_with, sphere_of,
+    Target, Views, Warning, as_seen, observe, simplify, simplify_on, sphere_of,
 };
 
 /// The vectors of this interface.
@@ -167,12 +178,12 @@ pub use glam;
 #[cfg(feature = "scene")]
 pub mod chain {
     pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
-    pub use secateur_scene::Screen;
-    pub use secateur_scene::chain::{
-        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, SceneLook,
-        Shape, Textures, Wanted,
+    pub use secateur_levels::chain::{
+        BadOptions, Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport,
+        SceneLook, Shape, Textures, Wanted,
     };
-    pub use secateur_scene::impostor::Choice as ImpostorChoice;
+    pub use secateur_levels::impostor::Choice as ImpostorChoice;
+    pub use secateur_runtime::Screen;
 }
 
 /// A GPU to rasterise on.

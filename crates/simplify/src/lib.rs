@@ -4,7 +4,7 @@
 //! and which grow for them ([`select`]), and the sizes of what is left are fitted to the original
 //! ([`mod@fit`]). What views show of the result is one function, [`observe`], for all of them.
 //!
-//! - [`simplify()`], [`simplify_with`], [`simplify_on`]: a foliage and [`Options`] in, a LOD out.
+//! - [`simplify()`], [`simplify_on`]: a foliage and [`Options`] in, a LOD out.
 //! - [`vds`]: viewpoint-driven simplification, the greedy method driven by viewpoint mutual
 //!   information ([`secateur_raster::measure::vmi`]), once as the literal algorithm and once as an
 //!   exact, fast engine.
@@ -24,7 +24,8 @@ mod error;
 mod fill;
 pub mod fit;
 pub mod fsa;
-mod last_look;
+pub mod hanging_leaves;
+mod last_views;
 mod memory;
 pub mod meshopt;
 mod method;
@@ -37,7 +38,6 @@ mod options;
 mod passes;
 mod preset;
 pub mod resolution;
-pub mod rest;
 mod run;
 pub mod select;
 mod shared;
@@ -62,7 +62,7 @@ pub use option_values::{
 pub use options::Options;
 pub use passes::Passes;
 pub use preset::Preset;
-pub use run::{simplify, simplify_on, simplify_sharing, simplify_with};
+pub use run::{simplify, simplify_on, simplify_sharing};
 pub use shared::Shared;
 pub use simplified::{Simplified, Stopped};
 pub use stage::{Observer, Progress, Stage};

@@ -12,12 +12,12 @@ use crate::audit::audit;
 use crate::auto_views::views_for;
 use crate::coarsen::{Coarse, LossCurves, coarsen};
 use crate::fill::fill;
-use crate::last_look::{LastLook, is_left_looked_at};
+use crate::hanging_leaves::cut;
+use crate::last_views::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
 use crate::observe::observe;
 use crate::passes::Passes;
 use crate::resolution::resolution_for;
-use crate::rest::cut;
 use crate::select::{Begun, Selection, Task};
 use crate::shared::{KeptOrder, Shared};
 use crate::sizes::{SizePass, is_fit_spared};
@@ -50,29 +50,20 @@ use crate::{Error, LeafTriangles, Options, Simplified, Stopped, Target, as_seen,
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn simplify(foliage: &Foliage, options: &Options) -> Result<Simplified, Error> {
-    simplify_with(foliage, options, &mut |_| ControlFlow::Continue(()))
+    let engine = OpenEngine::open(options.engine)?;
+    simplify_on(
+        &engine,
+        foliage,
+        options,
+        &mut |_| ControlFlow::Continue(()),
+    )
 }
 
-/// [`simplify`], watched: `observer` is called when a stage begins and after every step; it may
-/// break off the run.
+/// [`simplify`] on an engine that is open already, whatever [`Options::engine`] says, and watched:
+/// `observer` is called when a stage begins and after every step; it may break off the run.
 ///
 /// # Errors
 /// As [`simplify`]; [`Error::Stopped`] if it was broken off.
-pub fn simplify_with(
-    foliage: &Foliage,
-    options: &Options,
-    observer: &mut Observer<'_>,
-) -> Result<Simplified, Error> {
-    let engine = OpenEngine::open(options.engine);
-    let engine = engine.map_err(|reason| Error::Gpu(reason.to_string()))?;
-    simplify_on(&engine, foliage, options, observer)
-}
-
-/// [`simplify_with`] on an engine that is open already, whatever
-/// [`Options::engine`] says.
-///
-/// # Errors
-/// As [`simplify_with`].
 pub fn simplify_on(
     engine: &OpenEngine,
     foliage: &Foliage,
@@ -86,7 +77,7 @@ pub fn simplify_on(
 /// Foliage and options other than the target must be the same each time.
 ///
 /// # Errors
-/// As [`simplify_with`].
+/// As [`simplify_on`].
 pub fn simplify_sharing(
     engine: &OpenEngine,
     foliage: &Foliage,

@@ -3,61 +3,34 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use secateur::chain::{ChainError, ChainFiles, Layout, LevelReport, LevelsOptions};
-use secateur::{Detail, Document, Level, Levels, Observer, Plant};
-use secateur_scene::preview::{Facts, Level as Shown, Pictures};
+use secateur::chain::{ChainFiles, Layout};
+use secateur::{Level, Levels};
+use secateur_pages::preview::Pictures;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::picture::JsPicture;
-use crate::tree::pack;
 use crate::warnings::sentence;
 use crate::zip::Zip;
 
 /// One level of a plant.
 #[wasm_bindgen(js_name = Level)]
-pub struct JsLevel {
-    glb: Vec<u8>,
-    facts: Facts,
-    warnings: Vec<String>,
-    plant: Rc<Plant>,
-}
-
-impl JsLevel {
-    pub(crate) fn of(plant: &Rc<Plant>, level: &Level<'_>) -> Result<Self, String> {
-        let glb = level.to_bytes().map_err(|error| error.to_string())?;
-        let left = level.simplified.lod.foliage(plant.leaves());
-        let leaf_triangles = left.triangles().len() as u64;
-        let report = LevelReport {
-            leaves: left.leaves().len() as u64,
-            triangles: leaf_triangles + level.wood_triangles,
-            foliage_triangles: leaf_triangles,
-            wood_triangles: level.wood_triangles,
-            difference: level.difference.unwrap_or_default(),
-            ..LevelReport::default()
-        };
-        Ok(Self {
-            glb,
-            facts: Facts {
-                name: "level".to_owned(),
-                report,
-            },
-            warnings: level.warnings.iter().map(sentence).collect(),
-            plant: Rc::clone(plant),
-        })
-    }
-}
+pub struct JsLevel(pub(crate) Level);
 
 #[wasm_bindgen(js_class = Level)]
 impl JsLevel {
     /// The bytes that `secateur simplify` writes.
-    pub fn glb(&self) -> Vec<u8> {
-        self.glb.clone()
+    ///
+    /// # Errors
+    /// A sentence where a part of the file is damaged that was not needed so far.
+    pub fn glb(&self) -> Result<Vec<u8>, String> {
+        self.0.to_bytes().map_err(|error| error.to_string())
     }
 
     /// Its figures and warnings, as JSON.
     pub fn report(&self) -> String {
-        json!({ "level": self.facts, "warnings": self.warnings }).to_string()
+        let warnings: Vec<String> = self.0.warnings.iter().map(sentence).collect();
+        json!({ "level": self.0.report(), "warnings": warnings }).to_string()
     }
 
     /// What is drawn of the plant and the level.
@@ -65,62 +38,23 @@ impl JsLevel {
     /// # Errors
     /// A sentence where there is too much of it to draw.
     pub fn picture(&self) -> Result<JsPicture, String> {
-        let drawn = |document: &Document| {
-            let drawn = document.drawn(Detail::Full, &[]);
-            let drawn = drawn.map_err(|error| error.to_string())?.into_iter();
-            Ok::<_, String>(drawn.map(|d| (d.surface, d.is_foliage)).collect::<Vec<_>>())
-        };
-        let original = self.plant.tree().document();
-        let name = original.name();
-        let document = Document::from_bytes(name, self.glb.clone(), None);
-        let after = drawn(&document.map_err(|error| error.to_string())?)?;
-        let before = drawn(original)?;
-        let of_plant = self.plant.whole().map(LevelReport::of_plant);
-        let levels = [
-            Shown {
-                surfaces: &before,
-                facts: Facts {
-                    name: "original".to_owned(),
-                    report: of_plant.unwrap_or_default(),
-                },
-            },
-            Shown {
-                surfaces: &after,
-                facts: self.facts.clone(),
-            },
-        ];
-        pack(name, &levels).map(JsPicture)
+        let packed = self.0.preview_packed(Pictures::Texels);
+        packed.map(JsPicture).map_err(|error| error.to_string())
     }
-}
 
-/// Levels beside the plant that they are of.
-pub(crate) struct OwnedLevels {
-    /// Of the plant below, and dropped before it.
-    levels: Levels<'static>,
-    _plant: Rc<Plant>,
-}
-
-impl OwnedLevels {
-    pub(crate) fn make(
-        plant: &Rc<Plant>,
-        options: &LevelsOptions,
-        observer: &mut Observer<'_>,
-    ) -> Result<Self, ChainError> {
-        let plant = Rc::clone(plant);
-        // SAFETY: the plant lies on the heap behind an `Rc` that is held as long as the levels, and nothing changes
-        // it: `Rc` hands out shared references alone.
-        let lasting: &'static Plant = unsafe { &*Rc::as_ptr(&plant) };
-        Ok(Self {
-            levels: lasting.levels_watched(options, observer)?,
-            _plant: plant,
-        })
+    /// The page to look at it beside the plant, as HTML.
+    ///
+    /// # Errors
+    /// As [`picture`](Self::picture).
+    pub fn preview(&self) -> Result<String, String> {
+        self.0.preview_html().map_err(|error| error.to_string())
     }
 }
 
 /// A chain of levels of a plant.
 #[wasm_bindgen(js_name = Levels)]
 pub struct JsLevels {
-    owned: OwnedLevels,
+    levels: Levels,
     /// The files of the layout that was asked for last.
     last: RefCell<Option<(Layout, Rc<ChainFiles>)>>,
 }
@@ -137,7 +71,7 @@ impl JsLevels {
     /// # Errors
     /// A sentence where there is too much of it to draw.
     pub fn picture(&self) -> Result<JsPicture, String> {
-        let packed = self.owned.levels.packed(Pictures::Texels);
+        let packed = self.levels.preview_packed(Pictures::Texels);
         packed.map(JsPicture).map_err(|error| error.to_string())
     }
 
@@ -146,7 +80,9 @@ impl JsLevels {
     /// # Errors
     /// As [`picture`](Self::picture).
     pub fn preview(&self) -> Result<String, String> {
-        self.owned.levels.page().map_err(|error| error.to_string())
+        self.levels
+            .preview_html()
+            .map_err(|error| error.to_string())
     }
 
     /// The names of the files in a layout: `files`, `siblings` or `msft`.
@@ -173,7 +109,7 @@ impl JsLevels {
     /// # Errors
     /// As [`names`](Self::names).
     pub fn zip(&self, layout: &str, with_preview: bool) -> Result<Vec<u8>, String> {
-        let name = self.owned.levels.name();
+        let name = self.levels.name();
         let mut zip = Zip::default();
         let made = self.files(layout)?;
         for file in &made.files {
@@ -189,9 +125,9 @@ impl JsLevels {
 }
 
 impl JsLevels {
-    pub(crate) fn of(owned: OwnedLevels) -> Self {
+    pub(crate) fn of(levels: Levels) -> Self {
         Self {
-            owned,
+            levels,
             last: RefCell::default(),
         }
     }
@@ -208,14 +144,14 @@ impl JsLevels {
         {
             return Ok(Rc::clone(files));
         }
-        let made = self.owned.levels.to_bytes(layout);
+        let made = self.levels.to_bytes(layout);
         let files = Rc::new(made.map_err(|error| error.to_string())?);
         *self.last.borrow_mut() = Some((layout, Rc::clone(&files)));
         Ok(files)
     }
 
     fn record(&self) -> Value {
-        let levels = &self.owned.levels;
+        let levels = &self.levels;
         let reports = levels.chain.levels.iter().enumerate();
         let reports: Vec<Value> = reports
             .map(|(k, level)| {
@@ -228,7 +164,7 @@ impl JsLevels {
         json!({
             "name": levels.name(),
             "version": env!("CARGO_PKG_VERSION"),
-            "original": LevelReport::of_plant(levels.tree()),
+            "original": levels.plant().report(),
             "levels": reports,
             "notes": levels.chain.notes,
         })

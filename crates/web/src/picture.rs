@@ -1,6 +1,6 @@
 //! What the page draws.
 
-use secateur_scene::preview::Packed;
+use secateur_pages::preview::Packed;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// What is drawn of a plant and its levels, for the page's renderer.

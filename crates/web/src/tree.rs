@@ -1,20 +1,18 @@
 //! An opened file: what it holds, what of it are leaves, and what is made of it.
 
 use std::ops::ControlFlow;
-use std::rc::Rc;
 
 use js_sys::Function;
-use secateur::chain::LevelReport;
+use secateur::chain::Screen;
 use secateur::{
     Detail, Document, Inspection, Memory, Opening, Plant, Progress, Selector, TakenFor,
 };
-use secateur_scene::Screen;
-use secateur_scene::preview::{Facts, Level, Pictures, Preview, packed};
+use secateur_pages::preview::{Facts, Level, Pictures, Preview, packed};
 use serde_json::json;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use crate::levels::{JsLevel, JsLevels, OwnedLevels};
+use crate::levels::{JsLevel, JsLevels};
 use crate::picture::JsPicture;
 use crate::settings::{ChainSettings, LevelSettings};
 
@@ -30,7 +28,7 @@ pub struct JsTree {
     document: Document,
     selectors: Vec<Selector>,
     inspection: Inspection,
-    plant: Result<Rc<Plant>, String>,
+    plant: Result<Plant, String>,
 }
 
 #[wasm_bindgen(js_class = Tree)]
@@ -60,9 +58,7 @@ impl JsTree {
             document,
             selectors,
             inspection,
-            plant: plant
-                .map(Rc::new)
-                .map_err(|error| for_a_tab(&error.to_string())),
+            plant: plant.map_err(|error| for_a_tab(&error.to_string())),
         })
     }
 
@@ -110,7 +106,7 @@ impl JsTree {
         });
         let facts = |name: &str| Facts {
             name: name.to_owned(),
-            report: self.report(),
+            report: self.plant.as_ref().map(Plant::report).unwrap_or_default(),
         };
         let mut levels = vec![Level {
             surfaces: &plant,
@@ -136,8 +132,9 @@ impl JsTree {
         let options = LevelSettings::parse(settings)?.options();
         let plant = self.plant.as_ref().map_err(Clone::clone)?;
         let level = plant.level_watched(&options, &mut |now| tell(progress, now));
-        let level = level.map_err(|error| for_a_tab(&error.to_string()))?;
-        JsLevel::of(plant, &level)
+        level
+            .map(JsLevel)
+            .map_err(|error| for_a_tab(&error.to_string()))
     }
 
     /// Makes a chain of levels: `settings` as [`ChainSettings`] has them.
@@ -147,26 +144,15 @@ impl JsTree {
     pub fn levels(&self, settings: &str, progress: &Function) -> Result<JsLevels, String> {
         let options = ChainSettings::parse(settings)?.options();
         let plant = self.plant.as_ref().map_err(Clone::clone)?;
-        let mut observer = |now: Progress| tell(progress, now);
-        OwnedLevels::make(plant, &options, &mut observer)
+        let levels = plant.levels_watched(&options, &mut |now| tell(progress, now));
+        levels
             .map(JsLevels::of)
             .map_err(|error| for_a_tab(&error.to_string()))
     }
 }
 
-impl JsTree {
-    /// The figures of the plant, as far as they are known.
-    fn report(&self) -> LevelReport {
-        let whole = self.plant.as_ref().ok().and_then(|plant| plant.whole());
-        whole.map(LevelReport::of_plant).unwrap_or_default()
-    }
-}
-
 /// What is drawn of levels.
-pub(crate) fn pack(
-    title: &str,
-    levels: &[Level<'_>],
-) -> Result<secateur_scene::preview::Packed, String> {
+fn pack(title: &str, levels: &[Level<'_>]) -> Result<secateur_pages::preview::Packed, String> {
     let preview = Preview {
         title,
         screen: Screen::default(),
@@ -189,6 +175,7 @@ fn tell(progress: &Function, now: Progress) -> ControlFlow<()> {
     let (stage, share) = match now {
         Progress::Stage(stage) => (stage.name(), None),
         Progress::Step { done, at_most } => ("step", Some(done as f64 / at_most.max(1) as f64)),
+        Progress::Level { done, of } => ("level", Some(done as f64 / of.max(1) as f64)),
         Progress::Impostor => ("impostor", None),
         Progress::Finish => ("finish", None),
         // Stages that come to be later are told as what they are part of.

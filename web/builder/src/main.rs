@@ -81,7 +81,7 @@ fn wrap(engine: &str, target: &str, folder: &str) -> Result<()> {
 
 fn page(folder: &str, repository: &str, output: &str) -> Result<()> {
     let [folder, repository] = [folder, repository].map(Path::new);
-    let preview = repository.join("crates/scene/src/preview/page");
+    let preview = repository.join("crates/pages/src/preview/page");
     let page = repository.join("web/page");
     let engine = fs::read(folder.join("secateur_bg.wasm")).context("the engine")?;
     let worker = read(&folder.join("secateur.js"))? + &read(&page.join("worker.js"))?;

@@ -16,6 +16,7 @@ mod cutoffs;
 mod draft;
 mod drop_unreferenced;
 mod files;
+mod flat_normals;
 mod images;
 mod instances;
 mod leaf_edits;

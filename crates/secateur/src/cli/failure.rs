@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use secateur::{Problem, SimplifyError, WriteProblem};
+use secateur::{Problem, Remedy, SimplifyError, WriteProblem};
 
 /// One sentence for standard error; the exit code is then 1.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ impl Failure {
                 | SimplifyError::TooDeep(_)
                 | SimplifyError::OutOfRange { .. },
             ) => Self(format!("{}: {error}", path.display())),
-            other => Self(other.to_string()),
+            other => other.into(),
         }
     }
 }
@@ -44,30 +44,52 @@ impl fmt::Display for Failure {
     }
 }
 
+/// The library's words, and the options of this program that help.
 impl From<secateur::Error> for Failure {
     fn from(error: secateur::Error) -> Self {
-        Self(error.to_string())
+        if let Some(over) = error.over_memory() {
+            return Self(format!("{error} ({})", options_for(over.remedy)));
+        }
+        let secateur::Error::Gltf(gltf) = &error else {
+            return Self(error.to_string());
+        };
+        Self(match gltf.problem() {
+            Problem::Write(WriteProblem::UnrelatedBuffer(_) | WriteProblem::Exists) => {
+                format!("{error} with `--overwrite`")
+            }
+            Problem::NoFoliage { candidates } if !candidates.is_empty() => {
+                format!("{error} ({})", to_name(candidates))
+            }
+            _ => error.to_string(),
+        })
     }
 }
 
 impl From<SimplifyError> for Failure {
     fn from(error: SimplifyError) -> Self {
-        Self(error.to_string())
+        secateur::Error::from(error).into()
     }
 }
 
 impl From<secateur::GltfError> for Failure {
     fn from(error: secateur::GltfError) -> Self {
-        let is_unrelated = matches!(
-            error.problem(),
-            Problem::Write(WriteProblem::UnrelatedBuffer(_) | WriteProblem::Exists)
-        );
-        let what_to_do = if is_unrelated {
-            " with `--overwrite`"
-        } else {
-            ""
-        };
-        Self(format!("{error}{what_to_do}"))
+        secateur::Error::from(error).into()
+    }
+}
+
+/// Options that name foliage by these selectors.
+pub(crate) fn to_name(candidates: &[String]) -> String {
+    let options = candidates.iter().map(|one| format!("`--foliage {one}`"));
+    options.collect::<Vec<_>>().join(" or ")
+}
+
+fn options_for(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::SmallerFile | Remedy::SmallerImages => "`--memory`",
+        Remedy::LessFoliage => "`--memory`, `--foliage`",
+        Remedy::FewerPixels => "`--memory`, `--resolution`, `--views`",
+        Remedy::LessGrowth => "`--memory`, `--resize`, `--max-coverage`, `--resolution`, `--views`",
+        Remedy::NoFit => "`--memory`, `--fit=none`",
     }
 }
 

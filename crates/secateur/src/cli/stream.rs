@@ -8,17 +8,17 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    ChainOptions, Document, LodModel, Memory, Method, Options, StagedFiles, Target, Tree,
-    simplify_with, surfaces_to_glb,
+    ChainOptions, Document, LodModel, Memory, Method, OpenEngine, Options, SimplifyError,
+    StagedFiles, Target, Tree, simplify_on, surfaces_to_glb,
 };
 use secateur_gltf::{Detail, read_within};
-use secateur_scene::stream::{Piece, Stream, read_stream, stream_page, write_stream};
+use secateur_pages::stream::{Piece, Stream, read_stream, stream_page, write_stream};
 use serde::Serialize;
 use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::not_sent::not_sent;
+use super::left_out_of_stream::not_sent;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{Bytes, Counts, Record, bytes_of, shown_if};
@@ -214,8 +214,11 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
         options.method = Method::Chain(ChainOptions::default());
         options.skeleton = tree.skeleton()?.map(Arc::new);
     }
-    let progress_bar = RunProgress::new(common);
-    let result = simplify_with(tree.foliage(), &options, &mut |p| progress_bar.show(p));
+    let progress_bar = RunProgress::new(common, &args.input.display().to_string());
+    let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
+    let result = simplify_on(&engine, tree.foliage(), &options, &mut |p| {
+        progress_bar.show(p)
+    });
     let result = result.map_err(Failure::about(&args.input))?;
     drop(progress_bar);
     warn_all(&sentences(&result));

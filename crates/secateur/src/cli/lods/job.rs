@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::chain::Layout;
-use secateur_scene::chain::MAX_LEVELS;
+use secateur_levels::chain::MAX_LEVELS;
 
 use super::super::args;
 use super::super::failure::Failure;
@@ -148,10 +148,11 @@ pub(super) fn outputs(args: &args::Lods, job: &Job<'_>) -> Vec<PathBuf> {
 }
 
 /// An error, with the tree that it is of.
-pub(super) fn about(path: &Path, error: &str) -> String {
+pub(super) fn about(path: &Path, error: secateur::Error) -> Failure {
     let path = path.display().to_string();
-    match error.starts_with(&path) {
-        true => error.to_owned(),
-        false => format!("{path}: {error}"),
+    let failure = Failure::from(error);
+    match failure.0.starts_with(&path) {
+        true => failure,
+        false => Failure(format!("{path}: {}", failure.0)),
     }
 }

@@ -2,18 +2,19 @@
 
 mod finished;
 mod job;
+mod level_options;
+mod nameless;
 mod table;
-mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
+use secateur::{Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
+use secateur_levels::chain::Textures;
 use secateur_model::{AlphaMode, Surface};
-use secateur_scene::chain::{LevelReport, Textures};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -23,14 +24,14 @@ use super::measure::warning_of;
 use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
-use super::surroundings::{Surroundings, SurroundingsRecord};
+use super::surroundings::SurroundingsRecord;
 use super::{interrupt, log, output};
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{about, check_free, check_outputs, jobs, outputs};
+use level_options::options;
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
-use wanted::options;
 
 /// The levels of a plant.
 #[derive(Serialize, JsonSchema)]
@@ -247,20 +248,19 @@ fn make(
     surroundings: &Surroundings,
     start: Instant,
 ) -> Result<Done, Failure> {
-    let mut options = options(args);
-    surroundings.apply(&mut options.leaves);
-    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
-    let plant = opened(args, job)?;
+    let options = options(args);
+    let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
+    let plant = opened(args, job)?.within(drawn);
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure(about(job.tree, &error.to_string())))?
+        .map_err(|error| about(job.tree, error))?
         .named(&job.name);
     drop(progress_bar);
-    let (tree, made) = (levels.tree(), &levels.chain);
+    let made = &levels.chain;
     let differences = made.levels.iter().map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
@@ -275,12 +275,12 @@ fn make(
     let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
-        let page = levels.page();
-        let page = page.map_err(|error| Failure(about(job.tree, &error.to_string())))?;
+        let page = levels.preview_html();
+        let page = page.map_err(|error| about(job.tree, error))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let original = LevelReport::of_plant(tree);
+    let original = levels.plant().report();
     let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
     let record = LodsRecord {
         input: job.tree.display().to_string(),
@@ -301,7 +301,7 @@ fn make(
         wood_triangles: OfOriginal {
             original: original.wood_triangles,
         },
-        surroundings: surroundings.record(&args.scene),
+        surroundings: args.scene.record(surroundings),
         screen: ScreenRecord {
             height_px: options.screen.height_px,
             fov_degrees: options.screen.field_of_view_degrees,

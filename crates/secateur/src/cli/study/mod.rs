@@ -79,6 +79,10 @@ fn options(args: &args::Study) -> Result<StudyOptions, Failure> {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        Self(error.to_string())
+        match error {
+            Error::Gltf(error) => error.into(),
+            Error::Simplify(error) => error.into(),
+            other => Self(other.to_string()),
+        }
     }
 }

@@ -1,0 +1,293 @@
+//! The impostors that a chain ends in.
+
+use std::ops::RangeInclusive;
+use std::slice::from_ref;
+
+use secateur_eval::{Difference, ViewCount};
+use secateur_simplify::Observer;
+
+use super::card_cutoffs::Covering;
+use super::error::ChainError;
+use super::level::{ChainLevel, ImpostorLevel, Shape};
+use super::level_choice::no_level;
+use super::level_report::{LevelKind, LevelReport};
+use super::look::LevelPicture;
+use super::maker::{Made, Maker};
+use super::options::{HEIGHTS_PX, Wanted};
+use super::placed::Placed;
+use super::texture_bytes::bytes_of;
+use super::textures::{Client, Textures, end_of};
+use crate::impostor::crossed::Planes;
+use crate::impostor::fewest_cards::Seen;
+use crate::impostor::judge::best_crossed;
+use crate::impostor::{Choice, Impostor, poll};
+
+/// Two crossed planes that are this many times what is wanted are given up: to bake more of them takes as long as to
+/// make a level.
+const HOPELESS: f64 = 2.0;
+
+/// How much of a plant, of what there is, a client shows with an impostor that nobody asked for by name.
+const COVERS: RangeInclusive<f64> = 0.8..=1.25;
+
+fn no_impostor(place: &str, of_planes: f64, triangles: usize, of_mesh: f64) -> String {
+    format!(
+        "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, the mesh of {triangles} triangles {of_mesh:.3}"
+    )
+}
+
+/// An impostor, and where it stands.
+#[derive(Clone)]
+pub(super) struct PlacedImpostor {
+    pub(super) level: ImpostorLevel,
+    /// Height on the screen where it begins, in pixels.
+    pub(super) begins_px: f64,
+    /// How far it looks from the plant there.
+    pub(super) difference: Difference,
+}
+
+impl Maker<'_> {
+    /// The impostors that a chain ends in, from which height on, and their FLIP there.
+    pub(super) fn impostors(
+        &self,
+        placed: &[Placed],
+        client: &Client<'_>,
+        notes: &mut Vec<String>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Vec<PlacedImpostor>, ChainError> {
+        let choice = self.options.impostor;
+        if choice == Choice::None {
+            return Ok(Vec::new());
+        }
+        // Where heights are asked for, the last of them; else where the last level is half as high.
+        let mut places = self.heights();
+        let last = places.pop().unwrap_or_else(|| {
+            let before = placed.last().map_or(HEIGHTS_PX[0], Placed::begins);
+            (before / 2.0, format!("{} pixels", before / 2.0))
+        });
+        if choice == Choice::Cards {
+            let cards = self.demanded_cards(placed, last.0, client, observer)?;
+            self.note_beyond(&last.1, cards.iter(), notes);
+            return Ok(cards.into_iter().collect());
+        }
+        let mut found = Vec::new();
+        let mut own_notes = Vec::new();
+        let of_last = self.impostor(placed, &last, client, &mut own_notes, observer)?;
+        // Levels for heights are for any distance, and nearer to the plant than cards can be.
+        if choice == Choice::Auto && matches!(self.options.wanted, Wanted::Distances(_)) {
+            if of_last.is_none() {
+                places.push(last.clone());
+            }
+            let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
+            found.extend(self.cards(placed, &heights, client, observer)?);
+        }
+        // Where crossed planes are none, cards may be.
+        if found.is_empty() {
+            notes.append(&mut own_notes);
+        }
+        self.note_beyond(&last.1, of_last.iter(), notes);
+        found.extend(of_last);
+        Ok(found)
+    }
+
+    /// Says of impostors that were asked for by name where they differ by more than levels may.
+    fn note_beyond<'i>(
+        &self,
+        place: &str,
+        found: impl Iterator<Item = &'i PlacedImpostor>,
+        notes: &mut Vec<String>,
+    ) {
+        let limits = self.look.limits;
+        for impostor in found.filter(|one| one.difference.over(limits) > 1.0) {
+            notes.push(format!(
+                "the impostor at {place} has a difference of {:.3} and a block coverage of {:.2}, beyond `--max-difference {}`: it stands there as `--impostor` asks for it",
+                impostor.difference.difference,
+                impostor.difference.block_coverage,
+                limits.difference
+            ));
+        }
+    }
+
+    /// Takes back notes of places where an impostor stands in the end, and adds those of places for which a mesh
+    /// was made in vain.
+    pub(super) fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<String>) {
+        for (height, place) in self.heights() {
+            // The last that has begun there.
+            let begun = found.iter().rfind(|impostor| impostor.begins_px >= height);
+            let Some(impostor) = begun else {
+                continue;
+            };
+            notes.retain(|note| !note.starts_with(&no_level(&place)));
+            if impostor.begins_px > height {
+                notes.push(format!(
+                    "{} the impostor of {} triangles before is enough",
+                    no_level(&place),
+                    impostor.level.impostor.surface.triangles.len()
+                ));
+            }
+        }
+    }
+
+    /// Crossed planes or octahedral views from a place on.
+    fn impostor(
+        &self,
+        placed: &[Placed],
+        (height, place): &(f64, String),
+        client: &Client<'_>,
+        notes: &mut Vec<String>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<PlacedImpostor>, ChainError> {
+        let (choice, height) = (self.options.impostor, *height);
+        let mesh = placed.last();
+        let mesh_triangles = self.triangles_beside(mesh.map(|mesh| &mesh.made));
+        poll(observer)?;
+        let seen = self.seen(height);
+        if choice == Choice::Auto
+            && let Some(of_planes) = self.hopeless(&seen, height)
+        {
+            let of_mesh = mesh.map_or(0.0, |mesh| mesh.difference.difference);
+            notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
+            return Ok(None);
+        }
+        poll(observer)?;
+        let of_mesh = self.difference_beside_impostor(mesh.map(|mesh| &mesh.made), height);
+        let original = &self.look.original.surfaces;
+        let baked_px = self.look.of_height(height);
+        let found = match choice {
+            Choice::Octahedral => Impostor::octahedral(original, baked_px),
+            Choice::None | Choice::Crossed | Choice::Cards | Choice::Auto => {
+                let figure = |made: &Impostor| seen.difference(made).difference;
+                best_crossed(original, baked_px, figure).map(|(made, _)| made)
+            }
+        };
+        let Some(impostor) = found else {
+            return Ok(None);
+        };
+        let range = [height, end_of(height, None)];
+        let impostor = match choice {
+            Choice::Auto => Covering::new(client, range).of(impostor),
+            Choice::None | Choice::Crossed | Choice::Octahedral | Choice::Cards => impostor,
+        };
+        let difference = seen.difference(&impostor);
+        let of_planes = difference.difference;
+        let triangles = impostor.surface.triangles.len();
+        let is_lighter = triangles < mesh_triangles;
+        let is_near = difference.over(self.look.limits) <= 1.0;
+        let mut same_cost = None;
+        if is_lighter
+            && (is_near || choice != Choice::Auto)
+            && let Some(equal) = self.level_if_any(triangles, observer)?
+        {
+            let of_equal = self.difference_beside_impostor(Some(&equal), height);
+            same_cost = Some((equal.triangles() as u64, of_equal));
+        }
+        if let Some((triangles, of_equal)) = same_cost
+            && choice == Choice::Auto
+            && of_equal < of_planes
+        {
+            notes.push(format!(
+                "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
+            ));
+            return Ok(None);
+        }
+        if choice == Choice::Auto && !(is_lighter && is_near) {
+            notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
+            return Ok(None);
+        }
+        if choice == Choice::Auto {
+            let shown = client.as_drawn(from_ref(&impostor.surface), range);
+            let covers = shown.begin.coverage_over_truth;
+            if !COVERS.contains(&covers) {
+                notes.push(format!(
+                    "no impostor at {place}: a client would show {covers:.2} times what there is of the plant"
+                ));
+                return Ok(None);
+            }
+        }
+        let level = ImpostorLevel {
+            impostor,
+            mesh_triangles: mesh_triangles as u64,
+            mesh_difference: of_mesh,
+            same_cost,
+        };
+        Ok(Some(PlacedImpostor {
+            level,
+            begins_px: height,
+            difference,
+        }))
+    }
+
+    /// From few views the difference of the fewest crossed planes, if they are so far from the plant there that more of
+    /// them will not do.
+    fn hopeless(&self, seen: &Seen<'_>, height: f64) -> Option<f64> {
+        let original = &self.look.original.surfaces;
+        let fewest = Impostor::crossed(original, Planes::ALL[0], self.look.of_height(height))?;
+        let found = seen.at_a_glance(&fewest);
+        (found.over(self.look.limits) > HOPELESS).then_some(found.difference)
+    }
+
+    /// The triangles of a mesh, or of the plant itself where no mesh stands.
+    pub(super) fn triangles_beside(&self, mesh: Option<&Made>) -> usize {
+        mesh.map_or(self.all, Made::triangles)
+    }
+
+    /// How far a mesh looks from the plant by the judge of impostors: not at all where the plant itself stands.
+    pub(super) fn difference_beside_impostor(&self, mesh: Option<&Made>, height: f64) -> f64 {
+        let Some(mesh) = mesh else {
+            return 0.0;
+        };
+        let judge = self.look.judge_of_impostors();
+        let surfaces = &mesh.drawn.level.surfaces;
+        judge
+            .difference(surfaces, height, ViewCount::All)
+            .difference
+    }
+
+    /// What cards and planes are held against where the screen shows the plant at this height.
+    pub(super) fn seen(&self, height: f64) -> Seen<'_> {
+        Seen::new(self.look.judge_of_impostors(), height, self.look.limits)
+    }
+
+    /// An impostor as a level of the chain, seen over a range of heights.
+    pub(super) fn finished_impostor(
+        &self,
+        impostor: PlacedImpostor,
+        range: [f64; 2],
+        client: &Client<'_>,
+    ) -> (LevelPicture, ChainLevel) {
+        let PlacedImpostor {
+            level,
+            begins_px,
+            difference,
+        } = impostor;
+        let picture = LevelPicture::Impostor(level.impostor.clone());
+        let surface = &level.impostor.surface;
+        let normals = surface.material.finish.normal_map.as_ref();
+        let textures = surface.material.texture.iter();
+        let textures = textures.chain(normals.map(|map| &map.texture));
+        let as_drawn = (!level.impostor.needs_sampler())
+            .then(|| client.as_drawn(std::slice::from_ref(surface), range));
+        let report = LevelReport {
+            kind: LevelKind::Impostor,
+            triangles: surface.triangles.len() as u64,
+            texture_bytes: textures.map(|texture| bytes_of(texture)).sum(),
+            distance: self.distance_m(begins_px),
+            pixels_high: begins_px,
+            difference,
+            flip_mean: self
+                .look
+                .flip_mean(&picture, (begins_px, self.options.screen)),
+            leaf_textures: Textures::Keep,
+            as_drawn,
+            impostor: Some(level.report()),
+            ..LevelReport::default()
+        };
+        let level = ChainLevel {
+            shape: Shape::Impostor(Box::new(level)),
+            report,
+            shadow: 0,
+            order: None,
+            textures: Vec::new(),
+        };
+        (picture, level)
+    }
+}

@@ -1,0 +1,47 @@
+//! What a chain is to be like.
+
+use secateur::{Amount, Options};
+use secateur_levels::chain::{ChainOptions, HEIGHTS_PX, Wanted};
+use secateur_levels::impostor::Choice;
+
+use super::super::args;
+
+pub(super) fn options(args: &args::Lods) -> ChainOptions {
+    let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
+        (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
+        ([], [], None) => {
+            let screen = args.screen.height_px / HEIGHTS_PX[0];
+            Wanted::Heights(HEIGHTS_PX.map(|height| height * screen).to_vec())
+        }
+        ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
+        (shares, ..) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
+    };
+    let usual = ChainOptions::default();
+    let leaves = Options {
+        alpha: args.alpha,
+        sides: args.sides,
+        engine: args.engine,
+        audit: usual.leaves.audit,
+        shows_what_is_left: usual.leaves.shows_what_is_left,
+        ..Options::with_preset(args.preset.into(), usual.leaves.target)
+    };
+    let impostor = match (args.impostor, &wanted) {
+        (Some(choice), _) => choice,
+        (None, Wanted::Triangles(_)) => Choice::None,
+        (None, _) => Choice::Auto,
+    };
+    ChainOptions {
+        wanted,
+        impostor,
+        shadow_steps: usize::from(args.shadow_steps),
+        max_pop: args.max_pop,
+        textures: args.textures.unwrap_or_default(),
+        screen: args.screen,
+        max_difference: args.max_difference,
+        original: !args.no_original,
+        plant_height_m: args.plant_height,
+        leaves,
+        wood: args.wood.into(),
+        ..usual
+    }
+}
