@@ -44,6 +44,7 @@ mod user_crate;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;
+mod web_page;
 mod wind;
 mod without_leaves;
 mod wood;

@@ -51,6 +51,8 @@ pub struct DrawnSurface {
     pub is_foliage: bool,
     /// The number of its material; none for glTF's default material.
     pub material: Option<usize>,
+    /// The place of its primitive, as in [`PrimitiveReport::place`](crate::PrimitiveReport::place).
+    pub place: String,
 }
 
 /// An image that a material uses, decoded.
@@ -259,6 +261,7 @@ impl Document {
                         surface,
                         is_foliage,
                         material: group.look.material,
+                        place: self.primitive_place(group.mesh, group.primitive),
                     });
                 }
             }

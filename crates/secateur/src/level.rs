@@ -2,7 +2,6 @@
 
 use std::ops::Deref;
 use std::path::Path;
-use std::time::Instant;
 
 use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
@@ -20,6 +19,7 @@ use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
     simplify_on, take_plant,
 };
+use web_time::Instant;
 
 use crate::Error;
 use crate::Session;

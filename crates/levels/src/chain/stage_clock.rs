@@ -1,7 +1,7 @@
 //! What the time of a chain goes to, stage by stage: all of it, as one stage is always running.
 
 use std::cell::Cell;
-use std::time::Instant;
+use web_time::Instant;
 
 /// A stage of the making of a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
