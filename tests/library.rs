@@ -1,8 +1,14 @@
 //! What the library writes, held against the files of the program.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use secateur::chain::{BadOptions, ChainError, Layout, LevelsOptions, Wanted};
 use secateur::plant::{GrowOptions, Species};
-use secateur::{Error, LevelOptions, Memory, Opening, Plant, Target, WoodMode, judge};
+use secateur::{
+    Error, LevelOptions, Memory, OpenEngine, Opening, Plant, Session, Target, Versioned, WoodMode,
+    judge,
+};
 use serde_json::Value;
 
 use crate::program::{Bench, shared_tree};
@@ -168,4 +174,95 @@ fn errors_can_be_matched() {
     assert!(!refused.to_string().contains("--"), "{refused}");
     let none = Plant::grow(Species::Oak, &GrowOptions { leaves: 0, seed: 2 });
     assert!(matches!(none, Err(Error::Grow(_))));
+}
+
+/// Whoever works, and on however many threads: the bytes are the same. Who cancels is heard at once.
+#[test]
+fn a_session_tells_progress_and_changes_no_byte() {
+    let oak = Plant::grow(
+        Species::Oak,
+        &GrowOptions {
+            leaves: 60,
+            seed: 2,
+        },
+    )
+    .unwrap();
+    let options = LevelOptions::triangles(0.3);
+    let told = Arc::new(AtomicUsize::new(0));
+    let count = Arc::clone(&told);
+    let session = Session::default()
+        .with_engine(OpenEngine::cpu())
+        .with_threads(1)
+        .unwrap()
+        .with_progress(move |_| {
+            count.fetch_add(1, Ordering::Relaxed);
+        });
+    let made = [oak.level(&options), oak.level_in(&session, &options)];
+    let [usual, own] = made.map(|level| level.unwrap().to_bytes().unwrap());
+    assert!(usual == own);
+    assert!(told.load(Ordering::Relaxed) > 0);
+
+    session.clone().cancel();
+    assert!(oak.level_in(&session, &options).unwrap_err().is_stopped());
+    let levels = oak.levels_in(&session, &LevelsOptions::default());
+    assert!(levels.unwrap_err().is_stopped());
+    let little = Session::default().with_memory(Memory::Bytes(1 << 16));
+    let refused = oak.level_in(&little, &options).unwrap_err();
+    assert!(refused.over_memory().is_some(), "{refused}");
+}
+
+/// A level in a file of its own has that file's bytes; in one file nothing counts twice.
+#[test]
+fn levels_say_what_they_cost() {
+    let bench = Bench::new();
+    let oak = Plant::grow(
+        Species::Oak,
+        &GrowOptions {
+            leaves: 120,
+            seed: 2,
+        },
+    )
+    .unwrap();
+    let levels = oak.levels(&LevelsOptions::default()).unwrap();
+    for (layout, place) in [(Layout::Files, "files"), (Layout::Siblings, "one.glb")] {
+        let written = levels.write(bench.path(place), layout).unwrap();
+        let placed = levels.placed(layout, &written);
+        assert!(placed.len() > 1);
+        let bytes: u64 = placed.iter().map(|level| level.bytes).sum();
+        match layout {
+            Layout::Files => assert_eq!(bytes, written.bytes),
+            // The rest is JSON.
+            Layout::Siblings | Layout::Msft => {
+                assert!(bytes < written.bytes && bytes + (64 << 10) > written.bytes);
+            }
+        }
+        for level in &placed {
+            // Leaves and wood are a primitive each.
+            let draws = if level.report.impostor.is_none() {
+                2
+            } else {
+                1
+            };
+            assert_eq!(level.draws, draws, "{level:?}");
+            // A corner has 12 bytes of position and 2 of an index at least, and shares both with few others.
+            assert!(level.gpu_bytes > level.report.texture_bytes + 6 * level.report.triangles);
+        }
+    }
+}
+
+/// What a page or a script keeps is read again as it was; another version is refused.
+#[test]
+fn options_come_back_from_text() {
+    let options = LevelsOptions {
+        max_pop: Some(0.25),
+        wanted: Wanted::Distances(vec![5.0, 20.0]),
+        ..LevelsOptions::default()
+    };
+    let mut kept = serde_json::to_value(Versioned::new(options.clone())).unwrap();
+    let again: Versioned<LevelsOptions> = serde_json::from_value(kept.clone()).unwrap();
+    assert_eq!(again.options.wanted, options.wanted);
+    assert_eq!(again.options.max_pop, options.max_pop);
+    kept["version"] = 2.into();
+    let refused = serde_json::from_value::<Versioned<LevelsOptions>>(kept).unwrap_err();
+    assert!(refused.to_string().contains("version 2"), "{refused}");
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use secateur::chain::LevelReport;
 use secateur::{
     Error, Foliage, Level, LevelOptions, LevelParts, LevelWarning, Lod, MeshoptBorders,
     MeshoptOptions, Method, Objective, Opening, Options, Plant, PreparedLod, Progress, Resolution,
@@ -83,6 +84,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         None => None,
     };
     let (written, mut staged) = prepared.into_files();
+    let reports = [plant.report(), level.report()];
     let level = level.into_parts();
     let result = &level.simplified;
     if let (Some(path), Some(picture)) = (&args.picture, picture) {
@@ -99,6 +101,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         input: &args.tree,
         plant: &plant,
         level: &level,
+        reports,
         written: &written,
         warnings: &warnings,
     };
@@ -376,13 +379,13 @@ fn who_judges(run: &Simplifying<'_>) -> String {
 fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String {
     let (result, written): (&Simplified, &Written) = (&run.level.simplified, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
-    let numbers = |name: &str, before: u64, after: u64| {
+    let line = |name: &str, before: u64, after: u64| {
         let share = share(after as usize, before as usize);
         row([name.to_owned(), grouped(before), grouped(after), share])
     };
     let plant = run.plant;
-    let left = result.lod.foliage(plant.leaves());
-    let [before, after] = [plant.leaves(), &left].map(|f| f.triangles().len());
+    let [before, after] = &run.reports;
+    let numbers = |name: &str, of: fn(&LevelReport) -> u64| line(name, of(before), of(after));
     let mut rows = vec![
         row([
             String::new(),
@@ -390,18 +393,10 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
             "result".into(),
             String::new(),
         ]),
-        numbers(
-            "leaves",
-            result.passes.order.leaf_count().into(),
-            result.lod.leaf_count() as u64,
-        ),
-        numbers("triangles", plant.triangle_count(), written.triangles),
-        numbers("of leaves", before as u64, after as u64),
-        numbers(
-            "of wood",
-            plant.wood_triangle_count(),
-            run.level.wood_triangles,
-        ),
+        numbers("leaves", |of| of.leaves),
+        numbers("triangles", |of| of.triangles),
+        numbers("of leaves", |of| of.foliage_triangles),
+        numbers("of wood", |of| of.wood_triangles),
     ];
     if let Some(before) = record::bytes_of(run.input) {
         let share = share(written.bytes as usize, before as usize);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use schemars::JsonSchema;
+use secateur::chain::LevelReport;
 use secateur::{
     Alpha, AreaTable, Engine, FieldOfView, Inspection, Judging, LeafTriangles, LevelParts, Needles,
     Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, Vmi, WoodMode,
@@ -107,6 +108,8 @@ pub(crate) struct Simplifying<'a> {
     pub(crate) input: &'a Path,
     pub(crate) plant: &'a Plant,
     pub(crate) level: &'a LevelParts,
+    /// The figures of plant and level.
+    pub(crate) reports: [LevelReport; 2],
     pub(crate) written: &'a Written,
     pub(crate) warnings: &'a [String],
 }
@@ -120,7 +123,9 @@ impl Simplifying<'_> {
     /// What the record says.
     pub(crate) fn record(&self, args: &args::Simplify) -> SimplifyRecord {
         let (plant, level, written) = (self.plant, self.level, self.written);
-        let (result, leaves) = (&level.simplified, plant.leaves());
+        let result = &level.simplified;
+        let [before, after] = &self.reports;
+        let counts = |of: fn(&LevelReport) -> u64| Counts::of(of(before), of(after));
         let colors = level.colors.iter().map(ColorRecord::from);
         SimplifyRecord {
             input: self.input.display().to_string(),
@@ -129,17 +134,14 @@ impl Simplifying<'_> {
                 original: bytes_of(self.input),
                 written: written.bytes,
             },
-            leaves: Counts::of(result.passes.order.leaf_count(), result.lod.leaf_count()),
-            triangles: Counts::of(plant.triangle_count(), written.triangles),
-            foliage_triangles: Counts::of(
-                leaves.triangles().len(),
-                result.lod.foliage(leaves).triangles().len(),
-            ),
-            wood_triangles: Counts::of(plant.wood_triangle_count(), level.wood_triangles),
+            leaves: counts(|of| of.leaves),
+            triangles: counts(|of| of.triangles),
+            foliage_triangles: counts(|of| of.foliage_triangles),
+            wood_triangles: counts(|of| of.wood_triangles),
             method: level.options.method.name(),
             engine: result.engine,
             adapter: result.adapter.clone(),
-            order_sha256: result.passes.in_one_order().sha256(),
+            order_sha256: after.order_sha256.clone().unwrap_or_default(),
             areas_sha256: result.areas.as_ref().map(AreaTable::sha256),
             max_area_scale: result.passes.max_area_scale(),
             vmi_bits: result.vmi_final.as_ref().map(Vmi::bits),
