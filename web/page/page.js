@@ -121,8 +121,8 @@ const firstDistance = (chain) => {
 // The level in the picture: the one that was chosen, or what an engine shows at the distance.
 const follow = () => {
   if (!stage.levels) return;
-  const { chain } = stage.levels;
-  stage.set({ level: pictureOf(decisions.now.shown ?? levelAt(stage.view.distance)) });
+  const wanted = decisions.now.shown ?? levelAt(stage.view.distance);
+  stage.set({ level: pictureOf(Math.min(wanted, resultOf().levels.length - 1)) });
 };
 
 // Numbers of levels in the list, and in the picture, whose first is the original always.
