@@ -26,6 +26,7 @@ mod odd_trees;
 mod outputs;
 mod preview_page;
 mod program;
+mod python;
 mod report_page;
 mod scenes;
 mod schema;

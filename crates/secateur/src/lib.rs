@@ -93,7 +93,13 @@
 //! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
 //! the GPU; turn it off where only the library is wanted. `scene`: levels with their materials (`Plant`, `Level`).
 
+#[cfg(feature = "cli")]
+extern crate self as secateur;
+
+#[cfg(feature = "cli")]
+pub mod cli;
 mod error;
+mod error_kind;
 #[cfg(feature = "scene")]
 mod level;
 #[cfg(feature = "scene")]
@@ -107,6 +113,7 @@ mod opened_plant;
 mod scene;
 
 pub use error::Error;
+pub use error_kind::ErrorKind;
 #[cfg(feature = "scene")]
 pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
 #[cfg(feature = "scene")]

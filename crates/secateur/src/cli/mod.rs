@@ -1,4 +1,4 @@
-//! The command line: arguments in, an exit code out.
+//! The program `secateur`: a command line in, an exit code out. Python's package runs it too.
 
 mod args;
 mod colors;
@@ -9,6 +9,7 @@ mod escape;
 mod failure;
 mod grow;
 mod grow_lod;
+mod in_words;
 mod inspect;
 mod interrupt;
 mod lod;
@@ -32,9 +33,13 @@ mod study;
 mod summary;
 mod surroundings;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::{CommandFactory, Parser};
+
+pub use in_words::{LevelRequest, RequestError, levels_options};
 
 use args::{Cli, Command, Common};
 use failure::Failure;
@@ -43,25 +48,40 @@ use print::Printed;
 /// The exit code where some of several inputs failed.
 const SOME_FAILED: u8 = 3;
 
-/// Runs the command that the process was called with.
-pub(crate) fn main() -> ExitCode {
-    let cli = match Cli::try_parse().and_then(without_contradiction) {
+/// The words of the command line after the program's name, as reports have them.
+static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Runs the command of these words, the first of which is the program's name. It prints to standard output and standard
+/// error, and from then on listens to Ctrl-C.
+pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(run_words(words.into_iter().collect()))
+}
+
+/// As [`main`], for processes that are not this program: gives the exit code as a number.
+pub fn run_words(words: Vec<OsString>) -> u8 {
+    let _ = ARGUMENTS.set(words.iter().skip(1).cloned().collect());
+    let cli = match Cli::try_parse_from(words).and_then(without_contradiction) {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version come this way too, with code 0.
             let _ = usage.print();
-            return ExitCode::from(usage.exit_code() as u8);
+            return usage.exit_code() as u8;
         }
     };
     log::start(&cli.common);
     match run(&cli) {
-        Ok(false) => ExitCode::SUCCESS,
-        Ok(true) => ExitCode::from(SOME_FAILED),
+        Ok(false) => 0,
+        Ok(true) => SOME_FAILED,
         Err(failure) => {
             log::error(&failure);
-            ExitCode::from(1)
+            1
         }
     }
+}
+
+/// The words of the command line after the program's name.
+fn arguments() -> &'static [OsString] {
+    ARGUMENTS.get().map_or(&[], Vec::as_slice)
 }
 
 /// What the parser can't see: options that are right alone, and wrong beside each other.

@@ -100,7 +100,7 @@ impl<T: Serialize> Record<T> {
         total: f64,
     ) -> Self {
         let stages = stages.iter();
-        let arguments = std::env::args_os().skip(1);
+        let arguments = super::arguments().iter();
         Self {
             schema_version: SCHEMA_VERSION,
             facts,

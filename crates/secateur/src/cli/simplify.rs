@@ -216,6 +216,15 @@ fn views(name: &str) -> Result<Views, Error> {
     })
 }
 
+/// A level with the material changes that are asked for.
+pub(crate) fn level_options(args: &args::Simplify, simplify: Options) -> LevelOptions {
+    LevelOptions {
+        simplify,
+        cutoffs: args.cutoffs.unwrap_or_default(),
+        colors: args.colors.unwrap_or_default(),
+    }
+}
+
 fn level<'p>(
     plant: &'p Plant,
     options: &Options,
@@ -223,11 +232,7 @@ fn level<'p>(
     common: &Common,
 ) -> Result<Level<'p>, Failure> {
     let progress_bar = RunProgress::new(common);
-    let options = LevelOptions {
-        simplify: options.clone(),
-        cutoffs: args.cutoffs.unwrap_or_default(),
-        colors: args.colors.unwrap_or_default(),
-    };
+    let options = level_options(args, options.clone());
     let level = plant.level_watched(&options, &mut |progress| {
         if let Progress::Stage(_) = progress {
             machine::give_back_free_memory();

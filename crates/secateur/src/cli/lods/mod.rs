@@ -13,7 +13,7 @@ use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_model::{AlphaMode, Surface};
-use secateur_scene::chain::{LevelReport, Textures};
+use secateur_scene::chain::{ChainOptions, LevelReport, Textures};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -191,6 +191,17 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     })
 }
 
+/// What levels are to be like, within what is about the plant.
+pub(crate) fn levels_options(
+    args: &args::Lods,
+    surroundings: &Surroundings,
+) -> Result<ChainOptions, Failure> {
+    let mut options = options(args);
+    surroundings.apply(&mut options.leaves);
+    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
+    Ok(options)
+}
+
 /// What a tree's levels are known by, and those that an earlier call left; nothing else may be in their places.
 fn key_and_known(args: &args::Lods, job: &Job<'_>) -> Result<(String, Option<Finished>), Failure> {
     let key = interrupt::reading(|| finished::key(args, job))?;
@@ -247,9 +258,7 @@ fn make(
     surroundings: &Surroundings,
     start: Instant,
 ) -> Result<Done, Failure> {
-    let mut options = options(args);
-    surroundings.apply(&mut options.leaves);
-    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
+    let options = levels_options(args, surroundings)?;
     let plant = opened(args, job)?;
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
