@@ -372,9 +372,9 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     let into_file = ["lods", "oak.glb", "-o", "x.glb", "--layout", "files"];
     bench
         .run(&into_file)
-        .failed_saying(&["x.glb", "needs a folder"]);
+        .failed_with(2, &["x.glb", "needs a folder"]);
     let twice = ["lods", "oak.glb", "./oak.glb", "-o", "chain"];
-    bench.run(&twice).failed_saying(&["same name"]);
+    bench.run(&twice).failed_with(2, &["same name"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }
 

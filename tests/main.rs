@@ -3,6 +3,7 @@
 mod as_clients_draw;
 mod bad_input;
 mod baselines;
+mod batch;
 #[path = "browser/browser.rs"]
 mod browser;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
@@ -34,6 +35,7 @@ mod shared_trees;
 mod skin;
 mod small_files;
 mod stream;
+mod streams;
 mod study;
 #[path = "browser/tab.rs"]
 mod tab;

@@ -125,7 +125,7 @@ fn stops_at(signal: &str) {
     );
     let mut rest = String::new();
     stderr.read_to_string(&mut rest).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(child.wait().unwrap().code(), Some(130));
     let last = "secateur: error: stopped; nothing was written\n";
     assert!(rest.ends_with(last), "{rest}");
     assert_eq!(bench.names(), ["oak.glb"]);

@@ -40,7 +40,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         seed: args.seed,
     };
     let plant = timed(&mut stages, "grow", || {
-        grow(Species::Oak, &growing).map_err(|e| Failure(e.to_string()))
+        grow(Species::Oak, &growing).map_err(|e| Failure::input(e.to_string()))
     })?;
     let glb = plant_to_glb(&plant);
     let original = args.output.join("tree.glb");
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let progress_bar = RunProgress::new(common);
     let levels = timed(&mut stages, "levels", || {
         let levels = opened.levels_watched(&options, &mut |p| progress_bar.show(p));
-        levels.map_err(|error| Failure(error.to_string()))
+        levels.map_err(|error| Failure::of((&error).into(), error.to_string()))
     })?;
     drop(progress_bar);
     let (tree, made) = (levels.tree(), &levels.chain);
@@ -158,7 +158,8 @@ fn title(tree: &WholeTree, triangles: u64) -> String {
     format!("{:.0} %", 100.0 * triangles as f64 / all)
 }
 
-fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
+/// The plant and its meshes, for pictures.
+pub(crate) fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
     let words = |leaves: u64, triangles: u64| {
         let [leaves, triangles] = [leaves, triangles].map(grouped);
         format!("{leaves} leaves\n{triangles} triangles")

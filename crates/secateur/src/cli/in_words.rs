@@ -103,15 +103,8 @@ fn parsed(command: &str, words: &[String]) -> Result<Cli, RequestError> {
         }
     }
     let first = ["secateur", command, "plant.glb", "--output=level.glb"].map(str::to_owned);
-    Cli::try_parse_from(first.iter().chain(words)).map_err(|error| usage(sentence_of(&error)))
-}
-
-/// What the parser says, without how the program is called.
-fn sentence_of(error: &clap::Error) -> String {
-    let text = error.to_string();
-    let text = text.strip_prefix("error: ").unwrap_or(&text);
-    let text = text.split("\n\n").next().unwrap_or(text);
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    Cli::try_parse_from(first.iter().chain(words))
+        .map_err(|error| Failure::of_parser(&error).into())
 }
 
 fn usage(sentence: String) -> RequestError {
@@ -124,7 +117,7 @@ fn usage(sentence: String) -> RequestError {
 impl From<Failure> for RequestError {
     fn from(failure: Failure) -> Self {
         Self {
-            kind: ErrorKind::Input,
+            kind: failure.kind,
             sentence: failure.to_string(),
         }
     }

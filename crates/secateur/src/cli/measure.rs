@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    AsDrawnMeasurement, Difference, Document, GltfError, Measurement, PictureMeasurement, Problem,
-    Selector, Tree,
+    AsDrawnMeasurement, Difference, GltfError, Measurement, PictureMeasurement, Problem, Selector,
+    Tree,
 };
 use secateur_eval::ViewCount;
 use secateur_eval::measure::{RigMeasurement, Scores, VMI_ERROR_PERCENT};
@@ -21,7 +21,7 @@ use super::print::Printed;
 use super::record::Record;
 use super::simplify::warn_all;
 use super::summary::grouped;
-use super::{interrupt, output, record};
+use super::{interrupt, output, record, streams};
 
 /// How a simplified tree compares with its original.
 #[derive(Serialize, JsonSchema)]
@@ -140,17 +140,17 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
     let open = |path: &Path, memory| {
-        let document = interrupt::reading(|| Document::open_within(path, memory))?;
-        Ok(document.with_vertex_alpha(args.vertex_alpha.vertex_alpha))
+        let document = streams::document(path, memory)?;
+        Ok::<_, Failure>(document.with_vertex_alpha(args.vertex_alpha.vertex_alpha))
     };
     let named = &args.foliage.foliage;
-    let original = |selectors: &[Selector]| -> Result<Tree, GltfError> {
-        open(&args.original, args.memory.memory)?.into_tree(selectors)
+    let original = |selectors: &[Selector]| -> Result<Result<Tree, GltfError>, Failure> {
+        Ok(open(&args.original, args.memory.memory)?.into_tree(selectors))
     };
     // Of a plant without leaves all is judged as its pieces are.
-    let (original, named) = match original(named) {
+    let (original, named) = match original(named)? {
         Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
-            (original(&[Selector::All])?, &vec![Selector::All])
+            (original(&[Selector::All])??, &vec![Selector::All])
         }
         other => (other?, named),
     };

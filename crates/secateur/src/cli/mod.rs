@@ -1,7 +1,9 @@
 //! The program `secateur`: a command line in, an exit code out. Python's package runs it too.
 
 mod args;
+mod batch;
 mod colors;
+mod completions;
 mod contradiction;
 mod cutoffs;
 mod demo;
@@ -29,13 +31,14 @@ mod schema;
 mod simplify;
 mod simplify_record;
 mod stream;
+mod streams;
 mod study;
 mod summary;
 mod surroundings;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
-use std::sync::OnceLock;
+use std::sync::{Mutex, PoisonError};
 
 use clap::{CommandFactory, Parser};
 
@@ -49,7 +52,7 @@ use print::Printed;
 const SOME_FAILED: u8 = 3;
 
 /// The words of the command line after the program's name, as reports have them.
-static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+static ARGUMENTS: Mutex<Vec<OsString>> = Mutex::new(Vec::new());
 
 /// Runs the command of these words, the first of which is the program's name. It prints to standard output and standard
 /// error, and from then on listens to Ctrl-C.
@@ -59,12 +62,19 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// As [`main`], for processes that are not this program: gives the exit code as a number.
 pub fn run_words(words: Vec<OsString>) -> u8 {
-    let _ = ARGUMENTS.set(words.iter().skip(1).cloned().collect());
+    *ARGUMENTS.lock().unwrap_or_else(PoisonError::into_inner) =
+        words.iter().skip(1).cloned().collect();
     let cli = match Cli::try_parse_from(words).and_then(without_contradiction) {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version come this way too, with code 0.
-            let _ = usage.print();
+            match usage.use_stderr() && asks_for_json() {
+                true => {
+                    log::tell_json();
+                    log::error(&Failure::of_parser(&usage));
+                }
+                false => drop(usage.print()),
+            }
             return usage.exit_code() as u8;
         }
     };
@@ -74,14 +84,22 @@ pub fn run_words(words: Vec<OsString>) -> u8 {
         Ok(true) => SOME_FAILED,
         Err(failure) => {
             log::error(&failure);
-            1
+            failure.exit_code()
         }
     }
 }
 
+/// Whether words that could not be parsed ask for JSON.
+fn asks_for_json() -> bool {
+    let words = arguments();
+    let is_pair = |pair: &[OsString]| pair[0] == "--format" && pair[1] == "json";
+    words.windows(2).any(is_pair) || words.iter().any(|word| word == "--format=json")
+}
+
 /// The words of the command line after the program's name.
-fn arguments() -> &'static [OsString] {
-    ARGUMENTS.get().map_or(&[], Vec::as_slice)
+fn arguments() -> Vec<OsString> {
+    let arguments = ARGUMENTS.lock().unwrap_or_else(PoisonError::into_inner);
+    arguments.clone()
 }
 
 /// What the parser can't see: options that are right alone, and wrong beside each other.
@@ -112,9 +130,11 @@ fn run(cli: &Cli) -> Result<bool, Failure> {
         Command::Study(args) => study::run(args, &cli.common)?,
         Command::Stream(args) => stream::run(args, &cli.common)?,
         Command::Grow(args) => grow::run(args, &cli.common)?,
+        Command::Batch(args) => batch::run(args, &cli.common)?,
         Command::Schema(args) => schema::run(args)?,
+        Command::Completions(args) => completions::run(args)?,
     };
-    if !cli.common.quiet {
+    if !cli.common.quiet && !streams::is_stdout_taken() {
         print::to_stdout(&printed.as_text(cli.common.format))?;
     }
     Ok(printed.some_failed)
@@ -126,5 +146,5 @@ fn use_threads(common: &Common) -> Result<(), Failure> {
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
     pool.build_global()
-        .map_err(|e| Failure(format!("{threads} threads cannot be started: {e}")))
+        .map_err(|e| Failure::machine(format!("{threads} threads cannot be started: {e}")))
 }

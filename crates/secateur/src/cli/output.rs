@@ -61,7 +61,7 @@ pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     }
     if inputs.iter().any(|input| is_same(path, input)) {
         let reason = "is the input; choose another name for the output";
-        return Err(Failure(format!("{}: {reason}", path.display())));
+        return Err(Failure::input(format!("{}: {reason}", path.display())));
     }
     temporary_in(&folder)
         .map(drop)
@@ -131,7 +131,9 @@ fn files_of(path: &Path) -> Vec<PathBuf> {
 
 fn refuse(path: &Path, reason: &str) -> Result<(), Failure> {
     let path = path.display();
-    Err(Failure(format!("{path}: cannot be written: {reason}")))
+    Err(Failure::input(format!(
+        "{path}: cannot be written: {reason}"
+    )))
 }
 
 /// Writes a file whole or not at all.

@@ -100,7 +100,7 @@ impl<T: Serialize> Record<T> {
         total: f64,
     ) -> Self {
         let stages = stages.iter();
-        let arguments = super::arguments().iter();
+        let arguments = super::arguments();
         Self {
             schema_version: SCHEMA_VERSION,
             facts,
@@ -116,6 +116,7 @@ impl<T: Serialize> Record<T> {
                 version: env!("CARGO_PKG_VERSION"),
                 commit: machine::commit(),
                 arguments: arguments
+                    .iter()
                     .map(|a| a.to_string_lossy().into_owned())
                     .collect(),
                 machine: machine::describe(),

@@ -20,13 +20,15 @@ use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{self, Record};
 use super::simplify_record::Simplifying;
+use super::streams::Outlet;
 use super::summary::{columns, grouped, percent, size};
-use super::{colors, cutoffs, interrupt, machine, order, output};
+use super::{colors, cutoffs, interrupt, machine, order, output, streams};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     let outputs = check_outputs(args)?;
+    let outlet = Outlet::of(&args.output)?;
     let mut options = options(args)?;
     let mut stages = Vec::new();
 
@@ -45,9 +47,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let mut plant = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        Ok(interrupt::reading(|| {
-            Plant::open_with(&args.tree, &opening)
-        })?)
+        streams::plant(&args.tree, &opening)
     })?;
     let tree = plant.tree();
     output::check_spares(tree.document(), &outputs)?;
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        Ok(level.prepare(&args.output, write_options(args))?)
+        Ok(level.prepare(outlet.path(), write_options(args))?)
     })?;
     let picture = match args.picture {
         Some(_) => Some(timed(&mut stages, "picture", || {
@@ -109,8 +109,10 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let total = start.elapsed().as_secs_f64();
     let record = Record::new("simplify", run.record(args), &stages, total).to_value();
+    let record = outlet.renamed(record);
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
+    outlet.send()?;
     warn_all(&of_look);
     Ok(Printed::single(pretty(&run, args, total), record))
 }
@@ -120,7 +122,9 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
     inputs.extend(args.views.as_deref().map(Path::new));
     inputs.extend(args.scene.files());
-    output::check_tree(&args.output, &inputs, write_options(args))?;
+    if !streams::is_stream(&args.output) {
+        output::check_tree(&args.output, &inputs, write_options(args))?;
+    }
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;

@@ -38,19 +38,20 @@ impl SceneArgs {
             let is_scene = self.scene.as_deref() == Some(path);
             if is_scene && views.is_none() {
                 let of_scene = scene_views(&document.cameras()?);
-                let of_scene = of_scene.map_err(|e| Failure(format!("{}: {e}", path.display())))?;
+                let of_scene =
+                    of_scene.map_err(|e| Failure::input(format!("{}: {e}", path.display())))?;
                 views = Some(Views::Cameras(of_scene));
             }
             let occluders = document.occluders()?;
             if !is_scene && occluders.leaves().is_empty() {
                 let nothing = Problem::NoOccluder;
-                return Err(Failure(format!("{}: {nothing}", path.display())));
+                return Err(Failure::input(format!("{}: {nothing}", path.display())));
             }
             all = Some(match all {
                 None => occluders,
                 Some(all) => all
                     .followed_by(&occluders)
-                    .map_err(|e| Failure(format!("{}: {e}", path.display())))?,
+                    .map_err(|e| Failure::input(format!("{}: {e}", path.display())))?,
             });
         }
         Ok(Surroundings {

@@ -13,13 +13,13 @@ use secateur_scene::Screen;
 use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
 use secateur_scene::impostor::Choice as ImpostorChoice;
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Lods {
-    /// The trees, .glb or .gltf.
+    /// The trees, .glb or .gltf; - reads one from standard input.
     #[arg(value_name = "TREE.glb", required = true)]
     pub(crate) trees: Vec<PathBuf>,
     /// The folder for the levels, made if it is not there; or, for one tree, a file that holds all
-    /// of them.
+    /// of them, - for standard output.
     #[arg(short, long, value_name = "DIR|OUT.glb")]
     pub(crate) output: PathBuf,
     /// Whether trees that cannot be done are left out, and told of at the end with exit code 3, instead of ending the
@@ -96,6 +96,9 @@ pub(crate) struct Lods {
     /// Write a page to look at the original and the chain side by side; it needs nothing else.
     #[arg(long, value_name = "FILE.html")]
     pub(crate) preview: Option<PathBuf>,
+    /// Only check everything, and say what would be made.
+    #[arg(long)]
+    pub(crate) dry_run: bool,
     /// Replace levels of other runs that have the same names.
     #[arg(long)]
     pub(crate) overwrite: bool,

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use super::super::args;
 use super::super::failure::Failure;
 use super::super::record::SCHEMA_VERSION;
+use super::super::streams::{is_stream, stdin};
 use super::super::{machine, output};
 use super::job::Job;
 use super::wanted::options;
@@ -38,7 +39,12 @@ struct Known {
 /// read. Trees that cannot be read are refused here.
 pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
     let memory = args.memory.memory;
-    let sha256 = |path: &Path| tree_sha256(path, memory).map_err(|e| Failure(e.to_string()));
+    let sha256 = |path: &Path| -> Result<String, Failure> {
+        match is_stream(path) {
+            true => Ok(hex(&Sha256::digest(stdin(memory)?))),
+            false => Ok(tree_sha256(path, memory)?),
+        }
+    };
     let mut files = vec![sha256(job.tree)?];
     for path in args.scene.files() {
         files.push(sha256(path)?);

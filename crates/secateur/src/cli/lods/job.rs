@@ -11,6 +11,7 @@ use secateur_scene::chain::MAX_LEVELS;
 use super::super::args;
 use super::super::failure::Failure;
 use super::super::output;
+use super::super::streams::is_stream;
 use super::finished::Finished;
 
 /// A tree to be done, and where its levels go.
@@ -28,14 +29,14 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     let is_file =
         extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()));
     if is_file && args.trees.len() > 1 {
-        return Err(Failure(format!(
+        return Err(Failure::usage(format!(
             "{}: one file holds the levels of one tree; name a folder for {} trees",
             args.output.display(),
             args.trees.len()
         )));
     }
     if is_file && args.layout == Some(Layout::Files) {
-        return Err(Failure(format!(
+        return Err(Failure::usage(format!(
             "{}: the layout of files needs a folder as its output",
             args.output.display()
         )));
@@ -47,13 +48,13 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     };
     let mut names: Vec<String> = Vec::new();
     for tree in &args.trees {
-        let name = tree
-            .file_stem()
-            .and_then(OsStr::to_str)
-            .unwrap_or("tree")
-            .to_owned();
+        let stem = tree.file_stem().and_then(OsStr::to_str);
+        let name = match is_stream(tree) {
+            true => "plant".to_owned(),
+            false => stem.unwrap_or("tree").to_owned(),
+        };
         if names.contains(&name) {
-            return Err(Failure(format!(
+            return Err(Failure::usage(format!(
                 "{}: another tree of this call has the same name; its levels would overwrite this one's",
                 tree.display()
             )));
@@ -88,7 +89,7 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
         output::check_file(file, &inputs)?;
     }
     if args.preview.is_some() && jobs.len() > 1 {
-        return Err(Failure(
+        return Err(Failure::usage(
             "a preview shows one tree: give one at a time, or leave out `--preview`".to_owned(),
         ));
     }
@@ -102,7 +103,7 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
         place.is_ok_and(|place| found.contains(&place))
     };
     if let Some(place) = places.iter().find(is_input) {
-        return Err(Failure(format!(
+        return Err(Failure::input(format!(
             "{}: is an input of this call, and a level would take its place; give another folder",
             place.display()
         )));
@@ -123,7 +124,7 @@ pub(super) fn check_free(
         is_there && !finished.is_some_and(|finished| finished.wrote(args, file))
     };
     match places(job).iter().find(is_in_the_way) {
-        Some(file) if !args.overwrite => Err(Failure(format!(
+        Some(file) if !args.overwrite => Err(Failure::input(format!(
             "{}: is there already; give another folder, or `--overwrite`",
             file.display()
         ))),
@@ -145,13 +146,4 @@ pub(super) fn outputs(args: &args::Lods, job: &Job<'_>) -> Vec<PathBuf> {
     let mut outputs = places(job);
     outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
     outputs
-}
-
-/// An error, with the tree that it is of.
-pub(super) fn about(path: &Path, error: &str) -> String {
-    let path = path.display().to_string();
-    match error.starts_with(&path) {
-        true => error.to_owned(),
-        false => format!("{path}: {error}"),
-    }
 }

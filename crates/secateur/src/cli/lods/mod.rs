@@ -1,5 +1,6 @@
 //! `secateur lods`: the chain of levels that an engine loads.
 
+mod dry_run;
 mod finished;
 mod job;
 mod table;
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Opening, PlacedLevel, Plant, Preset, WoodMode};
+use secateur::{ErrorKind, Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_model::{AlphaMode, Surface};
@@ -23,11 +24,12 @@ use super::measure::warning_of;
 use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
+use super::streams::Outlet;
 use super::surroundings::{Surroundings, SurroundingsRecord};
-use super::{interrupt, log, output};
+use super::{demo, interrupt, log, output, picture, streams};
 use finished::Finished;
 pub(crate) use job::Job;
-use job::{about, check_free, check_outputs, jobs, outputs};
+use job::{check_free, check_outputs, jobs, outputs};
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
 use wanted::options;
@@ -92,6 +94,16 @@ pub(crate) struct FailureRecord {
     error: String,
 }
 
+impl FailureRecord {
+    /// Why a tree could not be done.
+    pub(crate) fn of(tree: &Path, failure: &Failure) -> Self {
+        Self {
+            input: tree.display().to_string(),
+            error: failure.to_string(),
+        }
+    }
+}
+
 /// The screen that levels are for.
 #[derive(Serialize, JsonSchema)]
 struct ScreenRecord {
@@ -124,13 +136,38 @@ impl Done {
 /// Makes a chain of each tree, one after the other: what is finished when the program ends stays, and
 /// is not done again by the next call. Of several trees those that cannot be done are left out.
 pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure> {
+    let outlet = Outlet::of(&args.output)?;
+    if !outlet.is_stdout() {
+        return run_into_files(args, common, &outlet);
+    }
+    if args.layout == Some(Layout::Files) {
+        return Err(Failure::usage(
+            "standard output takes one file: leave out `--layout files`",
+        ));
+    }
+    let args = args::Lods {
+        output: outlet.path().to_owned(),
+        ..args.clone()
+    };
+    let printed = run_into_files(&args, common, &outlet)?;
+    if !args.dry_run {
+        outlet.send()?;
+    }
+    Ok(printed)
+}
+
+fn run_into_files(args: &args::Lods, common: &Common, outlet: &Outlet) -> Result<Printed, Failure> {
     let start = Instant::now();
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
-    options(args).check().map_err(|e| Failure(e.to_string()))?;
+    let checked = options(args).check();
+    checked.map_err(|e| Failure::of((&e).into(), e.to_string()))?;
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     let surroundings = args.scene.read(args.memory.memory, &outputs)?;
+    if args.dry_run {
+        return dry_run::told(args, &jobs);
+    }
     let keeps_going = args.keep_going.unwrap_or(jobs.len() > 1);
     if !keeps_going && jobs.len() > 1 {
         // What cannot be done is refused before anything is made of the others.
@@ -150,10 +187,10 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
         match done(args, common, job, &surroundings, since) {
             Ok(done) => {
                 pretty.push_str(&done.pretty);
-                records.push(done.record);
+                records.push(outlet.renamed(done.record));
             }
             Err(failure) => {
-                if !keeps_going || interrupt::check().is_err() {
+                if !keeps_going || failure.kind == ErrorKind::Interrupted {
                     return Err(failure);
                 }
                 log::error(&failure);
@@ -171,10 +208,7 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     }
     let some_failed = !failed.is_empty();
     records.extend(failed.into_iter().map(|(job, failure, seconds)| {
-        let failure = FailureRecord {
-            input: job.tree.display().to_string(),
-            error: failure.to_string(),
-        };
+        let failure = FailureRecord::of(job.tree, &failure);
         Record::new("lods", failure, &[], seconds).to_value()
     }));
     let levels = records.iter().map(|record| record["levels"].as_array());
@@ -224,8 +258,57 @@ fn done(
         Some(known) if known.is_whole(args) => {
             Ok(Done::again(known, since.elapsed().as_secs_f64()))
         }
-        _ => make(args, common, (job, key, may_overwrite), surroundings, since),
+        _ => {
+            let (done, files) = make(
+                args,
+                common,
+                (job, may_overwrite),
+                surroundings,
+                None,
+                since,
+            )?;
+            let noted = (&done.record, &*done.pretty);
+            let files = finished::noted(args, job, key, noted, files)?;
+            interrupt::writing()?;
+            files.commit()?;
+            interrupt::written();
+            Ok(done)
+        }
     }
+}
+
+/// What the levels of the first tree depend on, as a SHA-256.
+pub(crate) fn key_of_first(args: &args::Lods) -> Result<String, Failure> {
+    match jobs(args)?.first() {
+        Some(job) => interrupt::reading(|| finished::key(args, job)),
+        None => Err(Failure::usage("no tree was named")),
+    }
+}
+
+/// The record of the levels of the first tree, with a picture of them, and all files but for their names.
+pub(crate) fn made_of_first(
+    args: &args::Lods,
+    common: &Common,
+    picture: &Path,
+    since: Instant,
+) -> Result<(Value, StagedFiles), Failure> {
+    let jobs = jobs(args)?;
+    check_outputs(args, &jobs)?;
+    let checked = options(args).check();
+    checked.map_err(|e| Failure::of((&e).into(), e.to_string()))?;
+    let surroundings = args.scene.read(args.memory.memory, &[])?;
+    let Some(job) = jobs.first() else {
+        return Err(Failure::usage("no tree was named"));
+    };
+    let (done, files) = make(
+        args,
+        common,
+        (job, true),
+        &surroundings,
+        Some(picture),
+        since,
+    )?;
+    Ok((done.record, files))
 }
 
 /// The tree of a job, if a chain can be made of it.
@@ -237,13 +320,13 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
         memory: args.memory.memory,
         ..Opening::default()
     };
-    let plant = interrupt::reading(|| Plant::open_with(job.tree, &opening))?;
+    let plant = streams::plant(job.tree, &opening)?;
     let document = plant.tree().document();
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     output::check_spares(document, &outputs)?;
     if args.textures == Some(Textures::Fit) && !has_cut_outs(document)? {
-        return Err(Failure(format!(
+        return Err(Failure::input(format!(
             "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
             job.tree.display()
         )));
@@ -251,13 +334,15 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     Ok(plant)
 }
 
+/// The levels of a tree, and their files but for their names.
 fn make(
     args: &args::Lods,
     common: &Common,
-    (job, key, may_overwrite): (&Job<'_>, String, bool),
+    (job, may_overwrite): (&Job<'_>, bool),
     surroundings: &Surroundings,
+    picture: Option<&Path>,
     start: Instant,
-) -> Result<Done, Failure> {
+) -> Result<(Done, StagedFiles), Failure> {
     let options = levels_options(args, surroundings)?;
     let plant = opened(args, job)?;
     let mut warnings = plant.inspection().warnings.clone();
@@ -266,7 +351,7 @@ fn make(
     let progress_bar = RunProgress::new(common);
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure(about(job.tree, &error.to_string())))?
+        .map_err(|error| Failure::of_levels(job.tree, &error))?
         .named(&job.name);
     drop(progress_bar);
     let (tree, made) = (levels.tree(), &levels.chain);
@@ -285,8 +370,12 @@ fn make(
     staged.append(files);
     if let Some(file) = &args.preview {
         let page = levels.page();
-        let page = page.map_err(|error| Failure(about(job.tree, &error.to_string())))?;
+        let page = page.map_err(Failure::about(job.tree))?;
         output::stage(&mut staged, file, page.as_bytes())?;
+    }
+    if let Some(file) = picture {
+        let strip = picture::strip(&demo::exhibits(tree, made)?)?;
+        output::stage(&mut staged, file, &strip)?;
     }
     let seconds = start.elapsed().as_secs_f64();
     let original = LevelReport::of_plant(tree);
@@ -337,11 +426,7 @@ fn make(
     };
     let record = Record::new("lods", record, &[], seconds).to_value();
     let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
-    let staged = finished::noted(args, job, key, (&record, &pretty), staged)?;
-    interrupt::writing()?;
-    staged.commit()?;
-    interrupt::written();
-    Ok(Done { record, pretty })
+    Ok((Done { record, pretty }, staged))
 }
 
 /// Whether the alpha of a texture cuts anything out of what is drawn.
