@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use rows::{Rows, Wanted, exponent, repeats};
 use secateur::{
-    ChainOptions, Document, MergeOptions, Method, Options, Preset, Resolution, Stage,
-    StochasticOptions, Target, Tree, measure, plant_to_glb, simplify,
+    ChainOptions, Document, Judging, MergeOptions, Method, Options, Preset, Resolution, Stage,
+    StochasticOptions, Target, Tree, plant_to_glb, simplify,
 };
 use secateur_plant::{
     Chain, ClusterSize, GrowOptions, Metric, Scheme, Skeleton, Species, grow_skeleton,
@@ -124,7 +124,8 @@ fn judged(
 }
 
 fn scores(rows: &mut Rows, case: &str, original: &Tree, simplified: &Tree) {
-    let measured = measure(original.foliage(), simplified.foliage());
+    let judging = Judging::held_out(original.foliage()).expect("a crown with leaves");
+    let measured = secateur_eval::measure(original.foliage(), simplified.foliage(), &judging);
     let measured = measured.expect("a crown in range");
     for (metric, value) in measured.overall.iter() {
         if ["vmi_error_percent", "silhouette_iou", "coverage_ratio"].contains(&metric.key) {

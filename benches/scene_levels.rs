@@ -8,7 +8,7 @@
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "../tests/clients/clients.rs"]
 mod clients;
-#[path = "../crates/scene/examples/forest/clock.rs"]
+#[path = "../crates/levels/examples/forest/clock.rs"]
 mod clock;
 #[allow(dead_code, reason = "its main is the example's")]
 #[path = "../crates/secateur/examples/obstacles.rs"]
@@ -22,9 +22,9 @@ use std::time::Instant;
 use clock::timed;
 use rows::{Rows, Wanted, shared_tree};
 use secateur_gltf::Document;
+use secateur_levels::impostor::Impostor;
+use secateur_levels::impostor::crossed::Planes;
 use secateur_model::Surface;
-use secateur_scene::impostor::Impostor;
-use secateur_scene::impostor::crossed::Planes;
 use serde_json::{Value, json};
 
 const COMMAND: &str = "cargo bench --bench scene_levels";
@@ -233,7 +233,7 @@ fn height_of(tree: &Path) -> f64 {
 
 /// From how many metres off the screen shows a plant as many pixels high as each of these, with commas between.
 fn distances_of(tree: &Path, heights_px: &[f64]) -> String {
-    let (plant, screen) = (height_of(tree), secateur_scene::Screen::default());
+    let (plant, screen) = (height_of(tree), secateur_runtime::Screen::default());
     let distance = |height: &f64| screen.distance(plant, *height).to_string();
     let distances: Vec<String> = heights_px.iter().map(distance).collect();
     distances.join(",")

@@ -1,7 +1,7 @@
 // The sizes of leaves at a level of a removal order: a level is a prefix of the leaves by removal,
 // and each leaf's size there the last one that a step up to the level's gave it. Invocation k takes
 // the k-th leaf; a vertex shader calls `scale_bits` and `shown` itself. The twin is
-// `secateur_scene::prefix_buffers`.
+// `secateur_runtime::prefix_buffers`.
 
 override WORKGROUP: u32;
 

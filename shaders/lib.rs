@@ -1,7 +1,7 @@
 //! The WGSL sources of secateur's GPU stages.
 //!
 //! A shader has the name of its stage; `secateur-raster` runs them beside a twin in Rust, but for
-//! `leaf_sizes` and `wind`, which are for renderers: their twins are in `secateur-scene`. All of them compute with
+//! `leaf_sizes` and `wind`, which are for renderers: their twins are in `secateur-runtime`. All of them compute with
 //! integers only, but for the last steps of `wind`.
 
 /// Embeds the named shaders of this folder.

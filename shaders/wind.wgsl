@@ -1,7 +1,7 @@
 // How a plant sways: what hangs on the wood moves as the wood does where it hangs, and a leaf turns
 // about that point besides. Waves are integers, and the way of the wood is products only, so that all
 // devices agree on them bit for bit; only the last sum may round otherwise. Invocation k takes the k-th
-// vertex; a vertex shader calls `swayed` itself. The twin is `secateur_scene::wind`.
+// vertex; a vertex shader calls `swayed` itself. The twin is `secateur_runtime::wind`.
 
 override WORKGROUP: u32;
 

@@ -1,7 +1,9 @@
 //! What the library writes, held against the files of the program.
 
-use secateur::chain::{Layout, LevelsOptions};
-use secateur::{LevelOptions, Opening, Plant, Target, WoodMode};
+use secateur::chain::{BadOptions, ChainError, Layout, LevelsOptions, Wanted};
+use secateur::plant::{GrowOptions, Species};
+use secateur::{Error, LevelOptions, Memory, Opening, Plant, Target, WoodMode, judge};
+use serde_json::Value;
 
 use crate::program::{Bench, shared_tree};
 
@@ -88,4 +90,82 @@ fn a_plant_without_its_wood_has_no_levels() {
     let plant = Plant::open_with(bench.path("oak.glb"), &opening).unwrap();
     let refused = plant.levels(&LevelsOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("without ignoring its wood"));
+}
+
+/// A page shows a level as it is written: the plant beside it, and any number of its leaves.
+#[test]
+fn a_level_has_a_page_of_its_own() {
+    let oak = Plant::grow(
+        Species::Oak,
+        &GrowOptions {
+            leaves: 60,
+            seed: 2,
+        },
+    )
+    .unwrap();
+    let level = oak.level(&LevelOptions::triangles(0.3)).unwrap();
+    let page = level.preview_html().unwrap();
+    let facts = page.split("\"name\":\"level\"").nth(1).unwrap();
+    let triangles = format!("\"triangles\":{}", level.report().triangles);
+    assert!(facts.contains(&triangles));
+    assert!(page.contains("\"name\":\"original\"") && page.contains("\"continuous\":{"));
+    assert!(level.report().triangles < oak.report().triangles);
+}
+
+#[test]
+fn the_library_judges_as_the_program_does() {
+    let bench = Bench::new();
+    bench
+        .run(&["simplify", "oak.glb", "-o", "out.glb", "--triangles", "0.2"])
+        .succeeded();
+    let heights = ["--pixels-high", "540,100"];
+    let measure = ["measure", "oak.glb", "out.glb", "--format", "json"];
+    let ran = bench.run(&[&measure[..], &heights].concat());
+    let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+    let [plant, other] = ["oak.glb", "out.glb"].map(|file| Plant::open(bench.path(file)).unwrap());
+    let judged = judge(&plant, &other).unwrap();
+    let figures = serde_json::to_value(judged.figures().unwrap()).unwrap();
+    for (key, figure) in figures.as_object().unwrap() {
+        assert_eq!(record[key], *figure, "{key}");
+    }
+    for (k, pixels_high) in [540.0, 100.0].into_iter().enumerate() {
+        let seen = serde_json::to_value(judged.difference_at(pixels_high)).unwrap();
+        for (key, figure) in seen.as_object().unwrap() {
+            assert_eq!(record["differences"][k][key], *figure, "{key}");
+        }
+    }
+    assert!(judged.misplaced().is_none());
+}
+
+/// What went wrong is told by types, in words that name no option of the program.
+#[test]
+fn errors_can_be_matched() {
+    let missing = Plant::open("no.glb").unwrap_err();
+    let cause = std::error::Error::source(&missing).unwrap();
+    let cause: &std::io::Error = cause.downcast_ref().unwrap();
+    assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
+
+    let oak = Plant::grow(
+        Species::Oak,
+        &GrowOptions {
+            leaves: 60,
+            seed: 2,
+        },
+    )
+    .unwrap();
+    let none = LevelsOptions {
+        wanted: Wanted::Heights(Vec::new()),
+        ..LevelsOptions::default()
+    };
+    let refused = oak.levels(&none).unwrap_err();
+    let no_level = ChainError::Options(BadOptions::NoLevel);
+    assert!(matches!(refused, Error::Levels(error) if error.to_string() == no_level.to_string()));
+
+    let mut few = LevelOptions::triangles(0.3);
+    few.simplify.memory = Memory::Bytes(1 << 16);
+    let refused = oak.level(&few).unwrap_err();
+    assert!(refused.over_memory().is_some(), "{refused}");
+    assert!(!refused.to_string().contains("--"), "{refused}");
+    let none = Plant::grow(Species::Oak, &GrowOptions { leaves: 0, seed: 2 });
+    assert!(matches!(none, Err(Error::Grow(_))));
 }

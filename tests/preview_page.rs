@@ -13,9 +13,9 @@ use base64::engine::general_purpose::STANDARD;
 use image::RgbaImage;
 use secateur::{Detail, Difference, Document, Surface};
 use secateur_eval::pictures::flip_mean;
-use secateur_scene::Screen;
-use secateur_scene::chain::{LevelKind, LevelReport};
-use secateur_scene::preview::{Facts, Level, Preview, page};
+use secateur_levels::chain::{LevelKind, LevelReport};
+use secateur_pages::preview::{Facts, Level, Preview, page};
+use secateur_runtime::Screen;
 use serde_json::{Value, json};
 
 use crate::program::{Bench, oak, shared_tree};

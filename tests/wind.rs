@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use secateur::glam::{DVec2, Vec3};
 use secateur::{Detail, Document, Hold, plant_to_glb};
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_scene::wind::Wind;
+use secateur_runtime::wind::Wind;
 use serde_json::{Value, json};
 
 use crate::glb::{chunks, joined};

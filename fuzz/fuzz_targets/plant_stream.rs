@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use secateur_scene::stream::{StreamReader, read_stream, stream_of_bodies};
+use secateur_pages::stream::{StreamReader, read_stream, stream_of_bodies};
 
 fuzz_target!(|bytes: &[u8]| {
     let _ = read_stream(bytes);

@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 use libfuzzer_sys::fuzz_target;
 use secateur::glam::{DVec2, DVec3};
 use secateur::{Foliage, LeafTriangle, Lod};
-use secateur_scene::order_file::{read_order, write_order};
-use secateur_scene::view_dependent::{Region, ViewDependent};
+use secateur_runtime::order_file::{read_order, write_order};
+use secateur_runtime::view_dependent::{Region, ViewDependent};
 
 const LEAVES: usize = 24;
 

@@ -3,11 +3,11 @@
 use image::RgbaImage;
 use secateur::{Detail, Document};
 use secateur_eval::pictures::flip_mean;
+use secateur_levels::chain::{LevelKind, LevelReport};
 use secateur_model::LodModel;
-use secateur_scene::Screen;
-use secateur_scene::chain::{LevelKind, LevelReport};
-use secateur_scene::order_file::read_order;
-use secateur_scene::preview::{Continuous, Facts, Level, Preview, page};
+use secateur_pages::preview::{Continuous, Facts, Level, Preview, page};
+use secateur_runtime::Screen;
+use secateur_runtime::order_file::read_order;
 use serde_json::{Value, json};
 
 use super::{differing, drawn, page_of, surfaces_of};

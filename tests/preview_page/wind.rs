@@ -1,4 +1,4 @@
-//! The breeze of the page: off at first, and by the formula of `secateur_scene::wind`.
+//! The breeze of the page: off at first, and by the formula of `secateur_runtime::wind`.
 
 use image::RgbaImage;
 use secateur::Surface;
@@ -6,7 +6,7 @@ use secateur::glam::DVec2;
 use secateur::{Hold, plant_to_glb};
 use secateur_eval::pictures::flip_mean;
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_scene::wind::Wind;
+use secateur_runtime::wind::Wind;
 use serde_json::Value;
 
 use super::{differing, page_of_surfaces, surfaces_of};

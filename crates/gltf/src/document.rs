@@ -141,6 +141,11 @@ impl Document {
         parse().map_err(|fault| GltfError::new(name, fault))
     }
 
+    /// What its leaves were named by; empty where the evidence showed them.
+    pub fn selectors(&self) -> &[Selector] {
+        &self.selectors
+    }
+
     /// Its JSON as it was found, with everything that this crate doesn't know.
     pub fn json(&self) -> &Value {
         &self.root
@@ -202,6 +207,29 @@ impl Document {
     /// `accessors[3]`, with the entry's name where it has one.
     pub(crate) fn place(&self, list: &str, index: usize) -> String {
         property::place(&self.root, list, index)
+    }
+}
+
+/// The same file once more: bytes and decoded images are shared; what was decompressed is decompressed again when it
+/// is asked for.
+impl Clone for Document {
+    fn clone(&self) -> Self {
+        let views = self.decompressed_views.len();
+        Self {
+            root: self.root.clone(),
+            buffers: self.buffers.clone(),
+            data_bytes: self.data_bytes,
+            name: self.name.clone(),
+            base_dir: self.base_dir.clone(),
+            decompressed_views: (0..views).map(|_| OnceLock::new()).collect(),
+            decompressed_bytes: AtomicU64::new(0),
+            kept_images: Arc::clone(&self.kept_images),
+            selectors: self.selectors.clone(),
+            known_roles: self.known_roles.clone(),
+            vertex_alpha_counts: self.vertex_alpha_counts,
+            memory: self.memory,
+            budget: self.budget,
+        }
     }
 }
 

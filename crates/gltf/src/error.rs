@@ -4,16 +4,16 @@ use std::fmt;
 
 use super::chain_problem::ChainProblem;
 use super::write_problem::WriteProblem;
+use secateur_model::Remedy;
 
 /// What to do where a file takes too much memory.
-pub(crate) const ALLOW_MORE: &str = "allow more (`--memory`), or make the file smaller";
+pub(crate) const ALLOW_MORE: Remedy = Remedy::SmallerFile;
 
 /// A glTF file that can't be used, and why.
 ///
 /// Prints as one sentence: the file, the place in its JSON, what is wrong and,
 /// where something can be done about it, what to do.
-#[derive(Debug, thiserror::Error)]
-#[error("{file}: {fault}")]
+#[derive(Debug)]
 pub struct GltfError {
     file: String,
     fault: Box<Fault>,
@@ -41,6 +41,18 @@ impl GltfError {
     /// What is wrong there, without file and place.
     pub fn problem(&self) -> &Problem {
         &self.fault.problem
+    }
+}
+
+impl fmt::Display for GltfError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.file, self.fault)
+    }
+}
+
+impl std::error::Error for GltfError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.fault.problem.source()
     }
 }
 
@@ -90,7 +102,7 @@ impl<T> At<T> for Result<T, Problem> {
 pub enum Problem {
     /// The file can't be read.
     #[error("cannot be read: {0}")]
-    Unreadable(std::io::Error),
+    Unreadable(#[source] std::io::Error),
     /// Neither GLB nor a JSON object with an `asset`.
     #[error("is not glTF: {0}")]
     NotGltf(String),
@@ -158,6 +170,7 @@ pub enum Problem {
         /// The URI as the file writes it, shortened.
         uri: String,
         /// What the operating system says.
+        #[source]
         error: std::io::Error,
     },
     /// A buffer without bytes: no URI and no GLB chunk.
@@ -277,7 +290,7 @@ pub enum Problem {
         limit: u64,
     },
     /// No foliage was named and none was found.
-    #[error("no foliage was found; name it with {flags}", flags = flags(.candidates))]
+    #[error("no foliage was found{}", to_name(.candidates))]
     NoFoliage {
         /// Selectors that could be used.
         candidates: Vec<String>,
@@ -325,14 +338,11 @@ pub enum Problem {
     Foliage(#[from] secateur_model::FoliageError),
 }
 
-pub(crate) fn flags(candidates: &[String]) -> String {
+/// How to name foliage, as the end of a sentence.
+fn to_name(candidates: &[String]) -> String {
     match candidates {
-        [] => "`--foliage` (the file has no triangles to choose from)".to_owned(),
-        some => some
-            .iter()
-            .map(|c| format!("`--foliage {c}`"))
-            .collect::<Vec<_>>()
-            .join(" or "),
+        [] => ": the file has no triangles to choose from".to_owned(),
+        some => format!("; name it by a selector: {}", some.join(" or ")),
     }
 }
 

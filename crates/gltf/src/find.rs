@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::accessor::{Component, Shape};
 use super::choice;
 use super::cutouts::Cutouts;
-use super::error::{ALLOW_MORE, At, Fault, Problem, flags};
+use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::judged::Judged;
 use super::levels_inside::LevelsInside;
 use super::parts::Part;
@@ -187,14 +187,13 @@ impl Document {
         choice?;
         if !are_found {
             let candidates = choice::advice(self, &survey, &verdicts);
+            inspection.candidates.clone_from(&candidates);
             let is_refused = wanted == Wanted::Leaves || candidates.is_empty();
             if is_refused {
                 return Err(Problem::NoFoliage { candidates }.into());
             }
-            inspection.notes.push(format!(
-                "no leaves were found: all of it is taken for solid surface; name leaves with {}",
-                flags(&candidates)
-            ));
+            let note = "no leaves were found: all of it is taken for solid surface";
+            inspection.notes.push(note.to_owned());
         }
         let surveyed = (&survey, &parts[..]);
         let leaves = match are_found {

@@ -30,8 +30,9 @@ pub struct Inspection {
     pub notes: Vec<String>,
     /// What was passed over, one sentence each.
     pub warnings: Vec<String>,
-    /// Why there is no foliage, in one sentence; the flag to use where there is
-    /// a choice.
+    /// Selectors that would name leaves, where none were found.
+    pub candidates: Vec<String>,
+    /// Why there is no foliage, in one sentence.
     pub problem: Option<String>,
 }
 

@@ -14,7 +14,7 @@ use super::folder;
 use super::ktx2;
 use super::property;
 use super::uri::{self, Target};
-use secateur_model::{Budget, Filters, Texture, Wrap};
+use secateur_model::{Budget, Filters, Remedy, Texture, Wrap};
 
 /// The most texels of one image.
 const MAX_TEXELS: u64 = 64 << 20;
@@ -33,7 +33,7 @@ const BYTES_A_TEXEL: u64 = 12;
 const TO_PNG: &str = "convert it with `npx @gltf-transform/cli png IN.glb OUT.glb`";
 
 /// What to do where images take too much memory.
-const SMALLER: &str = "allow more (`--memory`), or make the images smaller";
+const SMALLER: Remedy = Remedy::SmallerImages;
 
 /// The images of a document, each decoded at most once.
 pub(crate) struct Pictures<'a> {

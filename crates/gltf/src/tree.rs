@@ -9,7 +9,7 @@ use super::{Document, GltfError, Inspection, Selector};
 use secateur_model::{Foliage, Leaf, LeafId, Memory};
 
 /// A glTF file with its leaves found.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Tree {
     pub(crate) document: Document,
     /// Every drawn primitive of the plant, in traversal order.

@@ -8,7 +8,7 @@ use super::{GltfError, Selector, Tree};
 
 /// A glTF file with its leaves found, and the pieces of its wood: the sets of triangles of
 /// everything else that hang together by edges.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct WholeTree {
     /// Of leaves and then pieces of wood, all as leaves.
     pub(crate) tree: Tree,

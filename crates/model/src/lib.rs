@@ -38,7 +38,7 @@ pub use hold::{Hold, PlantHolds};
 pub use leaf_id::LeafId;
 pub use lod::Lod;
 pub use lod_model::{LodModel, UniformLevel};
-pub use memory::{Budget, Memory, OverMemory};
+pub use memory::{Budget, Memory, OverMemory, Remedy};
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
 pub use order_error::OrderError;
 pub use plant::Plant;

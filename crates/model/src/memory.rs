@@ -93,7 +93,39 @@ pub struct OverMemory {
     /// How much it may take.
     pub left: u64,
     /// What would do instead.
-    pub remedy: &'static str,
+    pub remedy: Remedy,
+}
+
+/// What would do where the memory that is allowed is too little, beside allowing more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// A file with less in it.
+    SmallerFile,
+    /// Smaller images.
+    SmallerImages,
+    /// Less of the plant taken for foliage.
+    LessFoliage,
+    /// Fewer pixels in fewer views.
+    FewerPixels,
+    /// Leaves that grow less, or fewer pixels in fewer views.
+    LessGrowth,
+    /// Sizes of leaves that are not fitted at the end.
+    NoFit,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SmallerFile => "allow more, or make the file smaller",
+            Self::SmallerImages => "allow more, or make the images smaller",
+            Self::LessFoliage => "allow more, or choose less of the plant",
+            Self::FewerPixels => "allow more, or take fewer pixels or fewer views",
+            Self::LessGrowth => {
+                "allow more, let leaves grow less, or take fewer pixels or fewer views"
+            }
+            Self::NoFit => "allow more, or do not fit sizes",
+        })
+    }
 }
 
 /// What is left of the memory that a run may take.
@@ -133,7 +165,7 @@ impl Budget {
         &mut self,
         bytes: u64,
         what: impl FnOnce() -> String,
-        remedy: &'static str,
+        remedy: Remedy,
     ) -> Result<(), OverMemory> {
         match self.left.checked_sub(bytes) {
             Some(left) => {
@@ -247,11 +279,11 @@ mod tests {
     #[test]
     fn what_is_taken_is_not_left() {
         let mut budget = Budget::new(Memory::Bytes(3 << 20));
-        let mut take = |bytes| budget.take(bytes, || "this".to_owned(), "ask for less");
+        let mut take = |bytes| budget.take(bytes, || "this".to_owned(), Remedy::SmallerFile);
         take(1 << 20).unwrap();
         assert_eq!(
             take(5 << 30).unwrap_err().to_string(),
-            "this would take 5.0 GiB of memory, and of what is allowed 2.0 MiB are left: ask for less"
+            "this would take 5.0 GiB of memory, and of what is allowed 2.0 MiB are left: allow more, or make the file smaller"
         );
         take(2 << 20).unwrap();
         assert_eq!(take(1).unwrap_err().left, 0);

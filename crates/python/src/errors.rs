@@ -1,9 +1,8 @@
 //! Python's exceptions for what the library refuses, by who can help.
 
 use pyo3::PyErr;
-use secateur::chain::ChainError;
+use secateur::ErrorKind;
 use secateur::cli::RequestError;
-use secateur::{ErrorKind, GltfError};
 
 mod classes {
     pyo3::import_exception!(secateur._errors, InputError);
@@ -27,19 +26,13 @@ pub(crate) fn usage(sentence: impl Into<String>) -> PyErr {
     of_kind(ErrorKind::Usage, sentence.into())
 }
 
+/// What the library says.
 pub(crate) fn of_library(error: impl Into<secateur::Error>) -> PyErr {
     let error = error.into();
     of_kind(error.kind(), error.to_string())
 }
 
-pub(crate) fn of_gltf(error: GltfError) -> PyErr {
-    of_kind((&error).into(), error.to_string())
-}
-
-pub(crate) fn of_levels(error: ChainError) -> PyErr {
-    of_kind((&error).into(), error.to_string())
-}
-
+/// What is wrong with keywords.
 pub(crate) fn of_request(error: RequestError) -> PyErr {
     of_kind(error.kind, error.sentence)
 }

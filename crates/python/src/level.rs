@@ -1,49 +1,38 @@
 //! `secateur.Level`: a plant made lighter, with its figures.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use secateur::{AreaTable, Level, LevelOptions, Plant, Vmi, WriteOptions};
-use self_cell::self_cell;
 use serde_json::{Value, json};
 
 use crate::observation::{Look, PyObservation, observed};
 use crate::watch::Watch;
 use crate::{arrays, errors};
 
-self_cell!(
-    /// A level beside the plant that it is of.
-    struct OwnedLevel {
-        owner: Arc<Plant>,
-        #[covariant]
-        dependent: Level,
-    }
-);
-
 #[pyclass(frozen, name = "Level", module = "secateur")]
-pub(crate) struct PyLevel(OwnedLevel);
+pub(crate) struct PyLevel(Level);
 
 impl PyLevel {
-    pub(crate) fn of(
-        plant: Arc<Plant>,
-        options: &LevelOptions,
-        watch: &mut Watch,
-    ) -> PyResult<Self> {
-        let made = OwnedLevel::try_new(plant, |plant| {
-            plant.level_watched(options, &mut |progress| watch.show(progress))
-        });
+    pub(crate) fn of(plant: &Plant, options: &LevelOptions, watch: &mut Watch) -> PyResult<Self> {
+        let made = plant.level_watched(options, &mut |progress| watch.show(progress));
         Ok(Self(made.map_err(errors::of_library)?))
     }
 
     fn plant(&self) -> &Plant {
-        self.0.borrow_owner()
+        self.0.plant()
     }
 
-    fn level(&self) -> &Level<'_> {
-        self.0.borrow_dependent()
+    fn level(&self) -> &Level {
+        &self.0
+    }
+
+    /// The level as a GLB.
+    pub(crate) fn bytes(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        let bytes = py.detach(|| self.0.to_bytes());
+        bytes.map_err(errors::of_library)
     }
 
     /// Its figures by the keys of the program's reports.
@@ -127,8 +116,7 @@ impl PyLevel {
     }
 
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| self.level().to_bytes());
-        Ok(PyBytes::new(py, &bytes.map_err(errors::of_gltf)?))
+        Ok(PyBytes::new(py, &self.bytes(py)?))
     }
 
     #[pyo3(signature = (path, *, overwrite=false))]
@@ -137,7 +125,7 @@ impl PyLevel {
             let options = WriteOptions::default().overwrite(overwrite);
             self.level().prepare(&path, options)?.commit()
         });
-        Ok(written.map_err(errors::of_gltf)?.files)
+        Ok(written.map_err(errors::of_library)?.files)
     }
 
     fn __repr__(&self) -> String {

@@ -1,44 +1,27 @@
 //! `secateur.Levels`: all levels of a plant that an engine loads.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use secateur::chain::{Layout, LevelsOptions};
 use secateur::{Levels, Plant, WriteOptions};
-use self_cell::self_cell;
 use serde_json::json;
 
 use crate::watch::Watch;
 use crate::{arrays, errors};
 
-self_cell!(
-    /// Levels beside the plant that they are of.
-    struct OwnedLevels {
-        owner: Arc<Plant>,
-        #[covariant]
-        dependent: Levels,
-    }
-);
-
 #[pyclass(frozen, name = "Levels", module = "secateur")]
-pub(crate) struct PyLevels(OwnedLevels);
+pub(crate) struct PyLevels(Levels);
 
 impl PyLevels {
-    pub(crate) fn of(
-        plant: Arc<Plant>,
-        options: &LevelsOptions,
-        watch: &mut Watch,
-    ) -> PyResult<Self> {
-        let made = OwnedLevels::try_new(plant, |plant| {
-            plant.levels_watched(options, &mut |progress| watch.show(progress))
-        });
-        Ok(Self(made.map_err(errors::of_levels)?))
+    pub(crate) fn of(plant: &Plant, options: &LevelsOptions, watch: &mut Watch) -> PyResult<Self> {
+        let made = plant.levels_watched(options, &mut |progress| watch.show(progress));
+        Ok(Self(made.map_err(errors::of_library)?))
     }
 
-    fn levels(&self) -> &Levels<'_> {
-        self.0.borrow_dependent()
+    fn levels(&self) -> &Levels {
+        &self.0
     }
 }
 
@@ -70,7 +53,7 @@ impl PyLevels {
         let layout = layout_of(layout)?;
         let made = py.detach(|| self.levels().to_bytes(layout));
         let files = PyDict::new(py);
-        for file in made.map_err(errors::of_gltf)?.files {
+        for file in made.map_err(errors::of_library)?.files {
             files.set_item(&file.name, PyBytes::new(py, &file.bytes))?;
         }
         Ok(files)
@@ -93,11 +76,11 @@ impl PyLevels {
             let options = WriteOptions::default().overwrite(overwrite);
             self.levels().prepare(&path, layout, options)?.commit()
         });
-        Ok(written.map_err(errors::of_gltf)?.files)
+        Ok(written.map_err(errors::of_library)?.files)
     }
 
     fn preview_html(&self, py: Python<'_>) -> PyResult<String> {
-        let page = py.detach(|| self.levels().page());
+        let page = py.detach(|| self.levels().preview_html());
         page.map_err(errors::of_library)
     }
 

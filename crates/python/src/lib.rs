@@ -7,6 +7,7 @@
 mod array_door;
 mod arrays;
 mod errors;
+mod judge;
 mod level;
 mod levels;
 mod observation;
@@ -27,5 +28,6 @@ fn secateur_module(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(plant::open, module)?)?;
     module.add_function(wrap_pyfunction!(plant::grow, module)?)?;
     module.add_function(wrap_pyfunction!(array_door::from_arrays, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::judge, module)?)?;
     module.add_function(wrap_pyfunction!(program::run_program, module)?)
 }

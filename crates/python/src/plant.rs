@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -35,13 +35,13 @@ impl Source {
     }
 }
 
-/// A plant, as its wood is treated by most levels, and as it was for others that were asked for.
+/// A plant, with its wood as most levels have it, and as others that were asked for have it.
 #[pyclass(frozen, name = "Plant", module = "secateur")]
 pub(crate) struct PyPlant {
     source: Source,
     opening: Opening,
-    plant: Arc<Plant>,
-    others: Mutex<Vec<(WoodMode, Arc<Plant>)>>,
+    plant: Plant,
+    others: Mutex<Vec<(WoodMode, Plant)>>,
 }
 
 impl PyPlant {
@@ -49,7 +49,7 @@ impl PyPlant {
     pub(crate) fn of(py: Python<'_>, source: Source, opening: Opening) -> PyResult<Self> {
         let plant = py.detach(|| source.open(&opening));
         Ok(Self {
-            plant: Arc::new(plant.map_err(errors::of_gltf)?),
+            plant: plant.map_err(errors::of_library)?,
             others: Mutex::new(Vec::new()),
             source,
             opening,
@@ -61,20 +61,20 @@ impl PyPlant {
     }
 
     /// The plant with its wood treated so; it is opened once for each way.
-    fn with_wood(&self, wood: WoodMode) -> Result<Arc<Plant>, GltfError> {
+    fn with_wood(&self, wood: WoodMode) -> Result<Plant, GltfError> {
         if wood == self.opening.wood {
-            return Ok(Arc::clone(&self.plant));
+            return Ok(self.plant.clone());
         }
         let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, plant)) = others.iter().find(|(other, _)| *other == wood) {
-            return Ok(Arc::clone(plant));
+            return Ok(plant.clone());
         }
         let opening = Opening {
             wood,
             ..self.opening.clone()
         };
-        let plant = Arc::new(self.source.open(&opening)?);
-        others.push((wood, Arc::clone(&plant)));
+        let plant = self.source.open(&opening)?;
+        others.push((wood, plant.clone()));
         Ok(plant)
     }
 }
@@ -118,8 +118,8 @@ impl PyPlant {
         let made = py.detach(|| {
             let request =
                 LevelRequest::of(&words, self.opening.memory).map_err(errors::of_request)?;
-            let plant = self.with_wood(request.wood).map_err(errors::of_gltf)?;
-            PyLevel::of(plant, &request.options, &mut watch)
+            let plant = self.with_wood(request.wood).map_err(errors::of_library)?;
+            PyLevel::of(&plant, &request.options, &mut watch)
         });
         made.map_err(|error| watch.reason(error))
     }
@@ -137,7 +137,7 @@ impl PyPlant {
         let made = py.detach(|| {
             let options =
                 levels_options(&words, self.opening.memory).map_err(errors::of_request)?;
-            PyLevels::of(Arc::clone(&self.plant), &options, &mut watch)
+            PyLevels::of(&self.plant, &options, &mut watch)
         });
         made.map_err(|error| watch.reason(error))
     }
@@ -208,6 +208,15 @@ pub(crate) fn grow(
         Source::Bytes(name, plant_into_glb(grown)),
         Opening::default(),
     )
+}
+
+/// A plant as it is, or opened from a path or bytes.
+pub(crate) fn of_any(source: &Bound<'_, PyAny>) -> PyResult<Py<PyPlant>> {
+    if let Ok(plant) = source.cast::<PyPlant>() {
+        return Ok(plant.clone().unbind());
+    }
+    let plant = open(source.py(), source, None, "auto", "auto", "plant.glb")?;
+    Py::new(source.py(), plant)
 }
 
 /// A value by its spelling.

@@ -79,6 +79,17 @@ class SameAsTheProgram(WithOak):
         self.assertEqual(grown.leaf_count, 240)
         self.assertTrue(grown.inspection["primitives"])
 
+    def test_figures_are_those_of_measure(self):
+        level = self.oak.level(ratio=0.25, views="6", resolution=64)
+        file = self.folder / "quarter.glb"
+        level.write(file)
+        measured = json.loads(run("measure", self.file, file, "--format", "json"))
+        judged = secateur.judge(self.oak, level)
+        for key in ["difference", "block_coverage", "vmi_error_percent", "ssim", "differences", "rigs"]:
+            self.assertEqual(judged[key], measured[key], key)
+        with self.assertRaises(secateur.UsageError):
+            secateur.judge(self.file, file, pixels_high=[1])
+
     def test_the_program_comes_along(self):
         ran = subprocess.run(
             [sys.executable, "-m", "secateur", "inspect", self.file, "--format", "json"],

@@ -65,7 +65,7 @@ fn shaders_are_valid_and_translate_to_every_backend() {
 #[test]
 fn shaders_compute_with_integers_only() {
     // Wind moves vertices on their way to the screen: nothing is compared with its last sums bit
-    // for bit, and its twin in `secateur-scene` says how far they may differ.
+    // for bit, and its twin in `secateur-runtime` says how far they may differ.
     let exact = ALL.iter().filter(|(name, _)| *name != "wind.wgsl");
     for &(name, text) in exact {
         let has_float = parse(name, text)

@@ -1,6 +1,6 @@
 //! Who can help where something failed: exit codes of the program, and exceptions of Python's package.
 
-use secateur_gltf::{GltfError, Problem, WriteProblem};
+use secateur_gltf::{Problem, WriteProblem};
 use secateur_simplify::Error as SimplifyError;
 
 use crate::Error;
@@ -21,47 +21,32 @@ pub enum ErrorKind {
 impl Error {
     /// Who can help.
     pub fn kind(&self) -> ErrorKind {
+        if self.over_memory().is_some() {
+            return ErrorKind::Machine;
+        }
         match self {
-            Self::Gltf(error) => error.into(),
-            Self::Simplify(error) => error.into(),
+            Self::Gltf(error) => match error.problem() {
+                Problem::Memory(_) | Problem::Write(WriteProblem::Io(_)) => ErrorKind::Machine,
+                _ => ErrorKind::Input,
+            },
+            Self::Simplify(error) => match error {
+                SimplifyError::Memory(_) | SimplifyError::Gpu(_) => ErrorKind::Machine,
+                SimplifyError::Target(..) | SimplifyError::Setting(..) => ErrorKind::Usage,
+                SimplifyError::Stopped => ErrorKind::Interrupted,
+                _ => ErrorKind::Input,
+            },
             Self::Cameras(_) => ErrorKind::Input,
+            #[cfg(feature = "plant")]
+            Self::Grow(_) => ErrorKind::Usage,
+            #[cfg(feature = "scene")]
+            Self::Levels(error) => match error {
+                crate::chain::ChainError::Options(_) => ErrorKind::Usage,
+                _ => ErrorKind::Input,
+            },
             #[cfg(feature = "scene")]
             Self::Preview(_) => ErrorKind::Input,
             #[cfg(feature = "eval")]
             Self::Measure(_) => ErrorKind::Input,
-        }
-    }
-}
-
-impl From<&GltfError> for ErrorKind {
-    fn from(error: &GltfError) -> Self {
-        match error.problem() {
-            Problem::Memory(_) | Problem::Write(WriteProblem::Io(_)) => Self::Machine,
-            _ => Self::Input,
-        }
-    }
-}
-
-impl From<&SimplifyError> for ErrorKind {
-    fn from(error: &SimplifyError) -> Self {
-        match error {
-            SimplifyError::Memory(_) | SimplifyError::Gpu(_) => Self::Machine,
-            SimplifyError::Target(..) | SimplifyError::Setting(..) => Self::Usage,
-            SimplifyError::Stopped => Self::Interrupted,
-            _ => Self::Input,
-        }
-    }
-}
-
-#[cfg(feature = "scene")]
-impl From<&crate::chain::ChainError> for ErrorKind {
-    fn from(error: &crate::chain::ChainError) -> Self {
-        use crate::chain::ChainError;
-        match error {
-            ChainError::Simplify(error) => error.into(),
-            ChainError::Gltf(error) => error.into(),
-            ChainError::Wanted(_) => Self::Usage,
-            _ => Self::Input,
         }
     }
 }

@@ -8,11 +8,13 @@ use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
-use secateur_model::{Lod, Memory, Surface};
-use secateur_raster::OpenEngine;
-use secateur_scene::{
+use secateur_levels::chain::{LevelKind, LevelReport};
+use secateur_levels::{
     ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
+use secateur_model::{Lod, Memory, Surface};
+use secateur_raster::OpenEngine;
+use secateur_runtime::Screen;
 use secateur_simplify::whole::{
     Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };
@@ -21,8 +23,9 @@ use secateur_simplify::{
     simplify_with,
 };
 
+use crate::Error;
+use crate::judged::difference_judge;
 use crate::opened_plant::{Parts, Plant};
-use crate::{Error, difference_judge};
 
 /// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
 /// coarse so small is so at any size.
@@ -166,12 +169,12 @@ impl LevelParts {
 
 /// A level of a plant. It is written with the material changes that belong to it.
 #[derive(Clone, Debug)]
-pub struct Level<'p> {
-    plant: &'p Plant,
+pub struct Level {
+    plant: Plant,
     parts: LevelParts,
 }
 
-impl Deref for Level<'_> {
+impl Deref for Level {
     type Target = LevelParts;
 
     fn deref(&self) -> &LevelParts {
@@ -179,7 +182,37 @@ impl Deref for Level<'_> {
     }
 }
 
-impl Level<'_> {
+impl Level {
+    /// The plant that it is of.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Its figures. The distance and the height in pixels are those from which it was looked at for its difference, on
+    /// the usual [`Screen`]; what was not measured is 0 or none.
+    pub fn report(&self) -> LevelReport {
+        let run = &self.parts.simplified;
+        let left = run.lod.foliage(self.plant.leaves());
+        let foliage_triangles = left.triangles().len() as u64;
+        let extents = self.plant.inspection().extents;
+        let size = extents.map_or(0.0, |[low, high]| {
+            (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
+        });
+        LevelReport {
+            kind: LevelKind::Mesh,
+            leaves: left.leaves().len() as u64,
+            triangles: foliage_triangles + self.parts.wood_triangles,
+            foliage_triangles,
+            wood_triangles: self.parts.wood_triangles,
+            distance: Screen::default().distance(size, LOOKED_AT_PX),
+            pixels_high: LOOKED_AT_PX,
+            difference: self.parts.difference.unwrap_or_default(),
+            order_sha256: Some(run.passes.in_one_order().sha256()),
+            view_count: Some(run.views.len()),
+            ..LevelReport::default()
+        }
+    }
+
     /// The level as a GLB: what `secateur simplify` writes.
     ///
     /// # Errors
@@ -221,7 +254,7 @@ impl Plant {
     ///
     /// # Errors
     /// [`Error::Simplify`] if the plant can't be simplified as asked.
-    pub fn level(&self, options: &LevelOptions) -> Result<Level<'_>, Error> {
+    pub fn level(&self, options: &LevelOptions) -> Result<Level, Error> {
         self.level_watched(options, &mut |_| ControlFlow::Continue(()))
     }
 
@@ -233,7 +266,7 @@ impl Plant {
         &self,
         options: &LevelOptions,
         observer: &mut Observer<'_>,
-    ) -> Result<Level<'_>, Error> {
+    ) -> Result<Level, Error> {
         let simplify = self.completed(&options.simplify)?;
         let mut parts = self.simplified(&simplify, observer)?;
         let tree = self.tree();
@@ -244,7 +277,10 @@ impl Plant {
             parts.choose_colors(tree, options);
         })?;
         parts.timed("difference", observer, |parts| parts.look(tree))?;
-        Ok(Level { plant: self, parts })
+        Ok(Level {
+            plant: self.clone(),
+            parts,
+        })
     }
 
     /// Options with what the plant has of what they lack.
@@ -264,13 +300,12 @@ impl Plant {
         &self,
         options: &Options,
         observer: &mut Observer<'_>,
-    ) -> Result<LevelParts, SimplifyError> {
+    ) -> Result<LevelParts, Error> {
         let (tree, mode) = match self.parts() {
-            Parts::Leaves(tree) => return simplified_leaves(tree, options, observer),
+            Parts::Leaves(tree) => return Ok(simplified_leaves(tree, options, observer)?),
             Parts::Whole(tree, mode) => (tree, *mode),
         };
-        let engine = OpenEngine::open(options.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
         let (leaves, wood) = (tree.leaves(), tree.wood());
         let level = match mode {
             WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
@@ -285,7 +320,7 @@ impl Plant {
                             sharing: Sharing::Evenly,
                         };
                         let other = plant.level(evenly, options, &engine, None, observer)?;
-                        nearer_of(tree, level, other)
+                        nearer_of(tree, level, other)?
                     }
                     Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => level,
                 }
@@ -300,17 +335,16 @@ impl Plant {
     }
 }
 
-/// Of two levels the one that looks nearer to the tree; the first where that can't be told.
-fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> WholeLevel {
-    let over = |level: &WholeLevel| {
+/// Of two levels the one that looks nearer to the tree.
+fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> Result<WholeLevel, Error> {
+    let over = |level: &WholeLevel| -> Result<f64, Error> {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
-        let seen = difference_of(tree.items(), &lod).ok()?;
-        Some(seen.difference)
+        Ok(difference_of(tree.items(), &lod)?.difference)
     };
-    match (over(&first), over(&second)) {
-        (Some(of_first), Some(of_second)) if of_second < of_first => second,
-        _ => first,
-    }
+    Ok(match over(&second)? < over(&first)? {
+        true => second,
+        false => first,
+    })
 }
 
 fn simplified_leaves(

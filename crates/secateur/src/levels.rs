@@ -5,20 +5,21 @@ use std::path::Path;
 
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
 use secateur_gltf::{GltfError, WholeTree, WriteOptions};
-use secateur_raster::OpenEngine;
-use secateur_scene::Screen;
-use secateur_scene::chain::{
-    Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
+use secateur_levels::chain::{
+    BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
 };
+use secateur_raster::OpenEngine;
+use secateur_runtime::Screen;
 use secateur_simplify::{Error as SimplifyError, Observer};
 use serde::Serialize;
 
+use crate::Error;
 use crate::opened_plant::{Parts, Plant};
 
 /// Levels of a plant, finest first. They are written with the material changes that belong to them.
 #[derive(Debug)]
-pub struct Levels<'p> {
-    tree: &'p WholeTree,
+pub struct Levels {
+    plant: Plant,
     name: String,
     pub(crate) screen: Screen,
     /// The levels, and what has to be said of them.
@@ -59,9 +60,9 @@ impl Plant {
     /// Makes levels of the plant.
     ///
     /// # Errors
-    /// [`ChainError`] if the options contradict each other, the plant was opened with its wood ignored, or it can't be
-    /// simplified as asked.
-    pub fn levels(&self, options: &LevelsOptions) -> Result<Levels<'_>, ChainError> {
+    /// [`Error::Levels`] if the options contradict each other or the plant was opened with its wood ignored,
+    /// [`Error::Simplify`] if it can't be simplified as asked.
+    pub fn levels(&self, options: &LevelsOptions) -> Result<Levels, Error> {
         self.levels_watched(options, &mut |_| ControlFlow::Continue(()))
     }
 
@@ -73,18 +74,14 @@ impl Plant {
         &self,
         options: &LevelsOptions,
         observer: &mut Observer<'_>,
-    ) -> Result<Levels<'_>, ChainError> {
+    ) -> Result<Levels, Error> {
         let Parts::Whole(tree, _) = self.parts() else {
-            return Err(ChainError::Wanted(
-                "levels are of wood and leaves: open the plant without ignoring its wood"
-                    .to_owned(),
-            ));
+            return Err(BadOptions::WoodIgnored.into());
         };
-        let engine = OpenEngine::open(options.leaves.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let engine = OpenEngine::open(options.leaves.engine).map_err(SimplifyError::from)?;
         Ok(Levels {
             chain: chain(tree, options, &engine, observer)?,
-            tree,
+            plant: self.clone(),
             name: self.name(),
             screen: options.screen,
             engine: engine.name(),
@@ -93,7 +90,7 @@ impl Plant {
     }
 }
 
-impl Levels<'_> {
+impl Levels {
     /// These levels with another name than that of the plant's file: their nodes and files are called after it.
     #[must_use]
     pub fn named(self, name: impl Into<String>) -> Self {
@@ -107,8 +104,16 @@ impl Levels<'_> {
     }
 
     /// The plant that they are of.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Its leaves and wood.
     pub fn tree(&self) -> &WholeTree {
-        self.tree
+        match self.plant.parts() {
+            Parts::Whole(tree, _) => tree,
+            Parts::Leaves(_) => unreachable!("levels are of plants with their wood"),
+        }
     }
 
     /// The levels as GLB files: what `secateur lods` writes.
@@ -116,7 +121,7 @@ impl Levels<'_> {
     /// # Errors
     /// [`GltfError`] if a part of the file that was not needed so far is damaged, or the result is beyond 4 GiB.
     pub fn to_bytes(&self, layout: Layout) -> Result<ChainFiles, GltfError> {
-        let items = self.tree.items();
+        let items = self.tree().items();
         items.chain_to_bytes(&self.name, &self.written_levels(), layout)
     }
 
@@ -139,7 +144,7 @@ impl Levels<'_> {
         layout: Layout,
         options: WriteOptions,
     ) -> Result<PreparedChain, GltfError> {
-        let items = self.tree.items();
+        let items = self.tree().items();
         items.prepare_chain(&self.name, &self.written_levels(), layout, path, options)
     }
 

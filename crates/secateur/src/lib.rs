@@ -47,7 +47,7 @@
 //!   that is open already.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
 //!   it was: wood, materials, textures, attributes, names, extensions.
-//! - `measure` judges a result by views that [`simplify()`] never saw.
+//! - `judge` compares a result with its plant from views that [`simplify()`] never saw.
 //!
 //! Equal trees and options give the same order on every machine, on the CPU
 //! and on every GPU, bit for bit: from the snapped triangles on all arithmetic
@@ -79,7 +79,7 @@
 //! | one's own GPU | [`OpenEngine::on_device`], [`simplify_on`] |
 //! | results | [`Passes`], [`RemovalOrder`], [`Lod`], [`AreaTable`], [`Vmi`], [`observe`] |
 //! | all levels of an order | [`LodModel`], [`UniformLevel`], [`Forest`] |
-//! | judging | `measure`, `measure_pictures`, `measure_as_drawn` |
+//! | judging | `judge`, `Judged`, `Figures` |
 //! | methods that follow branches | [`Tree::skeleton`], [`PlantSkeleton`], [`Options::skeleton`] |
 //! | trees without files | `plant` |
 //!
@@ -101,36 +101,34 @@ pub mod cli;
 mod error;
 mod error_kind;
 #[cfg(feature = "scene")]
+mod judged;
+#[cfg(feature = "scene")]
 mod level;
 #[cfg(feature = "scene")]
 mod levels;
 #[cfg(feature = "scene")]
-mod levels_page;
-#[cfg(feature = "eval")]
-mod measure;
-#[cfg(feature = "scene")]
 mod opened_plant;
+#[cfg(feature = "scene")]
+mod preview_page;
 mod scene;
 
 pub use error::Error;
 pub use error_kind::ErrorKind;
 #[cfg(feature = "scene")]
+pub use judged::{
+    AllScores, Figures, JudgeOptions, Judged, Misplaced, SetFigures, judge, judge_document,
+};
+#[cfg(feature = "scene")]
 pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
 #[cfg(feature = "scene")]
 pub use levels::{LevelPlace, Levels, PlacedLevel};
-#[cfg(feature = "eval")]
-pub use measure::{
-    difference_at, difference_judge, measure, measure_as_drawn, measure_by, measure_pictures,
-    measure_pictures_by,
-};
 #[cfg(feature = "scene")]
 pub use opened_plant::{Opening, Plant};
 pub use scene::scene_views;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
-    AsDrawnMeasurement, Difference, DifferenceJudge, Judging, JudgingViews, MeasureError,
-    Measurement, OriginalAsDrawn, PictureMeasurement,
+    AsDrawnMeasurement, Difference, Judging, JudgingViews, MeasureError, OriginalAsDrawn,
 };
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,
@@ -142,8 +140,8 @@ pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
     FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
     Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, RemovalOrder, Segment, SegmentIndex,
-    SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
+    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy, RemovalOrder, Segment,
+    SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{
@@ -174,12 +172,12 @@ pub use glam;
 #[cfg(feature = "scene")]
 pub mod chain {
     pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
-    pub use secateur_scene::Screen;
-    pub use secateur_scene::chain::{
-        Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport, SceneLook,
-        Shape, Textures, Wanted,
+    pub use secateur_levels::chain::{
+        BadOptions, Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport,
+        SceneLook, Shape, Textures, Wanted,
     };
-    pub use secateur_scene::impostor::Choice as ImpostorChoice;
+    pub use secateur_levels::impostor::Choice as ImpostorChoice;
+    pub use secateur_runtime::Screen;
 }
 
 /// A GPU to rasterise on.

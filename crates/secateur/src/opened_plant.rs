@@ -4,9 +4,17 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
+#[cfg(feature = "plant")]
+use secateur_gltf::plant_into_glb;
 use secateur_gltf::{Document, GltfError, Inspection, Selector, Tree, VertexAlpha, WholeTree};
+use secateur_levels::chain::LevelReport;
 use secateur_model::{Foliage, Memory, PlantSkeleton};
+#[cfg(feature = "plant")]
+use secateur_plant::{GrowOptions, Species};
 use secateur_simplify::whole::WoodMode;
+
+#[cfg(feature = "plant")]
+use crate::Error;
 
 /// How a plant is opened.
 #[derive(Clone, Debug)]
@@ -34,12 +42,12 @@ impl Default for Opening {
     }
 }
 
-/// A plant in a file: its leaves are known, and its wood unless it is ignored.
-#[derive(Debug)]
-pub struct Plant(Parts);
+/// A plant in a file: its leaves are known, and its wood unless it is ignored. Copies share all that they hold.
+#[derive(Clone, Debug)]
+pub struct Plant(Arc<Parts>);
 
 /// What of a plant is simplified.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Parts {
     /// Leaves whose wood is ignored.
     Leaves(Tree),
@@ -74,13 +82,32 @@ impl Plant {
         Self::of(document, opening)
     }
 
+    /// Grows a plant: a file of [`plant_to_glb`](crate::plant_to_glb) that never was on disk.
+    ///
+    /// # Errors
+    /// [`Error::Grow`] for a number of leaves that can't be had.
+    #[cfg(feature = "plant")]
+    pub fn grow(species: Species, options: &GrowOptions) -> Result<Self, Error> {
+        let glb = plant_into_glb(secateur_plant::grow(species, options)?);
+        let name = format!("{}.glb", species.name());
+        Ok(Self::from_bytes(&name, glb, &Opening::default())?)
+    }
+
     fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
-        let selectors = &opening.foliage;
         let document = document.with_vertex_alpha(opening.vertex_alpha);
-        Ok(Self(match opening.wood {
+        Self::of_decided(document, &opening.foliage, opening.wood)
+    }
+
+    /// A plant of a document that knows what the alpha of its vertex colours is.
+    pub(crate) fn of_decided(
+        document: Document,
+        selectors: &[Selector],
+        wood: WoodMode,
+    ) -> Result<Self, GltfError> {
+        Ok(Self(Arc::new(match wood {
             WoodMode::Ignore => Parts::Leaves(document.into_tree(selectors)?),
             mode => Parts::Whole(document.into_whole_tree(selectors)?, mode.decided()),
-        }))
+        })))
     }
 
     /// The name of its file without folder and extension.
@@ -92,7 +119,7 @@ impl Plant {
 
     /// Its leaves and wood; nothing where the wood is ignored.
     pub fn whole(&self) -> Option<&WholeTree> {
-        match &self.0 {
+        match &*self.0 {
             Parts::Leaves(_) => None,
             Parts::Whole(tree, _) => Some(tree),
         }
@@ -105,15 +132,15 @@ impl Plant {
 
     /// The file, with all that levels may change as its foliage.
     pub fn tree(&self) -> &Tree {
-        match &self.0 {
+        match &*self.0 {
             Parts::Leaves(tree) => tree,
             Parts::Whole(tree, _) => tree.items(),
         }
     }
 
-    /// The [`tree`](Self::tree), to be changed.
+    /// The [`tree`](Self::tree), to be changed; copies of the plant, and levels of it, keep theirs.
     pub fn tree_mut(&mut self) -> &mut Tree {
-        match &mut self.0 {
+        match Arc::make_mut(&mut self.0) {
             Parts::Leaves(tree) => tree,
             Parts::Whole(tree, _) => tree.items_mut(),
         }
@@ -121,7 +148,7 @@ impl Plant {
 
     /// Its leaves in world space, as the file has them.
     pub fn leaves(&self) -> &Foliage {
-        match &self.0 {
+        match &*self.0 {
             Parts::Leaves(tree) => tree.foliage(),
             Parts::Whole(tree, _) => tree.leaves(),
         }
@@ -129,7 +156,7 @@ impl Plant {
 
     /// How many triangles the wood has.
     pub fn wood_triangle_count(&self) -> u64 {
-        match &self.0 {
+        match &*self.0 {
             Parts::Leaves(tree) => tree.wood_triangle_count(),
             Parts::Whole(tree, _) => tree.wood().triangles().len() as u64,
         }
@@ -140,9 +167,14 @@ impl Plant {
         self.leaves().triangles().len() as u64 + self.wood_triangle_count()
     }
 
+    /// Its figures, as those of a level that is the plant itself.
+    pub fn report(&self) -> LevelReport {
+        LevelReport::of_plant(self.leaves(), self.wood_triangle_count())
+    }
+
     /// What becomes of the wood, decided.
     pub fn wood_mode(&self) -> WoodMode {
-        match &self.0 {
+        match &*self.0 {
             Parts::Leaves(_) => WoodMode::Ignore,
             Parts::Whole(_, mode) => *mode,
         }
@@ -153,7 +185,7 @@ impl Plant {
     /// # Errors
     /// [`GltfError`] if it does not fit the plant.
     pub fn skeleton(&self) -> Result<Option<Arc<PlantSkeleton>>, GltfError> {
-        let skeleton = match &self.0 {
+        let skeleton = match &*self.0 {
             Parts::Leaves(tree) => tree.skeleton()?,
             Parts::Whole(tree, _) => tree.skeleton()?,
         };

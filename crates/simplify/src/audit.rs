@@ -43,9 +43,10 @@ fn other_path(
     }
     #[cfg(not(feature = "gpu"))]
     let _ = engine;
-    let areas = areas(&CpuRasteriser, scene, occluders);
-    let areas = areas.map_err(|reason| Error::Audit(reason.to_string()))?;
-    Ok(("CPU's depth buffer", areas))
+    Ok((
+        "CPU's depth buffer",
+        areas(&CpuRasteriser, scene, occluders)?,
+    ))
 }
 
 fn areas(

@@ -1,6 +1,7 @@
 //! What can keep a run from its end, in one sentence each.
 
 use secateur_model::{FoliageError, OverMemory, SkeletonError};
+use secateur_raster::RasterError;
 
 use crate::vds::VdsError;
 
@@ -62,7 +63,7 @@ pub enum Error {
     /// A method that follows branches, and a plant whose branches are not known.
     #[error("the method {method} needs a tree with a skeleton, which this one has not")]
     NoSkeleton {
-        /// The method as `--method` spells it.
+        /// The name of the method.
         method: &'static str,
     },
     /// The skeleton is none, or one of another foliage.
@@ -76,14 +77,14 @@ pub enum Error {
     #[error("{0} must be a number {1}")]
     Setting(String, &'static str),
     /// The run takes more memory than is allowed.
-    #[error(transparent)]
+    #[error("{0}")]
     Memory(#[from] OverMemory),
     /// VDS could not be run.
     #[error(transparent)]
     Vds(VdsError),
     /// The GPU that was asked for is missing or failed.
     #[error("{0}")]
-    Gpu(String),
+    Gpu(#[source] RasterError),
     /// The caller asked to stop.
     #[error("stopped; nothing was written")]
     Stopped,
@@ -92,6 +93,16 @@ pub enum Error {
         "the result does not pass its audit ({0}): this is a mistake in secateur; please report it with the tree and the command"
     )]
     Audit(String),
+}
+
+/// What takes too much memory is no matter of the GPU.
+impl From<RasterError> for Error {
+    fn from(error: RasterError) -> Self {
+        match error.downcast::<OverMemory>() {
+            Ok(over) => Self::Memory(*over),
+            Err(other) => Self::Gpu(other),
+        }
+    }
 }
 
 impl From<VdsError> for Error {

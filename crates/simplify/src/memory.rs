@@ -1,6 +1,6 @@
 //! What a run takes of its memory, reckoned from counts before it is taken.
 
-use secateur_model::{Budget, Foliage, OverMemory};
+use secateur_model::{Budget, Foliage, OverMemory, Remedy};
 use secateur_raster::{
     AreaTable, Fragments, OpenEngine, RasterError, Rasteriser, Scene, TooManyFragments, ViewSet,
 };
@@ -26,14 +26,13 @@ const BYTES_A_LEAF: u64 = 600;
 const BYTES_A_COLLAPSED_LEAF: u64 = 2000;
 
 /// What to do where views take too much memory.
-pub(crate) const LOOK_LESS: &str =
-    "allow more (`--memory`), or take fewer pixels (`--resolution`) or fewer views (`--views`)";
+pub(crate) const LOOK_LESS: Remedy = Remedy::FewerPixels;
 
 /// What to do where leaves have grown so large that their lists take too much memory.
-const GROW_LESS: &str = "allow more (`--memory`), let leaves grow less (`--resize`, `--max-coverage`), or take fewer pixels (`--resolution`) or fewer views (`--views`)";
+const GROW_LESS: Remedy = Remedy::LessGrowth;
 
 /// What to do where the foliage alone takes too much.
-const ALLOW_MORE: &str = "allow more (`--memory`), or choose less of the plant (`--foliage`)";
+const ALLOW_MORE: Remedy = Remedy::LessFoliage;
 
 /// Takes what a run needs for its leaves and for the pixels of its views, and leaves the rest for
 /// what the views show.
@@ -63,7 +62,7 @@ fn after_pixels(
     budget: &Budget,
     views: u64,
     resolution: u32,
-    remedy: &'static str,
+    remedy: Remedy,
 ) -> Result<Budget, OverMemory> {
     let mut left = *budget;
     let bytes = BYTES_A_PIXEL * views * u64::from(resolution).pow(2);
@@ -114,7 +113,7 @@ impl Rasteriser for Within<'_> {
 /// What is left for the lists of fragments of a scene.
 pub(crate) struct Room {
     left: Budget,
-    remedy: &'static str,
+    remedy: Remedy,
 }
 
 impl Room {
@@ -125,7 +124,7 @@ impl Room {
     pub(crate) fn for_lists(
         budget: &Budget,
         scene: &Scene<'_>,
-        remedy: &'static str,
+        remedy: Remedy,
     ) -> Result<Self, OverMemory> {
         let views = scene.views.len() as u64;
         let left = after_pixels(budget, views, scene.resolution, remedy)?;
@@ -243,7 +242,7 @@ mod tests {
         let foliage = pile(40);
         for fit in [Fitting::Coverage, Fitting::Weight(1.0)] {
             let over = refusal(&foliage, &options(24 << 20, fit));
-            assert!(over.remedy.contains("--fit=none"), "{over}");
+            assert!(over.remedy == Remedy::NoFit, "{over}");
         }
         let mut stages = Vec::new();
         let watch = &mut |progress| {

@@ -30,8 +30,7 @@ pub fn observe(
             views,
             resolution,
         };
-        let areas = rasteriser.areas(&scene);
-        areas.map_err(|reason| Error::Gpu(reason.to_string()))
+        Ok(rasteriser.areas(&scene)?)
     };
     if lod.is_of_originals() {
         return draw(foliage, lod);

@@ -63,8 +63,7 @@ pub fn simplify_with(
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Simplified, Error> {
-    let engine = OpenEngine::open(options.engine);
-    let engine = engine.map_err(|reason| Error::Gpu(reason.to_string()))?;
+    let engine = OpenEngine::open(options.engine)?;
     simplify_on(&engine, foliage, options, observer)
 }
 

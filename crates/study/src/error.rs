@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use secateur_eval::MeasureError;
 use secateur_gltf::GltfError;
+use secateur_levels::chain::ChainError;
 use secateur_raster::CamerasError;
-use secateur_scene::chain::ChainError;
 
 /// What keeps a study from its end.
 #[derive(Debug, thiserror::Error)]

@@ -11,10 +11,10 @@ use secateur_eval::{
     AsDrawn, AsDrawnMeasurement, Camera, JudgingViews, Original, RenderOptions, framing, render,
 };
 use secateur_gltf::{Cutoffs, Document, Tree};
-use secateur_model::{Lod, Surface};
-use secateur_scene::{
+use secateur_levels::{
     ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
+use secateur_model::{Lod, Surface};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn, values_of_original};

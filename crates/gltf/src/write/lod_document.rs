@@ -23,9 +23,20 @@ impl Tree {
     /// # Panics
     /// If the LOD is of another number of leaves.
     pub fn lod_document(&self, lod: &Lod) -> Result<Document, GltfError> {
+        self.lod_document_with(lod, &Cutoffs::default())
+    }
+
+    /// [`lod_document`](Self::lod_document) with alpha cutoffs and textures of its own.
+    ///
+    /// # Errors
+    /// As [`lod_document`](Self::lod_document).
+    ///
+    /// # Panics
+    /// If the LOD is of another number of leaves.
+    pub fn lod_document_with(&self, lod: &Lod, changes: &Cutoffs) -> Result<Document, GltfError> {
         let original = &self.document;
         let made = || -> Result<Document, Fault> {
-            let content = lod_content(self, lod, &Cutoffs::default())?;
+            let content = lod_content(self, lod, changes)?;
             let mut budget = Budget::new(original.memory);
             let bytes = content.buffer.len() as u64;
             let taken = budget.take(bytes, || "the level".to_owned(), ALLOW_MORE);
@@ -38,8 +49,10 @@ impl Tree {
             };
             let folder = original.base_dir.as_deref();
             let mut document = Document::from_unpacked(&original.name, unpacked, folder)?;
-            // Images keep their numbers.
-            document.kept_images = Arc::clone(&original.kept_images);
+            // Images keep their numbers, unless some are others.
+            if changes.is_empty() {
+                document.kept_images = Arc::clone(&original.kept_images);
+            }
             document.selectors.clone_from(&original.selectors);
             document.vertex_alpha_counts = original.vertex_alpha_counts;
             Ok(document)

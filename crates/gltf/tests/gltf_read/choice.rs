@@ -94,7 +94,7 @@ fn names_outweigh_shapes() {
         .set("/meshes/0/name", json!("oak leaves"));
     assert_eq!(
         error(&tree, &[]),
-        "small.glb: no foliage was found; name it with `--foliage material:leaf`"
+        "small.glb: no foliage was found; name it by a selector: material:leaf"
     );
 }
 
@@ -231,13 +231,12 @@ fn wood_alone_is_no_foliage() {
         .remove(0);
     assert_eq!(
         error(&tree, &[]),
-        "small.glb: no foliage was found; name it with `--foliage all`"
+        "small.glb: no foliage was found; name it by a selector: all"
     );
     let empty = SmallTree::empty();
     assert_eq!(
         error(&empty, &[]),
-        "small.glb: no foliage was found; name it with `--foliage` (the file has no triangles to \
-         choose from)"
+        "small.glb: no foliage was found: the file has no triangles to choose from"
     );
 }
 

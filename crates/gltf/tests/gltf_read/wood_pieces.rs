@@ -188,14 +188,15 @@ fn a_plant_may_have_no_leaves() {
     let whole = tree.document().into_whole_tree(&[]).unwrap();
     assert!(whole.leaves().leaves().is_empty());
     assert_eq!(whole.wood().triangles().len(), 4);
-    let [note] = &whole.items().inspection().notes[..] else {
+    let inspection = whole.items().inspection();
+    let [note] = &inspection.notes[..] else {
         panic!("one note is said");
     };
     assert_eq!(
         note,
-        "no leaves were found: all of it is taken for solid surface; name leaves with \
-         `--foliage all`"
+        "no leaves were found: all of it is taken for solid surface"
     );
+    assert_eq!(inspection.candidates, ["all"]);
     assert!(tree.document().inspect(&[]).problem.is_none());
 }
 

@@ -18,6 +18,7 @@ from ._secateur import (
     __version__,
     from_arrays,
     grow,
+    judge,
     open,
 )
 
@@ -34,5 +35,6 @@ __all__ = [
     "__version__",
     "from_arrays",
     "grow",
+    "judge",
     "open",
 ]

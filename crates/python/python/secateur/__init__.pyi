@@ -269,6 +269,16 @@ def grow(species: str, leaves: int | None = None, seed: int = 1) -> Plant:
     """Grows a plant: oak, carya, birch, alder, maple, rowan, pine, palmetto, willow or bush. It has the bytes that
     ``secateur grow`` writes."""
 
+def judge(
+    plant: Plant | _Path | bytes,
+    other: Level | Plant | _Path | bytes,
+    *,
+    pixels_high: Sequence[float] = (540.0,),
+) -> dict[str, Any]:
+    """Judges another file of a plant from views that no simplifier sees, by the keys of ``secateur measure --format
+    json``: ``difference`` (the worst of ``differences`` at these heights on the screen), ``vmi_error_percent``,
+    ``silhouette_iou``, ``ssim`` and others."""
+
 def from_arrays(
     positions: NDArray[np.float32],
     triangles: NDArray[np.uint32],

@@ -1,7 +1,7 @@
 //! Colours of clear texels in a result, and what is said of them.
 
 use schemars::JsonSchema;
-use secateur_scene::Dilated;
+use secateur_levels::Dilated;
 use serde::Serialize;
 
 /// A texture with other colours in its clear texels.

@@ -1,7 +1,7 @@
 //! Alpha cutoffs of a result, and what is said of them.
 
 use schemars::JsonSchema;
-use secateur_scene::ChosenCutoffs;
+use secateur_levels::ChosenCutoffs;
 use serde::Serialize;
 
 /// Alpha cutoffs that were chosen, and what they do.

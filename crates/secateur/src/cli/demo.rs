@@ -10,9 +10,9 @@ use secateur::{
 };
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
+use secateur_levels::chain::{Chain, ChainOptions, Shape, Wanted};
+use secateur_levels::impostor::Choice;
 use secateur_plant::{GrowOptions, Species, grow};
-use secateur_scene::chain::{Chain, ChainOptions, LevelReport, Shape, Wanted};
-use secateur_scene::impostor::Choice;
 use serde::Serialize;
 use serde_json::json;
 
@@ -55,8 +55,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let options = chain_options(args);
     let progress_bar = RunProgress::new(common);
     let levels = timed(&mut stages, "levels", || {
-        let levels = opened.levels_watched(&options, &mut |p| progress_bar.show(p));
-        levels.map_err(|error| Failure::of((&error).into(), error.to_string()))
+        Ok(opened.levels_watched(&options, &mut |p| progress_bar.show(p))?)
     })?;
     drop(progress_bar);
     let (tree, made) = (levels.tree(), &levels.chain);
@@ -81,7 +80,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
-        let page = levels.page()?;
+        let page = levels.preview_html()?;
         output::stage(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
@@ -102,7 +101,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let record = Record::new("demo", record, &stages, total).to_value();
     let report = args.output.join("report.json");
     record::stage(&mut staged, Some(&report), &record)?;
-    let pretty = pretty(tree, made, &sheet, total);
+    let pretty = pretty(&levels, &sheet, total);
     staged.commit()?;
     Ok(Printed {
         rows,
@@ -187,7 +186,7 @@ pub(crate) fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, F
 
 /// The record of each level, the original first.
 fn rows(
-    levels: &Levels<'_>,
+    levels: &Levels,
     written: &WrittenChain,
     (original, bytes): (&Path, usize),
 ) -> Vec<DemoLevel> {
@@ -198,7 +197,7 @@ fn rows(
         placed: PlacedLevel {
             place: LevelPlace::File(original.display().to_string()),
             shadow: None,
-            report: LevelReport::of_plant(tree),
+            report: levels.plant().report(),
         },
     };
     let placed = levels.placed(Layout::Files, written).into_iter();
@@ -210,15 +209,16 @@ fn rows(
     std::iter::once(first).chain(named).collect()
 }
 
-fn pretty(tree: &WholeTree, made: &Chain, sheet: &Path, seconds: f64) -> String {
-    let levels = made.levels.iter();
-    let named = levels.map(|level| (title(tree, level.triangles), &level.report));
+fn pretty(levels: &Levels, sheet: &Path, seconds: f64) -> String {
+    let (tree, made) = (levels.tree(), &levels.chain);
+    let rows = made.levels.iter();
+    let named = rows.map(|level| (title(tree, level.triangles), &level.report));
     format!(
         "An oak, grown and made into a chain of levels in {seconds:.1} s, judged from views it was not simplified by:\n\n\
          {}\n\
          Triangles are those of leaves and of wood; the difference is what people see at the height on the screen from which a level is seen: up to .18 cannot be told, .28 is good.\n\
          Open preview.html in a browser, or see {}; the tree, its levels (tree_LOD0.glb ...) and report.json are there too.\n",
-        lods::table(&lods::OF_DEMO, &LevelReport::of_plant(tree), named),
+        lods::table(&lods::OF_DEMO, &levels.plant().report(), named),
         sheet.display(),
     )
 }

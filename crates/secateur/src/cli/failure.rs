@@ -4,8 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use secateur::chain::ChainError;
-use secateur::{ErrorKind, Problem, SimplifyError, WriteProblem};
+use secateur::{ErrorKind, Problem, Remedy, SimplifyError, WriteProblem};
 use serde::Serialize;
 
 /// One sentence for standard error, and who can help.
@@ -65,13 +64,14 @@ impl Failure {
         Self::of(kind, format!("{}: {what}: {error}", path.display()))
     }
 
-    /// Why there are no levels of a file.
-    pub(crate) fn of_levels(path: &Path, error: &ChainError) -> Self {
-        let (sentence, path) = (error.to_string(), path.display().to_string());
-        match sentence.starts_with(&path) {
-            true => Self::of(error.into(), sentence),
-            false => Self::of(error.into(), format!("{path}: {sentence}")),
+    /// Why something can't be done with a file, with the file.
+    pub(crate) fn of_plant(path: &Path, error: secateur::Error) -> Self {
+        let path = path.display().to_string();
+        let mut failure = Self::from(error);
+        if !failure.sentence.starts_with(&path) {
+            failure.sentence = format!("{path}: {}", failure.sentence);
         }
+        failure
     }
 
     /// A library error about a file that it does not name itself.
@@ -79,19 +79,28 @@ impl Failure {
         let path = path.to_owned();
         move |error| {
             let error = error.into();
-            let sentence = match &error {
-                secateur::Error::Simplify(SimplifyError::NoSkeleton { .. }) => {
-                    format!("{}: {error}: `secateur grow` writes one", path.display())
-                }
+            let is_about_the_plant = matches!(
+                error,
                 secateur::Error::Simplify(
                     SimplifyError::NoLeaf
-                    | SimplifyError::NothingSeen { .. }
-                    | SimplifyError::TooDeep(_)
-                    | SimplifyError::OutOfRange { .. },
-                ) => format!("{}: {error}", path.display()),
-                other => other.to_string(),
-            };
-            Self::of(error.kind(), sentence)
+                        | SimplifyError::NothingSeen { .. }
+                        | SimplifyError::TooDeep(_)
+                        | SimplifyError::OutOfRange { .. }
+                        | SimplifyError::NoSkeleton { .. }
+                )
+            );
+            let has_no_skeleton = matches!(
+                error,
+                secateur::Error::Simplify(SimplifyError::NoSkeleton { .. })
+            );
+            let mut failure = Self::from(error);
+            if is_about_the_plant {
+                failure.sentence = format!("{}: {}", path.display(), failure.sentence);
+            }
+            if has_no_skeleton {
+                failure.sentence += ": `secateur grow` writes one";
+            }
+            failure
         }
     }
 
@@ -135,30 +144,51 @@ impl fmt::Display for Failure {
     }
 }
 
+/// The library's words, and the options of this program that help.
 impl From<secateur::Error> for Failure {
     fn from(error: secateur::Error) -> Self {
-        Self::of(error.kind(), error.to_string())
+        let sentence = match (&error, error.over_memory()) {
+            (_, Some(over)) => format!("{error} ({})", options_for(over.remedy)),
+            (secateur::Error::Gltf(gltf), None) => match gltf.problem() {
+                Problem::Write(WriteProblem::UnrelatedBuffer(_) | WriteProblem::Exists) => {
+                    format!("{error} with `--overwrite`")
+                }
+                Problem::NoFoliage { candidates } if !candidates.is_empty() => {
+                    format!("{error} ({})", to_name(candidates))
+                }
+                _ => error.to_string(),
+            },
+            _ => error.to_string(),
+        };
+        Self::of(error.kind(), sentence)
     }
 }
 
 impl From<SimplifyError> for Failure {
     fn from(error: SimplifyError) -> Self {
-        Self::of((&error).into(), error.to_string())
+        secateur::Error::from(error).into()
     }
 }
 
 impl From<secateur::GltfError> for Failure {
     fn from(error: secateur::GltfError) -> Self {
-        let is_unrelated = matches!(
-            error.problem(),
-            Problem::Write(WriteProblem::UnrelatedBuffer(_) | WriteProblem::Exists)
-        );
-        let what_to_do = if is_unrelated {
-            " with `--overwrite`"
-        } else {
-            ""
-        };
-        Self::of((&error).into(), format!("{error}{what_to_do}"))
+        secateur::Error::from(error).into()
+    }
+}
+
+/// Options that name foliage by these selectors.
+pub(crate) fn to_name(candidates: &[String]) -> String {
+    let options = candidates.iter().map(|one| format!("`--foliage {one}`"));
+    options.collect::<Vec<_>>().join(" or ")
+}
+
+fn options_for(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::SmallerFile | Remedy::SmallerImages => "`--memory`",
+        Remedy::LessFoliage => "`--memory`, `--foliage`",
+        Remedy::FewerPixels => "`--memory`, `--resolution`, `--views`",
+        Remedy::LessGrowth => "`--memory`, `--resize`, `--max-coverage`, `--resolution`, `--views`",
+        Remedy::NoFit => "`--memory`, `--fit=none`",
     }
 }
 

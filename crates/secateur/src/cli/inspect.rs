@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::args;
-use super::failure::Failure;
+use super::failure::{Failure, to_name};
 use super::print::Printed;
 use super::record::Record;
 use super::{output, record, streams};
@@ -22,7 +22,11 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;
     let inspection = document.inspect(&args.foliage.foliage);
-    let pretty = inspection.to_string();
+    let mut pretty = inspection.to_string();
+    if !inspection.candidates.is_empty() {
+        let options = to_name(&inspection.candidates);
+        pretty += &format!("name leaves with {options}\n");
+    }
     let rows = inspection.primitives.iter().map(|p| json!(p)).collect();
     let total = start.elapsed().as_secs_f64();
     let record = Record::new("inspect", inspection, &[], total).to_value();

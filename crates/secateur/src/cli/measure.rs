@@ -5,13 +5,10 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    AsDrawnMeasurement, Difference, GltfError, Measurement, PictureMeasurement, Problem, Selector,
-    Tree,
+    AllScores, AsDrawnMeasurement, Difference, Figures, GltfError, JudgeOptions, Judged, Opening,
+    Plant, Problem, Selector, WoodMode, judge_document,
 };
-use secateur_eval::ViewCount;
-use secateur_eval::measure::{RigMeasurement, Scores, VMI_ERROR_PERCENT};
-use secateur_eval::pictures::{PictureRigMeasurement, PictureScores};
-use secateur_model::Surface;
+use secateur_eval::measure::VMI_ERROR_PERCENT;
 use serde::Serialize;
 
 use super::args;
@@ -27,7 +24,7 @@ use super::{interrupt, output, record, streams};
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct MeasureRecord {
     #[serde(flatten)]
-    measured: Metrics,
+    figures: Figures,
     /// The original's file.
     original: String,
     /// The simplified tree's file.
@@ -50,42 +47,6 @@ pub(crate) struct MeasureRecord {
     judged_by: String,
 }
 
-/// The metrics of foliage and of pictures: the mean over the sets of views, and what it is of.
-#[derive(Serialize, JsonSchema)]
-struct Metrics {
-    #[serde(flatten)]
-    overall: AllScores,
-    /// The worst set's value of each metric; of one set alone its worst view's.
-    worst: AllScores,
-    /// Of each view alone, set by set.
-    per_view: Vec<AllScores>,
-    /// How many views were judged, of all sets.
-    views: usize,
-    /// Width and height of images in pixels.
-    resolution: u32,
-    /// Each set by itself.
-    rigs: Vec<SetMetrics>,
-}
-
-/// The metrics by one set of views.
-#[derive(Serialize, JsonSchema)]
-struct SetMetrics {
-    #[serde(flatten)]
-    overall: AllScores,
-    /// The worst view's value of each metric.
-    worst: AllScores,
-    per_view: Vec<AllScores>,
-}
-
-/// Metrics of foliage and of pictures, by their keys.
-#[derive(Serialize, JsonSchema)]
-struct AllScores {
-    #[serde(flatten)]
-    counted: Scores,
-    #[serde(flatten)]
-    pictured: PictureScores,
-}
-
 /// A number of the original and of the simplified tree.
 #[derive(Serialize, JsonSchema)]
 struct OfBoth {
@@ -101,119 +62,51 @@ struct DifferenceAt {
     seen: Difference,
 }
 
-impl Metrics {
-    fn of(counted: &Measurement, pictured: &PictureMeasurement) -> Self {
-        let sets = counted.rigs.iter().zip(&pictured.rigs);
-        let set = |(counted, pictured): (&RigMeasurement, &PictureRigMeasurement)| SetMetrics {
-            overall: AllScores::of((&counted.overall, &pictured.overall)),
-            worst: AllScores::of((&counted.worst, &pictured.worst)),
-            per_view: AllScores::of_all(&counted.per_view, &pictured.per_view),
-        };
-        Self {
-            overall: AllScores::of((&counted.overall, &pictured.overall)),
-            worst: AllScores::of((&counted.worst, &pictured.worst)),
-            per_view: AllScores::of_all(&counted.per_view, &pictured.per_view),
-            views: counted.views,
-            resolution: counted.resolution,
-            rigs: sets.map(set).collect(),
-        }
-    }
-}
-
-impl AllScores {
-    fn of((counted, pictured): (&Scores, &PictureScores)) -> Self {
-        Self {
-            counted: counted.clone(),
-            pictured: pictured.clone(),
-        }
-    }
-
-    fn of_all(counted: &[Scores], pictured: &[PictureScores]) -> Vec<Self> {
-        counted.iter().zip(pictured).map(Self::of).collect()
-    }
-}
-
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let start = Instant::now();
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
-    let open = |path: &Path, memory| {
-        let document = streams::document(path, memory)?;
-        Ok::<_, Failure>(document.with_vertex_alpha(args.vertex_alpha.vertex_alpha))
-    };
-    let named = &args.foliage.foliage;
-    let original = |selectors: &[Selector]| -> Result<Result<Tree, GltfError>, Failure> {
-        Ok(open(&args.original, args.memory.memory)?.into_tree(selectors))
-    };
-    // Of a plant without leaves all is judged as its pieces are.
-    let (original, named) = match original(named)? {
-        Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
-            (original(&[Selector::All])??, &vec![Selector::All])
-        }
-        other => (other?, named),
-    };
-    let simplified = open(&args.simplified, original.memory_left())?;
-    let simplified = simplified.with_roles_of(&original).into_tree(named)?;
-    let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
-    for tree in [&original, &simplified] {
-        output::check_spares(tree.document(), &outputs)?;
-    }
+    let judged = judged(args)?;
     interrupt::check()?;
-    let (alpha, sides) = (args.alpha, args.sides);
-    let foliages =
-        [&original, &simplified].map(|tree| secateur::as_seen(tree.foliage(), alpha, sides));
-    let views = args.views;
-    let measured = secateur::measure_by(views, &foliages[0], &foliages[1])
-        .map_err(Failure::about(&args.original))?;
+    let figures = judged.figures().map_err(Failure::about(&args.original))?;
     interrupt::check()?;
-    let pictured = secateur::measure_pictures_by(views, &original, &simplified)
-        .map_err(Failure::about(&args.original))?;
-    interrupt::check()?;
-    let judge = secateur::difference_judge(&original).map_err(Failure::about(&args.original))?;
-    let of_simplified = simplified.surfaces()?.into_iter();
-    let of_simplified: Vec<Surface> = of_simplified.map(|(surface, _)| surface).collect();
-    let at = |pixels_high: &f64| {
-        let seen = judge.difference(&of_simplified, *pixels_high, ViewCount::All);
-        (*pixels_high, seen)
+    let at = |pixels_high: &f64| DifferenceAt {
+        pixels_high: *pixels_high,
+        seen: judged.difference_at(*pixels_high),
     };
-    let differences: Vec<(f64, Difference)> = args.pixels_high.iter().map(at).collect();
+    let differences: Vec<DifferenceAt> = args.pixels_high.iter().map(at).collect();
     let worst = |of: fn(&Difference) -> f64| {
-        let all = differences.iter().map(|(_, seen)| of(seen));
+        let all = differences.iter().map(|at| of(&at.seen));
         all.fold(0.0, f64::max)
     };
     let difference = worst(|seen| seen.difference);
     let mut warnings = warning_of(difference);
-    warnings.extend(other_place(&original, &simplified));
+    warnings.extend(judged.misplaced().map(|misplaced| misplaced.to_string()));
     warn_all(&warnings);
-    let drawn = match args.as_drawn {
-        Some(width_px) => {
-            let drawn = secateur::measure_as_drawn(&original, &simplified, width_px);
-            Some(drawn.map_err(Failure::about(&args.original))?)
-        }
-        None => None,
-    };
+    interrupt::check()?;
+    let drawn = args.as_drawn.map(|width_px| judged.as_drawn(width_px));
+    let drawn = drawn.transpose().map_err(Failure::about(&args.original))?;
     let total = start.elapsed().as_secs_f64();
-    let of_height = |(pixels_high, seen): &(f64, Difference)| DifferenceAt {
-        pixels_high: *pixels_high,
-        seen: *seen,
+    let (plant, other) = (judged.plant(), judged.other());
+    let leaves = OfBoth {
+        original: plant.leaves().leaves().len() as u64,
+        simplified: other.foliage().leaves().len() as u64,
     };
+    let pretty = pretty(&figures, &differences, drawn.as_ref(), args, &leaves);
     let record = MeasureRecord {
-        measured: Metrics::of(&measured, &pictured),
+        figures,
         original: args.original.display().to_string(),
         simplified: args.simplified.display().to_string(),
-        leaves: OfBoth {
-            original: foliages[0].leaves().len() as u64,
-            simplified: foliages[1].leaves().len() as u64,
-        },
+        leaves,
         triangles: OfBoth {
-            original: original.triangle_count(),
-            simplified: simplified.triangle_count(),
+            original: plant.triangle_count(),
+            simplified: other.triangle_count(),
         },
         difference,
         block_coverage: worst(|seen| seen.block_coverage),
-        differences: differences.iter().map(of_height).collect(),
+        differences,
         warnings,
         as_drawn: drawn,
         alpha: text(args.alpha),
@@ -222,38 +115,39 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     };
     let record = Record::new("measure", record, &[], total).to_value();
     record::write(args.report.as_deref(), &record)?;
-    let counts = [&original, &simplified].map(|tree| tree.foliage().leaves().len() as u64);
-    Ok(Printed::single(
-        pretty(
-            &measured,
-            (&pictured, &differences),
-            drawn.as_ref(),
-            args,
-            counts,
-        ),
-        record,
-    ))
+    Ok(Printed::single(pretty, record))
 }
 
-/// A sentence where a result is not as large as its original, or not where that is: by more than a fifth of the
-/// largest extent.
-fn other_place(original: &Tree, simplified: &Tree) -> Option<String> {
-    const MOST_OFF: f64 = 0.2;
-    let boxes = [original, simplified].map(|tree| tree.inspection().extents);
-    let [Some(before), Some(after)] = boxes else {
-        return None;
+/// Both trees, side by side.
+fn judged(args: &args::Measure) -> Result<Judged, Failure> {
+    let original = |foliage: &[Selector]| -> Result<Result<Plant, GltfError>, Failure> {
+        let opening = Opening {
+            foliage: foliage.to_vec(),
+            vertex_alpha: args.vertex_alpha.vertex_alpha,
+            wood: WoodMode::Ignore,
+            memory: args.memory.memory,
+        };
+        streams::opened(&args.original, &opening)
     };
-    let size = |[low, high]: [[f64; 3]; 2]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
-    let middle = |[low, high]: [[f64; 3]; 2], k: usize| 0.5 * (low[k] + high[k]);
-    let (own, other) = (size(before), size(after));
-    let moved = (0..3).map(|k| (middle(after, k) - middle(before, k)).abs());
-    let moved = moved.fold(0.0, f64::max);
-    let is_off = (other - own).abs() > MOST_OFF * own || moved > MOST_OFF * own;
-    is_off.then(|| {
-        format!(
-            "the two files do not hold the same plant: the original is {own:.3} units large, the other {other:.3}, and its middle is {moved:.3} units off"
-        )
-    })
+    let original = match original(&args.foliage.foliage)? {
+        Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
+            original(&[Selector::All])??
+        }
+        other => other?,
+    };
+    let left = original.tree().memory_left();
+    let simplified = streams::document(&args.simplified, left)?;
+    let simplified = simplified.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
+    let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
+    for document in [original.tree().document(), &simplified] {
+        output::check_spares(document, &outputs)?;
+    }
+    let options = JudgeOptions {
+        views: args.views,
+        alpha: args.alpha,
+        sides: args.sides,
+    };
+    judge_document(&original, simplified, &options).map_err(Failure::about(&args.original))
 }
 
 /// A sentence where a result is another plant.
@@ -309,36 +203,28 @@ const METRICS: [(&str, &str, &str); 7] = [
 ];
 
 fn pretty(
-    measured: &Measurement,
-    (pictured, differences): (&PictureMeasurement, &[(f64, Difference)]),
+    figures: &Figures,
+    differences: &[DifferenceAt],
     drawn: Option<&AsDrawnMeasurement>,
     args: &args::Measure,
-    leaves: [u64; 2],
+    leaves: &OfBoth,
 ) -> String {
-    let sets = measured.rigs.len();
+    let sets = figures.rigs.len();
     // The worst of several sets; of one, whose worst is a view, nothing.
     let line = |name: &str, [mean, worst]: [String; 2], what: &str| match sets {
         1 => format!("  {name:<14}  {mean:>10}   {what}\n"),
         _ => format!("  {name:<14}  {mean:>10}  {worst:>10}   {what}\n"),
     };
     let metric = |(name, key, what): (&str, &str, &str)| {
-        let text = |(counted, pictured): (&Scores, &PictureScores)| match counted
-            .get(key)
-            .or(pictured.get(key))
-            .unwrap_or(f64::NAN)
-        {
+        let text = |scores: &AllScores| match scores.get(key).unwrap_or(f64::NAN) {
             percent if key == VMI_ERROR_PERCENT.key => format!("{percent:.2} %"),
             value => format!("{value:.4}"),
         };
-        let overall = text((&measured.overall, &pictured.overall));
-        line(
-            name,
-            [overall, text((&measured.worst, &pictured.worst))],
-            what,
-        )
+        let values = [&figures.overall, &figures.worst].map(text);
+        line(name, values, what)
     };
-    let [before, after] = leaves.map(grouped);
-    let (each, side) = (measured.views / sets.max(1), measured.resolution);
+    let [before, after] = [leaves.original, leaves.simplified].map(grouped);
+    let (each, side) = (figures.views / sets.max(1), figures.resolution);
     let views = match sets {
         1 => format!("{each} views of {side} x {side} pixels"),
         _ => format!("{sets} sets of {each} views of {side} x {side} pixels: mean and worst set"),
@@ -349,7 +235,7 @@ fn pretty(
         &format!("of {before}"),
     )];
     lines.extend(METRICS.map(metric));
-    for (pixels_high, seen) in differences {
+    for DifferenceAt { pixels_high, seen } in differences {
         let what = format!(
             "what people see {pixels_high} pixels high: up to .18 cannot be told, .28 is good, .5 is coarse; coverage of the worst block is {:.3} off",
             seen.block_coverage

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use secateur::{Lod, LodModel, Memory, Plant, RemovalOrder, StagedFiles, Tree, WriteOptions};
 use secateur_gltf::read_within;
-use secateur_scene::order_file;
+use secateur_runtime::order_file::{self, OrderFileError};
 
 use super::failure::Failure;
 use super::output;
@@ -70,5 +70,13 @@ pub(crate) fn read(file: Option<&Path>, tree: &Tree) -> Result<LodModel, Failure
             order_file::order_from_base64(text, tree.foliage())
         }
     };
-    read.map_err(|error| Failure::input(format!("{name}: {error}")))
+    read.map_err(|error| {
+        let what_to_do = match error {
+            OrderFileError::OtherTree => {
+                ": simplify this one with `--order`, with the same `--foliage`"
+            }
+            _ => "",
+        };
+        Failure::input(format!("{name}: {error}{what_to_do}"))
+    })
 }

@@ -7,8 +7,9 @@ use secateur::{Plant, StagedFiles};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::failure::{Failure, to_name};
 use super::machine;
-use super::{failure::Failure, output};
+use super::output;
 
 /// Version of the shape of records. It changes where a key goes or gets another meaning.
 pub(crate) const SCHEMA_VERSION: u32 = 1;
@@ -82,7 +83,14 @@ impl Counts {
 
 /// What is to be said of a plant, then these notes, each once.
 pub(crate) fn notes<'a>(plant: &Plant, others: impl Iterator<Item = &'a String>) -> Vec<String> {
-    let mut notes = plant.inspection().notes.clone();
+    let inspection = plant.inspection();
+    let mut notes = inspection.notes.clone();
+    if !inspection.candidates.is_empty() {
+        notes.push(format!(
+            "name leaves with {}",
+            to_name(&inspection.candidates)
+        ));
+    }
     for note in others {
         if !notes.contains(note) {
             notes.push(note.clone());

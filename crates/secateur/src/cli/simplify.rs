@@ -229,12 +229,12 @@ pub(crate) fn level_options(args: &args::Simplify, simplify: Options) -> LevelOp
     }
 }
 
-fn level<'p>(
-    plant: &'p Plant,
+fn level(
+    plant: &Plant,
     options: &Options,
     args: &args::Simplify,
     common: &Common,
-) -> Result<Level<'p>, Failure> {
+) -> Result<Level, Failure> {
     let progress_bar = RunProgress::new(common);
     let options = level_options(args, options.clone());
     let level = plant.level_watched(&options, &mut |progress| {

@@ -12,7 +12,7 @@ use secateur::{
     simplify_with, surfaces_to_glb,
 };
 use secateur_gltf::{Detail, read_within};
-use secateur_scene::stream::{Piece, Stream, read_stream, stream_page, write_stream};
+use secateur_pages::stream::{Piece, Stream, read_stream, stream_page, write_stream};
 use serde::Serialize;
 use serde_json::json;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use secateur::{Document, Memory, Opening, Plant};
+use secateur::{Document, GltfError, Memory, Opening, Plant};
 use serde_json::Value;
 
 use super::failure::Failure;
@@ -59,12 +59,17 @@ pub(crate) fn document(path: &Path, memory: Memory) -> Result<Document, Failure>
 
 /// The plant in a file or from standard input.
 pub(crate) fn plant(path: &Path, opening: &Opening) -> Result<Plant, Failure> {
+    Ok(opened(path, opening)??)
+}
+
+/// The plant in a file or from standard input, or why the bytes are none.
+pub(crate) fn opened(path: &Path, opening: &Opening) -> Result<Result<Plant, GltfError>, Failure> {
     match is_stream(path) {
         true => {
             let bytes = stdin(opening.memory)?.to_vec();
-            Ok(Plant::from_bytes(NAME, bytes, opening)?)
+            Ok(Plant::from_bytes(NAME, bytes, opening))
         }
-        false => Ok(interrupt::reading(|| Plant::open_with(path, opening))?),
+        false => Ok(interrupt::reading(|| Plant::open_with(path, opening))),
     }
 }
 

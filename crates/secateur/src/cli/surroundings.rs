@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 use secateur::{Detail, Document, Foliage, Memory, Options, Problem, Views, scene_views};
-use secateur_scene::chain::SceneLook;
+use secateur_levels::chain::SceneLook;
 use serde::Serialize;
 
 use super::args::SceneArgs;

@@ -27,7 +27,7 @@ mod tests;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
-use secateur_model::{Budget, Foliage, Lod, OverMemory};
+use secateur_model::{Budget, Foliage, Lod, OverMemory, Remedy};
 use secateur_raster::occluders::{Occluded, Occlusion};
 use secateur_raster::{
     CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, View, ViewSet, cpu,
@@ -210,7 +210,7 @@ impl DrawnOriginals {
 }
 
 /// What to do where a fit takes too much memory.
-const FIT_NOT: &str = "allow more (`--memory`), or do not fit sizes (`--fit=none`)";
+const FIT_NOT: Remedy = Remedy::NoFit;
 
 /// Leaf by leaf the factor of its area that fits best (see the module).
 ///

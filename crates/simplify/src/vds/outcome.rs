@@ -15,7 +15,7 @@ pub struct Progress {
 }
 
 /// Why a run could not be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VdsError {
     /// The caller asked to stop.
@@ -38,10 +38,10 @@ pub enum VdsError {
     },
     /// The A-buffer could not be made.
     #[error("{0}")]
-    Raster(String),
+    Raster(#[source] RasterError),
     /// The A-buffer takes more memory than is allowed.
-    #[error(transparent)]
-    Memory(OverMemory),
+    #[error("{0}")]
+    Memory(#[source] OverMemory),
     /// [`VdsOptions::neighbours`](super::VdsOptions::neighbours) is 0.
     #[error("growth must be shared by at least one neighbour")]
     NoNeighbours,
@@ -54,7 +54,7 @@ impl VdsError {
     pub(crate) fn from_raster(error: RasterError) -> Self {
         match error.downcast::<OverMemory>() {
             Ok(over) => Self::Memory(*over),
-            Err(other) => Self::Raster(other.to_string()),
+            Err(other) => Self::Raster(other),
         }
     }
 }

@@ -5,11 +5,11 @@ use std::path::Path;
 use secateur_eval::pictures::share_of_tight_frame;
 use secateur_eval::{MeasureError, Pictures};
 use secateur_gltf::WholeTree;
+use secateur_levels::impostor::Impostor;
+use secateur_levels::impostor::judge::{Judge, best_crossed};
 use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::{View, ViewSet};
-use secateur_scene::Screen;
-use secateur_scene::impostor::Impostor;
-use secateur_scene::impostor::judge::{Judge, best_crossed};
+use secateur_runtime::Screen;
 
 use crate::judge::{PictureFile, camera, opaque, portrait};
 use crate::subject::Subject;

@@ -7,11 +7,11 @@ use std::time::Instant;
 
 use secateur_eval::Limits;
 use secateur_gltf::{Cutoffs, WholeTree};
+use secateur_levels::chain::{ChainError, ChainOptions, Shape, Textures, Wanted, chain};
+use secateur_levels::impostor::Choice;
 use secateur_model::Surface;
 use secateur_raster::OpenEngine;
-use secateur_scene::Screen;
-use secateur_scene::chain::{ChainOptions, Shape, Textures, Wanted, chain};
-use secateur_scene::impostor::Choice;
+use secateur_runtime::Screen;
 use secateur_simplify::whole::{WholePlant, WoodMode};
 use secateur_simplify::{Amount, Error as SimplifyError, Options, Preset, Progress, Target};
 
@@ -47,7 +47,10 @@ fn of_shares(shares: &[f64]) -> Wanted {
 /// Whether there can be such levels.
 pub(super) fn check(distances_m: &[f64], shares: &[f64]) -> Result<(), Error> {
     let leaves = Options::with_preset(Preset::default(), Target::triangle_share(1.0));
-    let check = |wanted| chain_options(wanted, Choice::None, &leaves).check();
+    let check = |wanted| {
+        let checked = chain_options(wanted, Choice::None, &leaves).check();
+        checked.map_err(ChainError::from)
+    };
     check(Wanted::Distances(distances_m.to_vec()))?;
     Ok(check(of_shares(shares))?)
 }
@@ -99,8 +102,7 @@ impl<'a> Maker<'a> {
             memory: tree.items().memory_left(),
             ..Options::with_preset(Preset::default(), Target::triangle_share(1.0))
         };
-        let engine = OpenEngine::open(leaf_options.engine)
-            .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+        let engine = OpenEngine::open(leaf_options.engine).map_err(SimplifyError::from)?;
         Ok(Self {
             tree,
             path,
@@ -276,13 +278,9 @@ impl<'a> Maker<'a> {
         let plant = WholePlant::new(items, leaves, wood, &self.engine)?;
         let made = match plant.simplified(&options, &self.engine, &mut observer) {
             Ok(made) => made,
-            Err(
-                e @ (SimplifyError::Stopped | SimplifyError::Memory(_) | SimplifyError::Gpu(_)),
-            ) => {
-                return Err(e.into());
-            }
             // A plant that cannot be made so light has no mesh to hold the impostor against.
-            Err(_) => return Ok(None),
+            Err(SimplifyError::BudgetNotMet { .. } | SimplifyError::NoLeaf) => return Ok(None),
+            Err(error) => return Err(error.into()),
         };
         let seconds = begun.elapsed().as_secs_f64();
         let left = made.leaves.lod.foliage(leaves);

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use secateur_gltf::WholeTree;
+use secateur_levels::{MaterialChange, choose_cutoffs};
 use secateur_raster::OpenEngine;
-use secateur_scene::{MaterialChange, choose_cutoffs};
 use secateur_simplify::whole::{WholePlant, simplify_keeping_wood};
 use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Target};
 
@@ -28,8 +28,7 @@ pub(super) fn made(
         ..Options::with_preset(Preset::default(), Target::triangle_share(level))
     };
     let (leaves, wood) = (tree.leaves(), tree.wood());
-    let engine = OpenEngine::open(options.engine)
-        .map_err(|reason| SimplifyError::Gpu(reason.to_string()))?;
+    let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
     let mut observer = |_: Progress| match host.is_stop_asked() {
         false => ControlFlow::Continue(()),
         true => ControlFlow::Break(()),

@@ -9,9 +9,9 @@ use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_gltf::chain::Layout;
-use secateur_scene::Screen;
-use secateur_scene::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
-use secateur_scene::impostor::Choice as ImpostorChoice;
+use secateur_levels::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
+use secateur_levels::impostor::Choice as ImpostorChoice;
+use secateur_runtime::Screen;
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Lods {

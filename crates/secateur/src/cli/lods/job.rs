@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::chain::Layout;
-use secateur_scene::chain::MAX_LEVELS;
+use secateur_levels::chain::MAX_LEVELS;
 
 use super::super::args;
 use super::super::failure::Failure;

@@ -13,8 +13,8 @@ use schemars::JsonSchema;
 use secateur::{ErrorKind, Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
+use secateur_levels::chain::{ChainOptions, Textures};
 use secateur_model::{AlphaMode, Surface};
-use secateur_scene::chain::{ChainOptions, LevelReport, Textures};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -160,8 +160,7 @@ fn run_into_files(args: &args::Lods, common: &Common, outlet: &Outlet) -> Result
     let start = Instant::now();
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
-    let checked = options(args).check();
-    checked.map_err(|e| Failure::of((&e).into(), e.to_string()))?;
+    options(args).check().map_err(secateur::Error::from)?;
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     let surroundings = args.scene.read(args.memory.memory, &outputs)?;
@@ -294,8 +293,7 @@ pub(crate) fn made_of_first(
 ) -> Result<(Value, StagedFiles), Failure> {
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
-    let checked = options(args).check();
-    checked.map_err(|e| Failure::of((&e).into(), e.to_string()))?;
+    options(args).check().map_err(secateur::Error::from)?;
     let surroundings = args.scene.read(args.memory.memory, &[])?;
     let Some(job) = jobs.first() else {
         return Err(Failure::usage("no tree was named"));
@@ -351,10 +349,10 @@ fn make(
     let progress_bar = RunProgress::new(common);
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure::of_levels(job.tree, &error))?
+        .map_err(|error| Failure::of_plant(job.tree, error))?
         .named(&job.name);
     drop(progress_bar);
-    let (tree, made) = (levels.tree(), &levels.chain);
+    let made = &levels.chain;
     let differences = made.levels.iter().map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
@@ -369,16 +367,16 @@ fn make(
     let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let Some(file) = &args.preview {
-        let page = levels.page();
-        let page = page.map_err(Failure::about(job.tree))?;
+        let page = levels.preview_html();
+        let page = page.map_err(|error| Failure::of_plant(job.tree, error))?;
         output::stage(&mut staged, file, page.as_bytes())?;
     }
     if let Some(file) = picture {
-        let strip = picture::strip(&demo::exhibits(tree, made)?)?;
+        let strip = picture::strip(&demo::exhibits(levels.tree(), made)?)?;
         output::stage(&mut staged, file, &strip)?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let original = LevelReport::of_plant(tree);
+    let original = levels.plant().report();
     let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
     let record = LodsRecord {
         input: job.tree.display().to_string(),

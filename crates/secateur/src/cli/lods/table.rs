@@ -1,7 +1,7 @@
 //! What a person reads of levels.
 
 use secateur_gltf::chain::WrittenChain;
-use secateur_scene::chain::{Chain, LevelReport};
+use secateur_levels::chain::{Chain, LevelReport};
 
 use super::super::args;
 use super::super::summary::{columns, grouped, percent, size};

@@ -1,8 +1,8 @@
 //! What a chain is to be like.
 
 use secateur::{Amount, Options};
-use secateur_scene::chain::{ChainOptions, HEIGHTS_PX, Wanted};
-use secateur_scene::impostor::Choice;
+use secateur_levels::chain::{ChainOptions, HEIGHTS_PX, Wanted};
+use secateur_levels::impostor::Choice;
 
 use super::super::args;
 

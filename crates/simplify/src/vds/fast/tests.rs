@@ -3,7 +3,7 @@
 
 use std::cell::{Cell, RefCell};
 
-use secateur_model::OverMemory;
+use secateur_model::{OverMemory, Remedy};
 use secateur_plant::{EllipsoidCrown, ellipsoid_crown};
 use secateur_raster::{CpuRasteriser, Fragments, RasterError};
 
@@ -172,7 +172,7 @@ impl Rasteriser for Metered {
                 what: "lists".to_owned(),
                 bytes,
                 left: self.most_bytes,
-                remedy: "grow less",
+                remedy: Remedy::LessGrowth,
             })),
             false => Ok(()),
         }
@@ -198,7 +198,7 @@ fn growing_leaves_take_no_more_memory_and_ask_for_it() {
         (ended, metered.largest_bytes.get())
     };
     let (ended, largest_bytes) = run(u64::MAX);
-    assert_eq!(ended, Ok(1960));
+    assert_eq!(ended.unwrap(), 1960);
     let original = Lod::original(2000);
     let fragments = CpuRasteriser.fragments(&Scene {
         foliage: &crown,

@@ -63,8 +63,7 @@ impl<'a> Seen<'a> {
             views,
             resolution,
         };
-        let failed = |reason: secateur_raster::RasterError| Error::Gpu(reason.to_string());
-        let found = rasteriser.fragments(&scene).map_err(failed)?;
+        let found = rasteriser.fragments(&scene)?;
         let areas = secateur_raster::cpu::areas_of_heads(&found, count);
         let fragments = LeafFragments::new(resolution);
         Ok(Self {

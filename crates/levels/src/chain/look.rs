@@ -1,0 +1,254 @@
+//! How a level looks where it is seen, beside the original.
+
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+use secateur_eval::pictures::share_of_tight_frame;
+use secateur_eval::{
+    Difference, DifferenceJudge, Judging, Limits, MeasureError, Pictures, ViewCount,
+};
+use secateur_gltf::{Detail, Document, GltfError, WholeTree};
+use secateur_model::{BoundingSphere, Surface};
+use secateur_raster::{View, ViewSet};
+
+use super::error::ChainError;
+use super::level_surfaces::LevelSurfaces;
+use super::options::ChainOptions;
+use super::scene_look::tight_cameras;
+use crate::impostor::Impostor;
+use crate::impostor::judge::Judge;
+use secateur_runtime::Screen;
+
+/// Levels are compared in pictures in which the plant is at most this many pixels high, and only what is found in
+/// those of its size: a picture of 1,024 pixels takes seven times as long.
+pub(super) const SEARCH_PX: f64 = 384.0;
+
+/// Leaves are judged in pictures of this many pixels a side.
+const LEAF_PICTURE_PX: u32 = 256;
+
+/// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
+const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
+
+/// Every how many of the 48 held-out views FLIP of a level is taken from: six, of all four sets.
+const VIEW_STEP: usize = 8;
+
+/// Every how many of these its leaves are judged from: three.
+const LEAF_VIEW_STEP: usize = 2;
+
+/// What a level looks like, and how far that is from the original.
+#[derive(Clone)]
+pub(super) struct Drawn {
+    pub(super) level: LevelSurfaces,
+    /// By height in pixels, as bits, how many times the limits the level is, as far as it is known.
+    overs: RefCell<BTreeMap<u64, f64>>,
+}
+
+impl Drawn {
+    /// All that is drawn of a file.
+    pub(super) fn of(document: &Document) -> Result<Self, GltfError> {
+        Ok(Self {
+            level: LevelSurfaces::of(document.drawn_as_one(Detail::Color)?),
+            overs: RefCell::default(),
+        })
+    }
+}
+
+/// The original, and from where levels are held against it.
+pub(super) struct Look {
+    pub(super) original: LevelSurfaces,
+    judge: DifferenceJudge,
+    /// The judge of impostors, whose normals are turned to the viewer.
+    judge_of_impostors: OnceCell<DifferenceJudge>,
+    /// Of the surfaces of the original, which are wood.
+    is_wood: Vec<bool>,
+    /// How much levels may differ.
+    pub(super) limits: Limits,
+    /// For FLIP over a frame and what clients draw: one set of some of the held-out views, or of the cameras of a
+    /// scene, each as narrow as holds the plant.
+    pub(super) views: [ViewSet; 1],
+    /// The cameras of a scene, if there are any.
+    cameras: Option<Vec<View>>,
+    /// What of a scene is drawn with the plant.
+    obstacles: Vec<Arc<Surface>>,
+    pub(super) sphere: BoundingSphere,
+    /// The largest extent of the largest plant in units of the file: what is so many pixels high.
+    pub(super) size: f64,
+    /// From the lowest to the highest point, in units of the file.
+    pub(super) height: f64,
+    /// Half of the larger side of the largest plant as seen from above, in units of the file.
+    pub(super) reach: f64,
+    /// By what FLIP over a picture is multiplied to be that over the frame of `measure`.
+    frame_share: f64,
+}
+
+impl Look {
+    /// The look of a plant, drawn as the file has it; and the held-out views that its leaves are judged from.
+    pub(super) fn new(
+        tree: &WholeTree,
+        options: &ChainOptions,
+    ) -> Result<(Self, Judging), ChainError> {
+        let (items, leaves) = (tree.items().foliage(), tree.leaves());
+        let scene = options.scene.as_ref();
+        let sphere = items.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
+        // Not with exact textures, as `measure` has them: they would take longer, and in
+        // so few pixels a leaf is off by a quarter of one at most.
+        let held_out = ViewSet::held_out(sphere);
+        let held_out = held_out.iter().flat_map(ViewSet::views);
+        let held_out: Vec<View> = held_out.step_by(VIEW_STEP).copied().collect();
+        let views: Vec<View> = held_out.iter().map(tight).collect();
+        let judging = Judging {
+            rigs: vec![ViewSet::new(
+                held_out.into_iter().step_by(LEAF_VIEW_STEP).collect(),
+            )],
+            resolution: LEAF_PICTURE_PX,
+        };
+        let corners = items.triangles().iter().flat_map(|t| t.corners);
+        let (low, high) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), c| {
+            (low.min(c), high.max(c))
+        });
+        let extent = high - low;
+        let cameras = scene.and_then(|scene| scene.cameras.as_ref());
+        let cameras = cameras.map(|cameras| tight_cameras(cameras, sphere));
+        let cameras = cameras.filter(|cameras| !cameras.is_empty());
+        let obstacles = scene.map_or(&[][..], |scene| &scene.obstacles);
+        let obstacles: Vec<Arc<Surface>> = obstacles.iter().cloned().map(Arc::new).collect();
+        let drawn = tree.items().drawn(Detail::Color)?;
+        let is_wood: Vec<bool> = drawn.iter().map(|drawn| !drawn.is_foliage).collect();
+        let original = LevelSurfaces::of(drawn);
+        let judge = DifferenceJudge::new(original.surfaces.clone(), &is_wood)
+            .in_scene(cameras.clone(), obstacles.clone());
+        let size = judge.size();
+        let look = Self {
+            size,
+            judge,
+            judge_of_impostors: OnceCell::new(),
+            is_wood,
+            limits: options.limits(),
+            original,
+            views: [ViewSet::new(cameras.clone().unwrap_or(views))],
+            cameras,
+            obstacles,
+            sphere,
+            height: extent.y,
+            reach: 0.5 * extent.x.max(extent.z).min(size),
+            frame_share: share_of_tight_frame(sphere, leaves.bounding_sphere().unwrap_or(sphere)),
+        };
+        Ok((look, judging))
+    }
+
+    /// How many times the limits a level is, from few views and in pictures that are not large: to search by.
+    pub(super) fn over_in_search(&self, drawn: &Drawn, pixels_high: f64) -> f64 {
+        let pixels_high = pixels_high.min(SEARCH_PX);
+        let key = pixels_high.to_bits();
+        if let Some(over) = drawn.overs.borrow().get(&key) {
+            return *over;
+        }
+        let over = self.over_of_surfaces(&drawn.level.surfaces, pixels_high);
+        drawn.overs.borrow_mut().insert(key, over);
+        over
+    }
+
+    /// As [`Self::over_in_search`], of surfaces that are looked at once.
+    pub(super) fn over_of_surfaces(&self, surfaces: &[Surface], pixels_high: f64) -> f64 {
+        let (px, count) = (pixels_high.min(SEARCH_PX), ViewCount::Search);
+        let difference = self
+            .judge
+            .difference_within(surfaces, px, count, self.limits);
+        difference.over(self.limits)
+    }
+
+    /// How far a level with its own textures looks from the original, as it is put down; of fewer views if it is
+    /// beyond the limits.
+    pub(super) fn difference(&self, surfaces: &[Surface], pixels_high: f64) -> Difference {
+        let count = ViewCount::All;
+        self.judge
+            .difference_within(surfaces, pixels_high, count, self.limits)
+    }
+
+    /// How far one level looks from another that it takes the place of.
+    pub(super) fn difference_of_switch(
+        &self,
+        before: &LevelPicture,
+        after: &LevelPicture,
+        pixels_high: f64,
+    ) -> f64 {
+        // The picture of an impostor depends on where the eye stands: it is held against the mesh.
+        let (fixed, other) = match (before, after) {
+            (LevelPicture::Mesh(mesh), other) | (other, LevelPicture::Mesh(mesh)) => {
+                (mesh.surfaces.clone(), other)
+            }
+            (LevelPicture::Impostor(impostor), other) => (vec![impostor.surface.clone()], other),
+        };
+        let judge =
+            DifferenceJudge::new(fixed, &[]).in_scene(self.cameras.clone(), self.obstacles.clone());
+        let px = pixels_high * judge.size() / self.size;
+        let no_limit = Limits::of_difference(f64::INFINITY);
+        let count = ViewCount::Search;
+        let difference = match other {
+            LevelPicture::Mesh(mesh) => judge.difference(&mesh.surfaces, px, count),
+            LevelPicture::Impostor(impostor) => judge.with_turned_normals().difference_of_seen(
+                |eye| vec![impostor.seen_from(eye)],
+                px,
+                count,
+                no_limit,
+            ),
+        };
+        difference.difference
+    }
+
+    /// What tells the plants of the file apart, and judges levels of them.
+    pub(super) fn judge(&self) -> &DifferenceJudge {
+        &self.judge
+    }
+
+    /// What judges impostors.
+    pub(super) fn judge_of_impostors(&self) -> &DifferenceJudge {
+        self.judge_of_impostors.get_or_init(|| {
+            DifferenceJudge::new(self.original.surfaces.clone(), &self.is_wood)
+                .in_scene(self.cameras.clone(), self.obstacles.clone())
+                .with_turned_normals()
+        })
+    }
+
+    /// Mean FLIP over the frame of `measure`, where the screen shows the plant at this height.
+    pub(super) fn flip_mean(
+        &self,
+        picture: &LevelPicture,
+        (pixels_high, screen): (f64, Screen),
+    ) -> f64 {
+        let pixels_high = pixels_high.min(screen.height_px);
+        let judge = Judge::new(&self.views[0], self.sphere, self.size, screen, pixels_high);
+        let judge = judge.with_frame_share(self.frame_share);
+        let judge = judge.among(self.obstacles.clone());
+        let flip = |[original, level]: [Pictures; 2]| judge.flip(&original, &level);
+        let original = &self.original.surfaces;
+        match picture {
+            LevelPicture::Mesh(level) => {
+                flip([original, &level.surfaces].map(|surfaces| judge.of_mesh(surfaces)))
+            }
+            LevelPicture::Impostor(impostor) => {
+                flip([judge.of_surfaces(original), judge.of_impostor(impostor)])
+            }
+        }
+    }
+
+    /// How many pixels high the plant's height is where its largest extent is so many.
+    pub(super) fn of_height(&self, pixels_high: f64) -> f64 {
+        pixels_high * self.height / self.size
+    }
+}
+
+/// What represents a level in pictures.
+pub(super) enum LevelPicture {
+    Mesh(LevelSurfaces),
+    Impostor(Impostor),
+}
+
+/// A view with a field of view that just holds the plant: a picture of as many pixels shows more of it.
+fn tight(view: &View) -> View {
+    let ahead = view.eye() + view.forward() * (view.near() * 1e3);
+    let tight = View::look_at(view.eye(), ahead, view.up(), TIGHT_TANGENT, view.near());
+    tight.unwrap_or(*view)
+}

@@ -1,0 +1,99 @@
+//! Chains of levels of detail of whole plants: which levels, and for which distances.
+
+mod card_cutoffs;
+mod cards;
+mod ending;
+mod error;
+mod fitted_textures;
+mod impostors;
+mod ladder;
+mod leaf_texture;
+mod level;
+mod level_as_drawn;
+mod level_report;
+mod level_surfaces;
+mod look;
+mod maker;
+mod nearer;
+mod opaque;
+mod options;
+mod placed;
+mod scene_look;
+mod stands;
+#[cfg(test)]
+mod tests;
+mod texture_bytes;
+mod textures;
+mod which;
+
+use secateur_gltf::WholeTree;
+use secateur_raster::OpenEngine;
+use secateur_simplify::{Observer, sphere_of};
+
+pub use error::{BadOptions, ChainError};
+pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
+pub use level_as_drawn::LevelAsDrawn;
+pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
+pub use level_surfaces::show;
+use maker::Maker;
+pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, Wanted};
+pub use scene_look::SceneLook;
+pub use texture_bytes::texture_bytes;
+pub use textures::Textures;
+use which::{asked, lightest};
+
+/// Makes a chain of a tree.
+///
+/// # Errors
+/// [`ChainError`] if the levels are none, or the tree can't be simplified.
+pub fn chain(
+    tree: &WholeTree,
+    options: &ChainOptions,
+    engine: &OpenEngine,
+    observer: &mut Observer<'_>,
+) -> Result<Chain, ChainError> {
+    options.check()?;
+    // Cameras stand around all of it, whatever becomes of the wood.
+    sphere_of(tree.items().foliage())?;
+    let maker = Maker::new(tree, options, engine)?;
+    let client = maker.client();
+    let mut notes = maker.remarks()?;
+    let placed = match &options.wanted {
+        Wanted::Triangles(amounts) => asked(&maker, amounts, &client, &mut notes, observer)?,
+        Wanted::Heights(_) | Wanted::Distances(_) => {
+            lightest(&maker, &client, &mut notes, observer)?
+        }
+    };
+    let impostors = maker.impostors(&placed, &client, &mut notes, observer)?;
+    let mut levels = maker.ending(placed, impostors, &client, &mut notes, observer)?;
+    match (options.original, levels.len()) {
+        (true, MAX_LEVELS) => notes.push(format!(
+            "the plant itself is left out, as a chain has at most {MAX_LEVELS} levels; keep it before the first"
+        )),
+        (true, _) => levels.insert(0, maker.original()),
+        (false, 0) => {
+            return Err(ChainError::NoLighterLevel);
+        }
+        (false, _) => {}
+    }
+    let ends: Vec<f64> = levels
+        .iter()
+        .skip(1)
+        .map(|level| level.pixels_high)
+        .collect();
+    let is_picture = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
+    let last_mesh = levels
+        .iter()
+        .rposition(|level| !is_picture(level))
+        .unwrap_or(0);
+    for (index, level) in levels.iter_mut().enumerate() {
+        let end = ends.get(index).copied().unwrap_or(0.0);
+        level.screen_coverage = end / options.screen.height_px;
+        // A picture casts the shadow of a picture.
+        level.shadow = match is_picture(level) {
+            true => index,
+            false => (index + options.shadow_steps).min(last_mesh),
+        };
+    }
+    Ok(Chain { levels, notes })
+}

@@ -1,0 +1,64 @@
+//! What the textures of a level take in a client's memory.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use secateur_gltf::Document;
+use secateur_gltf::chain::LevelTexture;
+use secateur_model::{Mips, Texture};
+
+/// Bytes of all images that these materials of a file use, four a texel, mips where they are read; textures of a level's
+/// own count in place of theirs.
+pub fn texture_bytes(
+    document: &Document,
+    materials: &[Option<usize>],
+    own: &[LevelTexture],
+) -> u64 {
+    let materials: BTreeSet<usize> = materials.iter().copied().flatten().collect();
+    let mut images: BTreeMap<usize, u64> = BTreeMap::new();
+    for material in materials {
+        let is_replaced = own.iter().any(|own| own.material == material);
+        for image in document.images_of_material(material) {
+            if image.is_base_color && is_replaced {
+                continue;
+            }
+            let bytes = image_bytes(image.size, image.has_mips);
+            let known = images.entry(image.image).or_insert(0);
+            *known = bytes.max(*known);
+        }
+    }
+    let mut own: Vec<&Arc<Texture>> = own.iter().map(|own| &own.texture).collect();
+    own.sort_by_key(|texture| Arc::as_ptr(texture));
+    own.dedup_by_key(|texture| Arc::as_ptr(texture));
+    let own = own.into_iter().map(|texture| bytes_of(texture));
+    images.into_values().chain(own).sum()
+}
+
+/// The bytes of one texture.
+pub(super) fn bytes_of(texture: &Texture) -> u64 {
+    let has_mips = texture.filters.mips != Mips::None;
+    image_bytes([texture.width, texture.height], has_mips)
+}
+
+fn image_bytes([mut width, mut height]: [u32; 2], has_mips: bool) -> u64 {
+    let mut bytes = 0;
+    loop {
+        bytes += 4 * u64::from(width) * u64::from(height);
+        if !has_mips || width.max(height) <= 1 {
+            return bytes;
+        }
+        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mips_count_where_they_are_read() {
+        assert_eq!(image_bytes([4, 2], false), 4 * 8);
+        assert_eq!(image_bytes([4, 2], true), 4 * (8 + 2 + 1));
+        assert_eq!(image_bytes([1, 1], true), 4);
+    }
+}

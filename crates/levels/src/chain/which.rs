@@ -1,0 +1,181 @@
+//! Which levels a chain has: those that are asked for, or what heights on the screen need.
+
+use secateur_simplify::{Amount, Observer};
+
+use super::error::ChainError;
+use super::ladder::{Ladder, step_of_share};
+use super::maker::{Made, Maker};
+use super::options::{HEIGHTS_PX, Wanted};
+use super::placed::{Place, Placed};
+use super::textures::{Client, end_of};
+
+/// A level that is sought for a height has at most this share of the triangles of the one before it: to switch for
+/// less would not pay.
+pub(super) const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
+
+/// A level that is sought for a distance that was asked for has at most this share.
+const MOST_OF_ASKED: f64 = 0.9;
+
+/// The least height at which a level of a given number of triangles may begin, in pixels: a block of the judge.
+const LEAST_PX: f64 = 8.0;
+
+/// How a note begins that says why there is no level for a place.
+pub(super) fn no_level(place: &str) -> String {
+    format!("no level begins at {place}:")
+}
+
+/// Levels of these numbers of triangles.
+pub(super) fn asked(
+    maker: &Maker<'_>,
+    amounts: &[Amount],
+    client: &Client<'_>,
+    notes: &mut Vec<String>,
+    observer: &mut Observer<'_>,
+) -> Result<Vec<Placed>, ChainError> {
+    let mut placed: Vec<Placed> = Vec::new();
+    for amount in amounts {
+        let triangles = amount.of(maker.all);
+        let level = maker.level(triangles, observer)?;
+        if level.triangles() == 0 {
+            return Err(ChainError::NothingLeft {
+                triangles,
+                there: maker.all,
+            });
+        }
+        if is_no_less(&level, placed.last(), maker) {
+            notes.push(format!(
+                "a level of {} triangles is left out: it would be as large as the one before",
+                level.triangles()
+            ));
+            continue;
+        }
+        let below = placed.last().map_or(f64::INFINITY, Placed::begins);
+        let (triangles, is_first) = (level.triangles(), placed.is_empty());
+        match placed_below(maker, (level, below), is_first, client, observer)? {
+            Some(found) => placed.push(found),
+            None => notes.push(format!(
+                "a level of {triangles} triangles is left out: even {LEAST_PX} pixels high it differs by more than {}; ask for more triangles, or raise `--max-difference`",
+                maker.options.max_difference
+            )),
+        }
+    }
+    Ok(placed)
+}
+
+fn is_no_less(level: &Made, before: Option<&Placed>, maker: &Maker<'_>) -> bool {
+    match before {
+        Some(before) => level.triangles() >= before.triangles(),
+        // Without the original before it the first level may be the tree as it is.
+        None if maker.options.original => level.triangles() >= maker.all,
+        None => level.triangles() > maker.all,
+    }
+}
+
+/// A level from the largest of the usual heights below another at which it is within the limits; none if it is at
+/// none.
+fn placed_below(
+    maker: &Maker<'_>,
+    (level, below): (Made, f64),
+    is_first: bool,
+    client: &Client<'_>,
+    observer: &mut Observer<'_>,
+) -> Result<Option<Placed>, ChainError> {
+    let screen = maker.options.screen.height_px / HEIGHTS_PX[0];
+    let mut height = (below / 2.0).min(HEIGHTS_PX[0] * screen);
+    while height >= LEAST_PX {
+        // From few views it is known sooner that it is not.
+        if maker.look.over_in_search(&level.drawn, height) <= 1.1 {
+            let place = Place::new([height, end_of(height, None)], is_first);
+            let placed = maker.placed(level.clone(), place, client, observer)?;
+            if placed.difference.over(maker.look.limits) <= 1.0 {
+                return Ok(Some(placed));
+            }
+        }
+        height /= 2.0;
+    }
+    Ok(None)
+}
+
+/// For each place the fewest triangles within the limits, but for places that would save too little, and for the
+/// last where an impostor stands there whatever a mesh would look like.
+pub(super) fn lightest(
+    maker: &Maker<'_>,
+    client: &Client<'_>,
+    notes: &mut Vec<String>,
+    observer: &mut Observer<'_>,
+) -> Result<Vec<Placed>, ChainError> {
+    let mut places = maker.heights();
+    if maker.options.impostor.is_demanded() && places.len() > 1 {
+        places.pop();
+    }
+    let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
+    let most_of_before = match maker.options.wanted {
+        Wanted::Distances(_) => MOST_OF_ASKED,
+        Wanted::Heights(_) | Wanted::Triangles(_) => MOST_OF_BEFORE,
+    };
+    let mut ladder = Ladder::new(maker, client);
+    // The levels, each with its step and the place where it begins.
+    let mut found: Vec<(usize, usize, Placed)> = Vec::new();
+    // Further heights at which the level of a place has to do, as none is lighter there.
+    let mut serves: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
+    let mut place = 0;
+    while place < places.len() {
+        let height = heights[place];
+        let end_px = end_of(height, heights.get(place + 1).copied());
+        let before = found.last();
+        let first = step_of_share(most_of_before, before.map_or(0, |(step, ..)| *step));
+        let start = (first, before.is_none());
+        let at = [&[height], &serves[place][..]].concat();
+        let sought = ladder.lightest(&at, end_px, start, observer)?;
+        let of_before = before.map_or(maker.all, |(.., before)| before.triangles());
+        let pays = |level: &Placed| level.triangles() as f64 <= most_of_before * of_before as f64;
+        match (sought.filter(|(_, level)| pays(level)), before) {
+            (Some((step, mut level)), _) => {
+                // What does at the place before as well takes the place of what stands there.
+                let mut from = place;
+                while let Some((_, before, _)) = found.last() {
+                    let does =
+                        |height: &f64| maker.look.over_in_search(&level.made.drawn, *height) <= 1.0;
+                    if !heights[before + 1..from].iter().all(does) {
+                        break;
+                    }
+                    let at = (heights[*before], end_px, found.len() == 1);
+                    let Some(earlier) = ladder.also_at(&level, at, observer)? else {
+                        break;
+                    };
+                    (from, level) = (*before, earlier);
+                    found.pop();
+                }
+                found.push((step, from, level));
+            }
+            // What stands before it must do there too, or is sought again so that it does.
+            (None, Some((_, from, level)))
+                if !serves[*from].contains(&height)
+                    && maker.look.over_in_search(&level.made.drawn, height) > 1.0 =>
+            {
+                place = *from;
+                serves[place].push(height);
+                found.pop();
+                continue;
+            }
+            (None, _) => {}
+        }
+        place += 1;
+    }
+    for (k, (_, place)) in places.iter().enumerate() {
+        if found.iter().any(|(_, at, _)| *at == k) {
+            continue;
+        }
+        let before = found.iter().rfind(|(_, at, _)| *at < k);
+        let (before, of_before) = match before {
+            Some((.., level)) => ("the level before", level.triangles()),
+            None => ("the plant itself", maker.all),
+        };
+        notes.push(format!(
+            "{} {before} of {of_before} triangles serves there, since what is within the difference saves less than {:.0} %",
+            no_level(place),
+            100.0 * (1.0 - most_of_before)
+        ));
+    }
+    Ok(found.into_iter().map(|(.., level)| level).collect())
+}
