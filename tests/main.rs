@@ -11,6 +11,7 @@ mod browser;
 mod clients;
 mod demo;
 mod doors;
+mod engine_files;
 mod engines;
 mod fit;
 mod formats;

@@ -145,5 +145,5 @@ fi
 
 if [ $# -gt 0 ]; then exec cargo test --workspace "$@"; fi
 # Examples are compiled, and linked, only where targets are not named; clippy checks them.
-cargo test --workspace --lib --bins --tests
+cargo test --workspace --tests
 cargo test --workspace --doc

@@ -54,7 +54,8 @@ fn judged(plant: &Plant, other: Document, pixels_high: &[f64]) -> Result<Value, 
     record["difference"] = json!(worst("difference"));
     record["block_coverage"] = json!(worst("block_coverage"));
     record["differences"] = json!(differences);
-    let warnings = judged.misplaced().iter().map(ToString::to_string);
+    let misplaced = judged.misplaced();
+    let warnings = misplaced.iter().map(ToString::to_string);
     record["warnings"] = warnings.collect::<Vec<String>>().into();
     Ok(record)
 }

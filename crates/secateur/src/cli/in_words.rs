@@ -29,7 +29,9 @@ pub struct RequestError {
 }
 
 /// Options of the program that name files to be written, or say how: other faces write by calls of their own.
-const OF_OUTPUT: [&str; 15] = [
+const OF_OUTPUT: [&str; 17] = [
+    "for",
+    "dry-run",
     "output",
     "overwrite",
     "report",

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::{Alpha, Engine, Sides};
 
+use super::super::lods::EngineName;
 use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;
@@ -42,6 +43,14 @@ pub(crate) struct Lods {
     /// How the levels lie in files [default: files in a folder, siblings in one file].
     #[arg(long, value_enum)]
     pub(crate) layout: Option<Layout>,
+    /// The engine that levels are for: chooses the layout, and writes what makes it switch them beside the files.
+    #[arg(
+        long = "for",
+        value_name = "ENGINE",
+        value_enum,
+        conflicts_with = "layout"
+    )]
+    pub(crate) for_engine: Option<EngineName>,
     /// The largest difference that a level may have where it begins to be seen: .18 cannot be told at its size, .28
     /// is good, .50 is coarse, for backgrounds.
     #[arg(long, value_name = "F", default_value_t = Limits::GOOD.difference, value_parser = difference)]

@@ -12,6 +12,7 @@ use super::super::args;
 use super::super::failure::Failure;
 use super::super::output;
 use super::super::streams::is_stream;
+use super::engine::EngineName;
 use super::finished::Finished;
 
 /// A tree to be done, and where its levels go.
@@ -21,6 +22,8 @@ pub(crate) struct Job<'a> {
     pub(crate) layout: Layout,
     /// The file, or for the layout of files the folder.
     pub(crate) place: PathBuf,
+    /// What an engine needs beside the levels.
+    pub(crate) companion: Option<PathBuf>,
 }
 
 /// Where each tree's levels go.
@@ -41,7 +44,14 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
             args.output.display()
         )));
     }
-    let layout = match (args.layout, is_file) {
+    let of_engine = args.for_engine.map(EngineName::layout);
+    if is_file && of_engine == Some(Layout::Files) {
+        return Err(Failure::usage(format!(
+            "{}: that engine needs a file for each level: name a folder",
+            args.output.display()
+        )));
+    }
+    let layout = match (args.layout.or(of_engine), is_file) {
         (Some(layout), _) => layout,
         (None, true) => Layout::Siblings,
         (None, false) => Layout::Files,
@@ -63,13 +73,25 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     }
     let mut jobs = Vec::new();
     for (tree, name) in args.trees.iter().zip(names) {
+        let place = match is_file || layout == Layout::Files {
+            true => args.output.clone(),
+            false => args.output.join(format!("{name}.glb")),
+        };
+        let folder = match is_file {
+            true => args
+                .output
+                .parent()
+                .map_or_else(PathBuf::new, Path::to_owned),
+            false => args.output.clone(),
+        };
+        let companion = args
+            .for_engine
+            .map(|engine| folder.join(engine.companion(&name)));
         jobs.push(Job {
             tree,
             layout,
-            place: match is_file || layout == Layout::Files {
-                true => args.output.clone(),
-                false => args.output.join(format!("{name}.glb")),
-            },
+            place,
+            companion,
             name,
         });
     }
@@ -135,10 +157,12 @@ pub(super) fn check_free(
 /// The files that a tree's levels may become.
 fn places(job: &Job<'_>) -> Vec<PathBuf> {
     let level = |k| job.place.join(format!("{}_LOD{k}.glb", job.name));
-    match job.layout {
+    let mut places: Vec<PathBuf> = match job.layout {
         Layout::Files => (0..MAX_LEVELS).map(level).collect(),
-        _ => vec![job.place.clone()],
-    }
+        Layout::Siblings | Layout::Msft => vec![job.place.clone()],
+    };
+    places.extend(job.companion.clone());
+    places
 }
 
 /// All files that may come of a tree.

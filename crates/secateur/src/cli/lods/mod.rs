@@ -1,6 +1,7 @@
 //! `secateur lods`: the chain of levels that an engine loads.
 
 mod dry_run;
+mod engine;
 mod finished;
 mod job;
 mod table;
@@ -10,11 +11,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{ErrorKind, Opening, PlacedLevel, Plant, Preset, WoodMode};
+use secateur::{ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_levels::chain::{ChainOptions, Textures};
 use secateur_model::{AlphaMode, Surface};
+use secateur_runtime::Screen;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -27,6 +29,8 @@ use super::record::{self, OfOriginal, Record, shown, shown_if};
 use super::streams::Outlet;
 use super::surroundings::{Surroundings, SurroundingsRecord};
 use super::{demo, interrupt, log, output, picture, streams};
+use engine::EngineLevels;
+pub(crate) use engine::EngineName;
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{check_free, check_outputs, jobs, outputs};
@@ -143,6 +147,11 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     if args.layout == Some(Layout::Files) {
         return Err(Failure::usage(
             "standard output takes one file: leave out `--layout files`",
+        ));
+    }
+    if args.for_engine.is_some() {
+        return Err(Failure::usage(
+            "standard output takes one file, and an engine needs more: name a folder",
         ));
     }
     let args = args::Lods {
@@ -364,8 +373,12 @@ fn make(
         made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
     let how = WriteOptions::default().overwrite(may_overwrite);
-    let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
+    let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
+    if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
+        stage_companion(&mut staged, engine, job, (&levels, options.screen), file)?;
+        written.files.push(file.clone());
+    }
     if let Some(file) = &args.preview {
         let page = levels.preview_html();
         let page = page.map_err(|error| Failure::of_plant(job.tree, error))?;
@@ -425,6 +438,27 @@ fn make(
     let record = Record::new("lods", record, &[], seconds).to_value();
     let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
     Ok((Done { record, pretty }, staged))
+}
+
+/// Writes what an engine needs beside the levels.
+fn stage_companion(
+    staged: &mut StagedFiles,
+    engine: EngineName,
+    job: &Job<'_>,
+    (levels, screen): (&Levels, Screen),
+    file: &Path,
+) -> Result<(), Failure> {
+    if let Some(folder) = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        let made = staged.make_folder(folder);
+        made.map_err(|e| Failure::of_file(folder, "cannot be made", &e))?;
+    }
+    let of_levels = job.place.file_name().unwrap_or_default().to_string_lossy();
+    let levels = EngineLevels::of(levels, screen.field_of_view_degrees);
+    let text = engine.text(&levels, &of_levels);
+    output::stage(staged, file, text.as_bytes())
 }
 
 /// Whether the alpha of a texture cuts anything out of what is drawn.
