@@ -10,7 +10,7 @@ fn plants_flow_through_pipes() {
     let bench = Bench::new();
     let few = "--ratio 0.5 --views 6 --resolution 64";
     let line = format!(
-        "\"$SECATEUR\" simplify oak.glb -o out.glb {few} && \
+        "\"$SECATEUR\" simplify oak.glb -o out.glb {few} -q && \
          \"$SECATEUR\" simplify - -o - {few} --report r.json < oak.glb > piped.glb && \
          \"$SECATEUR\" inspect - --format json < piped.glb > i.json && \
          \"$SECATEUR\" lods oak.glb -o lods.glb --levels 0.5 > lods.txt && \

@@ -25,7 +25,8 @@ async function asThree() {
   for (const root of json.scenes[json.scene ?? 0].nodes) scene.add(made(root));
   const lod = module.lodOf({ scene });
   const seen = [];
-  for (const distance of distances) {
+  // The first look is from near by: before it all levels are shown.
+  for (const distance of [0, ...distances]) {
     const camera = new PerspectiveCamera();
     camera.position.set(0, 0, distance);
     camera.updateMatrixWorld();
@@ -33,10 +34,12 @@ async function asThree() {
     lod.update(camera);
     seen.push(lod.levels.find(({ object }) => object.visible).object.name);
   }
-  return seen;
+  return seen.slice(1);
 }
 
 async function asBabylon() {
+  const { Logger } = await import("@babylonjs/core/Misc/logger.js");
+  Logger.LogLevels = Logger.NoneLogLevel;
   const { NullEngine } = await import("@babylonjs/core/Engines/nullEngine.js");
   const { Scene } = await import("@babylonjs/core/scene.js");
   const { FreeCamera } = await import("@babylonjs/core/Cameras/freeCamera.js");
