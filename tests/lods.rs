@@ -598,3 +598,53 @@ fn no_input_of_a_call_is_overwritten() {
     assert_eq!(bench.read("oak_LOD0.glb"), before);
     assert_eq!(bench.names(), ["oak.glb", "oak_LOD0.glb"]);
 }
+
+/// Levels are passed on with what is noted beside them: neither says in which folders they were made. The next call
+/// finds them all the same.
+#[test]
+fn files_name_no_folder_of_the_machine() {
+    let bench = Bench::new();
+    let [tree, folder, page, report] = ["oak.glb", "out", "page.html", "r.json"]
+        .map(|file| bench.path(file).display().to_string());
+    let call = [
+        "lods",
+        &tree,
+        "-o",
+        &folder,
+        "--levels",
+        "0.3",
+        "--preview",
+        &page,
+        "--report",
+        &report,
+    ];
+    bench.run(&call).succeeded();
+    let first = bench.json("r.json");
+    let machine = bench.path("").display().to_string();
+    let machine = machine.trim_end_matches('/');
+    for file in [
+        "out/oak_LOD0.glb",
+        "out/oak_LOD1.glb",
+        "out/.oak_lods.json",
+        "page.html",
+    ] {
+        let text = String::from_utf8_lossy(&bench.read(file)).into_owned();
+        assert!(!text.contains(machine), "{file}");
+    }
+    let again = bench.run(&call).succeeded();
+    assert!(
+        again.stdout.contains(&format!("{folder}/oak_LOD1.glb")),
+        "{}",
+        again.stdout
+    );
+    let kept = bench.json("r.json");
+    assert_eq!(kept["kept"], true);
+    for key in ["input", "files", "preview", "levels"] {
+        assert_eq!(kept[key], first[key], "{key}");
+    }
+    let level = bench.read("out/oak_LOD1.glb");
+    let root: Value = serde_json::from_slice(crate::glb::chunks(&level).0).unwrap();
+    let materials = root["materials"].as_array().unwrap();
+    let is_of_level = |material: &Value| material["name"].as_str().unwrap().ends_with("_LOD1");
+    assert!(materials.iter().all(is_of_level), "{materials:?}");
+}

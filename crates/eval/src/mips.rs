@@ -13,7 +13,8 @@ use std::sync::Arc;
 use glam::{Vec2, Vec4};
 use secateur_model::{Material, Mips, Surface, Texture};
 
-use crate::texel::{alpha_cutoff, blend_texels, color_of, is_whole, nearest_texel, srgb_byte};
+use crate::srgb_byte;
+use crate::texel::{alpha_cutoff, blend_texels, color_of, is_whole, nearest_texel};
 
 /// A texture and its mip levels.
 #[derive(Debug)]

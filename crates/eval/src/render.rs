@@ -15,7 +15,7 @@ use crate::Camera;
 use crate::lens::Lens;
 use crate::mips::{MipChains, MipSampler};
 use crate::shading::{Lighting, Spot};
-use crate::texel::srgb_byte;
+use crate::srgb_byte;
 use crate::visibility::{AlphaFrom, Culling, NOTHING, Visibility, outline, visibility};
 
 /// How a picture is drawn.

@@ -1,32 +1,9 @@
 //! Looks up texels as a sampler does: wraps, filters and mip levels.
 
-use std::sync::LazyLock;
-
 use glam::{Vec2, Vec3, Vec4};
 use secateur_model::{AlphaMode, Material, Texture, Wrap};
 
-static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let s = byte as f64 / 255.0;
-        let linear = if s <= 0.04045 {
-            s / 12.92
-        } else {
-            ((s + 0.055) / 1.055).powf(2.4)
-        };
-        linear as f32
-    })
-});
-
-/// A linear value of 0 to 1 as an sRGB byte (IEC 61966-2-1).
-pub(crate) fn srgb_byte(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let s = if linear <= 0.003_130_8 {
-        linear * 12.92
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    };
-    (s * 255.0 + 0.5) as u8
-}
+use crate::srgb::LINEAR_FROM_SRGB;
 
 /// The alpha below which a material is not there, or `None` where alpha does not
 /// matter. A picture without blending takes half-transparent for cut out.
@@ -228,13 +205,6 @@ mod tests {
     fn floor_is_floor() {
         for value in [-2.0f32, -1.5, -1.0, -0.25, -0.0, 0.0, 0.75, 1.0, 7.9] {
             assert_eq!(floor(value), value.floor() as i64, "{value}");
-        }
-    }
-
-    #[test]
-    fn bytes_survive_the_way_to_linear_and_back() {
-        for byte in 0..=255u8 {
-            assert_eq!(srgb_byte(LINEAR_FROM_SRGB[usize::from(byte)]), byte);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::level_names::{of_unnamed_material, without_level};
 use super::roles::Role;
 use super::selector::{Label, Labels};
 use super::{Document, Tree};
@@ -34,16 +35,20 @@ impl KnownRoles {
                 name: &look.name,
                 index: look.material,
             };
-            let is_named = !material.name.is_empty();
+            let in_levels = match (material.name, material.index) {
+                ("", Some(index)) => Some(of_unnamed_material(index)),
+                ("", None) => None,
+                (name, _) => Some(name.to_owned()),
+            };
             let material = material.to_string();
             let node = document.label("nodes", part.node).to_string();
             let add = |known: &mut Option<Role>| *known = known.filter(|role| *role == part.role);
             add(known
                 .of_parts
-                .entry([material.clone(), node])
+                .entry([material, node])
                 .or_insert(Some(part.role)));
             // Numbers of materials are those of one file.
-            if is_named {
+            if let Some(material) = in_levels {
                 if part.wood_pieces.is_some() {
                     known.mixed.insert(material.clone());
                 }
@@ -58,17 +63,19 @@ impl KnownRoles {
 
     /// Whether leaves of a material are known to have pieces of wood among them.
     pub(crate) fn is_mixed(&self, material: &str) -> bool {
-        self.mixed.contains(material)
+        self.mixed.contains(material) || self.mixed.contains(without_level(material))
     }
 
-    /// What a part with these labels is, where that is known.
+    /// What a part with these labels is, where that is known: by its own names, else by those without the number of
+    /// a level.
     pub(crate) fn role(&self, labels: Labels<'_>) -> Option<Role> {
-        let material = labels.material.to_string();
-        let of_parts = self
-            .of_parts
-            .get(&[material.clone(), labels.node.to_string()]);
-        let of_part = of_parts.copied().flatten();
-        of_part.or_else(|| self.of_materials.get(&material).copied().flatten())
+        let [material, node] = [labels.material, labels.node].map(|label| label.to_string());
+        let in_plant = without_level(&material).to_owned();
+        [material, in_plant].into_iter().find_map(|material| {
+            let of_part = self.of_parts.get(&[material.clone(), node.clone()]);
+            let of_part = of_part.copied().flatten();
+            of_part.or_else(|| self.of_materials.get(&material).copied().flatten())
+        })
     }
 }
 

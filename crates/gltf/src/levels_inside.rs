@@ -118,7 +118,9 @@ impl Document {
             }
             // `Oak` beside `Oak_LOD1` is the finest where there is no `Oak_LOD0`.
             for &node in &siblings {
+                let is_named = named.iter().any(|(other, _)| *other == node);
                 if let Some(number) = finest_of.get_mut(self.label("nodes", node).name)
+                    && !is_named
                     && *number > 0
                     && self.draws(node)
                 {

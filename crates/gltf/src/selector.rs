@@ -3,12 +3,15 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::level_names::without_level;
+
 /// Names what is foliage: parts by the name of their material, mesh or node.
 ///
 /// Written `material:NAME`, `mesh:NAME` or `node:NAME`, where `*` in the name
 /// stands for any text and `?` for any one character; case matters. Entries can
 /// also be named by their number in the file, as in `material:#1`; a primitive
-/// without material is `material:#none`. A node stands for the mesh it draws
+/// without material is `material:#none`. Names of a level count without its number too: `material:leaf` is
+/// `leaf_LOD1` as well. A node stands for the mesh it draws
 /// itself, not for its children. `all` is everything of the plant.
 ///
 /// ```
@@ -106,7 +109,10 @@ impl Selector {
             Self::Node(glob) => (glob, labels.node),
         };
         let number = Label { name: "", ..label };
-        glob_matches(glob, &label.to_string()) || *glob == number.to_string()
+        let name = label.to_string();
+        glob_matches(glob, &name)
+            || glob_matches(glob, without_level(&name))
+            || *glob == number.to_string()
     }
 
     /// The label of a part that this kind of selector looks at, as a selector.

@@ -17,6 +17,7 @@
 mod cutout;
 mod foliage;
 mod forest;
+mod hex;
 mod hold;
 mod leaf_id;
 mod lod;
@@ -34,6 +35,7 @@ mod surface;
 pub use cutout::{Cutout, Wrap};
 pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle};
 pub use forest::{CollapseIndex, Forest, Heirs, NoHeirs, Node, NodeIndex};
+pub use hex::hex;
 pub use hold::{Hold, PlantHolds};
 pub use leaf_id::LeafId;
 pub use lod::Lod;

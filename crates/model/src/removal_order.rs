@@ -251,7 +251,7 @@ impl RemovalOrder {
         for leaf in &self.removed {
             hash.update(leaf.get().to_le_bytes());
         }
-        hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+        crate::hex(&hash.finalize())
     }
 }
 

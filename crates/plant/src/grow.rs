@@ -323,7 +323,7 @@ mod tests {
                 hash.update(triangle.map(u32::to_le_bytes).as_flattened());
             }
         }
-        hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+        secateur_model::hex(&hash.finalize())
     }
 
     #[test]

@@ -62,6 +62,6 @@ impl AreaTable {
         for area_px in &self.area_px {
             hash.update(area_px.to_le_bytes());
         }
-        hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+        secateur_model::hex(&hash.finalize())
     }
 }

@@ -157,7 +157,7 @@ mod tests {
     use secateur_model::{Cutout, Random, RemovalOrder, Step, Wrap};
 
     use super::*;
-    use crate::rest::HeldBy;
+    use crate::hanging_leaves::HeldBy;
     use crate::{Options, Resolution, Target, simplify};
 
     /// A quad of this length and width, somewhere, and turned.

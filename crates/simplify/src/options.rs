@@ -7,7 +7,7 @@ use secateur_raster::{Engine, ViewSet};
 use serde::{Deserialize, Serialize};
 
 use crate::fit::{INFORMATION_OUTLINE_WEIGHT, MAX_OUTLINE_WEIGHT, Objective};
-use crate::rest::HeldBy;
+use crate::hanging_leaves::HeldBy;
 use crate::select::refuse;
 use crate::vds::ViewPlan;
 use crate::{

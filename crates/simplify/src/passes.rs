@@ -5,8 +5,8 @@ use rustc_hash::FxHashSet;
 use secateur_model::{Foliage, Growth, LeafId, Lod, RemovalOrder, Step};
 
 use crate::coarsen::Coarse;
+use crate::hanging_leaves::{HeldBy, push_removals};
 use crate::needles::{Needle, widened};
-use crate::rest::{HeldBy, push_removals};
 
 /// The outcome of each pass; together they make a LOD.
 #[derive(Clone, Debug)]

@@ -55,6 +55,13 @@ pub enum Progress {
         /// Steps to do at most.
         at_most: usize,
     },
+    /// The next level of a chain is sought; at the end all are found. The same one may be sought again after others.
+    Level {
+        /// Levels that were sought before it.
+        done: usize,
+        /// Levels to seek in all.
+        of: usize,
+    },
     /// An impostor is about to be baked or looked at, while a chain of levels is made; how many more there will be
     /// is not known.
     Impostor,

@@ -17,8 +17,8 @@ pub use keeping_wood::{simplify_keeping_wood, simplify_keeping_wood_sharing};
 pub use wood_mode::WoodMode;
 
 use crate::fill::is_met;
+use crate::hanging_leaves::HeldBy;
 use crate::observe::observe;
-use crate::rest::HeldBy;
 use crate::stage::Observer;
 use crate::wood::{Chosen, Parts, Wood, WoodBudget, hanging_on};
 use crate::{

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use secateur_raster::read_cameras;
 use secateur_simplify::vds::VdsOptions;
-use secateur_simplify::{FieldOfView, Fitting, Method, Options, Preset, Resolution, Target, Views};
+use secateur_simplify::{
+    Alpha, FieldOfView, Fitting, Method, Options, Preset, Resolution, Sides, Target, Views,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::flags::{TRIANGLES, flags};
@@ -225,8 +227,14 @@ impl Case {
     }
 
     pub(crate) fn solid_leaves(mut self) -> Self {
-        self.options.alpha = secateur_simplify::Alpha::Ignore;
+        self.options.alpha = Alpha::Ignore;
         self
+    }
+
+    /// Leaves as the paper has them: whole polygons, seen from both sides.
+    pub(crate) fn with_leaves_of_paper(mut self) -> Self {
+        self.options.sides = Sides::Both;
+        self.solid_leaves()
     }
 
     pub(crate) fn perturbed(mut self, perturbation: Perturbation) -> Self {

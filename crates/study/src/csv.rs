@@ -5,7 +5,7 @@ use crate::{COLUMNS, Column, DRAWN_COLUMNS, Row, Values};
 /// Rows as CSV: a line of names, a line each; no per-view values. Text that a spreadsheet would
 /// take for a formula has an apostrophe before it.
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with,max_area_scale,judged_by".to_owned();
+    let mut text = "tree,method,setting,change,seed,level,leaves_original,leaves_final,triangles_final,seconds,peak_rss_bytes,resolution,kept_overlap,overlap_with,max_area_scale,judged_by,judged_leaves".to_owned();
     for prefix in ["", "worst_"] {
         for column in COLUMNS.iter() {
             text += &format!(",{prefix}{}", column.key);
@@ -33,6 +33,7 @@ pub fn to_csv(rows: &[Row]) -> String {
             quoted(&row.overlap_with),
             row.max_area_scale.map_or(String::new(), |s| s.to_string()),
             row.judged_by.name().to_owned(),
+            row.judged_leaves.name().to_owned(),
         ];
         let cell = |values: &Values, column: &Column| {
             let value = values.get(column.key).copied().flatten();

@@ -2,14 +2,21 @@
 
 use secateur_eval::JudgingViews;
 
-use super::Row;
+use super::{JudgedLeaves, Row};
 
 /// Who judged the rows, in sentences.
 pub(crate) fn who_judged(rows: &[Row]) -> String {
     let by = |views| rows.iter().any(|row| row.judged_by == views);
     let held_out = "Judged by four sets of 12 held-out views (icosahedra, 3 radii away, 60 degrees, 512 x 512), none nearer than 10 degrees to a view of the sets that drive by default, each with a VMI of its own: values are means over the four, and beside them stands the worst.";
     let icosahedron = "one icosahedron of 12 views, the paper's, each 10.8 degrees from a driving view where a direction at random is 18: that flatters methods that are driven by views.";
-    match (by(JudgingViews::HeldOut), by(JudgingViews::Icosahedron)) {
+    let solid = rows
+        .iter()
+        .any(|row| row.judged_leaves == JudgedLeaves::Solid);
+    let leaves = match solid {
+        true => " Leaves are counted as whole polygons, seen from both sides, as they drive.",
+        false => "",
+    };
+    let views = match (by(JudgingViews::HeldOut), by(JudgingViews::Icosahedron)) {
         (true, false) => held_out.to_owned(),
         (true, true) => {
             let mut trees: Vec<&str> = Vec::new();
@@ -24,7 +31,8 @@ pub(crate) fn who_judged(rows: &[Row]) -> String {
             format!("{held_out} But {} by {icosahedron}", trees.join(", "))
         }
         _ => format!("Judged by {icosahedron}"),
-    }
+    };
+    format!("{views}{leaves}")
 }
 
 /// What stands beside the label of a method that the judging views drove.

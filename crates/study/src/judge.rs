@@ -14,7 +14,7 @@ use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_levels::{
     ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
 };
-use secateur_model::{Lod, Surface};
+use secateur_model::{Foliage, Lod, Surface};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn, values_of_original};
@@ -24,7 +24,7 @@ use crate::scenes::views_from;
 use crate::subject::Subject;
 use crate::survivor_bits::SurvivorBits;
 use crate::timed::Ran;
-use crate::{Error, Host, Identity, Row, StudyOptions, Values};
+use crate::{Error, Host, Identity, JudgedLeaves, Row, StudyOptions, Values};
 
 /// Large enough that a reader sees single leaves.
 const PICTURE_WIDTH: u32 = 420;
@@ -49,10 +49,11 @@ pub(crate) struct LevelJudge<'a> {
 }
 
 impl<'a> LevelJudge<'a> {
-    /// Draws the original, and writes its picture.
+    /// Draws the original, and writes its picture; `counted` is the tree's foliage as it is judged.
     pub(crate) fn new(
         subject: &'a Subject,
         tree: &'a Tree,
+        counted: &'a Foliage,
         identity: &'a Identity,
         options: &'a StudyOptions,
         host: &'a dyn Host,
@@ -91,7 +92,7 @@ impl<'a> LevelJudge<'a> {
             drawn,
             portrait: portrait(&surfaces, &camera),
             camera,
-            original: Original::new(tree.foliage(), judging)?,
+            original: Original::new(counted, judging)?,
         };
         for subfolder in ["pictures", "kept"] {
             make_folder(&folder.join(subfolder))?;
@@ -105,7 +106,14 @@ impl<'a> LevelJudge<'a> {
     pub(crate) fn row(&self, run: StudyRun<'_>, ran: &Ran) -> Result<Row, Error> {
         let StudyRun { case, seed, .. } = run;
         let foliage = self.tree.foliage();
-        let measured = self.original.measure_lod(&ran.lod);
+        let measured = match self.identity.judged_leaves {
+            JudgedLeaves::AsInFile => self.original.measure_lod(&ran.lod),
+            // What was made of a leaf is as solid as the leaf.
+            solid @ JudgedLeaves::Solid => {
+                let left = ran.lod.foliage(foliage);
+                self.original.measure(&solid.of(&left))
+            }
+        };
         let cutoffs = match ran.chooses_cutoffs {
             true => {
                 let chosen = choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?;
@@ -140,6 +148,7 @@ impl<'a> LevelJudge<'a> {
             level: ran.level,
             level_of: case.level_of(),
             judged_by: self.identity.judged_by,
+            judged_leaves: self.identity.judged_leaves,
             is_driven_by_judging_views: ran.driving.iter().any(judges_too),
             leaves_original: foliage.leaves().len() as u64,
             leaves_final: left.leaves().len() as u64,

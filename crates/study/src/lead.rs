@@ -2,7 +2,7 @@
 //! triangles by `measure` and as a client draws, and the information in VMI error.
 
 use crate::Row;
-use crate::beaten::{LISTED, compared, judged, rivals};
+use crate::better_rivals::{LISTED, compared, judged, rivals};
 use crate::columns::column;
 use crate::table::Table;
 use secateur_eval::measure::Direction;

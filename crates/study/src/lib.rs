@@ -12,7 +12,7 @@
 //! writing files, and facts of the machine.
 
 mod as_options;
-mod beaten;
+mod better_rivals;
 mod case;
 mod chart;
 mod columns;
@@ -31,6 +31,7 @@ mod held_out;
 mod host;
 mod job;
 mod judge;
+mod judged_leaves;
 mod lead;
 mod line_chart;
 mod lock;
@@ -69,6 +70,7 @@ pub use draw::DrawnFiles;
 pub use error::Error;
 pub use failure_case::FailureCase;
 pub use host::{Host, Provenance};
+pub use judged_leaves::JudgedLeaves;
 pub use pages::fill_tables;
 pub use perturb::Perturbation;
 pub use plan::Plan;

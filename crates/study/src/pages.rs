@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::as_options::as_options;
-use crate::beaten::{beaten_as_drawn, lost_cases};
+use crate::better_rivals::{beaten_as_drawn, lost_cases};
 use crate::columns::column;
 use crate::distances;
 use crate::format::percent;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{COLUMNS, Row, Study, groups, held_out, overlap, spread, summarise, triangle_levels};
-use crate::beaten::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
+use crate::better_rivals::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
 use crate::complete_cases::note_of;
 use crate::distances;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};

@@ -6,7 +6,7 @@ use secateur_eval::JudgingViews;
 use serde::{Deserialize, Serialize};
 
 use crate::older_rows;
-use crate::{LevelOf, Provenance, SeenFrom, WholeCounts};
+use crate::{JudgedLeaves, LevelOf, Provenance, SeenFrom, WholeCounts};
 
 /// Values by the keys of [`COLUMNS`](crate::COLUMNS); nothing where one is infinite.
 pub type Values = BTreeMap<String, Option<f64>>;
@@ -39,6 +39,9 @@ pub struct Row {
     /// Which views judged it. Older rows were judged by one icosahedron.
     #[serde(default = "one_icosahedron")]
     pub judged_by: JudgingViews,
+    /// As what its leaves were counted. Older rows were counted as the file has them.
+    #[serde(default)]
+    pub judged_leaves: JudgedLeaves,
     /// Whether some of the views that drove the method are among those that judge it.
     pub is_driven_by_judging_views: bool,
     /// Leaves of the original.
@@ -129,6 +132,8 @@ pub struct Identity {
     pub version: String,
     /// Which views judged it.
     pub judged_by: JudgingViews,
+    /// As what its leaves were counted.
+    pub judged_leaves: JudgedLeaves,
 }
 
 /// The key of a row: rows of one key are the same run.
@@ -155,12 +160,14 @@ impl Identity {
         tree_sha256: &str,
         provenance: &Provenance,
         judged_by: JudgingViews,
+        judged_leaves: JudgedLeaves,
     ) -> Self {
         Self {
             tree: tree.to_owned(),
             tree_sha256: Some(tree_sha256.to_owned()),
             version: provenance.version.clone(),
             judged_by,
+            judged_leaves,
         }
     }
 
@@ -203,6 +210,7 @@ impl Row {
             tree_sha256: self.tree_sha256.clone(),
             version: self.version.clone(),
             judged_by: self.judged_by,
+            judged_leaves: self.judged_leaves,
         }
     }
 
@@ -305,6 +313,7 @@ pub(crate) mod tests {
             level,
             level_of: LevelOf::Leaves,
             judged_by: JudgingViews::HeldOut,
+            judged_leaves: JudgedLeaves::AsInFile,
             is_driven_by_judging_views: false,
             leaves_original: 100,
             leaves_final: (100.0 * level) as u64,

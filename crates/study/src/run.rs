@@ -134,7 +134,13 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
         }
         subject.prepare(host)?;
         let sha256 = tree_sha256(&subject.path, options.memory)?;
-        let identity = Identity::new(&subject.name, &sha256, &provenance, subject.judged_by);
+        let identity = Identity::new(
+            &subject.name,
+            &sha256,
+            &provenance,
+            subject.judged_by,
+            subject.judged_leaves,
+        );
         todo.push(Todo {
             jobs: jobs(options, subject, &identity, &finished),
             whole_jobs: whole::jobs(options, subject, &identity, &finished, gltfpack.is_some()),
@@ -207,7 +213,8 @@ fn run_tree(
     }
     let selectors = todo.subject.selectors(&options.selectors);
     let tree = Tree::open_within(&todo.subject.path, selectors, options.memory)?;
-    let judge = LevelJudge::new(todo.subject, &tree, &todo.identity, options, host)?;
+    let counted = todo.subject.judged_leaves.of(tree.foliage());
+    let judge = LevelJudge::new(todo.subject, &tree, &counted, &todo.identity, options, host)?;
     for job in &todo.jobs {
         let case = job.run.case;
         host.working_on(&format!(

@@ -11,7 +11,7 @@ use crate::distances;
 use crate::files::make_folder;
 use crate::paper::{self, Model};
 use crate::scenes::{FailureScene, SCENES, near_cameras};
-use crate::{Case, Error, Host, Plan, StudyOptions, plan};
+use crate::{Case, Error, Host, JudgedLeaves, Plan, StudyOptions, plan};
 
 const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.01];
 /// Scenes have too few leaves for a hundredth of them.
@@ -25,6 +25,8 @@ pub(crate) struct Subject {
     pub(crate) cases: Vec<Case>,
     /// Which views judge it.
     pub(crate) judged_by: JudgingViews,
+    /// As what its leaves are judged.
+    pub(crate) judged_leaves: JudgedLeaves,
     /// The distance of the judging views in radii, if it is not the usual one.
     pub(crate) judged_from_radii: Option<f64>,
     /// Whether it is studied as a whole plant too.
@@ -49,9 +51,10 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
     let mut subjects = Vec::new();
     // Where nothing else is asked for, the paper's plan alone is judged as the paper judges.
     let views_or = |of_plan| options.views.unwrap_or(of_plan);
-    let of_user = match options.cases.is_empty() && options.plans == [Plan::Paper] {
-        true => JudgingViews::Icosahedron,
-        false => JudgingViews::HeldOut,
+    let (of_user, leaves_of_user) = match options.cases.is_empty() && options.plans == [Plan::Paper]
+    {
+        true => (JudgingViews::Icosahedron, JudgedLeaves::Solid),
+        false => (JudgingViews::HeldOut, JudgedLeaves::AsInFile),
     };
     let has = |plan: Plan| options.cases.is_empty() && options.plans.contains(&plan);
     let cases_of = |knows_branches| match options.cases.is_empty() {
@@ -78,6 +81,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 false => cases.clone(),
             },
             judged_by: views_or(of_user),
+            judged_leaves: leaves_of_user,
             judged_from_radii: None,
             is_seen_whole: has(Plan::Whole),
             is_seen_from_distances: has(Plan::Scene),
@@ -93,6 +97,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 cases: (scene.cases)(&cameras_beside(&path)),
                 path,
                 judged_by: views_or(JudgingViews::HeldOut),
+                judged_leaves: JudgedLeaves::AsInFile,
                 judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
                 is_seen_whole: false,
                 is_seen_from_distances: false,
@@ -111,6 +116,7 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
                 name: model.tree(),
                 cases,
                 judged_by: views_or(JudgingViews::Icosahedron),
+                judged_leaves: JudgedLeaves::Solid,
                 judged_from_radii: None,
                 is_seen_whole: false,
                 is_seen_from_distances: false,

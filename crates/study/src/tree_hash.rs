@@ -25,6 +25,5 @@ pub fn tree_sha256(path: &Path, memory: Memory) -> Result<String, Error> {
     for file in files.iter().filter(|file| file.is_file()) {
         hasher.update(read(file)?);
     }
-    let digest = hasher.finalize();
-    Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(secateur_model::hex(&hasher.finalize()))
 }

@@ -1,7 +1,7 @@
 //! What a client shows of trees as they are, beside what it shows of their levels: how much of a level's
 //! error and of its flicker the tree has itself.
 
-use crate::beaten::LISTED;
+use crate::better_rivals::LISTED;
 use crate::columns::column;
 use crate::format::percent;
 use crate::table::Table;

@@ -2,6 +2,8 @@
 
 use image::RgbaImage;
 
+use crate::LINEAR_FROM_SRGB;
+
 /// The exponent of colour differences.
 const COLOR_EXPONENT: f32 = 0.7;
 /// Colour differences up to this share of the largest make up [`MOST_OF_SMALL`] of the range.
@@ -77,17 +79,9 @@ pub(super) struct Colors {
 
 impl Colors {
     pub(super) fn new() -> Self {
-        let linear = |byte: usize| {
-            let s = byte as f64 / 255.0;
-            let linear = match s <= 0.04045 {
-                true => s / 12.92,
-                false => ((s + 0.055) / 1.055).powf(2.4),
-            };
-            linear as f32
-        };
         let inverse = glam::DMat3::from_cols_array_2d(&XYZ_FROM_RGB).inverse();
         Self {
-            linear: std::array::from_fn(linear),
+            linear: *LINEAR_FROM_SRGB,
             xyz_from_rgb: XYZ_FROM_RGB.map(|row| row.map(|x| x as f32)),
             rgb_from_xyz: inverse.to_cols_array_2d().map(|row| row.map(|x| x as f32)),
             white: XYZ_FROM_RGB.map(|row| row.iter().sum::<f64>() as f32),

@@ -91,7 +91,7 @@ mod tests {
     use image::{Rgba, RgbaImage};
 
     use super::*;
-    use crate::texel::srgb_byte;
+    use crate::srgb_byte;
 
     /// A disc and a bar that do not quite fill their pixels, in greens of 0 to 1.
     fn plant(shift: f32) -> (Vec<[f32; 3]>, Vec<f32>) {

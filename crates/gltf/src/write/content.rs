@@ -95,6 +95,7 @@ pub(super) fn finished(
     triangles: u64,
 ) -> Result<Content, Fault> {
     let document = draft.document;
+    sign(&mut draft.root);
     let partly_used = drop_unreferenced(&mut draft, before);
 
     let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
@@ -118,6 +119,26 @@ pub(super) fn finished(
         root: draft.root,
         buffer,
     })
+}
+
+/// Says that this program wrote the file; what said so before stays in the extras of `asset`.
+fn sign(root: &mut Value) {
+    const OURS: &str = "secateur";
+    let asset = &mut root["asset"];
+    let before = asset.get("generator").and_then(Value::as_str);
+    let before = before
+        .filter(|tool| !tool.starts_with(OURS))
+        .map(str::to_owned);
+    if let Some(before) = before {
+        if asset.get("extras").is_none() {
+            asset["extras"] = json!({});
+        }
+        // Extras that are no object are somebody's own.
+        if let Some(extras) = asset["extras"].as_object_mut() {
+            extras.insert("generator".into(), before.into());
+        }
+    }
+    asset["generator"] = format!("{OURS} {}", env!("CARGO_PKG_VERSION")).into();
 }
 
 /// Views that were compressed are written as they are without compression.

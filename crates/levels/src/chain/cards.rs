@@ -6,12 +6,12 @@ use super::card_cutoffs::Covering;
 use super::error::ChainError;
 use super::impostors::PlacedImpostor;
 use super::level::ImpostorLevel;
+use super::level_choice::MOST_OF_BEFORE;
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::LevelPicture;
 use super::maker::{Made, Maker};
 use super::placed::Placed;
 use super::textures::{Client, end_of};
-use super::which::MOST_OF_BEFORE;
 use crate::impostor::fewest_cards::{self, Found, Search};
 use crate::impostor::{Impostor, poll};
 

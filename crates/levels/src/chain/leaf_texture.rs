@@ -9,11 +9,10 @@
 use std::borrow::Cow;
 
 use glam::{Vec2, Vec3};
-use secateur_eval::{FourTexels, color_of, sample_alpha};
+use secateur_eval::{FourTexels, color_of, sample_alpha, srgb_byte};
 use secateur_model::{Filters, Mips, Surface, Texture, Wrap};
 
 use crate::dilate::dilated;
-use crate::impostor::srgb_byte;
 
 /// Points of triangles at which masks are compared.
 const SAMPLES: usize = 1 << 15;

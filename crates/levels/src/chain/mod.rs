@@ -2,37 +2,38 @@
 
 mod card_cutoffs;
 mod cards;
-mod ending;
 mod error;
 mod fitted_textures;
+mod impostor_ending;
 mod impostors;
 mod ladder;
 mod leaf_texture;
 mod level;
 mod level_as_drawn;
+mod level_choice;
 mod level_report;
 mod level_surfaces;
 mod look;
 mod maker;
-mod nearer;
-mod opaque;
 mod options;
 mod placed;
 mod scene_look;
+mod seen_from_nearer;
 mod stands;
 #[cfg(test)]
 mod tests;
 mod texture_bytes;
 mod textures;
-mod which;
+mod uncut_leaves;
 
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
-use secateur_simplify::{Observer, sphere_of};
+use secateur_simplify::{Observer, Progress, sphere_of};
 
 pub use error::{BadOptions, ChainError};
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_as_drawn::LevelAsDrawn;
+use level_choice::{asked, lightest};
 pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
 pub use level_surfaces::show;
 use maker::Maker;
@@ -40,7 +41,6 @@ pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFEREN
 pub use scene_look::SceneLook;
 pub use texture_bytes::texture_bytes;
 pub use textures::Textures;
-use which::{asked, lightest};
 
 /// Makes a chain of a tree.
 ///
@@ -64,6 +64,7 @@ pub fn chain(
             lightest(&maker, &client, &mut notes, observer)?
         }
     };
+    Progress::Level { done: 1, of: 1 }.tell(observer)?;
     let impostors = maker.impostors(&placed, &client, &mut notes, observer)?;
     let mut levels = maker.ending(placed, impostors, &client, &mut notes, observer)?;
     match (options.original, levels.len()) {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
+use secateur_eval::srgb_byte;
 use secateur_model::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Texture, Wrap};
 
 use super::cell::Cell;
@@ -114,16 +115,6 @@ pub(super) fn material(
             ..Finish::default()
         },
     }
-}
-
-/// A linear value of 0 to 1 as an sRGB byte (IEC 61966-2-1).
-pub(crate) fn srgb_byte(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let s = match linear <= 0.003_130_8 {
-        true => linear * 12.92,
-        false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
-    };
-    (s * 255.0).round() as u8
 }
 
 /// -1 to 1 as 0 to 255.

@@ -24,7 +24,6 @@ use secateur_model::{AlphaMode, Mips, Surface};
 use secateur_simplify::{Error, Observer, Progress};
 use serde_json::{Map, Value, json};
 
-pub(crate) use atlas::srgb_byte;
 use atlas::{Atlas, BORDER, halved_normals};
 use cards::{Baked, Cards};
 use crossed::Planes;

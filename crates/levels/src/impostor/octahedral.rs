@@ -8,15 +8,14 @@
 
 use std::array;
 use std::borrow::Borrow;
-use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
-use secateur_eval::ParallelView;
+use secateur_eval::{LINEAR_FROM_SRGB, ParallelView, srgb_byte};
 use secateur_model::{Mips, Surface};
 
 pub use super::atlas::BORDER;
-use super::atlas::{Atlas, direction_byte, material, srgb_byte};
+use super::atlas::{Atlas, direction_byte, material};
 use super::cell::bake;
 pub use super::coverage::CUTOFF;
 use super::quads::Quads;
@@ -115,16 +114,6 @@ pub(super) fn bake_views<S: Borrow<Surface> + Sync>(
     }
 }
 
-static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    array::from_fn(|byte| {
-        let s = byte as f32 / 255.0;
-        match s <= 0.04045 {
-            true => s / 12.92,
-            false => ((s + 0.055) / 1.055).powf(2.4),
-        }
-    })
-});
-
 impl Octahedral {
     pub(super) fn new(centre: DVec3, radius: f64, cell: u32, atlas: Atlas) -> Self {
         Self {
@@ -196,7 +185,7 @@ impl Octahedral {
             let x = across * self.cell + (low.x as u32 + dx).min(self.cell - 1);
             let y = down * self.cell + (low.y as u32 + dy).min(self.cell - 1);
             let at = 4 * (y as usize * self.size as usize + x as usize);
-            let [r, g, b] = array::from_fn(|k| LINEAR[usize::from(self.rgba[at + k])]);
+            let [r, g, b] = array::from_fn(|k| LINEAR_FROM_SRGB[usize::from(self.rgba[at + k])]);
             color += Vec4::new(r, g, b, f32::from(self.rgba[at + 3]) / 255.0) * weight;
             let n: [f32; 3] = array::from_fn(|k| f32::from(self.normals[at + k]) / 127.5 - 1.0);
             normal += Vec3::from_array(n) * weight;

@@ -4,12 +4,11 @@ use std::array;
 use std::borrow::Borrow;
 
 use glam::{DVec3, Vec3};
-use secateur_eval::{ParallelView, SeenTexel, seen_along};
+use secateur_eval::{ParallelView, SeenTexel, seen_along, srgb_byte};
 use secateur_model::Surface;
 
 use super::OrientedBox;
 use crate::dilate::dilated;
-use crate::impostor::srgb_byte;
 
 /// Two through each pair of opposite edges along each of three axes.
 pub const PLANES: usize = 6;

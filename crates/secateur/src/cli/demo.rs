@@ -53,7 +53,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     interrupt::check()?;
 
     let options = chain_options(args);
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, "demo");
     let levels = timed(&mut stages, "levels", || {
         Ok(opened.levels_watched(&options, &mut |p| progress_bar.show(p))?)
     })?;

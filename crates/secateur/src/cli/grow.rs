@@ -251,6 +251,5 @@ fn extent_m(plant: &GrownPlant) -> DVec3 {
 }
 
 fn sha256(bytes: &[u8]) -> String {
-    let hash = Sha256::digest(bytes);
-    hash.iter().map(|b| format!("{b:02x}")).collect()
+    secateur_model::hex(&Sha256::digest(bytes))
 }

@@ -235,7 +235,7 @@ fn level(
     args: &args::Simplify,
     common: &Common,
 ) -> Result<Level, Failure> {
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, &args.tree.display().to_string());
     let options = level_options(args, options.clone());
     let level = plant.level_watched(&options, &mut |progress| {
         if let Progress::Stage(_) = progress {

@@ -18,7 +18,7 @@ use serde_json::json;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::not_sent::not_sent;
+use super::left_out_of_stream::not_sent;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{Bytes, Counts, Record, bytes_of, shown_if};
@@ -214,7 +214,7 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
         options.method = Method::Chain(ChainOptions::default());
         options.skeleton = tree.skeleton()?.map(Arc::new);
     }
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, &args.input.display().to_string());
     let result = simplify_with(tree.foliage(), &options, &mut |p| progress_bar.show(p));
     let result = result.map_err(Failure::about(&args.input))?;
     drop(progress_bar);

@@ -2,8 +2,8 @@
 //! every plant, and impostors beside meshes of as many triangles.
 
 mod charts;
+mod drawn_levels;
 mod judge;
-mod made;
 mod table;
 
 use secateur_gltf::WholeTree;
@@ -18,8 +18,8 @@ use crate::subject::Subject;
 use crate::{Error, Host, Identity, LevelOf, Row, RowKey, StudyOptions, Values};
 
 pub(crate) use charts::charts;
+use drawn_levels::{LevelSet, Maker};
 use judge::{DistanceJudge, Place};
-use made::{LevelSet, Maker};
 pub(crate) use table::{WHAT_IS_COMPARED, tables, walks};
 
 /// The walk that is made if the user names none, away from a plant along a straight line: where levels may
@@ -145,7 +145,7 @@ fn joined(numbers: &[f64]) -> String {
 /// Whether there can be levels for the distances and of the shares that are asked for.
 pub(crate) fn check(options: &StudyOptions) -> Result<(), Error> {
     let plan = WalkPlan::of(options);
-    made::check(&plan.distances_m, &plan.shares)
+    drawn_levels::check(&plan.distances_m, &plan.shares)
 }
 
 /// Whether rows of a tree at the distances are missing. There may be no mesh as light as an impostor.
@@ -261,6 +261,7 @@ impl Walk<'_> {
             level: NO_LEVEL,
             level_of: LevelOf::Triangles,
             judged_by: identity.judged_by,
+            judged_leaves: crate::JudgedLeaves::AsInFile,
             // Only default views drive.
             is_driven_by_judging_views: false,
             leaves_original: leaves.leaves().len() as u64,

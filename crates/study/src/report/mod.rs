@@ -16,7 +16,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::{COLUMNS, FailureCase, Paper, Row, held_out};
-use crate::beaten::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
+use crate::better_rivals::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
 use crate::chart::escaped;
 use crate::complete_cases::{note_of, take_out_partial};
 use crate::dominance::{WHAT_IS_COUNTED, dominance};

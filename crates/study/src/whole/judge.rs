@@ -94,6 +94,7 @@ impl<'a> PlantJudge<'a> {
             level: job.level,
             level_of: LevelOf::Triangles,
             judged_by: self.identity.judged_by,
+            judged_leaves: crate::JudgedLeaves::AsInFile,
             // Only default views drive.
             is_driven_by_judging_views: false,
             leaves_original: self.leaves_original,

@@ -6,9 +6,10 @@
 
 mod cards_apart;
 mod deduplicate;
-mod made;
 mod materials;
 mod merged;
+mod mesh_levels;
+mod names;
 mod node_trees;
 mod on_disk;
 mod one_mesh;
@@ -38,6 +39,7 @@ use super::skeleton::{drop_skeleton, rewrite_skeleton};
 use crate::chain_problem::{ChainProblem, MAX_LEVELS};
 use crate::container::glb_bytes;
 use crate::error::{Fault, GltfError, Problem};
+use crate::level_names::with_level;
 use crate::tree::Tree;
 use crate::write_problem::WriteProblem;
 use secateur_model::{Lod, Surface, Texture};
@@ -86,6 +88,8 @@ pub struct Level<'a> {
     pub content: LevelContent<'a>,
     /// What its node, its mesh and, in the layout of files, its file are called.
     pub name: String,
+    /// Its number in the chain, 0 being the finest: materials and images of its own are called after it.
+    pub number: usize,
     /// Plain facts for the `extras` of its node.
     ///
     /// [`Layout::Msft`] needs one of them, the number `screen_coverage`: the
@@ -103,7 +107,8 @@ impl<'a> Level<'a> {
     pub fn new(chain: &str, number: usize, lod: &'a Lod, facts: Map<String, Value>) -> Self {
         Self {
             content: LevelContent::Tree(lod),
-            name: format!("{chain}_LOD{number}"),
+            name: with_level(chain, number),
+            number,
             facts,
             textures: &[],
         }
@@ -118,7 +123,8 @@ impl<'a> Level<'a> {
     ) -> Self {
         Self {
             content: LevelContent::Surface(surface),
-            name: format!("{chain}_LOD{number}"),
+            name: with_level(chain, number),
+            number,
             facts,
             textures: &[],
         }
@@ -165,7 +171,8 @@ impl Tree {
     /// siblings, stands there too, and its mesh is about the tree's own pivot. Where that cannot be, since the tree is animated, instanced or
     /// has several skins, a level is a node that holds a copy of the node tree,
     /// and a note says so. Materials, textures, images and skins are there once
-    /// for each file. The facts of a level are in its node's `extras`, with the
+    /// for each file; what one level alone shows is called after it, `leaves_LOD1`, unless the level is the plant as
+    /// it is. The facts of a level are in its node's `extras`, with the
     /// extras of the nodes that it takes the place of. Images in files of their
     /// own stay there. The same input gives the same bytes.
     ///
@@ -267,7 +274,7 @@ fn content(
         && let LevelContent::Surface(surface) = level.content
     {
         let pivot = placement::placement(tree);
-        return made::alone(&tree.document, level, surface, pivot);
+        return mesh_levels::alone(&tree.document, level, surface, pivot);
     }
     let mut draft = Draft::new(&tree.document);
     let before = References::of(&mut draft.root);
@@ -290,6 +297,8 @@ fn content(
     nodes.needless.extend(left_out);
     let copies = cards_apart::clear_levels(&mut draft, tree, levels, &nodes.levels)?;
     retexture::retexture(&mut draft, levels, &nodes.levels, &copies);
+    let beside = [&nodes.with_tree[..], &nodes.others].concat();
+    names::name_levels(&mut draft, levels, &nodes.levels, &beside);
     scene::arrange(&mut draft, name, levels, layout, nodes);
     drop_undrawn_meshes(&mut draft);
     match layout {

@@ -12,7 +12,7 @@ use super::super::references::{as_index, items, len};
 use super::super::single_leaf_mesh::animated_and_joint_nodes;
 use super::placement::{move_node, placement};
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
-use super::{Level, LevelContent, made};
+use super::{Level, LevelContent, mesh_levels};
 use crate::error::Fault;
 use crate::roles::nodes_without_plant;
 use crate::tree::Tree;
@@ -40,7 +40,7 @@ pub(super) fn build(draft: &mut Draft, tree: &Tree, levels: &[Level]) -> Result<
         let lod = match level.content {
             LevelContent::Tree(lod) => lod,
             LevelContent::Surface(surface) => {
-                level_nodes.push(made::push_node(draft, level, surface, pivot));
+                level_nodes.push(mesh_levels::push_node(draft, level, surface, pivot));
                 if let Some(lists) = &mut lists {
                     *lists = ["nodes", "meshes"].map(|list| draft.root[list].clone());
                 }

@@ -17,7 +17,7 @@ use super::placement::placement;
 use super::plan::OneMesh;
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::vertices::Baker;
-use super::{Level, LevelContent, made, others};
+use super::{Level, LevelContent, mesh_levels, others};
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
 use crate::parts::Part;
@@ -86,7 +86,7 @@ pub(super) fn build(
     let mut nodes = Vec::new();
     for (level, mesh) in levels.iter().zip(meshes) {
         if let LevelContent::Surface(surface) = level.content {
-            nodes.push(made::push_node(draft, level, surface, pivot));
+            nodes.push(mesh_levels::push_node(draft, level, surface, pivot));
             continue;
         }
         let mut node = json!({"name": level.name});

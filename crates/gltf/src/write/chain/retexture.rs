@@ -105,11 +105,18 @@ fn push_texture(
 ) -> usize {
     let mut fields = draft.root["textures"][old].clone();
     let own_sources = sources(&fields);
+    let image_of = |image: &usize| draft.root["images"].get(*image);
+    let name = own_sources
+        .iter()
+        .find_map(|image| image_of(image)?.get("name").cloned());
     let all_sources = textures_of(&draft.root).flat_map(sources);
     let all_sources: Vec<usize> = all_sources.collect();
     let is_last = |&image: &usize| all_sources.iter().filter(|other| **other == image).count() == 1;
     let old_image = sources(&fields).into_iter().find(is_last);
     let source = images.put(draft, &own.texture, old_image.filter(|_| is_alone));
+    if let (Some(name), None) = (name, draft.root["images"][source].get("name")) {
+        draft.root["images"][source]["name"] = name;
+    }
     fields["source"] = source.into();
     // A copy in another format would show the texture as it was.
     remove_field(&mut fields, "extensions");

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::fixture::{Fixture, read};
-use super::made::beyond_its_corners;
+use super::new_leaves::beyond_its_corners;
 use super::validator::assert_valid;
 use super::{encodings, every_encoding::one_gone_one_grown};
 use crate::chain::{Layout, Level, LevelTexture};

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fixture::read;
-use super::made::beyond_its_corners;
+use super::new_leaves::beyond_its_corners;
 use super::{encodings, every_encoding::one_gone_one_grown};
 use crate::Cutoffs;
 

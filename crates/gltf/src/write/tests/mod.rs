@@ -19,7 +19,7 @@ mod images;
 mod left_on_disk;
 mod levels_inside;
 mod lod_document;
-mod made;
+mod new_leaves;
 mod on_disk;
 mod particulars;
 mod real_trees;

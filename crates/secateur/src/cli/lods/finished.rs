@@ -16,7 +16,8 @@ use super::super::record::SCHEMA_VERSION;
 use super::super::streams::{is_stream, stdin};
 use super::super::{machine, output};
 use super::job::Job;
-use super::wanted::options;
+use super::level_options::options;
+use super::nameless;
 
 /// The levels of a tree as an earlier call left them.
 #[derive(Debug, Deserialize, Serialize)]
@@ -28,10 +29,11 @@ pub(super) struct Finished {
     pub(super) pretty: String,
 }
 
-/// A file of the levels; in the folder of the levels it goes by its name alone.
+/// A file of the levels; in the folder of the levels it goes by its name alone, and the page, where it is not there,
+/// without a name.
 #[derive(Debug, Deserialize, Serialize)]
 struct Known {
-    file: PathBuf,
+    file: Option<PathBuf>,
     sha256: String,
 }
 
@@ -72,7 +74,8 @@ impl Finished {
     /// What a call of the same key left of a tree, finished or not; nothing if there was none.
     pub(super) fn of(args: &args::Lods, job: &Job<'_>, key: &str) -> Option<Self> {
         let text = fs::read(note(args, job)?).ok()?;
-        let found: Self = serde_json::from_slice(&text).ok()?;
+        let mut found: Self = serde_json::from_slice(&text).ok()?;
+        nameless::named(&mut found.record, &mut found.pretty, args, job);
         (found.key == key).then_some(found)
     }
 
@@ -83,7 +86,7 @@ impl Finished {
 
     /// Whether this is a file that the call wrote, and nobody changed.
     pub(super) fn wrote(&self, args: &args::Lods, file: &Path) -> bool {
-        let is_it = |known: &&Known| args.output.join(&known.file) == file;
+        let is_it = |known: &&Known| known.place(args).is_some_and(|place| place == file);
         let known = self.files.iter().find(is_it);
         known.is_some_and(|known| known.is_there(args))
     }
@@ -91,9 +94,15 @@ impl Finished {
 
 impl Known {
     fn is_there(&self, args: &args::Lods) -> bool {
-        // A path that is not in the folder stays as it is only if it is absolute.
-        let place = args.output.join(&self.file);
-        fs::read(place).is_ok_and(|bytes| hex(&Sha256::digest(bytes)) == self.sha256)
+        let bytes = self.place(args).and_then(|place| fs::read(place).ok());
+        bytes.is_some_and(|bytes| hex(&Sha256::digest(bytes)) == self.sha256)
+    }
+
+    fn place(&self, args: &args::Lods) -> Option<PathBuf> {
+        match &self.file {
+            Some(file) => Some(args.output.join(file)),
+            None => args.preview.clone(),
+        }
     }
 }
 
@@ -113,23 +122,21 @@ pub(super) fn noted(
     for (place, temporary) in files.pending() {
         let bytes =
             fs::read(temporary).map_err(|e| Failure::of_file(place, "cannot be read", &e))?;
-        let in_folder = place.strip_prefix(&args.output).map(Path::to_owned);
+        let in_folder = place.strip_prefix(&args.output);
         known.push(Known {
-            file: match in_folder {
-                Ok(file) => file,
-                Err(_) => std::path::absolute(place).unwrap_or_else(|_| place.to_owned()),
-            },
+            file: in_folder.ok().map(Path::to_owned),
             sha256: hex(&Sha256::digest(bytes)),
         });
     }
     let (record, pretty) = made;
-    let finished = Finished {
+    let mut finished = Finished {
         schema_version: SCHEMA_VERSION,
         key,
         files: known,
         record: record.clone(),
         pretty: pretty.to_owned(),
     };
+    nameless::nameless(&mut finished.record, &mut finished.pretty, args, job);
     let text = serde_json::to_string_pretty(&finished).expect("values of JSON");
     let mut all = StagedFiles::new();
     output::stage(&mut all, &place, format!("{text}\n").as_bytes())?;

@@ -4,8 +4,9 @@ mod dry_run;
 mod engine;
 mod finished;
 mod job;
+mod level_options;
+mod nameless;
 mod table;
-mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -34,9 +35,9 @@ pub(crate) use engine::EngineName;
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{check_free, check_outputs, jobs, outputs};
+use level_options::options;
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
-use wanted::options;
 
 /// The levels of a plant.
 #[derive(Serialize, JsonSchema)]
@@ -355,7 +356,7 @@ fn make(
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
-    let progress_bar = RunProgress::new(common);
+    let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
         .map_err(|error| Failure::of_plant(job.tree, error))?

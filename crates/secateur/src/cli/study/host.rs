@@ -24,7 +24,7 @@ impl Program {
         };
         let bar = ProgressBar::with_draw_target(None, target);
         let style =
-            ProgressStyle::with_template("{wide_msg} {bar:30} {pos}/{len} rows, {eta} left");
+            ProgressStyle::with_template("{wide_msg} {bar:30} {pos}/{len} rows after {elapsed}");
         if let Ok(style) = style {
             bar.set_style(style);
         }

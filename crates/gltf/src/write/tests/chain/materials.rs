@@ -160,6 +160,7 @@ fn levels_have_textures_of_their_own() {
                 let mut material = document.root["materials"][number].clone();
                 let index = &mut material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
                 *index = 0.into();
+                material["name"] = original["name"].clone();
                 assert_eq!(material, *original, "{what}");
                 images = document.root["images"].as_array().unwrap().len();
                 if layout == Layout::Files {
@@ -189,4 +190,54 @@ fn levels_have_textures_of_their_own() {
     }
     assert_valid(&files);
     assert_eq!(warnings(&files), [""; 0]);
+}
+
+/// Importers that file materials and images by their names find those of each level: no two levels show another
+/// thing of the same name, nothing that levels share is renamed, and the plant as it is keeps its names.
+#[test]
+fn what_a_level_shows_alone_is_called_after_it() {
+    let mut fixture = encodings::textured();
+    fixture.root["images"][0]["name"] = "foliage".into();
+    fixture.root["textures"][0]["name"] = "crown".into();
+    fixture.root["materials"][0]
+        .as_object_mut()
+        .unwrap()
+        .remove("name");
+    let tree = fixture.tree();
+    let all = tree.foliage.leaves().len();
+    let mut coarse = Lod::original(all);
+    coarse.remove(secateur_model::LeafId::from_index(0));
+    let lods = [Lod::original(all), coarse.clone(), coarse];
+    let own = [own_texture([10, 200, 30, 255], Mips::None)];
+    for layout in LAYOUTS {
+        let mut levels = levels(&lods);
+        levels[2].textures = &own;
+        let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+        for number in 0..levels.len() {
+            let is_files = layout == Layout::Files;
+            let document = document(&chain, if is_files { number } else { 0 });
+            let root = &document.root;
+            let material = &root["materials"][leaf_material(&document, number)];
+            let texture = &material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
+            let texture = &root["textures"][texture.as_u64().unwrap() as usize];
+            let image = &root["images"][texture["source"].as_u64().unwrap() as usize];
+            let is_own = number == 2 || (is_files && number > 0);
+            let suffix = if is_own {
+                format!("_LOD{number}")
+            } else {
+                String::new()
+            };
+            let found =
+                [material, texture, image].map(|entry| entry["name"].as_str().unwrap_or_default());
+            let before = ["leaf", "crown", "foliage"].map(|name| format!("{name}{suffix}"));
+            assert_eq!(found, before, "{layout:?} {number}");
+            let bark = root["materials"][0].get("name");
+            let expected = (is_files && number > 0).then(|| format!("material0_LOD{number}"));
+            assert_eq!(
+                bark.and_then(Value::as_str),
+                expected.as_deref(),
+                "{layout:?} {number}"
+            );
+        }
+    }
 }

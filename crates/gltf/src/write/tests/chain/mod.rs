@@ -26,6 +26,7 @@ use super::fixture::{square_indices, squares};
 use super::validator::assert_valid;
 use crate::chain::{ChainFile, ChainFiles, ChainProblem, Layout, Level, LevelTexture};
 use crate::error::Problem;
+use crate::level_names::{of_unnamed_material, without_level};
 use crate::{Detail, Document, Tree, WriteOptions};
 use secateur_model::{
     AlphaMode, Filters, Finish, Foliage, LeafId, Lod, Material, Mips, NormalMap, Surface, Texture,
@@ -236,10 +237,26 @@ fn all() -> Vec<(&'static str, Fixture)> {
     all
 }
 
+/// A list of a file, with the names that its entries have in the plant.
+fn named_as_in_plant(root: &Value, list: &str) -> Vec<Value> {
+    let entries = root.get(list).and_then(Value::as_array);
+    let mut entries = entries.cloned().unwrap_or_default();
+    for (number, entry) in entries.iter_mut().enumerate() {
+        let name = entry.get("name").and_then(Value::as_str);
+        match name.map(|name| without_level(name).to_owned()) {
+            Some(name) if name != of_unnamed_material(number) => entry["name"] = name.into(),
+            Some(_) => drop(entry.as_object_mut().unwrap().remove("name")),
+            None => {}
+        }
+    }
+    entries
+}
+
 /// What the levels share is there once, as it was.
 fn assert_shared(before: &Value, after: &Value, what: &str) {
     for list in ["materials", "textures", "samplers", "cameras"] {
-        assert_eq!(before.get(list), after.get(list), "{what}: {list}");
+        let [before, after] = [before, after].map(|root| named_as_in_plant(root, list));
+        assert_eq!(before, after, "{what}: {list}");
     }
     for list in ["images", "skins", "animations"] {
         let count = |root: &Value| root.get(list).and_then(Value::as_array).map(Vec::len);

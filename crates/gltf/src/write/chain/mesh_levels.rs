@@ -141,11 +141,11 @@ fn push_material(draft: &mut Draft, name: &str, material: &Material) -> usize {
         "roughnessFactor": material.finish.roughness,
     });
     if let Some(texture) = &material.texture {
-        pbr["baseColorTexture"] = json!({"index": push_texture(draft, texture)});
+        pbr["baseColorTexture"] = json!({"index": push_texture(draft, name, texture)});
     }
     let mut fields = json!({"name": name, "pbrMetallicRoughness": pbr});
     if let Some(map) = &material.finish.normal_map {
-        let index = push_texture(draft, &map.texture);
+        let index = push_texture(draft, &format!("{name}_normal"), &map.texture);
         fields["normalTexture"] = json!({"index": index, "scale": map.scale});
     }
     match material.alpha_mode {
@@ -162,11 +162,11 @@ fn push_material(draft: &mut Draft, name: &str, material: &Material) -> usize {
     draft.push("materials", fields)
 }
 
-fn push_texture(draft: &mut Draft, texture: &Texture) -> usize {
+fn push_texture(draft: &mut Draft, name: &str, texture: &Texture) -> usize {
     let view = draft.push_image(png_bytes(texture));
     let source = draft.push(
         "images",
-        json!({"bufferView": view, "mimeType": "image/png"}),
+        json!({"name": name, "bufferView": view, "mimeType": "image/png"}),
     );
     let [wrap_s, wrap_t] = texture.wrap.map(wrap_code);
     let far = match texture.filters.mips {

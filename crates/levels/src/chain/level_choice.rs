@@ -1,6 +1,6 @@
 //! Which levels a chain has: those that are asked for, or what heights on the screen need.
 
-use secateur_simplify::{Amount, Observer};
+use secateur_simplify::{Amount, Observer, Progress};
 
 use super::error::ChainError;
 use super::ladder::{Ladder, step_of_share};
@@ -33,7 +33,9 @@ pub(super) fn asked(
     observer: &mut Observer<'_>,
 ) -> Result<Vec<Placed>, ChainError> {
     let mut placed: Vec<Placed> = Vec::new();
-    for amount in amounts {
+    for (done, amount) in amounts.iter().enumerate() {
+        let of = amounts.len();
+        Progress::Level { done, of }.tell(observer)?;
         let triangles = amount.of(maker.all);
         let level = maker.level(triangles, observer)?;
         if level.triangles() == 0 {
@@ -120,6 +122,8 @@ pub(super) fn lightest(
     let mut serves: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
     let mut place = 0;
     while place < places.len() {
+        let [done, of] = [place, places.len()];
+        Progress::Level { done, of }.tell(observer)?;
         let height = heights[place];
         let end_px = end_of(height, heights.get(place + 1).copied());
         let before = found.last();
