@@ -3,11 +3,11 @@
 use std::fs;
 use std::io::{self, Write};
 
-use clap::{CommandFactory, ValueEnum};
+use clap::ValueEnum;
 use clap_complete::Shell;
 use serde_json::json;
 
-use super::args::{self, Cli};
+use super::args;
 use super::failure::Failure;
 use super::output;
 use super::print::Printed;
@@ -39,7 +39,7 @@ impl CompletionsFor {
 
 /// Prints what a shell reads, or writes man pages.
 pub(crate) fn run(args: &args::Completions) -> Result<Printed, Failure> {
-    let mut command = Cli::command();
+    let mut command = args::command();
     if let Some(shell) = args.of.shell() {
         let mut script = Vec::new();
         clap_complete::generate(shell, &mut command, "secateur", &mut script);

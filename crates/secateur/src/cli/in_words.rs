@@ -1,8 +1,6 @@
 //! Levels as words of the command line ask for them, for other faces of the program. Whoever takes options by these
 //! words has the program's names, defaults and refusals.
 
-use clap::Parser;
-
 use super::args::{Cli, Command};
 use super::failure::Failure;
 use super::{lods, simplify};
@@ -105,8 +103,7 @@ fn parsed(command: &str, words: &[String]) -> Result<Cli, RequestError> {
         }
     }
     let first = ["secateur", command, "plant.glb", "--output=level.glb"].map(str::to_owned);
-    Cli::try_parse_from(first.iter().chain(words))
-        .map_err(|error| Failure::of_parser(&error).into())
+    Cli::of(first.iter().chain(words)).map_err(|error| Failure::of_parser(&error).into())
 }
 
 fn usage(sentence: String) -> RequestError {

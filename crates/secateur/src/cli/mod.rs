@@ -41,8 +41,6 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use clap::{CommandFactory, Parser};
-
 pub use in_words::{LevelRequest, RequestError, levels_options};
 
 use args::{Cli, Command, Common};
@@ -65,7 +63,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 pub fn run_words(words: Vec<OsString>) -> u8 {
     *ARGUMENTS.lock().unwrap_or_else(PoisonError::into_inner) =
         words.iter().skip(1).cloned().collect();
-    let cli = match Cli::try_parse_from(words).and_then(without_contradiction) {
+    let cli = match Cli::of(words).and_then(without_contradiction) {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version come this way too, with code 0.
@@ -111,7 +109,7 @@ fn without_contradiction(cli: Cli) -> Result<Cli, clap::Error> {
     };
     match sentence {
         Some(sentence) => {
-            Err(Cli::command().error(clap::error::ErrorKind::ArgumentConflict, sentence))
+            Err(args::command().error(clap::error::ErrorKind::ArgumentConflict, sentence))
         }
         None => Ok(cli),
     }

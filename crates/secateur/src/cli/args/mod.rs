@@ -4,13 +4,15 @@ mod batch;
 mod grow;
 mod lod;
 mod lods;
+mod short_help;
 mod simplify;
 mod stream;
 mod study;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
 use secateur::{Alpha, Engine, JudgingViews, Memory, Selector, Sides, VertexAlpha};
 use secateur_simplify::option_numbers::{from_zero, number, share};
 
@@ -20,6 +22,7 @@ pub(crate) use batch::{Batch, BatchCollect, BatchRun, Completions};
 pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
 pub(crate) use lods::Lods;
+pub(crate) use short_help::command;
 pub(crate) use simplify::{MaxCoverage, Simplify};
 pub(crate) use stream::Stream;
 pub(crate) use study::Study;
@@ -69,6 +72,16 @@ pub(crate) enum Command {
     Schema(Schema),
     /// Print what a shell needs to complete commands and options, or write man pages.
     Completions(Completions),
+}
+
+impl Cli {
+    /// What these words ask for, the first of which is the program's name.
+    pub(crate) fn of(
+        words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    ) -> Result<Self, clap::Error> {
+        let matches = command().try_get_matches_from(words)?;
+        Self::from_arg_matches(&matches)
+    }
 }
 
 /// Headings that part the many options of `simplify`, and those of all commands.

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Parser;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +67,7 @@ impl Item {
         let mut words = vec!["secateur".into(), "lods".into(), self.input.clone()];
         words.extend(["--output".into(), folder.to_owned()]);
         words.extend(self.options.iter().map(PathBuf::from));
-        match Cli::try_parse_from(words).map(|cli| cli.command) {
+        match Cli::of(words).map(|cli| cli.command) {
             Ok(Command::Lods(args)) => Ok(args),
             Ok(other) => unreachable!("lods were asked for, not {other:?}"),
             Err(error) => Err(Failure::of_parser(&error)),
