@@ -17,7 +17,7 @@ root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
 # Vulkan loaders ask for it, and complain where there is none.
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}"
 
-# With all libraries, of which Python's package is one that no test builds by itself.
+# With all libraries: Python's wheel is made of one that no test builds by itself.
 cargo build --quiet --workspace --lib --example find_adapter
 find_adapter() { "${CARGO_TARGET_DIR:-target}/debug/examples/find_adapter"; }
 
@@ -138,7 +138,16 @@ if python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2> /dev/null; t
       python3 -m pip install --quiet --root-user-action ignore --target "$SECATEUR_PYTHON_PACKAGES" numpy
     }
   fi
-  export SECATEUR_REQUIRE_PYTHON=1
+  target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+  [ -d "$target/tools/maturin" ] || {
+    say "fetching maturin"
+    python3 -m pip install --quiet --root-user-action ignore --target "$target/tools/maturin" 'maturin>=1.9,<2'
+  }
+  rm -rf "$target/wheels"
+  REAL_CARGO=$(command -v cargo) CARGO="$PWD/tests/wheel/cargo" PATH="$PWD/tests/wheel:$PATH" \
+    "$target/tools/maturin/bin/maturin" --quiet build --manifest-path crates/python/Cargo.toml \
+    --profile dev --out "$target/wheels"
+  export SECATEUR_WHEELS="$target/wheels"
 else
   say "no Python 3.11 or later: the tests of Python's package will say that they skip"
 fi
