@@ -1,8 +1,8 @@
 //! Whole plants and their default chains: what they look like, cost and weigh.
 //!
 //! `cargo bench --bench chains [-- PART]`; PART picks cases by name: `tenth` (a tenth of all triangles),
-//! `leaves-only` (against the same number of leaves on all of the wood), `cost` (a chain of four levels over
-//! one simplification to the coarsest) or `page` (the preview; needs Chromium). Seconds count only at rest.
+//! `leaves-only` (against the same number of leaves on all of the wood), `cost` (a chain, stage by stage, and
+//! over one simplification to the coarsest) or `page` (the preview; needs Chromium). Seconds count only at rest.
 //! Pictures against gltfpack are those of `secateur study --plan whole`.
 
 #[allow(dead_code, reason = "tests use more of it")]
@@ -162,6 +162,10 @@ impl Bench {
         }
         self.note(&case, "levels", "", levels.len() as f64);
         self.note(&case, "wall", "s", seconds);
+        let stages = record["seconds"].as_object().expect("stages");
+        for (stage, seconds) in stages.iter().filter(|(stage, _)| *stage != "total") {
+            self.note(&case, &format!("wall_of_{stage}"), "s", number(seconds));
+        }
         self.note(&case, "wall_of_one_simplification", "s", one);
         self.note(&case, "ratio", "", seconds / one);
     }

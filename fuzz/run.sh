@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each for some seconds on its corpus, as many at
-# once as there are cores. Installs cargo-fuzz under target/tools where it is
+# Builds the fuzz targets and runs them on their corpora for some seconds in all, each as long,
+# as many at once as there are cores. Installs cargo-fuzz under target/tools where it is
 # missing; needs a nightly toolchain. What a target finds and dies of lies in
 # fuzz/artifacts, what it finds and survives in target/fuzz.
 #
@@ -11,12 +11,14 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-seconds=${1:?usage: fuzz/run.sh SECONDS [TARGET ...]}
+total=${1:?usage: fuzz/run.sh SECONDS [TARGET ...]}
 shift
 targets=("$@")
 if [ ${#targets[@]} = 0 ]; then
   for file in fuzz/fuzz_targets/*.rs; do targets+=("$(basename "$file" .rs)"); done
 fi
+rounds=$(((${#targets[@]} + $(nproc) - 1) / $(nproc)))
+seconds=$((total / rounds > 0 ? total / rounds : 1))
 
 # From Python's registry, which has it compiled.
 export PATH="$PWD/target/tools/cargo-fuzz/bin:$PATH"

@@ -4,6 +4,8 @@
 //! `leaf_sizes` and `wind`, which are for renderers: their twins are in `secateur-runtime`. All of them compute with
 //! integers only, but for the last steps of `wind`.
 
+#![forbid(unsafe_code)]
+
 /// Embeds the named shaders of this folder.
 macro_rules! shaders {
     ($($(#[$doc:meta])* $name:ident = $file:literal;)*) => {

@@ -218,3 +218,89 @@ fn a_buffer_of_somebody_else_is_overwritten_only_on_demand() {
         ["o.bin", "o.gltf", "oak.glb", "tree.bin", "tree.gltf"]
     );
 }
+
+/// Names that nobody gave are not followed: what links lead to stays as it is.
+#[cfg(unix)]
+#[test]
+fn links_in_the_place_of_a_note_a_level_or_a_buffer_are_replaced() {
+    use std::os::unix::fs::symlink;
+
+    let bench = Bench::new();
+    put_file(&bench, "mine", b"mine");
+    fs::create_dir(bench.path("chain")).unwrap();
+    for name in [".oak_lods.json", "oak_LOD0.glb"] {
+        symlink(bench.path("mine"), bench.path(&format!("chain/{name}"))).unwrap();
+    }
+    let lods = [
+        "lods",
+        "oak.glb",
+        "-o",
+        "chain",
+        "--levels",
+        "0.1",
+        "--impostor",
+        "none",
+    ];
+    bench
+        .run(&[&lods[..], &["--overwrite"]].concat())
+        .succeeded();
+    assert_eq!(bench.read("mine"), b"mine");
+    assert!(!bench.path("chain/oak_LOD0.glb").is_symlink());
+
+    put_changed(&bench, "/nodes/0/name", json!("tree"));
+    symlink(bench.path("mine"), bench.path("o.bin")).unwrap();
+    let arguments = ["tree.gltf", "-o", "o.gltf", "--leaves", "1", "--overwrite"];
+    bench.simplify(&arguments).succeeded();
+    assert_eq!(bench.read("mine"), b"mine");
+    assert!(!bench.path("o.bin").is_symlink());
+}
+
+/// A note may name any file; those without an end are not read.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_note_names_is_read_only_if_it_ends() {
+    let bench = Bench::new();
+    let lods = [
+        "lods",
+        "oak.glb",
+        "-o",
+        "chain",
+        "--levels",
+        "0.1",
+        "--impostor",
+        "none",
+    ];
+    bench.run(&lods).succeeded();
+    let mut note = bench.json("chain/.oak_lods.json");
+    note["files"][0]["file"] = json!("/dev/zero");
+    bench.put("chain/.oak_lods.json", note.to_string().as_bytes());
+    bench
+        .run(&lods)
+        .failed_saying(&["oak_LOD0.glb", "is there already"]);
+}
+
+/// Before the work, not after it.
+#[test]
+fn names_that_no_file_can_have_are_refused_first() {
+    let bench = Bench::new();
+    let long = format!("{}.glb", "x".repeat(300));
+    let arguments = ["no tree.glb", "-o", &long, "--leaves", "1"];
+    bench
+        .simplify(&arguments)
+        .failed_saying(&["xxx", "cannot be written"]);
+    for name in ["a;b:c.glb", ".oak.glb"] {
+        bench.put(name, crate::program::oak());
+        bench
+            .run(&["lods", name, "-o", "chain"])
+            .failed_saying(&[name, "name"]);
+    }
+}
+
+/// `lods` reads a plant to know it again, and once more to make it lighter.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_where_a_plant_is_read_twice() {
+    let bench = Bench::new();
+    let ran = bench.run_in_shell("cat oak.glb | \"$SECATEUR\" lods /dev/stdin -o chain");
+    ran.failed_saying(&["/dev/stdin", "is a pipe", "name a file"]);
+}

@@ -14,16 +14,19 @@ mod doors;
 mod engine_files;
 mod engines;
 mod fit;
+mod folder;
 mod formats;
 mod glb;
 mod grow;
 mod help;
+mod independent_reader;
 mod library;
 mod lod;
 mod lods;
 mod main_job;
 mod measure;
 mod memory;
+mod odd_plants;
 mod odd_trees;
 mod outputs;
 mod preview_page;
@@ -41,9 +44,11 @@ mod study;
 #[path = "browser/tab.rs"]
 mod tab;
 mod triangles;
+mod user_crate;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "validator/validator.rs"]
 mod validator;
+mod web_page;
 mod wind;
 mod without_leaves;
 mod wood;

@@ -96,6 +96,11 @@ if ! find_browser; then
 fi
 export SECATEUR_REQUIRE_BROWSER=1
 
+# The page that makes levels, which tests open.
+say "building the page of web/"
+bash web/build.sh quick
+export SECATEUR_REQUIRE_WEB=1
+
 fetch_packages() { npm ci --silent --no-audit --no-fund --prefix "$1"; }
 
 if [ ! -d tests/validator/node_modules ] || [ ! -d tests/browser/node_modules ]; then

@@ -1,6 +1,9 @@
 //! Plants without leaves: dead trees, and what is modelled in one piece.
 
-use secateur::{GrownPlant, Opening, Plant, plant_to_glb};
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use secateur::{Document, GrownPlant, LevelOptions, Opening, Plant, plant_to_glb, surfaces_to_glb};
 use secateur_model::Surface;
 use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
@@ -57,4 +60,61 @@ fn a_dead_tree_gets_levels_and_a_note() {
         assert!(level["difference"].as_f64().unwrap() <= 0.28, "{level}");
         assert_eq!(level["leaves"], 0);
     }
+}
+
+/// A crown without leaves, of a bumpy sphere: each of its triangles has corners and a normal of its own.
+fn flat_shaded() -> Vec<u8> {
+    const RINGS: u32 = 24;
+    let point = |ring: u32, step: u32| {
+        let (up, around) = [(ring, RINGS), (step % (2 * RINGS), RINGS)]
+            .map(|(k, of)| std::f64::consts::PI * f64::from(k) / f64::from(of))
+            .into();
+        let reach = 1.0 + 0.08 * (5.0 * up).sin() * (4.0 * around).cos();
+        reach * DVec3::new(up.sin() * around.cos(), up.cos(), up.sin() * around.sin())
+    };
+    let oak = grow(Species::Oak, &GrowOptions { leaves: 1, seed: 1 }).unwrap();
+    let mut crown = Surface::empty(Arc::clone(&oak.wood.material));
+    for ring in 0..RINGS {
+        for step in 0..2 * RINGS {
+            let [a, b] = [step, step + 1].map(|step| point(ring, step));
+            let [c, d] = [step, step + 1].map(|step| point(ring + 1, step));
+            for corners in [[a, b, c], [b, d, c]] {
+                let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                let Some(normal) = across.try_normalize() else {
+                    continue;
+                };
+                let first = crown.positions.len() as u32;
+                crown.positions.extend(corners);
+                crown.normals.extend([normal.as_vec3(); 3]);
+                crown.triangles.push([first, first + 1, first + 2]);
+            }
+        }
+    }
+    surfaces_to_glb("crown", &[(crown, false)])
+}
+
+/// What is flat-shaded stays so: its normals are no seams that hold edges, and new triangles have normals of their own.
+#[test]
+fn a_flat_shaded_crown_is_flat_shaded_in_its_levels() {
+    let plant = Plant::from_bytes("crown.glb", flat_shaded(), &Opening::default()).unwrap();
+    let level = plant
+        .level(&LevelOptions::triangles(0.2))
+        .unwrap()
+        .to_bytes()
+        .unwrap();
+    let level = Document::from_bytes("level.glb", level, None).unwrap();
+    let [(level, _)] = &level.surfaces(&[]).unwrap()[..] else {
+        panic!("one surface");
+    };
+    let (left, all) = (level.triangles.len() as u64, plant.triangle_count());
+    assert!((left * 20).abs_diff(all * 4) <= all, "{left} of {all}");
+    let is_flat = |corners: &&[u32; 3]| {
+        let [a, b, c] = corners.map(|k| level.positions[k as usize]);
+        let own = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        corners
+            .iter()
+            .all(|&k| Vec3::dot(level.normals[k as usize], own).abs() > 0.99)
+    };
+    let flat = level.triangles.iter().filter(is_flat).count() as u64;
+    assert!(flat * 100 >= left * 97, "{flat} of {left} are flat");
 }

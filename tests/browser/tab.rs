@@ -3,7 +3,7 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -326,10 +326,30 @@ impl Tab {
         self.touch("touchEnd", &[]);
     }
 
+    /// Chooses files in an input element.
+    pub(crate) fn choose_files(&mut self, selector: &str, files: &[PathBuf]) {
+        let document = self.call("DOM.getDocument", json!({}));
+        let root = &document["root"]["nodeId"];
+        let question = json!({"nodeId": root, "selector": selector});
+        let input = self.call("DOM.querySelector", question);
+        let chosen = json!({"nodeId": input["nodeId"], "files": files});
+        self.call("DOM.setFileInputFiles", chosen);
+    }
+
+    /// Presses Control and a letter, wherever the keyboard is.
+    pub(crate) fn press_with_control(&mut self, letter: &str) {
+        const CONTROL: u32 = 2;
+        for kind in ["rawKeyDown", "keyUp"] {
+            let stroke = json!({"type": kind, "key": letter, "modifiers": CONTROL});
+            self.call("Input.dispatchKeyEvent", stroke);
+        }
+    }
+
     /// Presses a key in the element (`ArrowLeft`, `a`).
     pub(crate) fn press(&mut self, selector: &str, key: &str) {
         self.ask(&format!("document.querySelector('{selector}').focus()"));
         let code = match key {
+            "Enter" => 13,
             "End" => 35,
             "Home" => 36,
             "ArrowLeft" => 37,
@@ -341,6 +361,8 @@ impl Tab {
         let mut stroke = json!({"type": "keyDown", "key": key, "windowsVirtualKeyCode": code});
         if key.chars().count() == 1 {
             stroke["text"] = json!(key);
+        } else if key == "Enter" {
+            stroke["text"] = json!("\r");
         }
         self.call("Input.dispatchKeyEvent", stroke);
         self.call(

@@ -15,6 +15,8 @@
 //!
 //! Nothing here knows how a tree was simplified: only geometry and images.
 
+#![forbid(unsafe_code)]
+
 mod as_drawn;
 mod as_drawn_coverage;
 mod averaged;

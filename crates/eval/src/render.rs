@@ -9,7 +9,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 use secateur_model::Surface;
 
-pub(crate) use cut_out::{CutOutRoles, draw_cut_out};
+pub(crate) use cut_out::{CutOut, CutOutRoles, draw_cut_out};
 
 use crate::Camera;
 use crate::lens::Lens;

@@ -75,7 +75,8 @@ pub(crate) fn gather(
     ];
     let mut of_textures = Vec::with_capacity(groups.len());
     for group in groups {
-        of_textures.push(texture_reasons(&group.look, pictures)?);
+        let tint = tint(document, group)?;
+        of_textures.push(texture_reasons(&group.look, tint, pictures)?);
     }
     let mut all = vec![Vec::new(); groups.len()];
     let mut counted = vec![Vec::new(); groups.len()];
@@ -176,13 +177,33 @@ fn add_names(
     }
 }
 
-/// Cut-out texels and green or brown colour. Only textures whose alpha matters
+/// The mean of the vertex colours, where they are all the colour that there is: beside a texture they may be wind.
+fn tint(document: &Document, group: &Group) -> Result<[f64; 3], Fault> {
+    if group.look.texture.is_some() {
+        return Ok([1.0; 3]);
+    }
+    let colors = document.colors(group.mesh, group.primitive)?;
+    let mean = |k: usize| {
+        let sum: f64 = colors.iter().map(|color| f64::from(color[k])).sum();
+        sum / colors.len() as f64
+    };
+    Ok(match colors.is_empty() {
+        true => [1.0; 3],
+        false => [0, 1, 2].map(mean),
+    })
+}
+
+/// Cut-out texels and green or brown colour, of vertices too. Only textures whose alpha matters
 /// are looked at.
-fn texture_reasons(look: &MaterialLook, pictures: &mut Pictures<'_>) -> Result<Evidence, Fault> {
+fn texture_reasons(
+    look: &MaterialLook,
+    tint: [f64; 3],
+    pictures: &mut Pictures<'_>,
+) -> Result<Evidence, Fault> {
     const LEAST_SHARE: f64 = 0.02;
     let mut reasons = Vec::new();
     let mut is_cut_out = false;
-    let mut color = [0, 1, 2].map(|k| f64::from(look.base_color[k]));
+    let mut color = [0, 1, 2].map(|k| tint[k] * f64::from(look.base_color[k]));
     let image = look.texture.and_then(|t| t.image);
     if let (Some(cutoff), Some(image)) = (cutoff(look), image)
         && let Decoded::Picture(picture) = pictures.get(image)?

@@ -106,6 +106,8 @@
 //! | what vertices hang on, for wind | `wind.rs` |
 //! | textured triangles as a file | `write/surfaces.rs` |
 
+#![forbid(unsafe_code)]
+
 mod accessor;
 mod binary_chunk;
 mod buffer;
@@ -113,6 +115,7 @@ mod camera_path;
 mod chain_problem;
 mod choice;
 mod container;
+mod cost;
 mod cutouts;
 mod document;
 mod draco;
@@ -170,11 +173,12 @@ pub mod chain {
     pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain,
+        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain, check_name,
     };
 }
 
 pub use camera_path::{MAX_VIEWS_OF_A_PATH, VIEWS_OF_A_PATH};
+pub use cost::LevelCost;
 pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;

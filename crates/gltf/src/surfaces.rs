@@ -51,6 +51,8 @@ pub struct DrawnSurface {
     pub is_foliage: bool,
     /// The number of its material; none for glTF's default material.
     pub material: Option<usize>,
+    /// The place of its primitive, as in [`PrimitiveReport::place`](crate::PrimitiveReport::place).
+    pub place: String,
 }
 
 /// An image that a material uses, decoded.
@@ -61,6 +63,8 @@ pub struct MaterialImage {
     pub image: usize,
     /// Width and height in texels.
     pub size: [u32; 2],
+    /// Whether it is stored in blocks of 4 x 4 texels (KTX2), as a GPU keeps it: 16 bytes each.
+    pub is_in_blocks: bool,
     /// Whether the sampler reads mip maps.
     pub has_mips: bool,
     /// Whether it is the base colour.
@@ -103,12 +107,23 @@ impl Document {
                 images.push(MaterialImage {
                     image,
                     size,
+                    is_in_blocks: self.is_ktx2(image),
                     has_mips: used.filters.mips != Mips::None,
                     is_base_color: base == Some(texture as u64),
                 });
             }
         });
         images
+    }
+
+    fn is_ktx2(&self, image: usize) -> bool {
+        let image = self.root.get("images").and_then(|all| all.get(image));
+        let text = |key| {
+            image
+                .and_then(|image| image.get(key)?.as_str())
+                .unwrap_or("")
+        };
+        text("mimeType") == "image/ktx2" || text("uri").to_ascii_lowercase().ends_with(".ktx2")
     }
 
     /// Everything of the plant, as textured triangles in world space: a
@@ -246,6 +261,7 @@ impl Document {
                         surface,
                         is_foliage,
                         material: group.look.material,
+                        place: self.primitive_place(group.mesh, group.primitive),
                     });
                 }
             }

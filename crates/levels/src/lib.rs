@@ -8,6 +8,8 @@
 //! - [`impostor`]: pictures that stand for a plant far off.
 //! - [`leaf_boxes`]: boxes about the leaves of branches, and pictures on their diagonal planes.
 
+#![forbid(unsafe_code)]
+
 pub mod chain;
 mod clear_texels;
 mod cutoffs;

@@ -14,6 +14,8 @@
 //!
 //! Nothing here knows a file format, a view, an image or a method.
 
+#![forbid(unsafe_code)]
+
 mod cutout;
 mod foliage;
 mod forest;

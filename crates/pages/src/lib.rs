@@ -3,5 +3,7 @@
 //! - [`preview`]: a plant's levels of detail beside the original.
 //! - [`stream`]: a plant that can be drawn while it arrives, every prefix a plant.
 
+#![forbid(unsafe_code)]
+
 pub mod preview;
 pub mod stream;

@@ -30,6 +30,8 @@
 //! Trees are the same bit for bit wherever they grow: chance comes from integers,
 //! and sines, roots and powers from the `libm` crate.
 
+#![forbid(unsafe_code)]
+
 // What pest derives names it, where pest's own `std` feature is off.
 extern crate alloc;
 

@@ -119,7 +119,11 @@ impl PyPlant {
             let request =
                 LevelRequest::of(&words, self.opening.memory).map_err(errors::of_request)?;
             let plant = self.with_wood(request.wood).map_err(errors::of_library)?;
-            PyLevel::of(&plant, &request.options, &mut watch)
+            PyLevel::of(
+                &plant.within(request.surroundings),
+                &request.options,
+                &mut watch,
+            )
         });
         made.map_err(|error| watch.reason(error))
     }
@@ -135,9 +139,13 @@ impl PyPlant {
         let words = words(options)?;
         let mut watch = Watch::new(progress, cancel);
         let made = py.detach(|| {
-            let options =
+            let (options, surroundings) =
                 levels_options(&words, self.opening.memory).map_err(errors::of_request)?;
-            PyLevels::of(&self.plant, &options, &mut watch)
+            PyLevels::of(
+                &self.plant.clone().within(surroundings),
+                &options,
+                &mut watch,
+            )
         });
         made.map_err(|error| watch.reason(error))
     }

@@ -7,6 +7,8 @@
 //! - [`stand`]: instances of a plant, those that a camera sees, and how much detail each needs.
 //! - [`wind`]: how a plant sways, original and levels alike.
 
+#![forbid(unsafe_code)]
+
 #[cfg(test)]
 mod gpu_for_tests;
 pub mod order_file;

@@ -25,6 +25,9 @@ pub enum Error {
     #[cfg(feature = "plant")]
     #[error(transparent)]
     Grow(#[from] secateur_plant::GrowError),
+    /// Threads of a session can't be started.
+    #[error("threads cannot be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// There are no levels such as were asked for.
     #[cfg(feature = "scene")]
     #[error(transparent)]

@@ -36,6 +36,7 @@ impl Error {
                 _ => ErrorKind::Input,
             },
             Self::Cameras(_) => ErrorKind::Input,
+            Self::Threads(_) => ErrorKind::Machine,
             #[cfg(feature = "plant")]
             Self::Grow(_) => ErrorKind::Usage,
             #[cfg(feature = "scene")]

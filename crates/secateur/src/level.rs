@@ -1,126 +1,35 @@
 //! One level of detail of a plant: what is left, what changes in its materials, and how it looks.
 
-use std::ops::{ControlFlow, Deref};
+use std::ops::Deref;
 use std::path::Path;
-use std::time::Instant;
 
 use secateur_eval::{Difference, ViewCount};
 use secateur_gltf::{
     Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
 use secateur_levels::chain::{LevelKind, LevelReport};
-use secateur_levels::{
-    ChosenCutoffs, Dilated, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
-};
-use secateur_model::{Lod, Memory, Surface};
+use secateur_levels::{ChosenCutoffs, Dilated, choose_cutoffs, dilated_textures, material_changes};
+use secateur_model::{Budget, Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
 use secateur_runtime::Screen;
 use secateur_simplify::whole::{
-    Budget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
+    Budget as TriangleBudget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
-    simplify_with,
+    simplify_on, take_plant,
 };
+use web_time::Instant;
 
 use crate::Error;
+use crate::Session;
 use crate::judged::difference_judge;
+use crate::level_options::{ColorChoice, LevelOptions};
 use crate::opened_plant::{Parts, Plant};
 
 /// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
 /// coarse so small is so at any size.
 const LOOKED_AT_PX: f64 = 128.0;
-
-/// How a level is made.
-#[derive(Clone, Debug)]
-pub struct LevelOptions {
-    /// How many triangles or leaves it has, and how leaves are chosen. A skeleton and memory that it lacks are the
-    /// plant's.
-    pub simplify: Options,
-    /// Which alpha cutoffs its materials have.
-    pub cutoffs: CutoffChoice,
-    /// Which colours clear texels of its textures have.
-    pub colors: ColorChoice,
-}
-
-/// Which alpha cutoffs a level has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum CutoffChoice {
-    /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
-    #[default]
-    #[cfg_attr(feature = "cli", value(skip))]
-    Auto,
-    /// Such that clients show as much of the crown from afar as there is, and near by what they did; where no
-    /// cutoff does, textures are read without mip maps, or clear texels get an alpha below the cutoff.
-    Fit,
-    /// As fit, but all textures are read with mip maps.
-    FitWithMips,
-    /// Those of the tree, raised only where single triangles would show specks.
-    Keep,
-}
-
-/// Which colours clear texels of leaf textures have in a level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum ColorChoice {
-    /// [`Self::Dilate`] where cutoffs are chosen, else [`Self::Keep`].
-    #[default]
-    #[cfg_attr(feature = "cli", value(skip))]
-    Auto,
-    /// Those of the leaves near them, where mip maps would mix in others.
-    Dilate,
-    /// Those of the tree.
-    Keep,
-}
-
-impl LevelOptions {
-    /// The level for the look with this target.
-    pub fn to(target: Target) -> Self {
-        Self::of(Options::to(target))
-    }
-
-    /// The level for the look with a share of all triangles, above 0 to 1.
-    pub fn triangles(share: f64) -> Self {
-        Self::to(Target::triangle_share(share))
-    }
-
-    /// The level of these options, with cutoffs and colours as suit them.
-    pub fn of(simplify: Options) -> Self {
-        Self {
-            simplify,
-            cutoffs: CutoffChoice::default(),
-            colors: ColorChoice::default(),
-        }
-    }
-
-    /// What becomes of the wood where nothing else is said: a budget of triangles is the whole plant's, other targets
-    /// are of leaves.
-    pub fn usual_wood(target: Target) -> WoodMode {
-        match target {
-            Target::Triangles(_) => WoodMode::Auto,
-            Target::Leaves(_) | Target::MaxErrorPercent(_) => WoodMode::Ignore,
-        }
-    }
-
-    /// What may be done to cutoffs; none where they stay.
-    fn change(&self) -> Option<MaterialChange> {
-        match self.cutoffs {
-            CutoffChoice::Keep => None,
-            CutoffChoice::Auto if !self.simplify.chooses_cutoffs() => None,
-            CutoffChoice::FitWithMips => Some(MaterialChange::Cutoffs),
-            CutoffChoice::Auto | CutoffChoice::Fit => Some(MaterialChange::CutoffsOrMips),
-        }
-    }
-
-    fn dilates(&self) -> bool {
-        match self.colors {
-            ColorChoice::Auto => self.change().is_some(),
-            ColorChoice::Dilate => true,
-            ColorChoice::Keep => false,
-        }
-    }
-}
 
 /// What has to be said of a level.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,6 +51,8 @@ pub enum LevelWarning {
 /// All that makes up a level.
 #[derive(Clone, Debug)]
 pub struct LevelParts {
+    /// How it was made: options with what plant, surroundings and session had of what they lacked.
+    pub options: Options,
     /// The run over the leaves.
     pub simplified: Simplified,
     /// What is left of all that [`Plant::tree`] can change.
@@ -255,10 +166,18 @@ impl Plant {
     /// # Errors
     /// [`Error::Simplify`] if the plant can't be simplified as asked.
     pub fn level(&self, options: &LevelOptions) -> Result<Level, Error> {
-        self.level_watched(options, &mut |_| ControlFlow::Continue(()))
+        self.level_in(&Session::default(), options)
     }
 
-    /// As [`level`](Self::level), telling its progress; the observer may break it off.
+    /// As [`level`](Self::level), in a session.
+    ///
+    /// # Errors
+    /// As [`level`](Self::level), or [`SimplifyError::Stopped`] if the session was cancelled.
+    pub fn level_in(&self, session: &Session, options: &LevelOptions) -> Result<Level, Error> {
+        session.watched(|observer| self.level_on(session, options, observer))
+    }
+
+    /// As [`level`](Self::level), with an observer that may borrow and may break it off.
     ///
     /// # Errors
     /// As [`level`](Self::level), or [`SimplifyError::Stopped`] if it was broken off.
@@ -267,8 +186,18 @@ impl Plant {
         options: &LevelOptions,
         observer: &mut Observer<'_>,
     ) -> Result<Level, Error> {
-        let simplify = self.completed(&options.simplify)?;
-        let mut parts = self.simplified(&simplify, observer)?;
+        self.level_on(&Session::default(), options, observer)
+    }
+
+    fn level_on(
+        &self,
+        session: &Session,
+        options: &LevelOptions,
+        observer: &mut Observer<'_>,
+    ) -> Result<Level, Error> {
+        let simplify = self.completed(session, &options.simplify)?;
+        let engine = session.engine(simplify.engine)?;
+        let mut parts = self.simplified(simplify, &engine, observer)?;
         let tree = self.tree();
         parts.timed("cutoffs", observer, |parts| {
             parts.choose_cutoffs(tree, options);
@@ -283,11 +212,23 @@ impl Plant {
         })
     }
 
-    /// Options with what the plant has of what they lack.
-    fn completed(&self, options: &Options) -> Result<Options, Error> {
+    /// Options with what plant, surroundings and session have of what they lack.
+    fn completed(&self, session: &Session, options: &Options) -> Result<Options, Error> {
         let mut options = options.clone();
+        self.surroundings().apply(&mut options);
         if options.memory == Memory::Auto {
-            options.memory = self.tree().memory_left();
+            let left = match session.memory() {
+                Memory::Auto => self.tree().memory_left(),
+                own => own,
+            };
+            options.memory = self.surroundings().left_of(left);
+        }
+        if let Parts::Whole(tree, mode) = self.parts()
+            && *mode != WoodMode::Keep
+        {
+            let mut budget = Budget::new(options.memory);
+            take_plant(&mut budget, tree.leaves(), tree.wood()).map_err(SimplifyError::from)?;
+            options.memory = budget.memory();
         }
         if options.method.needs_skeleton() && options.skeleton.is_none() {
             options.skeleton = self.skeleton()?;
@@ -298,40 +239,52 @@ impl Plant {
     /// What is left of leaves and wood.
     fn simplified(
         &self,
-        options: &Options,
+        options: Options,
+        engine: &OpenEngine,
         observer: &mut Observer<'_>,
     ) -> Result<LevelParts, Error> {
         let (tree, mode) = match self.parts() {
-            Parts::Leaves(tree) => return Ok(simplified_leaves(tree, options, observer)?),
+            Parts::Leaves(tree) => return Ok(simplified_leaves(tree, options, engine, observer)?),
             Parts::Whole(tree, mode) => (tree, *mode),
         };
-        let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
+        let level = whole_level(tree, mode, &options, engine, observer)?;
         let (leaves, wood) = (tree.leaves(), tree.wood());
-        let level = match mode {
-            WoodMode::Keep => simplify_keeping_wood(leaves, wood, options, &engine, observer)?,
-            mode => {
-                let items = tree.items().foliage();
-                let plant = WholePlant::by(mode, items, leaves, wood, options, &engine)?;
-                let level = plant.simplified(options, &engine, observer)?;
-                match options.target {
-                    Target::Triangles(amount) if leaves.leaves().is_empty() => {
-                        let evenly = Budget {
-                            triangles: amount.of(plant.triangle_count()),
-                            sharing: Sharing::Evenly,
-                        };
-                        let other = plant.level(evenly, options, &engine, None, observer)?;
-                        nearer_of(tree, level, other)?
-                    }
-                    Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => level,
-                }
-            }
-        };
         let left = level.leaves.lod.foliage(leaves).triangles().len() + level.wood_triangles;
         let there = leaves.triangles().len() + wood.triangles().len();
         options.check_met(left, there)?;
         let lod = tree.joined(&level.leaves.lod, &level.wood);
         let wood_triangles = level.wood_triangles as u64;
-        Ok(LevelParts::of(level.leaves, lod, wood_triangles))
+        Ok(LevelParts::of(options, level.leaves, (lod, wood_triangles)))
+    }
+}
+
+/// A level of leaves and wood. Of a plant without leaves two ways are tried.
+fn whole_level(
+    tree: &WholeTree,
+    mode: WoodMode,
+    options: &Options,
+    engine: &OpenEngine,
+    observer: &mut Observer<'_>,
+) -> Result<WholeLevel, Error> {
+    let (leaves, wood) = (tree.leaves(), tree.wood());
+    if mode == WoodMode::Keep {
+        return Ok(simplify_keeping_wood(
+            leaves, wood, options, engine, observer,
+        )?);
+    }
+    let items = tree.items().foliage();
+    let plant = WholePlant::by(mode, items, leaves, wood, options, engine)?;
+    let level = plant.simplified(options, engine, observer)?;
+    match options.target {
+        Target::Triangles(amount) if leaves.leaves().is_empty() => {
+            let evenly = TriangleBudget {
+                triangles: amount.of(plant.triangle_count()),
+                sharing: Sharing::Evenly,
+            };
+            let other = plant.level(evenly, options, engine, None, observer)?;
+            nearer_of(tree, level, other)
+        }
+        Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level),
     }
 }
 
@@ -349,18 +302,19 @@ fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> Result<
 
 fn simplified_leaves(
     tree: &Tree,
-    options: &Options,
+    options: Options,
+    engine: &OpenEngine,
     observer: &mut Observer<'_>,
 ) -> Result<LevelParts, SimplifyError> {
-    let result = simplify_with(tree.foliage(), options, observer)?;
+    let result = simplify_on(engine, tree.foliage(), &options, observer)?;
     let left = result.lod.foliage(tree.foliage()).triangles().len();
     // Wood is a plant without leaves.
     let is_bare = left == 0 && tree.wood_triangle_count() > 0;
     if !(is_bare && asks_for_none(options.target)) {
         options.check_met(left, tree.foliage().triangles().len())?;
     }
-    let lod = result.lod.clone();
-    Ok(LevelParts::of(result, lod, tree.wood_triangle_count()))
+    let left = (result.lod.clone(), tree.wood_triangle_count());
+    Ok(LevelParts::of(options, result, left))
 }
 
 /// Whether no triangle is to be left of what is counted.
@@ -374,10 +328,11 @@ fn asks_for_none(target: Target) -> bool {
 
 impl LevelParts {
     /// Before anything is known but what is left.
-    fn of(simplified: Simplified, lod: Lod, wood_triangles: u64) -> Self {
+    fn of(options: Options, simplified: Simplified, (lod, wood_triangles): (Lod, u64)) -> Self {
         let warnings = simplified.warnings.iter().cloned().map(LevelWarning::Run);
         Self {
             warnings: warnings.collect(),
+            options,
             simplified,
             lod,
             wood_triangles,

@@ -1,20 +1,19 @@
 //! The levels of detail of a plant that an engine loads: complete from 0 m on.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
-use secateur_gltf::{GltfError, WholeTree, WriteOptions};
+use secateur_gltf::{GltfError, LevelCost, WholeTree, WriteOptions};
 use secateur_levels::chain::{
     BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
 };
-use secateur_raster::OpenEngine;
+use secateur_model::Memory;
 use secateur_runtime::Screen;
-use secateur_simplify::{Error as SimplifyError, Observer};
+use secateur_simplify::Observer;
 use serde::Serialize;
 
-use crate::Error;
 use crate::opened_plant::{Parts, Plant};
+use crate::{Error, Session};
 
 /// Levels of a plant, finest first. They are written with the material changes that belong to them.
 #[derive(Debug)]
@@ -40,6 +39,12 @@ pub struct PlacedLevel {
     /// Where the level is that casts its shadow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow: Option<LevelPlace>,
+    /// Primitives that are drawn, each instance counted.
+    pub draws: u64,
+    /// Bytes of its file; of levels in one file those that lie there for it and for no finer one.
+    pub bytes: u64,
+    /// Bytes that it takes in a GPU's memory: `texture_bytes`, vertices and indices. What levels share counts for each.
+    pub gpu_bytes: u64,
     /// The figures of the level, as reports have them.
     #[serde(flatten)]
     pub report: LevelReport,
@@ -56,6 +61,20 @@ pub enum LevelPlace {
     Node(String),
 }
 
+impl PlacedLevel {
+    /// A level that casts its own shadow.
+    pub fn new(place: LevelPlace, cost: LevelCost, report: LevelReport) -> Self {
+        Self {
+            place,
+            shadow: None,
+            draws: cost.draws,
+            bytes: cost.bytes,
+            gpu_bytes: report.texture_bytes + cost.geometry_bytes,
+            report,
+        }
+    }
+}
+
 impl Plant {
     /// Makes levels of the plant.
     ///
@@ -63,24 +82,47 @@ impl Plant {
     /// [`Error::Levels`] if the options contradict each other or the plant was opened with its wood ignored,
     /// [`Error::Simplify`] if it can't be simplified as asked.
     pub fn levels(&self, options: &LevelsOptions) -> Result<Levels, Error> {
-        self.levels_watched(options, &mut |_| ControlFlow::Continue(()))
+        self.levels_in(&Session::default(), options)
     }
 
-    /// As [`levels`](Self::levels), telling its progress; the observer may break it off.
+    /// As [`levels`](Self::levels), in a session.
     ///
     /// # Errors
-    /// As [`levels`](Self::levels), or [`SimplifyError::Stopped`] if it was broken off.
+    /// As [`levels`](Self::levels), or [`SimplifyError::Stopped`](secateur_simplify::Error::Stopped) if the session was
+    /// cancelled.
+    pub fn levels_in(&self, session: &Session, options: &LevelsOptions) -> Result<Levels, Error> {
+        session.watched(|observer| self.levels_on(session, options, observer))
+    }
+
+    /// As [`levels`](Self::levels), with an observer that may borrow and may break it off.
+    ///
+    /// # Errors
+    /// As [`levels`](Self::levels), or [`SimplifyError::Stopped`](secateur_simplify::Error::Stopped) if it was broken off.
     pub fn levels_watched(
         &self,
+        options: &LevelsOptions,
+        observer: &mut Observer<'_>,
+    ) -> Result<Levels, Error> {
+        self.levels_on(&Session::default(), options, observer)
+    }
+
+    fn levels_on(
+        &self,
+        session: &Session,
         options: &LevelsOptions,
         observer: &mut Observer<'_>,
     ) -> Result<Levels, Error> {
         let Parts::Whole(tree, _) = self.parts() else {
             return Err(BadOptions::WoodIgnored.into());
         };
-        let engine = OpenEngine::open(options.leaves.engine).map_err(SimplifyError::from)?;
+        let mut options = options.clone();
+        self.surroundings().apply_to_levels(&mut options);
+        if options.leaves.memory == Memory::Auto {
+            options.leaves.memory = session.memory();
+        }
+        let engine = session.engine(options.leaves.engine)?;
         Ok(Levels {
-            chain: chain(tree, options, &engine, observer)?,
+            chain: chain(tree, &options, &engine, observer)?,
             plant: self.clone(),
             name: self.name(),
             screen: options.screen,
@@ -155,9 +197,8 @@ impl Levels {
             Layout::Siblings | Layout::Msft => LevelPlace::Node(self.node(k)),
         };
         let placed = |(k, level): (usize, &ChainLevel)| PlacedLevel {
-            place: place(k),
             shadow: Some(place(level.shadow)),
-            report: level.report.clone(),
+            ..PlacedLevel::new(place(k), written.costs[k], level.report.clone())
         };
         self.chain.levels.iter().enumerate().map(placed).collect()
     }

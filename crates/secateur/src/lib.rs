@@ -7,22 +7,21 @@
 //! Simplification of Plant and Tree Foliage, Entropy 2018, 20, 213).
 //!
 //! # From a tree to a lighter tree
-//! ```
-//! use secateur::plant::{GrowOptions, Species, grow};
-//! use secateur::{LevelOptions, Opening, Plant, plant_to_glb};
+//! ```no_run
+//! use secateur::plant::{GrowOptions, Species};
+//! use secateur::{Layout, LevelOptions, LevelsOptions, Plant, judge};
 //!
 //! // Any .glb or .gltf will do: Plant::open(path). This one grows here.
-//! let oak = grow(Species::Oak, &GrowOptions { leaves: 200, seed: 1 })?;
-//! let oak = Plant::from_bytes("oak.glb", plant_to_glb(&oak), &Opening::default())?;
+//! let oak = Plant::grow(Species::Oak, &GrowOptions { leaves: 200, seed: 1 })?;
 //!
-//! // What `secateur simplify --triangles 0.25` makes, material changes included.
+//! // What `secateur simplify --triangles 0.25` writes, material changes included.
 //! let level = oak.level(&LevelOptions::triangles(0.25))?;
-//! assert!(level.difference.is_some_and(|seen| seen.difference < 0.5));
+//! level.write("oak-25.glb")?;
+//! let judged = judge(&oak, &Plant::open("oak-25.glb")?)?;
+//! assert!(judged.difference_at(540.0).difference < 0.5);
 //!
-//! let glb = level.to_bytes()?; // or level.write(path)
-//! // Levels for an engine, as `secateur lods` makes them:
-//! // oak.levels(&LevelsOptions::default())?.write("levels", Layout::Files)?;
-//! # assert!(glb.starts_with(b"glTF"));
+//! // Levels for an engine, as `secateur lods` writes them.
+//! oak.levels(&LevelsOptions::default())?.write("levels", Layout::Files)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -43,8 +42,8 @@
 //!   to the original. [`Passes`] holds what each of them did; every prefix of its [`RemovalOrder`]
 //!   is a LOD ([`Passes::lod_after`]), so one run to the coarsest level gives all finer ones.
 //! - `Plant` and `Level` do all of this as the program does, and choose what changes in materials too.
-//! - [`simplify_with`] tells its progress and can be broken off; [`simplify_on`] works on a GPU
-//!   that is open already.
+//! - A `Session` tells progress and can be cancelled; `Surroundings` say from where a plant is seen and what hides it.
+//!   [`simplify_on`] does the same for a foliage alone.
 //! - [`Tree::write_lod`] keeps everything that is no removed or resized leaf as
 //!   it was: wood, materials, textures, attributes, names, extensions.
 //! - `judge` compares a result with its plant from views that [`simplify()`] never saw.
@@ -69,6 +68,9 @@
 //! | for | look at |
 //! |---|---|
 //! | what the program does | `Plant`, `Level`, `Levels`, `chain` |
+//! | one engine and one memory for many calls; progress, cancelling | `Session` |
+//! | what a plant stands within | `Surroundings` |
+//! | options in files | [`Versioned`] |
 //! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`VertexAlpha`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
@@ -93,6 +95,9 @@
 //! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
 //! the GPU; turn it off where only the library is wanted. `scene`: levels with their materials (`Plant`, `Level`).
 
+// The program gives free memory back to the system by a call of C.
+#![cfg_attr(not(feature = "cli"), forbid(unsafe_code))]
+
 #[cfg(feature = "cli")]
 extern crate self as secateur;
 
@@ -105,12 +110,19 @@ mod judged;
 #[cfg(feature = "scene")]
 mod level;
 #[cfg(feature = "scene")]
+mod level_options;
+#[cfg(feature = "scene")]
 mod levels;
 #[cfg(feature = "scene")]
 mod opened_plant;
 #[cfg(feature = "scene")]
 mod preview_page;
 mod scene;
+#[cfg(feature = "scene")]
+mod session;
+#[cfg(feature = "scene")]
+mod surroundings;
+mod versioned;
 
 pub use error::Error;
 pub use error_kind::ErrorKind;
@@ -119,12 +131,23 @@ pub use judged::{
     AllScores, Figures, JudgeOptions, Judged, Misplaced, SetFigures, judge, judge_document,
 };
 #[cfg(feature = "scene")]
-pub use level::{ColorChoice, CutoffChoice, Level, LevelOptions, LevelParts, LevelWarning};
+pub use level::{Level, LevelParts, LevelWarning};
+#[cfg(feature = "scene")]
+pub use level_options::{ColorChoice, CutoffChoice, LevelOptions};
 #[cfg(feature = "scene")]
 pub use levels::{LevelPlace, Levels, PlacedLevel};
 #[cfg(feature = "scene")]
 pub use opened_plant::{Opening, Plant};
 pub use scene::scene_views;
+#[cfg(feature = "scene")]
+pub use secateur_gltf::chain::Layout;
+#[cfg(feature = "scene")]
+pub use secateur_levels::chain::ChainOptions as LevelsOptions;
+#[cfg(feature = "scene")]
+pub use session::Session;
+#[cfg(feature = "scene")]
+pub use surroundings::Surroundings;
+pub use versioned::Versioned;
 
 #[cfg(feature = "eval")]
 pub use secateur_eval::{
@@ -162,7 +185,7 @@ pub use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_ke
 pub use secateur_simplify::{
     Alpha, Amount, Error as SimplifyError, FieldOfView, Fitting, LeafTriangles, Method, Needles,
     Observer, Options, Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped,
-    Target, Views, Warning, as_seen, observe, simplify, simplify_on, simplify_with, sphere_of,
+    Target, Views, Warning, as_seen, observe, simplify, simplify_on, sphere_of,
 };
 
 /// The vectors of this interface.

@@ -15,6 +15,7 @@ use secateur_simplify::whole::WoodMode;
 
 #[cfg(feature = "plant")]
 use crate::Error;
+use crate::Surroundings;
 
 /// How a plant is opened.
 #[derive(Clone, Debug)]
@@ -44,7 +45,10 @@ impl Default for Opening {
 
 /// A plant in a file: its leaves are known, and its wood unless it is ignored. Copies share all that they hold.
 #[derive(Clone, Debug)]
-pub struct Plant(Arc<Parts>);
+pub struct Plant {
+    parts: Arc<Parts>,
+    surroundings: Arc<Surroundings>,
+}
 
 /// What of a plant is simplified.
 #[derive(Clone, Debug)]
@@ -104,10 +108,26 @@ impl Plant {
         selectors: &[Selector],
         wood: WoodMode,
     ) -> Result<Self, GltfError> {
-        Ok(Self(Arc::new(match wood {
+        let parts = match wood {
             WoodMode::Ignore => Parts::Leaves(document.into_tree(selectors)?),
             mode => Parts::Whole(document.into_whole_tree(selectors)?, mode.decided()),
-        })))
+        };
+        Ok(Self {
+            parts: Arc::new(parts),
+            surroundings: Arc::default(),
+        })
+    }
+
+    /// The plant with this about it, which its levels are made for.
+    #[must_use]
+    pub fn within(mut self, surroundings: Surroundings) -> Self {
+        self.surroundings = Arc::new(surroundings);
+        self
+    }
+
+    /// What is about it.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
     }
 
     /// The name of its file without folder and extension.
@@ -119,7 +139,7 @@ impl Plant {
 
     /// Its leaves and wood; nothing where the wood is ignored.
     pub fn whole(&self) -> Option<&WholeTree> {
-        match &*self.0 {
+        match &*self.parts {
             Parts::Leaves(_) => None,
             Parts::Whole(tree, _) => Some(tree),
         }
@@ -132,7 +152,7 @@ impl Plant {
 
     /// The file, with all that levels may change as its foliage.
     pub fn tree(&self) -> &Tree {
-        match &*self.0 {
+        match &*self.parts {
             Parts::Leaves(tree) => tree,
             Parts::Whole(tree, _) => tree.items(),
         }
@@ -140,7 +160,7 @@ impl Plant {
 
     /// The [`tree`](Self::tree), to be changed; copies of the plant, and levels of it, keep theirs.
     pub fn tree_mut(&mut self) -> &mut Tree {
-        match Arc::make_mut(&mut self.0) {
+        match Arc::make_mut(&mut self.parts) {
             Parts::Leaves(tree) => tree,
             Parts::Whole(tree, _) => tree.items_mut(),
         }
@@ -148,7 +168,7 @@ impl Plant {
 
     /// Its leaves in world space, as the file has them.
     pub fn leaves(&self) -> &Foliage {
-        match &*self.0 {
+        match &*self.parts {
             Parts::Leaves(tree) => tree.foliage(),
             Parts::Whole(tree, _) => tree.leaves(),
         }
@@ -156,7 +176,7 @@ impl Plant {
 
     /// How many triangles the wood has.
     pub fn wood_triangle_count(&self) -> u64 {
-        match &*self.0 {
+        match &*self.parts {
             Parts::Leaves(tree) => tree.wood_triangle_count(),
             Parts::Whole(tree, _) => tree.wood().triangles().len() as u64,
         }
@@ -174,7 +194,7 @@ impl Plant {
 
     /// What becomes of the wood, decided.
     pub fn wood_mode(&self) -> WoodMode {
-        match &*self.0 {
+        match &*self.parts {
             Parts::Leaves(_) => WoodMode::Ignore,
             Parts::Whole(_, mode) => *mode,
         }
@@ -185,7 +205,7 @@ impl Plant {
     /// # Errors
     /// [`GltfError`] if it does not fit the plant.
     pub fn skeleton(&self) -> Result<Option<Arc<PlantSkeleton>>, GltfError> {
-        let skeleton = match &*self.0 {
+        let skeleton = match &*self.parts {
             Parts::Leaves(tree) => tree.skeleton()?,
             Parts::Whole(tree, _) => tree.skeleton()?,
         };
@@ -193,6 +213,6 @@ impl Plant {
     }
 
     pub(crate) fn parts(&self) -> &Parts {
-        &self.0
+        &self.parts
     }
 }

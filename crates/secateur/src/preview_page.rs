@@ -4,7 +4,9 @@ use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, DrawnSurface, GltfError, LeafSurface};
 use secateur_levels::chain::{ChainLevel, LevelReport, Shape, show, texture_bytes};
 use secateur_model::{LodModel, RemovalOrder, Surface};
-use secateur_pages::preview::{Continuous, Facts, Level as Shown, Preview, page};
+use secateur_pages::preview::{
+    Continuous, Facts, Level as Shown, Packed, Pictures, Preview, PreviewError, packed, page,
+};
 use secateur_runtime::Screen;
 
 use crate::{Error, Level, Levels, Plant};
@@ -18,6 +20,18 @@ impl Levels {
     /// # Errors
     /// [`Error::Gltf`] if what is drawn can't be read, [`Error::Preview`] if there is nothing to look at.
     pub fn preview_html(&self) -> Result<String, Error> {
+        self.previewed(page)
+    }
+
+    /// What such a page draws, for who has the page already.
+    ///
+    /// # Errors
+    /// As [`preview_html`](Self::preview_html).
+    pub fn preview_packed(&self, pictures: Pictures) -> Result<Packed, Error> {
+        self.previewed(|preview| packed(preview, pictures))
+    }
+
+    fn previewed<T>(&self, make: impl MakePage<T>) -> Result<T, Error> {
         let items = self.tree().items();
         let mut shown = vec![original(self.plant())?];
         // The original is there already.
@@ -40,7 +54,8 @@ impl Levels {
         let orders = self.chain.levels.iter();
         let orders = orders.filter_map(|level| level.order.clone());
         let longest = orders.max_by_key(|order| order.len());
-        page_of(self.plant(), (self.name(), self.screen), shown, longest)
+        let title = (self.name(), self.screen);
+        page_of(self.plant(), title, shown, longest, make)
     }
 }
 
@@ -50,6 +65,18 @@ impl Level {
     /// # Errors
     /// As [`Levels::preview_html`].
     pub fn preview_html(&self) -> Result<String, Error> {
+        self.previewed(page)
+    }
+
+    /// What such a page draws, for who has the page already.
+    ///
+    /// # Errors
+    /// As [`Levels::preview_html`].
+    pub fn preview_packed(&self, pictures: Pictures) -> Result<Packed, Error> {
+        self.previewed(|preview| packed(preview, pictures))
+    }
+
+    fn previewed<T>(&self, make: impl MakePage<T>) -> Result<T, Error> {
         let plant = self.plant();
         let changes = self.material_changes();
         let document = plant.tree().lod_document_with(&self.lod, &changes)?;
@@ -67,7 +94,7 @@ impl Level {
         let shown = vec![original(plant)?, (drawn(surfaces, &[]), facts)];
         let order = self.simplified.passes.in_one_order();
         let title = (&*plant.name(), Screen::default());
-        page_of(plant, title, shown, Some(order))
+        page_of(plant, title, shown, Some(order), make)
     }
 }
 
@@ -89,12 +116,18 @@ fn drawn(surfaces: Vec<DrawnSurface>, textures: &[LevelTexture]) -> Drawn {
     shown.collect()
 }
 
-fn page_of(
+/// What makes a page of what is shown, or a part of one.
+trait MakePage<T>: FnOnce(&Preview<'_>) -> Result<T, PreviewError> {}
+
+impl<T, F: FnOnce(&Preview<'_>) -> Result<T, PreviewError>> MakePage<T> for F {}
+
+fn page_of<T>(
     plant: &Plant,
     (title, screen): (&str, Screen),
     shown: Vec<(Drawn, Facts)>,
     order: Option<RemovalOrder>,
-) -> Result<String, Error> {
+    make: impl MakePage<T>,
+) -> Result<T, Error> {
     let levels: Vec<Shown<'_>> = shown
         .iter()
         .map(|(surfaces, facts)| Shown {
@@ -111,7 +144,7 @@ fn page_of(
         foliage: plant.leaves(),
         model,
     });
-    Ok(page(&Preview {
+    Ok(make(&Preview {
         title,
         screen,
         levels: &levels,

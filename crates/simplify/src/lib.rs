@@ -4,7 +4,7 @@
 //! and which grow for them ([`select`]), and the sizes of what is left are fitted to the original
 //! ([`mod@fit`]). What views show of the result is one function, [`observe`], for all of them.
 //!
-//! - [`simplify()`], [`simplify_with`], [`simplify_on`]: a foliage and [`Options`] in, a LOD out.
+//! - [`simplify()`], [`simplify_on`]: a foliage and [`Options`] in, a LOD out.
 //! - [`vds`]: viewpoint-driven simplification, the greedy method driven by viewpoint mutual
 //!   information ([`secateur_raster::measure::vmi`]), once as the literal algorithm and once as an
 //!   exact, fast engine.
@@ -53,6 +53,7 @@ pub mod whole;
 pub mod wood;
 
 pub use error::Error;
+pub use memory::take_plant;
 pub use method::Method;
 pub use needles::Needle;
 pub use observe::{Shown, observe};
@@ -62,7 +63,7 @@ pub use option_values::{
 pub use options::Options;
 pub use passes::Passes;
 pub use preset::Preset;
-pub use run::{simplify, simplify_on, simplify_sharing, simplify_with};
+pub use run::{simplify, simplify_on, simplify_sharing};
 pub use shared::Shared;
 pub use simplified::{Simplified, Stopped};
 pub use stage::{Observer, Progress, Stage};

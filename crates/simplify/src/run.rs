@@ -50,28 +50,20 @@ use crate::{Error, LeafTriangles, Options, Simplified, Stopped, Target, as_seen,
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn simplify(foliage: &Foliage, options: &Options) -> Result<Simplified, Error> {
-    simplify_with(foliage, options, &mut |_| ControlFlow::Continue(()))
+    let engine = OpenEngine::open(options.engine)?;
+    simplify_on(
+        &engine,
+        foliage,
+        options,
+        &mut |_| ControlFlow::Continue(()),
+    )
 }
 
-/// [`simplify`], watched: `observer` is called when a stage begins and after every step; it may
-/// break off the run.
+/// [`simplify`] on an engine that is open already, whatever [`Options::engine`] says, and watched:
+/// `observer` is called when a stage begins and after every step; it may break off the run.
 ///
 /// # Errors
 /// As [`simplify`]; [`Error::Stopped`] if it was broken off.
-pub fn simplify_with(
-    foliage: &Foliage,
-    options: &Options,
-    observer: &mut Observer<'_>,
-) -> Result<Simplified, Error> {
-    let engine = OpenEngine::open(options.engine)?;
-    simplify_on(&engine, foliage, options, observer)
-}
-
-/// [`simplify_with`] on an engine that is open already, whatever
-/// [`Options::engine`] says.
-///
-/// # Errors
-/// As [`simplify_with`].
 pub fn simplify_on(
     engine: &OpenEngine,
     foliage: &Foliage,
@@ -85,7 +77,7 @@ pub fn simplify_on(
 /// Foliage and options other than the target must be the same each time.
 ///
 /// # Errors
-/// As [`simplify_with`].
+/// As [`simplify_on`].
 pub fn simplify_sharing(
     engine: &OpenEngine,
     foliage: &Foliage,

@@ -2,7 +2,8 @@
 
 use std::fmt;
 use std::ops::ControlFlow;
-use std::time::Instant;
+
+use web_time::Instant;
 
 use crate::Error;
 

@@ -10,6 +10,7 @@ use secateur_simplify::{
 use serde::{Deserialize, Serialize};
 
 use crate::flags::{TRIANGLES, flags};
+use crate::shell;
 use crate::{Error, Perturbation};
 
 /// What the levels of a case are shares of.
@@ -110,7 +111,7 @@ impl Case {
 
     /// How to get one level again; of a changed tree, without the change.
     pub fn command(&self, tree: &Path, level: f64, seed: Option<u64>) -> String {
-        let mut command = format!("secateur simplify {} -o out.glb ", tree.display());
+        let mut command = format!("secateur simplify {} -o out.glb ", shell::path(tree));
         command += &match self.level_of {
             // Never a whole number, which would be one of triangles.
             LevelOf::Triangles => format!("--triangles {level:?} --wood ignore"),
@@ -118,7 +119,7 @@ impl Case {
         };
         command += &format!(" --no-audit --method {}", self.method());
         let cameras = self.cameras.as_ref();
-        let cameras = cameras.map(|file| file.path.display().to_string());
+        let cameras = cameras.map(|file| shell::path(&file.path));
         let flags = flags(&self.options, self.level_of, cameras.as_deref());
         for flag in flags.iter().filter(|flag| *flag != TRIANGLES) {
             command += &format!(" --{flag}");

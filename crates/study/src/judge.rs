@@ -21,6 +21,7 @@ use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn, values_of_original};
 use crate::files::make_folder;
 use crate::job::StudyRun;
 use crate::scenes::views_from;
+use crate::shell;
 use crate::subject::Subject;
 use crate::survivor_bits::SurvivorBits;
 use crate::timed::Ran;
@@ -222,15 +223,14 @@ impl<'a> LevelJudge<'a> {
 /// folders of the machine, and a tree is known by its hash.
 pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
     let folder = format!("{}/", folder.display());
-    let within = |word| match str::strip_prefix(word, folder.as_str()) {
-        Some(rest) => rest,
+    shell::with_words(command, |word| match word.strip_prefix(&folder) {
+        Some(rest) => Some(rest.to_owned()),
         None if Path::new(word).is_absolute() => {
-            let name = Path::new(word).file_name();
-            name.and_then(|name| name.to_str()).unwrap_or(word)
+            let name = Path::new(word).file_name()?;
+            name.to_str().map(str::to_owned)
         }
-        None => word,
-    };
-    command.split(' ').map(within).collect::<Vec<_>>().join(" ")
+        None => None,
+    })
 }
 
 /// What was chosen for materials of a level, joined with the colours of leaves in clear texels of their textures,

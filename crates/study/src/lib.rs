@@ -11,6 +11,8 @@
 //! What a study needs of the program that runs it is a [`Host`]: progress, a wish to stop,
 //! writing files, and facts of the machine.
 
+#![forbid(unsafe_code)]
+
 mod as_options;
 mod better_rivals;
 mod case;
@@ -50,6 +52,7 @@ mod row_file;
 mod rows;
 mod run;
 mod scenes;
+mod shell;
 mod short_names;
 mod subject;
 mod summary;
@@ -80,5 +83,6 @@ pub use report::{Picture, Study, report};
 pub use rows::{Identity, Row, RowKey, Values, current_rows, read_rows, to_line};
 pub use run::{StudyOptions, redraw, run};
 pub use summary::{Group, Point, Spread, groups, overlap, pareto, spread, summarise};
-pub use tree_hash::tree_sha256;
+pub use table::markdown_escaped;
+pub use tree_hash::{file_sha256, tree_sha256};
 pub use whole::WholeCounts;

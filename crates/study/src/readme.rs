@@ -12,7 +12,7 @@ use crate::failure_case::{WHAT_IS_BETTER, overview};
 use crate::format::{duration, memory, number, percent, trees};
 use crate::published::beside;
 use crate::recommend::{WHAT_IS_LISTED, recommend};
-use crate::table::Table;
+use crate::table::{Table, markdown_escaped};
 use crate::whole::{WHAT_IS_COMPARED, tables};
 
 /// The study of [`report`](super::report()) without pictures: what ran on
@@ -22,7 +22,7 @@ pub fn readme(study: &Study<'_>) -> String {
     let mut text = "# A study of foliage simplification\n\nWritten by `secateur study --redraw` from `rows.jsonl`; do not edit.\n\n".to_owned();
     let each = |what: fn(&Row) -> String| {
         let all: BTreeSet<String> = study.rows.iter().map(what).collect();
-        all.into_iter().collect::<Vec<_>>().join("; ")
+        markdown_escaped(&all.into_iter().collect::<Vec<_>>().join("; "))
     };
     let names: BTreeSet<&String> = study.rows.iter().map(|r| &r.tree).collect();
     let _ = write!(

@@ -63,7 +63,7 @@ impl Table {
     pub(crate) fn markdown(&self) -> String {
         let mut text = String::new();
         let line = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+            let cells: Vec<String> = cells.iter().map(|c| markdown_escaped(c)).collect();
             format!("| {} |\n", cells.join(" | "))
         };
         text += &line(&self.head);
@@ -71,6 +71,19 @@ impl Table {
         self.body.iter().for_each(|cells| text += &line(cells));
         text
     }
+}
+
+/// Text from elsewhere as Markdown shows it: no mark of it begins a tag, a link, code, an emphasis or a cell.
+pub fn markdown_escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '|' | '\\' | '`' | '*' | '<' | '[' | ']' => safe.extend(['\\', c]),
+            c if c.is_control() => safe.push(' '),
+            c => safe.push(c),
+        }
+    }
+    safe
 }
 
 #[cfg(test)]
@@ -94,7 +107,7 @@ mod tests {
         let mut table = Table::new(&["a", "b"]);
         table.push(vec!["<1>".into(), "x|y".into()]);
         assert!(table.html().contains("<td>&lt;1&gt;</td><td>x|y</td>"));
-        let lines = ["| a | b |", "|---|---|", "| <1> | x\\|y |"];
+        let lines = ["| a | b |", "|---|---|", "| \\<1> | x\\|y |"];
         assert_eq!(table.markdown().lines().collect::<Vec<_>>(), lines);
     }
 }

@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use secateur_gltf::Tree;
 use secateur_model::Lod;
+use secateur_raster::OpenEngine;
 use secateur_raster::ViewSet;
-use secateur_simplify::{Progress, Resolution, Stage, simplify_with};
+use secateur_simplify::{Error as SimplifyError, Progress, Resolution, Stage, simplify_on};
 
 use crate::job::Job;
 use crate::{Error, Host};
@@ -74,32 +75,38 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
     let mut fitting: Option<(Instant, Instant)> = None;
     let mut begun = Instant::now();
     host.forget_peak_rss();
-    let result = simplify_with(&changed.foliage, &changed.options, &mut |progress| {
-        match progress {
-            Progress::Stage(Stage::Select) => begun = Instant::now(),
-            // All that comes after is no part of the method.
-            Progress::Stage(Stage::Observe) => end = Some(Reached::now(begun, host)),
-            Progress::Stage(Stage::Fit) => {
-                end.get_or_insert_with(|| Reached::now(begun, host));
-                fitting = Some((Instant::now(), Instant::now()));
-            }
-            Progress::Step { .. } if fitting.is_some() => {
-                fitting = fitting.map(|(from, _)| (from, Instant::now()));
-            }
-            Progress::Step { done, .. } => {
-                for (at, steps) in reached.iter_mut().zip(&steps) {
-                    if done == *steps {
-                        *at = Some(Reached::now(begun, host));
+    let engine = OpenEngine::open(changed.options.engine).map_err(SimplifyError::from)?;
+    let result = simplify_on(
+        &engine,
+        &changed.foliage,
+        &changed.options,
+        &mut |progress| {
+            match progress {
+                Progress::Stage(Stage::Select) => begun = Instant::now(),
+                // All that comes after is no part of the method.
+                Progress::Stage(Stage::Observe) => end = Some(Reached::now(begun, host)),
+                Progress::Stage(Stage::Fit) => {
+                    end.get_or_insert_with(|| Reached::now(begun, host));
+                    fitting = Some((Instant::now(), Instant::now()));
+                }
+                Progress::Step { .. } if fitting.is_some() => {
+                    fitting = fitting.map(|(from, _)| (from, Instant::now()));
+                }
+                Progress::Step { done, .. } => {
+                    for (at, steps) in reached.iter_mut().zip(&steps) {
+                        if done == *steps {
+                            *at = Some(Reached::now(begun, host));
+                        }
                     }
                 }
+                _ => {}
             }
-            _ => {}
-        }
-        match host.is_stop_asked() {
-            false => ControlFlow::Continue(()),
-            true => ControlFlow::Break(()),
-        }
-    })?;
+            match host.is_stop_asked() {
+                false => ControlFlow::Continue(()),
+                true => ControlFlow::Break(()),
+            }
+        },
+    )?;
     let order = changed.order_of_tree(&result.passes.in_one_order());
     let of_stage = |name: Stage| {
         let stage = result.seconds.iter().find(|(stage, _)| *stage == name);

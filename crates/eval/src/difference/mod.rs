@@ -34,7 +34,7 @@ use serde::Serialize;
 
 use blocks::ViewScores;
 use frame::{Eye, Frame};
-use picture::{PlantPicture, draw};
+use picture::{DrawnPlant, PlantPicture, draw};
 use plants::Plants;
 
 /// Azimuth and elevation of the views in degrees: azimuth 0 is +z, 90 is +x.
@@ -61,6 +61,10 @@ const OF_WOOD: f64 = 0.45;
 
 /// Of how many views, those that show most, the worst block of wood is the mean.
 const WOOD_VIEWS: usize = 2;
+
+/// A level that from the first two views, or the first four, is so many times beyond the limits is looked at no more:
+/// the others do not bring it back within them.
+const SURELY_BEYOND: [(usize, f64); 2] = [(2, 1.3), (4, 1.1)];
 
 /// How far a level looks from its plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -234,7 +238,7 @@ impl DifferenceJudge {
         self.difference_within(level, pixels_high, count, no_limit)
     }
 
-    /// [`difference`](Self::difference), but from no more views once it is certain that the level is
+    /// [`difference`](Self::difference), but from no more views once it is as good as certain that the level is
     /// beyond the limits; the figures are then of the views that were looked from.
     pub fn difference_within(
         &self,
@@ -278,7 +282,7 @@ impl DifferenceJudge {
         let of_plant = |plant: usize| {
             let eyes = self.eyes(self.plants.sphere(plant), count);
             let mut views: Vec<ViewScores> = Vec::new();
-            // Two at a time: enough to be sure of most that is far beyond the limits.
+            // Two at a time: enough for what is far beyond the limits.
             for pair in eyes.chunks(2) {
                 let judged = pair.par_iter().map(|eye| {
                     let drawn = self.picture(plant, eye, pixels_high);
@@ -288,8 +292,10 @@ impl DifferenceJudge {
                 });
                 views.par_extend(judged);
                 let so_far = Difference::of_views(&views);
-                let share = views.len() as f64 / eyes.len() as f64;
-                if views.len() < eyes.len() && so_far.over(limits) * share > 1.0 {
+                let over = so_far.over(limits);
+                let is_beyond =
+                    |(count, most): &(usize, f64)| views.len() == *count && over > *most;
+                if views.len() < eyes.len() && SURELY_BEYOND.iter().any(is_beyond) {
                     return so_far;
                 }
             }
@@ -313,7 +319,8 @@ impl DifferenceJudge {
         let (surfaces, wood) = self.plants.surfaces(plant);
         let px_per_unit = pixels_high / self.size();
         let frame = Frame::around(surfaces, eye, px_per_unit);
-        let picture = self.draw(&surfaces.iter().collect::<Vec<_>>(), wood, &frame);
+        let drawn = self.draw(&surfaces.iter().collect::<Vec<_>>(), wood, &frame);
+        let picture = PlantPicture::of(drawn);
         let made = Arc::new((frame, picture));
         if pixels_high > MOST_KEPT_PX && self.plants.len() > MOST_PLANTS_KEPT {
             return made;
@@ -349,7 +356,7 @@ impl DifferenceJudge {
         surfaces: &[S],
         wood: usize,
         frame: &Frame,
-    ) -> PlantPicture {
+    ) -> DrawnPlant {
         draw(surfaces, wood, &self.occluders, frame, self.turns_normals)
     }
 

@@ -11,8 +11,8 @@ use super::blocks::{
 use super::frame::Frame;
 use super::mask::judged_pixels;
 use crate::cut_mask::CutMasks;
-use crate::flip::CutOutFlip;
-use crate::render::{CutOutRoles, draw_cut_out};
+use crate::flip::{CutOutFlip, FilteredCutOut};
+use crate::render::{CutOut, CutOutRoles, draw_cut_out};
 use crate::visibility::AlphaFrom;
 
 /// The backgrounds, sRGB .92 and .08, in linear light.
@@ -21,7 +21,7 @@ const BACKGROUNDS: [f32; 2] = [0.827_79, 0.007_27];
 /// A pixel shows wood where this share of it does.
 const MOSTLY: f32 = 0.5;
 
-/// A plant or a level from one view.
+/// A plant from one view: what pictures of its levels are compared with.
 #[derive(Debug)]
 pub(super) struct PlantPicture {
     coverage: Vec<f32>,
@@ -30,6 +30,9 @@ pub(super) struct PlantPicture {
     flip: CutOutFlip,
 }
 
+/// A plant or a level, drawn from one view.
+pub(super) struct DrawnPlant(CutOut);
+
 /// Draws surfaces, of which the first `wood` are wood, behind occluders.
 pub(super) fn draw<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
@@ -37,7 +40,7 @@ pub(super) fn draw<S: Borrow<Surface> + Sync>(
     occluders: &[Arc<Surface>],
     frame: &Frame,
     turns_normals: bool,
-) -> PlantPicture {
+) -> DrawnPlant {
     let roles = CutOutRoles {
         core: wood,
         occluders: surfaces.len(),
@@ -46,20 +49,25 @@ pub(super) fn draw<S: Borrow<Surface> + Sync>(
     let all: Vec<&Surface> = surfaces.iter().map(S::borrow).chain(occluders).collect();
     let masks = CutMasks::default();
     let how = (frame.samples, turns_normals);
-    let drawn = draw_cut_out(&all, roles, frame.lens, how, AlphaFrom::masks(&masks));
-    let flip = CutOutFlip::of(drawn.size, &drawn.rgb, &drawn.coverage, &BACKGROUNDS);
-    PlantPicture {
-        coverage: drawn.coverage,
-        wood: drawn.core,
-        flip,
-    }
+    let alpha = AlphaFrom::masks(&masks);
+    DrawnPlant(draw_cut_out(&all, roles, frame.lens, how, alpha))
 }
 
 impl PlantPicture {
-    /// How far another picture of the same frame is from this one.
-    pub(super) fn scores(&self, level: &Self, frame: &Frame) -> ViewScores {
+    pub(super) fn of(DrawnPlant(drawn): DrawnPlant) -> Self {
+        let filtered = FilteredCutOut::of(drawn.size, &drawn.rgb, &drawn.coverage);
+        Self {
+            flip: CutOutFlip::of(&filtered, &BACKGROUNDS),
+            coverage: drawn.coverage,
+            wood: drawn.core,
+        }
+    }
+
+    /// How far a level, drawn in the same frame, is from this plant.
+    pub(super) fn scores(&self, DrawnPlant(level): &DrawnPlant, frame: &Frame) -> ViewScores {
         let width = (frame.lens.width / frame.samples) as usize;
         let judged = judged_pixels(&self.coverage, &level.coverage, width);
+        let filtered = FilteredCutOut::at(&judged, level.size, &level.rgb, &level.coverage);
         let [columns, rows] = frame.blocks();
         let block_of = |pixel: u32| frame.block_of(pixel);
         let is_wood = |pixel: &u32| self.wood[*pixel as usize] >= MOSTLY;
@@ -69,7 +77,7 @@ impl PlantPicture {
             worst_and_mean(least, (pixels, errors), frame.block_px, count, block_of)
         };
         let (mut worst_block, mut mean, mut worst_wood) = (0.0f64, 0.0f64, 0.0f64);
-        for errors in self.flip.errors(&level.flip, &judged) {
+        for errors in self.flip.errors(&filtered, &judged) {
             let [worst, of_all] = of_block(LEAST_JUDGED, &judged, &errors);
             let pairs = judged.iter().zip(&errors);
             let of_wood = pairs.filter(|(pixel, _)| is_wood(pixel));

@@ -1,5 +1,6 @@
 //! Colours as FLIP compares them.
 
+use glam::Vec3A;
 use image::RgbaImage;
 
 use crate::LINEAR_FROM_SRGB;
@@ -59,7 +60,7 @@ impl ColorScale {
     }
 
     pub(super) fn of(&self, difference: f32) -> f32 {
-        let difference = difference.powf(COLOR_EXPONENT);
+        let difference = power(difference, COLOR_EXPONENT);
         if difference < self.end_of_small {
             return difference * (MOST_OF_SMALL / self.end_of_small);
         }
@@ -119,18 +120,98 @@ impl Colors {
 
     /// L*a*b*, with a* and b* the less the darker it is.
     pub(super) fn hunt_lab(&self, rgb: [f32; 3]) -> [f32; 3] {
-        const KNEE: f32 = 6.0 / 29.0;
-        let root = |t: f32| match t > KNEE * KNEE * KNEE {
-            true => t.cbrt(),
-            false => t / (3.0 * KNEE * KNEE) + 4.0 / 29.0,
-        };
-        let [x, y, z] = self.relative_xyz(rgb).map(root);
+        let [x, y, z] = lab_roots(self.relative_xyz(rgb));
         let lightness = 116.0 * y - 16.0;
         let [a, b] = [500.0 * (x - y), 200.0 * (y - z)].map(|c| 0.01 * lightness * c);
         [lightness, a, b]
     }
 }
 
+/// What L*a*b* takes of parts of white's XYZ: cube roots, and a line where it is dark. Two steps of Halley's make
+/// the roots of a first guess exact to the last bit or two.
+fn lab_roots(parts: [f32; 3]) -> [f32; 3] {
+    const KNEE: f32 = 6.0 / 29.0;
+    /// Of the bits of 1, two thirds, less what makes the error of the guess even.
+    const GUESS: u32 = 709_921_077;
+    let parts = Vec3A::from_array(parts);
+    let guess = parts
+        .to_array()
+        .map(|t| f32::from_bits(t.to_bits() / 3 + GUESS));
+    let mut root = Vec3A::from_array(guess);
+    for _ in 0..2 {
+        let cube = root * root * root;
+        root *= (cube + 2.0 * parts) / (2.0 * cube + parts);
+    }
+    let line = parts / (3.0 * KNEE * KNEE) + 4.0 / 29.0;
+    let is_bright = parts.cmpgt(Vec3A::splat(KNEE * KNEE * KNEE));
+    Vec3A::select(is_bright, root, line).to_array()
+}
+
+/// A positive number to a power, within some millionths, in a fraction of the time of `f32::powf`, and with the same
+/// bits on every machine.
+pub(super) fn power(base: f32, exponent: f32) -> f32 {
+    exp2(exponent * log2(base))
+}
+
+/// The binary logarithm of a positive number.
+fn log2(value: f32) -> f32 {
+    const SIGNIFICAND: u32 = (1 << 23) - 1;
+    /// The bits of the root of a half: significands are taken from it to twice that.
+    const LEAST: u32 = 0x3f35_04f3;
+    let bits = value.max(f32::MIN_POSITIVE).to_bits();
+    let exponent = (bits.wrapping_sub(LEAST) as i32) >> 23;
+    let near_one = f32::from_bits((bits.wrapping_sub(LEAST) & SIGNIFICAND) + LEAST);
+    // ln m = 2 artanh((m - 1) / (m + 1)).
+    let s = (near_one - 1.0) / (near_one + 1.0);
+    let t = s * s;
+    let series = 1.0 + t * (1.0 / 3.0 + t * (0.2 + t * (1.0 / 7.0 + t / 9.0)));
+    exponent as f32 + 2.0 * std::f32::consts::LOG2_E * s * series
+}
+
+/// 2 to a power of -126 to 127.
+fn exp2(power: f32) -> f32 {
+    let power = power.clamp(-126.0, 127.0);
+    let whole = (power + 127.5) as i32 - 127;
+    let rest = (power - whole as f32) * std::f32::consts::LN_2;
+    let series = 1.0
+        + rest
+            * (1.0
+                + rest / 2.0
+                    * (1.0
+                        + rest / 3.0
+                            * (1.0
+                                + rest / 4.0
+                                    * (1.0
+                                        + rest / 5.0 * (1.0 + rest / 6.0 * (1.0 + rest / 7.0))))));
+    series * f32::from_bits(((whole + 127) as u32) << 23)
+}
+
 fn product(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
     matrix.map(|row| row[0] * a + row[1] * b + row[2] * c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_and_roots_are_near_those_of_the_library() {
+        for k in 1..4000 {
+            let base = 1e-6 * 1.005f32.powi(k);
+            for exponent in [0.0, 0.3, COLOR_EXPONENT, 1.0] {
+                let ratio = power(base, exponent) / base.powf(exponent);
+                assert!((ratio - 1.0).abs() < 5e-6, "{base} {exponent}: {ratio}");
+            }
+        }
+        for k in 0..2000 {
+            let part = k as f32 / 1900.0;
+            let [root, ..] = lab_roots([part, 0.5, 1.0]);
+            let expected = match part > 0.008_856_452 {
+                true => part.cbrt(),
+                false => part * 7.787_037 + 0.137_931_03,
+            };
+            assert!((root - expected).abs() < 5e-7, "{part}: {root} {expected}");
+        }
+        assert_eq!(power(0.0, 0.0), 1.0);
+    }
 }

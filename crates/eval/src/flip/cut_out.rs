@@ -5,81 +5,138 @@
 //! once, whatever the grey.
 
 use super::color::{ColorScale, Colors, HypotOf};
-use super::filters::{Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, gaussian, responses};
+use super::filters::{
+    Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, Responses, blue_yellow, gaussian, responses,
+};
 use super::{FlipPicture, FlipPixel};
 
-/// A plant as FLIP sees it before each of some greys.
+/// A plant as the filters of FLIP leave it, before any background.
 #[derive(Clone, Debug)]
-pub(crate) struct CutOutFlip {
-    before: Vec<FlipPicture>,
+pub(crate) struct FilteredCutOut {
+    size: [u32; 2],
+    /// Where it is filtered.
+    grid: Grid,
+    /// Luminance, coverage, red against green, and yellow against blue, as an eye sees them.
+    seen: [Vec<f32>; 4],
+    /// Edges and points of the plant's luminance, and of its coverage.
+    of_plant: [Responses; 2],
+    of_coverage: [Responses; 2],
 }
 
-impl CutOutFlip {
-    /// Of a picture of `size` pixels, row by row: linear RGB times coverage, and coverage, 0 to 1; before these
-    /// greys, in linear light.
-    pub(crate) fn of(size: [u32; 2], rgb: &[[f32; 3]], coverage: &[f32], greys: &[f32]) -> Self {
-        let grid = Grid::about(size[0] as usize, size[1] as usize, coverage);
+impl FilteredCutOut {
+    /// Of a picture of `size` pixels, row by row: linear RGB times coverage, and coverage, 0 to 1.
+    pub(crate) fn of(size: [u32; 2], rgb: &[[f32; 3]], coverage: &[f32]) -> Self {
+        let [width, height] = size.map(|side| side as usize);
+        Self::on(Grid::about(width, height, coverage), size, rgb, coverage)
+    }
+
+    /// As [`Self::of`], but as a plant is seen at these pixels alone.
+    pub(crate) fn at(pixels: &[u32], size: [u32; 2], rgb: &[[f32; 3]], coverage: &[f32]) -> Self {
+        let [width, height] = size.map(|side| side as usize);
+        Self::on(Grid::at(width, height, pixels), size, rgb, coverage)
+    }
+
+    fn on(grid: Grid, size: [u32; 2], rgb: &[[f32; 3]], coverage: &[f32]) -> Self {
         let colors = Colors::new();
         let mut planes = [(); 3].map(|()| vec![0.0; rgb.len()]);
-        for (y, run) in grid.rows() {
-            for k in run.map(|x| y * size[0] as usize + x) {
-                let [x, y, z] = colors.relative_xyz(rgb[k]);
-                (planes[0][k], planes[1][k], planes[2][k]) = (y, 500.0 * (x - y), 200.0 * (y - z));
-            }
+        for k in (0..rgb.len()).filter(|k| coverage[*k] != 0.0) {
+            let [x, y, z] = colors.relative_xyz(rgb[k]);
+            (planes[0][k], planes[1][k], planes[2][k]) = (y, 500.0 * (x - y), 200.0 * (y - z));
         }
         let [luminance, red_green, yellow_blue] = planes;
-        let of_plant = responses(&grid, &luminance);
-        let of_coverage = responses(&grid, coverage);
         let eye = gaussian(LIGHTNESS_WIDTH);
-        let [luminance, coverage] = [&luminance[..], coverage].map(|p| grid.filtered(p, &eye));
-        let red_green = grid.filtered(&red_green, &gaussian(RED_GREEN_WIDTH));
-        let yellow_blue = blue_yellow(&grid, &yellow_blue);
-        let before = |grey: &f32| {
-            // Far from the plant all pixels are alike.
-            let bare = FlipPixel {
-                lab: colors.hunt_lab([*grey; 3]),
-                edge: 0.0,
-                point: 0.0,
-            };
-            let mut pixels = vec![bare; rgb.len()];
-            for (y, run) in grid.rows() {
-                for k in run.map(|x| y * size[0] as usize + x) {
-                    if coverage[k] != 0.0 {
-                        let y = luminance[k] + (1.0 - coverage[k]) * grey;
-                        let opponent = [116.0 * y - 16.0, red_green[k], yellow_blue[k]];
-                        pixels[k].lab = colors.hunt_lab(colors.rgb_of_opponent(opponent));
-                    }
-                    let [edge, point] = [0, 1].map(|feature| {
-                        let (plant, cover) = (&of_plant[feature], &of_coverage[feature]);
-                        let across = plant.across[k] - grey * cover.across[k];
-                        across.hypot_of(plant.down[k] - grey * cover.down[k])
-                    });
-                    (pixels[k].edge, pixels[k].point) = (edge, point);
-                }
-            }
-            FlipPicture { size, pixels }
-        };
         Self {
-            before: greys.iter().map(before).collect(),
+            of_plant: responses(&grid, &luminance),
+            of_coverage: responses(&grid, coverage),
+            seen: [
+                grid.filtered(&luminance, &eye),
+                grid.filtered(coverage, &eye),
+                grid.filtered(&red_green, &gaussian(RED_GREEN_WIDTH)),
+                blue_yellow(&grid, &yellow_blue),
+            ],
+            size,
+            grid,
         }
     }
 
-    /// FLIP against another plant before each of the greys, at these pixels.
+    /// A pixel before a grey, in linear light. Where the filters find nothing it is that of the grey alone.
+    fn pixel(&self, k: usize, grey: f32, colors: &Colors, bare: FlipPixel) -> FlipPixel {
+        let [luminance, coverage, red_green, yellow_blue] = self.seen.each_ref().map(|p| p[k]);
+        let lab = match coverage != 0.0 {
+            true => {
+                let y = luminance + (1.0 - coverage) * grey;
+                let opponent = [116.0 * y - 16.0, red_green, yellow_blue];
+                colors.hunt_lab(colors.rgb_of_opponent(opponent))
+            }
+            false => bare.lab,
+        };
+        let [edge, point] = [0, 1].map(|feature| {
+            let (plant, cover) = (&self.of_plant[feature], &self.of_coverage[feature]);
+            let across = plant.across[k] - grey * cover.across[k];
+            across.hypot_of(plant.down[k] - grey * cover.down[k])
+        });
+        FlipPixel { lab, edge, point }
+    }
+
+    /// The picture before a grey, in linear light.
+    fn before(&self, grey: f32) -> FlipPicture {
+        let colors = Colors::new();
+        // Far from the plant all pixels are alike.
+        let bare = bare(grey, &colors);
+        let mut pixels = vec![bare; self.seen[0].len()];
+        for (y, run) in self.grid.rows() {
+            for k in run.map(|x| y * self.size[0] as usize + x) {
+                pixels[k] = self.pixel(k, grey, &colors, bare);
+            }
+        }
+        FlipPicture {
+            size: self.size,
+            pixels,
+        }
+    }
+}
+
+/// A pixel of a grey alone.
+fn bare(grey: f32, colors: &Colors) -> FlipPixel {
+    FlipPixel {
+        lab: colors.hunt_lab([grey; 3]),
+        edge: 0.0,
+        point: 0.0,
+    }
+}
+
+/// A plant as FLIP sees it before each of some greys: what others are compared with.
+#[derive(Clone, Debug)]
+pub(crate) struct CutOutFlip {
+    /// By grey, in linear light.
+    before: Vec<(f32, FlipPicture)>,
+}
+
+impl CutOutFlip {
+    /// Before these greys, in linear light.
+    pub(crate) fn of(plant: &FilteredCutOut, greys: &[f32]) -> Self {
+        let before = greys.iter().map(|grey| (*grey, plant.before(*grey)));
+        Self {
+            before: before.collect(),
+        }
+    }
+
+    /// FLIP against another plant, which was filtered there, before each of the greys, at these pixels.
     ///
     /// # Panics
-    /// If their sizes or greys differ.
+    /// If their sizes differ.
     pub(crate) fn errors<'a>(
         &'a self,
-        other: &'a Self,
+        other: &'a FilteredCutOut,
         pixels: &'a [u32],
     ) -> impl Iterator<Item = Vec<f32>> + 'a {
-        assert_eq!(self.before.len(), other.before.len(), "the same greys");
-        let scale = ColorScale::new();
-        self.before.iter().zip(&other.before).map(move |(a, b)| {
-            assert_eq!(a.size, b.size, "one size");
+        let (scale, colors) = (ColorScale::new(), Colors::new());
+        self.before.iter().map(move |(grey, picture)| {
+            assert_eq!(picture.size, other.size, "one size");
+            let bare = bare(*grey, &colors);
             let error = |k: &u32| {
-                let [a, b] = [a, b].map(|picture| &picture.pixels[*k as usize]);
-                scale.error(a, b)
+                let other = other.pixel(*k as usize, *grey, &colors, bare);
+                scale.error(&picture.pixels[*k as usize], &other)
             };
             pixels.iter().map(error).collect()
         })
@@ -123,11 +180,12 @@ mod tests {
     fn errors_are_those_of_composed_pictures() {
         let greys = [0.8, 0.007];
         let plants = [0.0, 2.5].map(plant);
-        let flips = plants
+        let filtered = plants
             .each_ref()
-            .map(|(rgb, coverage)| CutOutFlip::of([48, 40], rgb, coverage, &greys));
+            .map(|(rgb, coverage)| FilteredCutOut::of([48, 40], rgb, coverage));
         let all: Vec<u32> = (0..48 * 40).collect();
-        let found = flips[0].errors(&flips[1], &all);
+        let flip = CutOutFlip::of(&filtered[0], &greys);
+        let found = flip.errors(&filtered[1], &all);
         for (errors, grey) in found.zip(greys) {
             let [a, b] = plants
                 .each_ref()

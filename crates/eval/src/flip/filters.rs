@@ -72,6 +72,7 @@ pub(super) fn blue_yellow(grid: &Grid, plane: &[f32]) -> Vec<f32> {
 }
 
 /// What the filters of edges, or of points, find in a plane along rows and along columns.
+#[derive(Clone, Debug)]
 pub(super) struct Responses {
     pub(super) across: Vec<f32>,
     pub(super) down: Vec<f32>,
@@ -126,21 +127,26 @@ pub(super) fn responses(grid: &Grid, grey: &[f32]) -> [Responses; 2] {
 const TILE_PX: usize = 16;
 
 /// Where the values of a plane lie, and which of them are filtered.
+#[derive(Clone, Debug)]
 pub(super) struct Grid {
     width: usize,
     height: usize,
-    /// By row of tiles, the columns of pixels that are filtered, in runs of whole tiles.
+    /// By row, the columns that are filtered, in runs of whole tiles.
     runs: Vec<Vec<Range<usize>>>,
+    /// By row, the columns that a filter along columns reads for them.
+    reached: Vec<Vec<Range<usize>>>,
 }
 
 impl Grid {
     /// All of a plane.
     pub(super) fn whole(width: usize, height: usize) -> Self {
         let of_row: Vec<Range<usize>> = (width > 0).then_some(0..width).into_iter().collect();
+        let runs = vec![of_row; height];
         Self {
             width,
             height,
-            runs: vec![of_row; height.div_ceil(TILE_PX)],
+            reached: runs.clone(),
+            runs,
         }
     }
 
@@ -159,29 +165,47 @@ impl Grid {
                 }
             }
         }
-        let runs_of = |is_near: &Vec<bool>| {
-            let near = is_near.chunk_by(|a, b| a == b);
-            let mut first = 0;
-            let runs = near.filter_map(|tiles| {
-                let run = first * TILE_PX..((first + tiles.len()) * TILE_PX).min(width);
-                first += tiles.len();
-                tiles[0].then_some(run)
-            });
-            runs.collect()
-        };
+        let of_rows = is_near.iter().map(|is_near| runs_of(is_near, width));
+        let of_rows: Vec<Vec<Range<usize>>> = of_rows.collect();
+        let runs: Vec<_> = (0..height).map(|y| of_rows[y / TILE_PX].clone()).collect();
         Self {
             width,
             height,
-            runs: is_near.iter().map(runs_of).collect(),
+            reached: runs.clone(),
+            runs,
+        }
+    }
+
+    /// Some pixels of a plane, named row by row: in each row the tiles that have any.
+    pub(super) fn at(width: usize, height: usize, pixels: &[u32]) -> Self {
+        let columns = width.div_ceil(TILE_PX);
+        let mut is_wanted = vec![vec![false; columns]; height];
+        for pixel in pixels {
+            let pixel = *pixel as usize;
+            is_wanted[pixel / width][pixel % width / TILE_PX] = true;
+        }
+        let mut is_reached = vec![vec![false; columns]; height];
+        for (y, is_wanted) in is_wanted.iter().enumerate() {
+            let rows = y.saturating_sub(radius_px())..(y + radius_px() + 1).min(height);
+            for column in (0..columns).filter(|column| is_wanted[*column]) {
+                for is_reached in &mut is_reached[rows.clone()] {
+                    is_reached[column] = true;
+                }
+            }
+        }
+        let [runs, reached] = [is_wanted, is_reached]
+            .map(|rows| rows.iter().map(|row| runs_of(row, width)).collect());
+        Self {
+            width,
+            height,
+            runs,
+            reached,
         }
     }
 
     /// The rows that are filtered, each with a run of its columns.
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        (0..self.height).flat_map(|y| {
-            let runs = self.runs[y / TILE_PX].iter();
-            runs.map(move |run| (y, run.clone()))
-        })
+        each_run(&self.runs)
     }
 
     pub(super) fn filtered(&self, plane: &[f32], kernel: &[f32]) -> Vec<f32> {
@@ -193,7 +217,7 @@ impl Grid {
         let mut filtered = vec![0.0; plane.len()];
         let radius = kernel.len() / 2;
         let mut wide = vec![0.0; self.width + 2 * radius];
-        for (y, run) in self.rows() {
+        for (y, run) in each_run(&self.reached) {
             let row = &plane[y * self.width..][..self.width];
             wide[..radius].fill(row[0]);
             wide[radius..radius + self.width].copy_from_slice(row);
@@ -219,6 +243,24 @@ impl Grid {
         }
         filtered
     }
+}
+
+/// The columns of a row, `width` pixels wide, whose tiles are wanted.
+fn runs_of(is_wanted: &[bool], width: usize) -> Vec<Range<usize>> {
+    let alike = is_wanted.chunk_by(|a, b| a == b);
+    let mut first = 0;
+    let runs = alike.filter_map(|tiles| {
+        let run = first * TILE_PX..((first + tiles.len()) * TILE_PX).min(width);
+        first += tiles.len();
+        tiles[0].then_some(run)
+    });
+    runs.collect()
+}
+
+/// Each run with its row.
+fn each_run(rows: &[Vec<Range<usize>>]) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let rows = rows.iter().enumerate();
+    rows.flat_map(|(y, runs)| runs.iter().map(move |run| (y, run.clone())))
 }
 
 /// A run of a row in chunks, each with its column.
@@ -269,5 +311,13 @@ mod tests {
         let whole = Grid::whole(width, height);
         assert_eq!(features(&near, &plane), features(&whole, &plane));
         assert_eq!(blue_yellow(&near, &plane), blue_yellow(&whole, &plane));
+        // At pixels that are asked for it is the same too, and elsewhere nothing is done.
+        let pixels = [20 * width + 44, 25 * width + 47, 89 * width + 100];
+        let some = Grid::at(width, height, &pixels.map(|pixel| pixel as u32));
+        let of = |grid: &Grid| [features(grid, &plane).0, blue_yellow(grid, &plane)];
+        for (own, all) in of(&some).iter().zip(of(&whole)) {
+            assert!(pixels.iter().all(|k| own[*k] == all[*k] && all[*k] != 0.0));
+        }
+        assert_eq!(some.rows().count(), 3);
     }
 }

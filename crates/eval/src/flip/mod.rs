@@ -14,8 +14,8 @@ mod filters;
 
 use image::RgbaImage;
 
-use color::{ColorScale, Colors, HypotOf};
-pub(crate) use cut_out::CutOutFlip;
+use color::{ColorScale, Colors, HypotOf, power};
+pub(crate) use cut_out::{CutOutFlip, FilteredCutOut};
 pub(crate) use error_map::error_map;
 use filters::{Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, features, gaussian};
 
@@ -98,7 +98,7 @@ impl ColorScale {
         let color = self.of(difference);
         let (edge, point) = ((a.edge - b.edge).abs(), (a.point - b.point).abs());
         let feature = (edge.max(point) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
-        color.powf(1.0 - feature)
+        power(color, 1.0 - feature)
     }
 }
 

@@ -184,7 +184,7 @@ impl Tree {
         path: &Path,
         options: WriteOptions,
     ) -> Result<PreparedLod, GltfError> {
-        self.prepare_lod_beside((lod, cutoffs), path, options, &[])
+        self.prepare_lod_beside((lod, cutoffs), (path, true), options, &[])
     }
 
     /// The materials of leaves that cut out what a texture with mip maps shows, by their numbers in

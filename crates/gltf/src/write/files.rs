@@ -63,7 +63,7 @@ impl WriteOptions {
     /// [`WriteProblem`] within [`GltfError`]: another extension, a folder that is
     /// not there, an unrelated file where the buffer must go.
     pub fn check(self, path: &Path) -> Result<(), GltfError> {
-        let output = Output::new(path);
+        let output = Output::of_user(path);
         let checked = output.and_then(|output| output.old_buffers(self).map(drop));
         checked
             .map_err(|problem| GltfError::new(&path.display().to_string(), Problem::from(problem)))
@@ -188,10 +188,10 @@ impl Tree {
     /// links below that folder. An image that is not copied is still named, and
     /// the notes say why it was not.
     ///
-    /// Files are on the disk before they get their names. Where a .gltf takes the
-    /// place of another, it knows its new buffer by a name of its own until the
-    /// buffer has the final one: whenever the program is killed, what lies there
-    /// is the old tree or the new one.
+    /// Files are on the disk before they get their names. A .gltf knows its new
+    /// buffer by a name of its own until the buffer has the final one: whenever the
+    /// program is killed, what lies there is the old tree or the new one, and the
+    /// next call takes its place.
     ///
     /// # Errors
     /// [`GltfError`] as above, or [`WriteProblem`] within it: another extension,
@@ -215,14 +215,18 @@ impl Tree {
     pub(super) fn prepare_lod_beside(
         &self,
         (lod, cutoffs): (&Lod, &Cutoffs),
-        path: &Path,
+        (path, is_of_user): (&Path, bool),
         options: WriteOptions,
         beside: &[PathBuf],
     ) -> Result<PreparedLod, GltfError> {
         let failed = |problem: WriteProblem| {
             GltfError::new(&path.display().to_string(), Problem::from(problem))
         };
-        let target = Output::new(path).map_err(failed)?;
+        let target = match is_of_user {
+            true => Output::of_user(path),
+            false => Output::new(path.to_owned()),
+        };
+        let target = target.map_err(failed)?;
         self.check_not_input(&target).map_err(failed)?;
         let content = lod_content(self, lod, cutoffs);
         let content = content.map_err(|fault| self.document.error(fault))?;
@@ -297,15 +301,23 @@ struct OldBuffers {
 }
 
 impl Output {
-    fn new(path: &Path) -> Result<Self, WriteProblem> {
-        // Its buffer belongs beside the file itself, not beside the link.
-        let path = match path.is_symlink() {
-            true => fs::canonicalize(path)?,
-            false => path.to_owned(),
-        };
+    /// A path that a user gave: where it is a link, what it leads to is written, and the buffer beside that.
+    fn of_user(path: &Path) -> Result<Self, WriteProblem> {
+        match path.is_symlink() {
+            true => Self::new(fs::canonicalize(path)?),
+            false => Self::new(path.to_owned()),
+        }
+    }
+
+    /// A path that takes the place of a link.
+    fn new(path: PathBuf) -> Result<Self, WriteProblem> {
         let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
         let bin = match extension.to_ascii_lowercase().as_str() {
             "glb" => None,
+            // The JSON names the buffer.
+            "gltf" if path.file_name().and_then(OsStr::to_str).is_none() => {
+                return Err(WriteProblem::Name);
+            }
             "gltf" => Some(path.with_extension("bin")),
             _ => return Err(WriteProblem::Extension),
         };
@@ -334,7 +346,7 @@ impl Output {
         let mut staged = StagedFiles::new();
         for copy in images {
             let mut source = fs::File::open(&copy.from)?;
-            written.bytes += staged.add_from(&copy.to, &mut source)?;
+            written.bytes += staged.add_from(copy.to.clone(), &mut source)?;
         }
         staged.sync_folders();
         let mut buffer = None;
@@ -344,16 +356,17 @@ impl Output {
             Some(bin) => {
                 if has_buffer {
                     let old = self.old_buffers(options)?;
-                    if old.is_named && !has_content(bin, &content.buffer) {
+                    let is_new = fs::symlink_metadata(&self.path).is_err();
+                    if is_new || (old.is_named && !has_content(bin, &content.buffer)) {
                         let other = self.unused_buffer_name();
-                        staged.add(&other, &content.buffer)?;
+                        staged.add_derived(&other, &content.buffer)?;
                         staged.sync_folders();
-                        staged.add(&self.path, &json_naming(&mut content.root, &other)?)?;
+                        staged.add_derived(&self.path, &json_naming(&mut content.root, &other)?)?;
                         staged.sync_folders();
                         stranded.push(other);
                     }
                     stranded.extend(old.stranded);
-                    staged.add(bin, &content.buffer)?;
+                    staged.add_derived(bin, &content.buffer)?;
                     buffer = staged.last_temporary().map(Path::to_owned);
                     staged.sync_folders();
                     written.bytes += content.buffer.len() as u64;
@@ -366,7 +379,7 @@ impl Output {
             }
             None => glb_bytes(&content.root, content.buffer).ok_or(WriteProblem::TooLarge)?,
         };
-        staged.add(&self.path, &file)?;
+        staged.add_derived(&self.path, &file)?;
         let main = staged.last_temporary().map(Path::to_owned);
         staged.sync_folders();
         stranded

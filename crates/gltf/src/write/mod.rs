@@ -16,6 +16,7 @@ mod cutoffs;
 mod draft;
 mod drop_unreferenced;
 mod files;
+mod flat_normals;
 mod images;
 mod instances;
 mod leaf_edits;
@@ -30,6 +31,7 @@ mod single_leaf_mesh;
 mod skeleton;
 mod staged_files;
 mod surfaces;
+mod temporary_name;
 #[cfg(test)]
 mod tests;
 mod texels;

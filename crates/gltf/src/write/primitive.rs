@@ -8,12 +8,14 @@ use glam::{DVec3, Vec3};
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
+use super::flat_normals::FlatShaded;
 use super::leaf_edits::{Blend, LeafEdits, MadeCorner};
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::accessor::{Component, Elements, Shape};
 use crate::error::{At, Fault, Problem};
 use crate::parts::Part;
+use crate::roles;
 use crate::tree::Tree;
 
 /// A primitive's JSON after the edits of a part's leaves, or `None` if no
@@ -30,6 +32,7 @@ pub(super) fn rewrite_primitive(
         resizes,
         blends,
         surfaces,
+        normals,
     } = kept_triangles(draft, edits, part_number, part)?;
     if kept.is_empty() {
         return Ok(None);
@@ -48,6 +51,7 @@ pub(super) fn rewrite_primitive(
         vertices: &vertices,
         resizes: &resizes,
         blends: &blends,
+        normals: &normals,
         sources: Sources::of(&vertices, &surfaces),
         place: document.primitive_place(part.mesh, part.primitive),
     };
@@ -86,6 +90,8 @@ struct Kept {
     /// By resize: the old vertex of whose surface what it moves is, where that has texture
     /// coordinates of another one.
     surfaces: HashMap<u32, u32>,
+    /// By resize: the normal of what it moves, where that is the triangle's own.
+    normals: HashMap<u32, DVec3>,
 }
 
 /// The old vertices that new ones are copies of.
@@ -159,8 +165,24 @@ fn kept_triangles(
     let mut placed = HashMap::new();
     let mut blends = HashMap::new();
     let mut surfaces = HashMap::new();
+    let mut normals = HashMap::new();
+    // Cards of leaves may have bent normals.
+    let is_solid = part.role == roles::Role::Wood && edits.has_made(part_number);
+    let flat = match is_solid {
+        true => {
+            let primitive = draft.document.primitive(part.mesh, part.primitive)?;
+            FlatShaded::of(draft.document, primitive, &triangles)?
+        }
+        false => None,
+    };
     for triangle in edits.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
+        let own_normal = flat.as_ref().and_then(|flat| {
+            let places = [0, 1, 2].map(|k| triangle[k].position_local);
+            let like = [0, 1, 2].map(|k| triangle[k].like.0);
+            flat.normal_of(places, like, corners)
+        });
+        let normal_bits = own_normal.map(|normal| normal.to_array().map(f64::to_bits));
         let mut resize = |k: usize| {
             let MadeCorner {
                 position_local,
@@ -171,7 +193,7 @@ fn kept_triangles(
             let bits = position_local.to_array().map(f64::to_bits);
             let blend_bits = blend.map(|t: Blend| (t.corners, t.weights.map(f64::to_bits)));
             *placed
-                .entry((bits, blend_bits, surface_of))
+                .entry((bits, blend_bits, surface_of, normal_bits))
                 .or_insert_with(|| {
                     let number = resizes.len() as u32;
                     resizes.push(Resize {
@@ -182,6 +204,7 @@ fn kept_triangles(
                     let of_vertices = |t: Blend| (t.corners.map(vertex), t.weights);
                     blends.extend(blend.map(|t| (number, of_vertices(t))));
                     surfaces.extend(surface_of.map(|corner| (number, vertex(corner))));
+                    normals.extend(own_normal.map(|normal| (number, normal)));
                     number
                 })
         };
@@ -195,6 +218,7 @@ fn kept_triangles(
         resizes,
         blends,
         surfaces,
+        normals,
     })
 }
 
@@ -213,6 +237,7 @@ struct Moves<'a> {
     vertices: &'a Vertices,
     resizes: &'a [Resize],
     blends: &'a HashMap<u32, ([u32; 3], [f64; 3])>,
+    normals: &'a HashMap<u32, DVec3>,
     sources: Sources,
     place: String,
 }
@@ -233,15 +258,18 @@ impl Moves<'_> {
             };
             let sources = self.sources.of_attribute(semantic);
             let moves = semantic == "POSITION" && !self.vertices.moved.is_empty();
-            let is_blended = matches!(mover, Mover::Point) && !self.blends.is_empty();
+            let is_point = matches!(mover, Mover::Point);
+            let is_blended = is_point && !self.blends.is_empty();
+            let has_own_normals = is_point && !self.normals.is_empty();
             let new = if moves {
                 self.move_vectors(draft, old, sources, mover)?
             } else if is_blended && semantic.starts_with("TEXCOORD_") {
                 self.blend::<2>(draft, old, sources, |sum, _| sum)?
-            } else if is_blended && semantic == "NORMAL" {
-                self.blend::<3>(draft, old, sources, |sum, like| {
-                    let unit = DVec3::from_array(sum).try_normalize();
-                    unit.map_or(like, |unit| unit.to_array())
+            } else if (is_blended || has_own_normals) && semantic == "NORMAL" {
+                self.blend::<3>(draft, old, sources, |sum, resize| {
+                    let own = self.normals.get(&resize).copied();
+                    let unit = own.or_else(|| DVec3::from_array(sum?).try_normalize());
+                    unit.map(|unit| unit.to_array())
                 })?
             } else {
                 draft.gather(old, Role::Vertex, sources)?
@@ -251,15 +279,15 @@ impl Moves<'_> {
         Ok(())
     }
 
-    /// The accessor of an attribute that some new vertices have of several old ones, of
-    /// that sum and what the vertex that they are copies of has. As f32: sums may leave
+    /// The accessor of an attribute that some new vertices have of several old ones, or of their own: of that sum,
+    /// where there is one, and their resize. The others have that of the vertex that they are copies of. As f32: sums may leave
     /// the range or the grid of integers.
     fn blend<const N: usize>(
         &self,
         draft: &mut Draft,
         old: usize,
         sources: &Rc<[u32]>,
-        of_sum: impl Fn([f64; N], [f64; N]) -> [f64; N],
+        of_sum: impl Fn(Option<[f64; N]>, u32) -> Option<[f64; N]>,
     ) -> Result<usize, Fault> {
         let elements = draft.document.elements(old)?;
         if elements.accessor.shape != Shape::Vector(N) {
@@ -268,12 +296,13 @@ impl Moves<'_> {
         let at = || draft.document.place("accessors", old);
         let mut vectors = gather_vectors::<N>(&elements, sources).at(at)?;
         for (vertex, resize) in &self.vertices.moved {
-            let Some(blend) = self.blends.get(resize) else {
-                continue;
+            let sum = match self.blends.get(resize) {
+                Some(blend) => Some(blended::<N>(&elements, blend).at(at)?),
+                None => None,
             };
-            let sum = blended::<N>(&elements, blend).at(at)?;
-            let vector = &mut vectors[*vertex as usize];
-            *vector = of_sum(sum, *vector);
+            if let Some(vector) = of_sum(sum, *resize) {
+                vectors[*vertex as usize] = vector;
+            }
         }
         if elements.accessor.component != Component::F32 {
             draft.notes.push(format!(

@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempPath;
 
+use super::temporary_name;
+
 /// Files that are written under temporary names beside their places.
 ///
 /// [`commit`](Self::commit) gives them their names. Dropped before that, nothing
 /// of them is left, and folders that were made for them go too.
 ///
-/// A symbolic link in the place of a file is followed, and a file that is
-/// replaced keeps its permissions.
+/// A symbolic link in the place of a file is followed by [`add`](Self::add) and replaced by
+/// [`add_derived`](Self::add_derived); a file that is replaced keeps its permissions.
 #[derive(Debug, Default)]
 pub struct StagedFiles {
     steps: Vec<Step>,
@@ -56,17 +58,28 @@ impl StagedFiles {
     /// What the operating system says, and if its place is one of something else
     /// than a file.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        self.add_from(path, &mut { bytes })?;
-        Ok(())
-    }
-
-    /// [`add`](Self::add) with the bytes of a reader. Returns how many they were.
-    pub(super) fn add_from(&mut self, path: &Path, source: &mut dyn Read) -> io::Result<u64> {
         let place = match path.is_symlink() {
             true => fs::canonicalize(path)?,
             false => path.to_owned(),
         };
-        let there = fs::metadata(&place).ok();
+        self.add_from(place, &mut { bytes })?;
+        Ok(())
+    }
+
+    /// As [`add`](Self::add), of a file whose name comes from that of another: a symbolic link in its place is
+    /// replaced, so that what it leads to stays as it is.
+    ///
+    /// # Errors
+    /// As [`add`](Self::add).
+    pub fn add_derived(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.add_from(path.to_owned(), &mut { bytes })?;
+        Ok(())
+    }
+
+    /// [`add_derived`](Self::add_derived) with the bytes of a reader. Returns how many they were.
+    pub(super) fn add_from(&mut self, place: PathBuf, source: &mut dyn Read) -> io::Result<u64> {
+        let there = fs::symlink_metadata(&place).ok();
+        let there = there.filter(|there| !there.is_symlink());
         match &there {
             Some(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
             Some(there) if !there.is_file() => {
@@ -77,9 +90,7 @@ impl StagedFiles {
         }
         let folder = folder_of(&place);
         self.make_folders(&folder)?;
-        let mut file = new_file()
-            .tempfile_in(&folder)
-            .map_err(without_temporary_path)?;
+        let mut file = temporary_name::new_file(&folder).map_err(without_temporary_path)?;
         let count = io::copy(source, file.as_file_mut())?;
         if let Some(there) = there {
             file.as_file().set_permissions(there.permissions())?;
@@ -91,6 +102,16 @@ impl StagedFiles {
             place,
         });
         Ok(count)
+    }
+
+    /// Whether files can be written into a folder. What killed runs have left in it goes.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn check_folder(folder: &Path) -> io::Result<()> {
+        temporary_name::remove_leftovers(folder);
+        let file = temporary_name::new_file(folder);
+        file.map(drop).map_err(without_temporary_path)
     }
 
     /// Makes a folder and those above it, as far as they are not there. They go
@@ -234,18 +255,6 @@ fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-fn new_file() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".secateur-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // The permissions of an ordinary new file; temporary ones are private.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder
-}
-
 /// An error without the name of the temporary file, which tells nobody
 /// anything.
 fn without_temporary_path(error: io::Error) -> io::Error {
@@ -318,5 +327,14 @@ mod tests {
 
         let refused = StagedFiles::new().add(Path::new("/dev/null"), b"1");
         assert!(refused.unwrap_err().to_string().contains("device"));
+
+        let mut staged = StagedFiles::new();
+        staged.add_derived(&link, b"beside").unwrap();
+        staged.commit().unwrap();
+        assert!(!link.is_symlink());
+        assert_eq!(
+            [&file, &link].map(|file| fs::read(file).unwrap()),
+            [&b"new"[..], b"beside"]
+        );
     }
 }

@@ -526,3 +526,34 @@ fn a_strangers_wind_data_hides_no_leaf() {
         assert!(drawn.surface.colors.iter().all(|color| color.w == 1.0));
     }
 }
+
+/// Crowns that have no colour but that of their vertices are judged by it; beside a texture it may be wind.
+#[test]
+fn colours_of_vertices_are_evidence_where_there_is_no_texture() {
+    let reasons = |rgb: [f32; 3], textured: bool| -> Vec<String> {
+        let mut tree = SmallTree::squares();
+        let colors = tree.floats("VEC3", &[rgb; 8].concat());
+        let uvs = tree.floats("VEC2", &[0.0; 16]);
+        let view = tree.view(&encoded(&row(&[255, 255]), ImageFormat::Png));
+        let attributes = &mut tree.root["meshes"][0]["primitives"][0]["attributes"];
+        attributes["COLOR_0"] = colors.into();
+        attributes["TEXCOORD_0"] = uvs.into();
+        if textured {
+            tree.append(
+                "images",
+                json!({"bufferView": view, "mimeType": "image/png"}),
+            );
+            tree.append("textures", json!({"source": 0}));
+            let texture = json!({"baseColorTexture": {"index": 0}});
+            tree.root["materials"][0]["pbrMetallicRoughness"] = texture;
+        }
+        let inspection = tree.tree().document().inspect(&[]);
+        let reasons = inspection.primitives[0].reasons.iter();
+        reasons.map(|reason| reason.text.clone()).collect()
+    };
+    let has =
+        |reasons: Vec<String>, color: &str| reasons.contains(&format!("its colour is {color}"));
+    assert!(has(reasons([0.1, 0.5, 0.1], false), "green"));
+    assert!(has(reasons([0.4, 0.2, 0.1], false), "brown"));
+    assert!(!has(reasons([0.1, 0.5, 0.1], true), "green"));
+}

@@ -9,6 +9,7 @@ use secateur_simplify::whole::{Budget, Sharing};
 use super::error::ChainError;
 use super::look::SEARCH_PX;
 use super::maker::{Made, Maker};
+use super::memory::MOST_TRIED;
 use super::placed::{Place, Placed};
 use super::textures::Client;
 
@@ -257,7 +258,12 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<f64, ChainError> {
         let (look, goal) = (&self.maker.look, self.goals.at(heights[0]));
-        let drawn = &self.level(step, observer)?.drawn;
+        let level = self.level(step, observer)?;
+        if level.triangles() == 0 {
+            // Where nothing of the plant is seen it would look alike.
+            return Ok(f64::INFINITY);
+        }
+        let drawn = &level.drawn;
         let mut over = look.over_in_search(drawn, heights[0]);
         for height in &heights[1..] {
             if over > goal {
@@ -284,8 +290,22 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 .find(|other| other.lod == made.lod);
             let made = equal.cloned().unwrap_or(made);
             self.made.insert(key, made);
+            self.forget_far_from(key);
         }
         Ok(&self.made[&key])
+    }
+
+    /// Drops levels while they are more than memory is taken for, those first that are most steps away.
+    fn forget_far_from(&mut self, (step, sharing): (usize, usize)) {
+        let most = MOST_TRIED * self.maker.all;
+        let mut kept: usize = self.made.values().map(Made::triangles).sum();
+        while kept > most && self.made.len() > 1 {
+            let others = self.made.keys().filter(|key| **key != (step, sharing));
+            let farthest = others.max_by_key(|(other, _)| other.abs_diff(step));
+            let farthest = *farthest.expect("one beside it");
+            let gone = self.made.remove(&farthest);
+            kept -= gone.map_or(0, |made| made.triangles());
+        }
     }
 }
 

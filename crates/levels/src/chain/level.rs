@@ -83,6 +83,8 @@ pub struct Chain {
     pub levels: Vec<ChainLevel>,
     /// What was asked for and left out, and the like, a sentence each.
     pub notes: Vec<String>,
+    /// How long it took, in seconds by stage: together all of the time.
+    pub seconds: Vec<(&'static str, f64)>,
 }
 
 impl Chain {

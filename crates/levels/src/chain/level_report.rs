@@ -169,7 +169,8 @@ impl LevelReport {
         }
     }
 
-    /// What the `extras` of its node say; `shadow` is the name of the node that casts its shadow.
+    /// What the `extras` of its node say, in numbers of five digits: further ones differ between kinds of processors.
+    /// `shadow` is the name of the node that casts its shadow.
     pub fn extras(&self, shadow: &str) -> Map<String, Value> {
         let report = json!(self);
         let mut extras = Map::new();
@@ -178,7 +179,7 @@ impl LevelReport {
                 extras.insert("shadow".to_owned(), shadow.into());
             }
             if !report[key].is_null() {
-                extras.insert(key.to_owned(), report[key].clone());
+                extras.insert(key.to_owned(), rounded(&report[key]));
             }
         }
         if let Some(impostor) = &self.impostor {
@@ -189,10 +190,40 @@ impl LevelReport {
     }
 }
 
+/// A number with a fraction to five digits; everything else as it is.
+fn rounded(value: &Value) -> Value {
+    match value.as_f64().filter(|_| value.is_f64()) {
+        Some(x) => format!("{x:.4e}")
+            .parse()
+            .map_or(Value::Null, |x: f64| x.into()),
+        None => value.clone(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use secateur_eval::Shown;
+
+    /// Logarithms and roots of other libraries differ behind the ninth digit: files do not.
+    #[test]
+    fn extras_have_five_digits() {
+        let of = |difference: f64| {
+            let difference = Difference {
+                difference,
+                ..Difference::default()
+            };
+            let report = LevelReport {
+                difference,
+                triangles: 1_234_567,
+                ..LevelReport::default()
+            };
+            report.extras("oak_LOD1")
+        };
+        assert_eq!(of(0.220_287_389_878), of(0.220_287_389_697));
+        assert_eq!(of(0.220_287_389_878)["difference"], 0.22029);
+        assert_eq!(of(0.2)["triangles"], 1_234_567);
+    }
 
     #[test]
     fn extras_have_what_is_known_of_a_level() {

@@ -17,6 +17,7 @@ use super::error::ChainError;
 use super::level_surfaces::LevelSurfaces;
 use super::options::ChainOptions;
 use super::scene_look::tight_cameras;
+use super::stage_clock::{ChainStage, StageClock};
 use crate::impostor::Impostor;
 use crate::impostor::judge::Judge;
 use secateur_runtime::Screen;
@@ -73,6 +74,8 @@ pub(super) struct Look {
     /// What of a scene is drawn with the plant.
     obstacles: Vec<Arc<Surface>>,
     pub(super) sphere: BoundingSphere,
+    /// What the time of the chain goes to.
+    pub(super) clock: StageClock,
     /// The largest extent of the largest plant in units of the file: what is so many pixels high.
     pub(super) size: f64,
     /// From the lowest to the highest point, in units of the file.
@@ -88,6 +91,7 @@ impl Look {
     pub(super) fn new(
         tree: &WholeTree,
         options: &ChainOptions,
+        clock: StageClock,
     ) -> Result<(Self, Judging), ChainError> {
         let (items, leaves) = (tree.items().foliage(), tree.leaves());
         let scene = options.scene.as_ref();
@@ -121,6 +125,7 @@ impl Look {
             .in_scene(cameras.clone(), obstacles.clone());
         let size = judge.size();
         let look = Self {
+            clock,
             size,
             judge,
             judge_of_impostors: OnceCell::new(),
@@ -153,9 +158,11 @@ impl Look {
     /// As [`Self::over_in_search`], of surfaces that are looked at once.
     pub(super) fn over_of_surfaces(&self, surfaces: &[Surface], pixels_high: f64) -> f64 {
         let (px, count) = (pixels_high.min(SEARCH_PX), ViewCount::Search);
-        let difference = self
-            .judge
-            .difference_within(surfaces, px, count, self.limits);
+        let judge = || {
+            self.judge
+                .difference_within(surfaces, px, count, self.limits)
+        };
+        let difference = self.clock.time(ChainStage::Difference, judge);
         difference.over(self.limits)
     }
 
@@ -163,8 +170,10 @@ impl Look {
     /// beyond the limits.
     pub(super) fn difference(&self, surfaces: &[Surface], pixels_high: f64) -> Difference {
         let count = ViewCount::All;
-        self.judge
-            .difference_within(surfaces, pixels_high, count, self.limits)
+        self.clock.time(ChainStage::Difference, || {
+            self.judge
+                .difference_within(surfaces, pixels_high, count, self.limits)
+        })
     }
 
     /// How far one level looks from another that it takes the place of.

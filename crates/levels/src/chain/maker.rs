@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::Lod;
+use secateur_model::{Budget as MemoryBudget, Lod, Memory};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Observer, Options, Shared, Target};
@@ -16,8 +16,10 @@ use super::level::{ChainLevel, Shape};
 use super::level_report::{ClearTexels, LevelReport};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
+use super::memory::take_levels;
 use super::options::{ChainOptions, Wanted};
 use super::placed::Placed;
+use super::stage_clock::{ChainStage, StageClock};
 use super::stands::Stands;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Client, Textures};
@@ -73,12 +75,18 @@ impl<'a> Maker<'a> {
         options: &'a ChainOptions,
         engine: &'a OpenEngine,
     ) -> Result<Self, ChainError> {
+        let clock = StageClock::start();
         let items = tree.items();
+        let mut memory = MemoryBudget::new(match options.leaves.memory {
+            Memory::Auto => items.memory_left(),
+            own => own,
+        });
+        take_levels(&mut memory, tree, options)?;
         // Every level shows them.
         items.document().keep_images();
         let [leaves, wood] = [tree.leaves(), tree.wood()];
         let of_leaves = &options.leaves;
-        let (look, judging) = Look::new(tree, options)?;
+        let (look, judging) = Look::new(tree, options, clock)?;
         let stands = match options.wood {
             WoodMode::Keep | WoodMode::Ignore => None,
             mode => Some(Stands::of(tree, look.judge(), mode, of_leaves, engine)?),
@@ -97,7 +105,7 @@ impl<'a> Maker<'a> {
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::default(),
             leaf_options: Options {
-                memory: items.memory_left(),
+                memory: memory.memory(),
                 ..options.leaves.clone()
             },
             tree,
@@ -128,6 +136,15 @@ impl<'a> Maker<'a> {
         observer: &mut Observer<'_>,
     ) -> Result<Made, ChainError> {
         let budget = budget.into();
+        let make = || self.level_within(budget, observer);
+        self.look.clock.time(ChainStage::Simplify, make)
+    }
+
+    fn level_within(
+        &self,
+        budget: Budget,
+        observer: &mut Observer<'_>,
+    ) -> Result<Made, ChainError> {
         let options = &self.leaf_options;
         let parts = match &self.stands {
             Some(stands) => stands.level(budget, options, self.engine, observer)?,

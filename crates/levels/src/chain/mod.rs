@@ -15,10 +15,12 @@ mod level_report;
 mod level_surfaces;
 mod look;
 mod maker;
+mod memory;
 mod options;
 mod placed;
 mod scene_look;
 mod seen_from_nearer;
+mod stage_clock;
 mod stands;
 #[cfg(test)]
 mod tests;
@@ -39,6 +41,7 @@ pub use level_surfaces::show;
 use maker::Maker;
 pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, Wanted};
 pub use scene_look::SceneLook;
+use stage_clock::ChainStage;
 pub use texture_bytes::texture_bytes;
 pub use textures::Textures;
 
@@ -65,8 +68,13 @@ pub fn chain(
         }
     };
     Progress::Level { done: 1, of: 1 }.tell(observer)?;
-    let impostors = maker.impostors(&placed, &client, &mut notes, observer)?;
-    let mut levels = maker.ending(placed, impostors, &client, &mut notes, observer)?;
+    let clock = &maker.look.clock;
+    let impostors = clock.time(ChainStage::Impostors, || {
+        maker.impostors(&placed, &client, &mut notes, observer)
+    })?;
+    let mut levels = clock.time(ChainStage::Figures, || {
+        maker.ending(placed, impostors, &client, &mut notes, observer)
+    })?;
     match (options.original, levels.len()) {
         (true, MAX_LEVELS) => notes.push(format!(
             "the plant itself is left out, as a chain has at most {MAX_LEVELS} levels; keep it before the first"
@@ -96,5 +104,9 @@ pub fn chain(
             false => (index + options.shadow_steps).min(last_mesh),
         };
     }
-    Ok(Chain { levels, notes })
+    Ok(Chain {
+        levels,
+        notes,
+        seconds: clock.seconds(),
+    })
 }

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Limits;
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Amount, Options, Target};
+use serde::{Deserialize, Serialize};
 
 use super::error::BadOptions;
 use super::scene_look::SceneLook;
@@ -26,7 +27,8 @@ pub const MAX_LEVELS: usize = 8;
 pub const DISTANCES: RangeInclusive<f64> = 0.01..=1e6;
 
 /// Which levels a chain has.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Wanted {
     /// Levels of these numbers of triangles of the whole plant, finest first.
     Triangles(Vec<Amount>),
@@ -39,11 +41,13 @@ pub enum Wanted {
 }
 
 /// How a chain is made.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ChainOptions {
     /// Which levels are made: shares, numbers of triangles, or heights.
     pub wanted: Wanted,
     /// The screen and camera that distances are for.
+    #[serde(with = "ScreenFields")]
     pub screen: Screen,
     /// The [difference](secateur_eval::Difference) that a level may have at the height from which it is seen, above
     /// 0 and at most 2. Its companion `block_coverage` may be as much in proportion ([`Limits::of_difference`]).
@@ -67,7 +71,16 @@ pub struct ChainOptions {
     pub textures: Textures,
     /// Where levels are judged from and what stands before them; from all around, with nothing
     /// about the plant, where there is no scene.
+    #[serde(skip)]
     pub scene: Option<SceneLook>,
+}
+
+/// The fields of a screen, as files have them.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Screen", deny_unknown_fields)]
+struct ScreenFields {
+    height_px: f64,
+    field_of_view_degrees: f64,
 }
 
 impl Default for ChainOptions {

@@ -7,6 +7,7 @@ use secateur_simplify::{Observer, Progress};
 use super::error::ChainError;
 use super::level_surfaces::retextured;
 use super::maker::{Made, Maker};
+use super::stage_clock::ChainStage;
 use super::textures::{Chosen, Client};
 
 /// A level, where it is seen, and how far it looks from the plant there.
@@ -72,7 +73,8 @@ impl Maker<'_> {
         observer: &mut Observer<'_>,
     ) -> Result<Placed, ChainError> {
         Progress::Finish.tell(observer)?;
-        let dressed = self.dressed(made, place, client)?;
+        let dress = || self.dressed(made, place, client);
+        let dressed = self.look.clock.time(ChainStage::Textures, dress)?;
         let difference = self.look.difference(&dressed.surfaces, place.range[0]);
         Ok(Placed {
             made: dressed.made,
@@ -121,7 +123,10 @@ impl Maker<'_> {
         }
         // Colours and outlines where it begins are what they were.
         let surfaces = retextured(&placed.made.drawn.level, &placed.chosen.textures);
-        let as_drawn = client.as_drawn(&surfaces, place.range);
+        let clock = &self.look.clock;
+        let as_drawn = clock.time(ChainStage::Textures, || {
+            client.as_drawn(&surfaces, place.range)
+        });
         let as_before = |as_drawn| Placed {
             chosen: Chosen {
                 as_drawn,
@@ -133,7 +138,9 @@ impl Maker<'_> {
         if as_drawn.is_within() {
             return Ok(as_before(as_drawn));
         }
-        let again = self.dressed(placed.made.clone(), place, client)?;
+        let again = clock.time(ChainStage::Textures, || {
+            self.dressed(placed.made.clone(), place, client)
+        })?;
         if again.surfaces == surfaces {
             return Ok(as_before(again.chosen.as_drawn));
         }

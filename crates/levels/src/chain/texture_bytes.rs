@@ -7,7 +7,7 @@ use secateur_gltf::Document;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Mips, Texture};
 
-/// Bytes of all images that these materials of a file use, four a texel, mips where they are read; textures of a level's
+/// Bytes of all images that these materials of a file use, four a texel, one a texel in blocks, mips where they are read; textures of a level's
 /// own count in place of theirs.
 pub fn texture_bytes(
     document: &Document,
@@ -22,7 +22,10 @@ pub fn texture_bytes(
             if image.is_base_color && is_replaced {
                 continue;
             }
-            let bytes = image_bytes(image.size, image.has_mips);
+            let bytes = match image.is_in_blocks {
+                true => blocks_bytes(image.size, image.has_mips),
+                false => image_bytes(image.size, image.has_mips),
+            };
             let known = images.entry(image.image).or_insert(0);
             *known = bytes.max(*known);
         }
@@ -40,10 +43,25 @@ pub(super) fn bytes_of(texture: &Texture) -> u64 {
     image_bytes([texture.width, texture.height], has_mips)
 }
 
-fn image_bytes([mut width, mut height]: [u32; 2], has_mips: bool) -> u64 {
+/// Four bytes a texel.
+fn image_bytes(size: [u32; 2], has_mips: bool) -> u64 {
+    with_mips(size, has_mips, |[width, height]| {
+        4 * u64::from(width) * u64::from(height)
+    })
+}
+
+/// 16 bytes for each block of 4 x 4 texels.
+fn blocks_bytes(size: [u32; 2], has_mips: bool) -> u64 {
+    with_mips(size, has_mips, |size| {
+        let [wide, high] = size.map(|side| u64::from(side.div_ceil(4)));
+        16 * wide * high
+    })
+}
+
+fn with_mips([mut width, mut height]: [u32; 2], has_mips: bool, of: fn([u32; 2]) -> u64) -> u64 {
     let mut bytes = 0;
     loop {
-        bytes += 4 * u64::from(width) * u64::from(height);
+        bytes += of([width, height]);
         if !has_mips || width.max(height) <= 1 {
             return bytes;
         }
@@ -60,5 +78,7 @@ mod tests {
         assert_eq!(image_bytes([4, 2], false), 4 * 8);
         assert_eq!(image_bytes([4, 2], true), 4 * (8 + 2 + 1));
         assert_eq!(image_bytes([1, 1], true), 4);
+        assert_eq!(blocks_bytes([8, 4], false), 2 * 16);
+        assert_eq!(blocks_bytes([8, 4], true), (2 + 1 + 1 + 1) * 16);
     }
 }

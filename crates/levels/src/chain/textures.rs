@@ -54,7 +54,7 @@ const MOST_PX: f64 = 256.0;
 const SPECKS_PX: f64 = 384.0;
 
 /// What leaves of a level show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Textures {

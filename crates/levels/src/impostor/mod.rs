@@ -30,8 +30,9 @@ use crossed::Planes;
 use octahedral::{CELLS, FRAMES, Octahedral};
 
 /// Which impostor a chain ends in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
 pub enum Choice {
     /// No impostor: the chain ends in a mesh.
     #[default]

@@ -18,7 +18,8 @@ use secateur_levels::chain::LevelReport;
 use secateur_runtime::Screen;
 
 pub use continuous::Continuous;
-pub use page::page;
+pub use page::{Packed, packed, page};
+pub use textures::Pictures;
 
 // What a page of a stream draws in the same way.
 pub(crate) use geometry::{bounds, octahedral};

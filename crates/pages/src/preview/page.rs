@@ -11,8 +11,8 @@ use secateur_model::{AlphaMode, Material};
 use serde::Serialize;
 
 use super::continuous::{self, PackedOrder};
-use super::geometry::{self, Packed};
-use super::textures::{Entry, Textures};
+use super::geometry::{self, Packed as PackedSurface};
+use super::textures::{Entry, Pictures, Textures};
 use super::{Facts, Preview, PreviewError};
 
 /// What stands between marks is put in once, from left to right, so that nothing
@@ -50,7 +50,7 @@ struct Scene<'a> {
 #[derive(Serialize)]
 struct PackedLevel<'a> {
     facts: &'a Facts,
-    surfaces: Vec<Packed>,
+    surfaces: Vec<PackedSurface>,
 }
 
 #[derive(Debug, PartialEq, Serialize)]
@@ -66,14 +66,45 @@ pub(crate) struct Look {
     normal_scale: f32,
 }
 
+/// What a page draws, for `page/renderer.js`.
+#[derive(Clone, Debug)]
+pub struct Packed {
+    /// What there is to draw and where it lies in the bytes, as JSON.
+    pub scene: String,
+    /// Vertices and triangles.
+    pub geometry: Vec<u8>,
+    /// Textures, one after another.
+    pub pictures: Vec<u8>,
+}
+
 /// The page, as HTML.
+///
+/// # Errors
+/// As [`packed`].
+pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
+    let packed = packed(preview, Pictures::Png)?;
+    Ok(filled(TEMPLATE, |mark| match mark {
+        "title" => escaped(preview.title),
+        "style" => include_str!("page/page.css").to_owned(),
+        "vertex shader" => vertex_shader(),
+        "fragment shader" => include_str!("page/tree.frag").to_owned(),
+        // Within a script element only this sign could end it.
+        "scene" => packed.scene.replace('<', "\\u003c"),
+        "geometry" => STANDARD.encode(deflated(&packed.geometry)),
+        "pictures" => STANDARD.encode(&packed.pictures),
+        "script" => SCRIPTS.concat(),
+        _ => unreachable!("the template has no other mark than these: {mark}"),
+    }))
+}
+
+/// What a page draws.
 ///
 /// Attributes of a surface that are not one per position are left out.
 ///
 /// # Errors
 /// [`PreviewError`] if there is no triangle at all in the original, or a texture
 /// cannot be packed.
-pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
+pub fn packed(preview: &Preview<'_>, pictures: Pictures) -> Result<Packed, PreviewError> {
     let original = preview.levels.first().ok_or(PreviewError::NothingToShow)?;
     if original
         .surfaces
@@ -82,7 +113,7 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
     {
         return Err(PreviewError::NothingToShow);
     }
-    let mut textures = Textures::default();
+    let mut textures = Textures::of(pictures);
     let mut materials = Vec::new();
     let mut bytes = Vec::new();
     let mut levels = Vec::new();
@@ -120,18 +151,11 @@ pub fn page(preview: &Preview<'_>) -> Result<String, PreviewError> {
         continuous,
     };
     let scene = serde_json::to_string(&scene).expect("numbers and texts make JSON");
-    Ok(filled(TEMPLATE, |mark| match mark {
-        "title" => escaped(preview.title),
-        "style" => include_str!("page/page.css").to_owned(),
-        "vertex shader" => vertex_shader(),
-        "fragment shader" => include_str!("page/tree.frag").to_owned(),
-        // Within a script element only this sign could end it.
-        "scene" => scene.replace('<', "\\u003c"),
-        "geometry" => STANDARD.encode(deflated(&bytes)),
-        "pictures" => STANDARD.encode(&textures.bytes),
-        "script" => SCRIPTS.concat(),
-        _ => unreachable!("the template has no other mark than these: {mark}"),
-    }))
+    Ok(Packed {
+        scene,
+        geometry: bytes,
+        pictures: textures.bytes,
+    })
 }
 
 /// The number of a material among those of the page.

@@ -1,5 +1,6 @@
 //! Textures as a browser reads them, each once however many levels use it.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -14,11 +15,22 @@ use super::PreviewError;
 /// of a tree. Larger images are halved until they fit.
 const MAX_SIDE: u32 = 2048;
 
-/// Textures of a page, and the bytes of their PNG files one after another.
+/// How textures are handed to who draws them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pictures {
+    /// As PNG files: small, for pages that are kept.
+    #[default]
+    Png,
+    /// As texels of four bytes: at once, for who draws them in the same process.
+    Texels,
+}
+
+/// Textures of a page, and the bytes of their pictures one after another.
 #[derive(Default)]
 pub(crate) struct Textures {
     known: Vec<Known>,
     pub(crate) bytes: Vec<u8>,
+    kind: Pictures,
 }
 
 struct Known {
@@ -29,9 +41,12 @@ struct Known {
 /// A texture as the page's script wants it.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Entry {
-    /// Of its PNG file in the bytes, and how many.
+    /// Of its picture in the bytes, and how many.
     at: usize,
     length: usize,
+    /// Width and height in texels, where the picture is texels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    texels: Option<[u32; 2]>,
     /// Colours are sRGB, normals are not.
     is_srgb: bool,
     wrap: [&'static str; 2],
@@ -41,6 +56,13 @@ pub(crate) struct Entry {
 }
 
 impl Textures {
+    pub(crate) fn of(kind: Pictures) -> Self {
+        Self {
+            kind,
+            ..Self::default()
+        }
+    }
+
     /// The number of a texture, which is packed when it is new.
     pub(crate) fn number(
         &mut self,
@@ -55,18 +77,29 @@ impl Textures {
             return Ok(known);
         }
         let at = self.bytes.len();
-        let png = encoded(texture).map_err(|error| PreviewError::Texture {
-            width: texture.width,
-            height: texture.height,
-            reason: error.to_string(),
-        })?;
-        self.bytes.extend(&png);
+        let fitted = Fitted::of(texture);
+        let texels = match self.kind {
+            Pictures::Png => {
+                let png = fitted.encoded().map_err(|error| PreviewError::Texture {
+                    width: texture.width,
+                    height: texture.height,
+                    reason: error.to_string(),
+                })?;
+                self.bytes.extend(&png);
+                None
+            }
+            Pictures::Texels => {
+                self.bytes.extend(fitted.rgba.as_ref());
+                Some([fitted.width, fitted.height])
+            }
+        };
         let filters = texture.filters;
         self.known.push(Known {
             texture: Arc::clone(texture),
             entry: Entry {
                 at,
-                length: png.len(),
+                length: self.bytes.len() - at,
+                texels,
                 is_srgb,
                 wrap: texture.wrap.map(|wrap| match wrap {
                     Wrap::Repeat => "repeat",
@@ -90,30 +123,45 @@ impl Textures {
     }
 }
 
-/// PNG, since colours under an alpha of zero must stay: mip maps mix them in.
-fn encoded(texture: &Texture) -> Result<Vec<u8>, image::ImageError> {
-    let (mut width, mut height) = (texture.width, texture.height);
-    let mut halved: Option<Vec<u8>> = None;
-    while width.max(height) > MAX_SIDE {
-        let rgba = halved.as_deref().unwrap_or(&texture.rgba);
-        let smaller = half(rgba, width, height);
-        (width, height) = ((width / 2).max(1), (height / 2).max(1));
-        halved = Some(smaller);
+/// A texture, halved until it fits into a page.
+struct Fitted<'t> {
+    rgba: Cow<'t, [u8]>,
+    width: u32,
+    height: u32,
+}
+
+impl<'t> Fitted<'t> {
+    fn of(texture: &'t Texture) -> Self {
+        let mut fitted = Self {
+            rgba: Cow::Borrowed(&texture.rgba),
+            width: texture.width,
+            height: texture.height,
+        };
+        while fitted.width.max(fitted.height) > MAX_SIDE {
+            fitted = Self {
+                rgba: Cow::Owned(half(&fitted.rgba, fitted.width, fitted.height)),
+                width: (fitted.width / 2).max(1),
+                height: (fitted.height / 2).max(1),
+            };
+        }
+        fitted
     }
-    let rgba = halved.as_deref().unwrap_or(&texture.rgba);
-    let mut file = Cursor::new(Vec::new());
-    let encoder =
-        PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::Adaptive);
-    if rgba.chunks_exact(4).all(|texel| texel[3] == u8::MAX) {
-        let rgb: Vec<u8> = rgba
-            .chunks_exact(4)
-            .flat_map(|texel| [texel[0], texel[1], texel[2]])
-            .collect();
-        encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8)?;
-    } else {
-        encoder.write_image(rgba, width, height, ExtendedColorType::Rgba8)?;
+
+    /// PNG, since colours under an alpha of zero must stay: mip maps mix them in.
+    fn encoded(&self) -> Result<Vec<u8>, image::ImageError> {
+        let (width, height) = (self.width, self.height);
+        let mut file = Cursor::new(Vec::new());
+        let encoder =
+            PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::Adaptive);
+        let texels = || self.rgba.chunks_exact(4);
+        if texels().all(|texel| texel[3] == u8::MAX) {
+            let rgb: Vec<u8> = texels().flat_map(|t| [t[0], t[1], t[2]]).collect();
+            encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8)?;
+        } else {
+            encoder.write_image(&self.rgba, width, height, ExtendedColorType::Rgba8)?;
+        }
+        Ok(file.into_inner())
     }
-    Ok(file.into_inner())
 }
 
 /// The means of two by two texels, byte by byte; an odd last row or column is
@@ -171,16 +219,21 @@ mod tests {
 
     #[test]
     fn colours_stay_where_alpha_is_zero() {
-        let png = encoded(&texture(2, 1, 0)).unwrap();
+        let png = Fitted::of(&texture(2, 1, 0)).encoded().unwrap();
         let back = image::load_from_memory(&png).unwrap().into_rgba8();
         assert_eq!(back.as_raw()[..4], [10, 20, 30, 0]);
     }
 
     #[test]
     fn large_textures_are_halved() {
-        let png = encoded(&texture(5000, 3, 255)).unwrap();
+        let png = Fitted::of(&texture(5000, 3, 255)).encoded().unwrap();
         let back = image::load_from_memory(&png).unwrap();
         assert_eq!((back.width(), back.height()), (1250, 1));
         assert_eq!(back.into_rgb8().as_raw()[..3], [10, 20, 30]);
+        let mut textures = Textures::of(Pictures::Texels);
+        textures.number(&texture(5000, 3, 255), true).unwrap();
+        let entry = &textures.entries()[0];
+        assert_eq!(entry.texels, Some([1250, 1]));
+        assert_eq!(entry.length, 4 * 1250);
     }
 }

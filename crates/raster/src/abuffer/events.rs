@@ -55,13 +55,6 @@ impl Events {
         }
     }
 
-    /// The views count from here on instead of from 0.
-    pub fn move_views(&mut self, by: u32) {
-        for event in &mut self.all {
-            event.view += by;
-        }
-    }
-
     /// Forgets all of them.
     pub fn clear(&mut self) {
         self.all.clear();
@@ -87,20 +80,19 @@ mod tests {
         events.push(1, [1, 3], [3, 0]);
         events.push(0, [1, 2], [2, 0]);
         events.push(1, [1, 3], [3, 0]);
-        events.move_views(5);
         let found: Vec<_> = events.all().iter().map(|e| (e.view, e.pixels)).collect();
         assert_eq!(
             found,
             [
-                (5, 2),
-                (6, 1),
-                (6, 1),
-                (6, 1),
-                (5, 1),
-                (6, 1),
-                (6, 1),
-                (5, 1),
-                (6, 1)
+                (0, 2),
+                (1, 1),
+                (1, 1),
+                (1, 1),
+                (0, 1),
+                (1, 1),
+                (1, 1),
+                (0, 1),
+                (1, 1)
             ]
         );
         events.clear();

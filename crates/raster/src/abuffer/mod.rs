@@ -387,7 +387,9 @@ impl ABuffer {
     /// Drops the places that lists have left for others, and fragments of leaves that are gone.
     fn compact(&mut self) {
         let live: usize = self.spans.iter().map(|span| span.len as usize).sum();
-        let mut arena = Vec::with_capacity(live + live / ROOM_TO_GROW);
+        // As much as makes up for a walk over all pixels, where few of them show anything.
+        let room = live.max(self.spans.len()) / ROOM_TO_GROW;
+        let mut arena = Vec::with_capacity(live + room);
         for span in &mut self.spans {
             let start = arena.len();
             let list = self.arena[span.range()].iter();

@@ -156,11 +156,6 @@ impl Device {
         &self.info
     }
 
-    /// Whether this is a real GPU and not a software driver.
-    pub fn is_hardware(&self) -> bool {
-        self.info.device_type != wgpu::DeviceType::Cpu
-    }
-
     /// The most bytes a storage buffer is bound with.
     pub fn binding_limit(&self) -> u64 {
         self.binding_limit

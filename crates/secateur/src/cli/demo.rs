@@ -65,7 +65,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let mut staged = StagedFiles::new();
     let folder = staged.make_folder(&args.output);
     folder.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
-    output::stage(&mut staged, &original, &glb)?;
+    output::stage_derived(&mut staged, &original, &glb)?;
     let (written, files) = timed(&mut stages, "write", || {
         let how = WriteOptions::default().overwrite(true);
         Ok(levels
@@ -76,12 +76,12 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let sheet = args.output.join("contact-sheet.png");
     timed(&mut stages, "picture", || {
         let exhibits = exhibits(tree, made)?;
-        output::stage(&mut staged, &sheet, &picture::sheet(&exhibits)?)
+        output::stage_derived(&mut staged, &sheet, &picture::sheet(&exhibits)?)
     })?;
     let page_file = args.output.join("preview.html");
     timed(&mut stages, "preview", || {
         let page = levels.preview_html()?;
-        output::stage(&mut staged, &page_file, page.as_bytes())
+        output::stage_derived(&mut staged, &page_file, page.as_bytes())
     })?;
     let total = start.elapsed().as_secs_f64();
     let levels_made = rows(&levels, &written, (&original, glb.len()));
@@ -132,9 +132,6 @@ pub(crate) struct DemoRecord {
 struct DemoLevel {
     /// The share of all triangles that it has; `original` for the oak itself.
     level: String,
-    /// The size of the oak's file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bytes: Option<usize>,
     #[serde(flatten)]
     placed: PlacedLevel,
 }
@@ -191,19 +188,17 @@ fn rows(
     (original, bytes): (&Path, usize),
 ) -> Vec<DemoLevel> {
     let tree = levels.tree();
+    let plant = levels.plant();
+    let file = LevelPlace::File(original.display().to_string());
+    let mut cost = plant.tree().document().cost();
+    cost.bytes = bytes as u64;
     let first = DemoLevel {
         level: "original".to_owned(),
-        bytes: Some(bytes),
-        placed: PlacedLevel {
-            place: LevelPlace::File(original.display().to_string()),
-            shadow: None,
-            report: levels.plant().report(),
-        },
+        placed: PlacedLevel::new(file, cost, plant.report()),
     };
     let placed = levels.placed(Layout::Files, written).into_iter();
     let named = placed.map(|placed| DemoLevel {
         level: title(tree, placed.report.triangles),
-        bytes: None,
         placed,
     });
     std::iter::once(first).chain(named).collect()

@@ -5,7 +5,7 @@ use super::args::{Cli, Command};
 use super::failure::Failure;
 use super::{lods, simplify};
 use crate::chain::LevelsOptions;
-use crate::{ErrorKind, LevelOptions, Memory, WoodMode};
+use crate::{ErrorKind, LevelOptions, Memory, Surroundings, WoodMode};
 
 /// A level, as options of `secateur simplify` ask for it.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub struct LevelRequest {
     pub wood: WoodMode,
     /// How the level is made.
     pub options: LevelOptions,
+    /// What stands about the plant.
+    pub surroundings: Surroundings,
 }
 
 /// Why words ask for nothing that can be made.
@@ -63,29 +65,33 @@ impl LevelRequest {
         if let Some(sentence) = super::contradiction::contradiction(&args) {
             return Err(usage(sentence));
         }
-        let mut simplify = simplify::options(&args)?;
-        args.scene.read(memory, &[])?.apply(&mut simplify);
+        let simplify = simplify::options(&args)?;
         Ok(Self {
             wood: args
                 .wood
                 .unwrap_or_else(|| LevelOptions::usual_wood(simplify.target)),
             options: simplify::level_options(&args, simplify),
+            surroundings: args.scene.read(memory, &[])?,
         })
     }
 }
 
-/// The levels of these options of `secateur lods`, such as `--max-difference=0.18`; `memory` is what files of a scene
+/// Levels, and what stands about the plant: these options of `secateur lods`, such as `--max-difference=0.18`; `memory` is what files of a scene
 /// may take.
 ///
 /// # Errors
 /// [`RequestError`] if a word is no option of `lods` or has a wrong value, or a file of a scene can't be read.
-pub fn levels_options(words: &[String], memory: Memory) -> Result<LevelsOptions, RequestError> {
+pub fn levels_options(
+    words: &[String],
+    memory: Memory,
+) -> Result<(LevelsOptions, Surroundings), RequestError> {
     let args = match parsed("lods", words)?.command {
         Command::Lods(args) => args,
         other => unreachable!("lods were asked for, not {other:?}"),
     };
     let surroundings = args.scene.read(memory, &[])?;
-    Ok(lods::levels_options(&args, &surroundings)?)
+    let drawn = args.scene.drawn(&surroundings, memory)?;
+    Ok((lods::options(&args), drawn))
 }
 
 /// The options of a command that these words give it.

@@ -63,9 +63,18 @@ pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
         let reason = "is the input; choose another name for the output";
         return Err(Failure::input(format!("{}: {reason}", path.display())));
     }
-    temporary_in(&folder)
-        .map(drop)
-        .map_err(|e| Failure::of_file(path, "cannot be written", &e))
+    check_name(path)?;
+    StagedFiles::check_folder(&folder).map_err(|e| Failure::of_file(path, "cannot be written", &e))
+}
+
+/// Refuses a name that no file can have, as one that is too long.
+pub(crate) fn check_name(path: &Path) -> Result<(), Failure> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(Failure::of_file(path, "cannot be written", &error))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a folder for outputs that neither is there nor could be made, or
@@ -83,8 +92,7 @@ pub(crate) fn check_folder(path: &Path) -> Result<(), Failure> {
         let reason = format!("`{}` is no folder", there.display());
         return refuse(path, &reason);
     }
-    temporary_in(&there)
-        .map(drop)
+    StagedFiles::check_folder(&there)
         .map_err(|e| Failure::of_file(path, "cannot be written into", &e))
 }
 
@@ -143,22 +151,27 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(staged.commit()?)
 }
 
+/// As [`write_file`], of a file whose name nobody gave: a link in its place is replaced.
+pub(crate) fn write_derived(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut staged = StagedFiles::new();
+    stage_derived(&mut staged, path, bytes)?;
+    Ok(staged.commit()?)
+}
+
+/// As [`stage`], of a file whose name nobody gave: a link in its place is replaced.
+pub(crate) fn stage_derived(
+    staged: &mut StagedFiles,
+    path: &Path,
+    bytes: &[u8],
+) -> Result<(), Failure> {
+    let added = staged.add_derived(path, bytes);
+    added.map_err(|e| Failure::of_file(path, "cannot be written", &e))
+}
+
 /// Writes a file that appears with the others of `staged`.
 pub(crate) fn stage(staged: &mut StagedFiles, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let added = staged.add(path, bytes);
     added.map_err(|e| Failure::of_file(path, "cannot be written", &e))
-}
-
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".secateur-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // The permissions of an ordinary new file; temporary ones are private.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }
 
 fn folder_of(path: &Path) -> PathBuf {

@@ -83,7 +83,7 @@ pub(crate) fn stage_leaf_ids(
         let bytes = png(&rgb, [scene.resolution; 2], ExtendedColorType::Rgb8)?;
         let file = folder.join(format!("{name}-view-{number:02}.png"));
         output::check_spares(input, &[&file])?;
-        output::stage(staged, &file, &bytes)?;
+        output::stage_derived(staged, &file, &bytes)?;
     }
     Ok(())
 }

@@ -149,7 +149,7 @@ fn markdown(table: &[Vec<String>]) -> String {
     for (k, row) in rows.iter().enumerate() {
         let cells: Vec<String> = row
             .iter()
-            .map(|cell| cell.replace('|', "\\|").replace('\n', " "))
+            .map(|cell| secateur_study::markdown_escaped(cell))
             .collect();
         let _ = writeln!(text, "| {} |", cells.join(" | "));
         if k == 0 {

@@ -29,13 +29,12 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let start = Instant::now();
     let outputs = check_outputs(args)?;
     let outlet = Outlet::of(&args.output)?;
-    let mut options = options(args)?;
+    let options = options(args)?;
     let mut stages = Vec::new();
 
     let surroundings = timed(&mut stages, "scene", || {
         args.scene.read(args.memory.memory, &outputs)
     })?;
-    surroundings.apply(&mut options);
     let opening = Opening {
         foliage: args.foliage.foliage.clone(),
         vertex_alpha: args.vertex_alpha.vertex_alpha,
@@ -47,7 +46,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let mut plant = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        streams::plant(&args.tree, &opening)
+        Ok(streams::plant(&args.tree, &opening)?.within(surroundings))
     })?;
     let tree = plant.tree();
     output::check_spares(tree.document(), &outputs)?;
@@ -55,7 +54,6 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     warn_all(&warnings);
     interrupt::check()?;
 
-    options.memory = surroundings.left_of(tree.memory_left());
     let level = level(&plant, &options, args, common)?;
     let of_run = level.simplified.seconds.iter();
     stages.extend(of_run.map(|(stage, time)| (stage.name(), *time)));
@@ -96,15 +94,13 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         order::stage(&mut staged, path, order, &mut plant, write_options(args))?;
     }
     if let Some(folder) = &args.debug_images {
-        stage_debug_images(&mut staged, folder, &options, &plant, result)?;
+        stage_debug_images(&mut staged, folder, &level.options, &plant, result)?;
     }
     let run = Simplifying {
         input: &args.tree,
         plant: &plant,
         level: &level,
-        options: &options,
         written: &written,
-        surroundings: &surroundings,
         warnings: &warnings,
     };
     let total = start.elapsed().as_secs_f64();
@@ -433,7 +429,7 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
         "method",
         format!(
             "{} on the {}",
-            run.options.method.name(),
+            run.level.options.method.name(),
             result.adapter.as_deref().unwrap_or("CPU")
         ),
     );
@@ -445,10 +441,11 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
     if let (Some(reason), true) = (&result.views_reason, views > 20) {
         say("", reason.clone());
     }
-    if has_leaves && run.options.resolution == Resolution::Auto {
+    if has_leaves && run.level.options.resolution == Resolution::Auto {
         say("", result.resolution_reason.clone());
     }
-    if let (Some(objective), true) = (run.options.objective(), result.passes.sizes.is_some()) {
+    if let (Some(objective), true) = (run.level.options.objective(), result.passes.sizes.is_some())
+    {
         say("sizes", fitted_to(objective));
     }
     if let Some(chosen) = &run.level.cutoffs {

@@ -5,8 +5,8 @@ use std::path::Path;
 use schemars::JsonSchema;
 use secateur::{
     Alpha, AreaTable, Engine, FieldOfView, Inspection, Judging, LeafTriangles, LevelParts, Needles,
-    Objective, Options, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, Vmi,
-    WoodMode, Written,
+    Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, Vmi, WoodMode,
+    Written,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -15,7 +15,7 @@ use super::args;
 use super::colors::ColorRecord;
 use super::cutoffs::CutoffsRecord;
 use super::record::{self, Bytes, Counts, bytes_of, shown};
-use super::surroundings::{Surroundings, SurroundingsRecord};
+use super::surroundings::SurroundingsRecord;
 
 /// A plant and a level of it.
 #[derive(Serialize, JsonSchema)]
@@ -107,9 +107,7 @@ pub(crate) struct Simplifying<'a> {
     pub(crate) input: &'a Path,
     pub(crate) plant: &'a Plant,
     pub(crate) level: &'a LevelParts,
-    pub(crate) options: &'a Options,
     pub(crate) written: &'a Written,
-    pub(crate) surroundings: &'a Surroundings,
     pub(crate) warnings: &'a [String],
 }
 
@@ -138,7 +136,7 @@ impl Simplifying<'_> {
                 result.lod.foliage(leaves).triangles().len(),
             ),
             wood_triangles: Counts::of(plant.wood_triangle_count(), level.wood_triangles),
-            method: self.options.method.name(),
+            method: level.options.method.name(),
             engine: result.engine,
             adapter: result.adapter.clone(),
             order_sha256: result.passes.in_one_order().sha256(),
@@ -159,7 +157,7 @@ impl Simplifying<'_> {
     }
 
     fn settings(&self, args: &args::Simplify) -> Settings {
-        let (result, options) = (&self.level.simplified, self.options);
+        let (result, options) = (&self.level.simplified, &self.level.options);
         let method = json!(options.method);
         let of_method = method.as_object().and_then(|named| named.values().next());
         Settings {
@@ -187,7 +185,7 @@ impl Simplifying<'_> {
             engine: options.engine,
             seed: args.stochastic.seed,
             foliage: args.foliage.foliage.iter().map(|s| s.to_string()).collect(),
-            surroundings: self.surroundings.record(&args.scene),
+            surroundings: args.scene.record(self.plant.surroundings()),
             of_method: of_method
                 .and_then(Value::as_object)
                 .cloned()
@@ -198,7 +196,7 @@ impl Simplifying<'_> {
     /// How many of the views that leaves were chosen or sized from are held-out views, by which
     /// `measure` judges.
     pub(crate) fn driving_views_that_judge(&self) -> usize {
-        let options = self.options;
+        let options = &self.level.options;
         let is_driven = options.method.vds().is_some() || options.objective().is_some();
         let foliage = self.plant.leaves();
         let about = (foliage.bounding_sphere(), Judging::held_out(foliage));

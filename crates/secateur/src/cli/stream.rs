@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    ChainOptions, Document, LodModel, Memory, Method, Options, StagedFiles, Target, Tree,
-    simplify_with, surfaces_to_glb,
+    ChainOptions, Document, LodModel, Memory, Method, OpenEngine, Options, SimplifyError,
+    StagedFiles, Target, Tree, simplify_on, surfaces_to_glb,
 };
 use secateur_gltf::{Detail, read_within};
 use secateur_pages::stream::{Piece, Stream, read_stream, stream_page, write_stream};
@@ -215,7 +215,10 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
         options.skeleton = tree.skeleton()?.map(Arc::new);
     }
     let progress_bar = RunProgress::new(common, &args.input.display().to_string());
-    let result = simplify_with(tree.foliage(), &options, &mut |p| progress_bar.show(p));
+    let engine = OpenEngine::open(options.engine).map_err(SimplifyError::from)?;
+    let result = simplify_on(&engine, tree.foliage(), &options, &mut |p| {
+        progress_bar.show(p)
+    });
     let result = result.map_err(Failure::about(&args.input))?;
     drop(progress_bar);
     warn_all(&sentences(&result));

@@ -64,7 +64,7 @@ fn a_run_can_be_broken_off_at_a_stage_and_at_a_step() {
     };
     let at = |last: Progress| {
         let mut seen = Vec::new();
-        let result = simplify_with(&foliage, &settings, &mut |progress| {
+        let result = simplify_on(&OpenEngine::cpu(), &foliage, &settings, &mut |progress| {
             seen.push(progress);
             match progress == last {
                 true => ControlFlow::Break(()),

@@ -18,6 +18,7 @@ use secateur_simplify::{Amount, Error as SimplifyError, Options, Preset, Progres
 use super::judge::Place;
 use super::{DistanceCase, Drawn, joined};
 use crate::judge::surfaces_of;
+use crate::shell;
 use crate::{Error, Host};
 
 /// How chains are made, and their leaves.
@@ -176,7 +177,7 @@ impl<'a> Maker<'a> {
             seconds,
             command: format!(
                 "secateur lods {} -o levels --no-original --textures keep {words}",
-                self.path.display()
+                shell::path(self.path)
             ),
         })
     }
@@ -232,7 +233,7 @@ impl<'a> Maker<'a> {
         };
         let seconds = begun.elapsed().as_secs_f64();
         let triangles = impostor.surface.triangles.len() as u64;
-        let path = self.path.display();
+        let path = shell::path(self.path);
         let impostor = Drawn {
             case: DistanceCase::Impostor,
             leaves: 0,

@@ -8,6 +8,7 @@ use secateur_gltf::Document;
 use secateur_model::{Memory, Surface};
 
 use super::{PlantOutcome, count};
+use crate::shell;
 use crate::{Error, Host};
 
 /// At most this many ratios are tried for a level.
@@ -85,7 +86,7 @@ impl Gltfpack {
             adapter: None,
             command: format!(
                 "gltfpack -i {} -o out.glb -si {} -sa",
-                tree.display(),
+                shell::path(tree),
                 best.ratio
             ),
             surfaces: best.surfaces,
@@ -113,15 +114,18 @@ fn run(tree: &Path, ratio: f64, memory: Memory) -> Result<Try, Error> {
         .stdin(Stdio::null())
         .output()
         .map_err(|e| failed(e.to_string()))?;
+    // Nobody knows where the folder was.
+    let without_folder = |said: &str| said.replace(&output.display().to_string(), "out.glb");
     let seconds = begun.elapsed().as_secs_f64();
     if !ran.status.success() {
         let said = String::from_utf8_lossy(&ran.stderr).into_owned();
         let said = said.lines().next().unwrap_or("it does not say why");
-        return Err(failed(said.to_owned()));
+        return Err(failed(without_folder(said)));
     }
-    let document = Document::open_within(&output, memory)?;
+    let document = Document::open_within(&output, memory);
     // Nothing has to be told apart.
-    let surfaces = document.surfaces(&[])?;
+    let surfaces = document.and_then(|document| document.surfaces(&[]));
+    let surfaces = surfaces.map_err(|e| failed(without_folder(&e.to_string())))?;
     Ok(Try {
         ratio,
         surfaces: surfaces.into_iter().map(|(surface, _)| surface).collect(),

@@ -12,6 +12,7 @@ use secateur_simplify::{Error as SimplifyError, Options, Preset, Progress, Targe
 
 use super::{PlantOutcome, WholeCase};
 use crate::judge::{surfaces_of, with_material_changes};
+use crate::shell;
 use crate::{Error, Host};
 
 /// The level; nothing if the wood that is kept has more triangles than may be left.
@@ -64,7 +65,7 @@ pub(super) fn made(
         // A share has a point.
         command: format!(
             "secateur simplify {} -o out.glb --triangles {level:?} --no-audit --{setting}",
-            path.display()
+            shell::path(path)
         ),
     }))
 }

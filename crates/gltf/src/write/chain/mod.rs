@@ -38,6 +38,7 @@ use super::nodes::leave_out_levels;
 use super::skeleton::{drop_skeleton, rewrite_skeleton};
 use crate::chain_problem::{ChainProblem, MAX_LEVELS};
 use crate::container::glb_bytes;
+use crate::cost::{Counted, LevelCost};
 use crate::error::{Fault, GltfError, Problem};
 use crate::level_names::with_level;
 use crate::tree::Tree;
@@ -148,6 +149,8 @@ pub struct ChainFiles {
     pub files: Vec<ChainFile>,
     /// Triangles of each level, finest first, each instance counted.
     pub triangles: Vec<u64>,
+    /// What it costs to draw each level, finest first.
+    pub costs: Vec<LevelCost>,
     /// What is not as one might expect, a sentence each.
     pub notes: Vec<String>,
 }
@@ -193,6 +196,7 @@ impl Tree {
         let mut chain = ChainFiles {
             files: Vec::new(),
             triangles: Vec::new(),
+            costs: Vec::new(),
             notes: Vec::new(),
         };
         for level in levels {
@@ -213,14 +217,35 @@ impl Tree {
         for (number, (file, levels)) in of_files.into_iter().enumerate() {
             let content = content(self, name, levels, layout, number == 0).map_err(failed)?;
             chain.notes.extend(content.notes);
+            let mut counted = Counted::default();
+            for level in levels {
+                let cost = LevelCost::of_level(&content.root, &level.name, &mut counted);
+                chain.costs.push(cost);
+            }
             let glb = glb_bytes(&content.root, content.buffer);
-            chain.files.push(ChainFile {
-                name: format!("{file}.glb"),
-                bytes: glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?,
-            });
+            let bytes = glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?;
+            if let (Layout::Files, Some(cost)) = (layout, chain.costs.last_mut()) {
+                cost.bytes = bytes.len() as u64;
+            }
+            let name = format!("{file}.glb");
+            chain.files.push(ChainFile { name, bytes });
         }
         chain.notes = without_repeats(chain.notes);
         Ok(chain)
+    }
+}
+
+/// Refuses a name that nodes and files of levels cannot have everywhere.
+///
+/// # Errors
+/// [`ChainProblem::Name`].
+pub fn check_name(name: &str) -> Result<(), ChainProblem> {
+    let is_plain = !name.is_empty()
+        && !name.starts_with('.')
+        && !name.contains(|c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c));
+    match is_plain {
+        true => Ok(()),
+        false => Err(ChainProblem::Name(crate::error::shortened(name))),
     }
 }
 
@@ -230,12 +255,7 @@ fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProble
     }
     let mut names = HashSet::new();
     for name in levels.iter().map(|level| level.name.as_str()).chain([name]) {
-        let is_plain = !name.is_empty()
-            && !name.starts_with('.')
-            && !name.contains(|c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c));
-        if !is_plain {
-            return Err(ChainProblem::Name(crate::error::shortened(name)));
-        }
+        check_name(name)?;
         if !names.insert(name) {
             return Err(ChainProblem::SameName(name.to_owned()));
         }

@@ -7,6 +7,7 @@ use super::super::files::WriteOptions;
 use super::super::staged_files::{CommitError, StagedFiles};
 use super::{Layout, Level};
 use crate::Document;
+use crate::cost::LevelCost;
 use crate::error::{GltfError, Problem};
 use crate::inspection::Inspection;
 use crate::levels_inside::LevelsInside;
@@ -20,6 +21,8 @@ use secateur_model::{Foliage, LeafId, Lod};
 pub struct WrittenChain {
     /// Triangles of each level, finest first, each instance counted.
     pub triangles: Vec<u64>,
+    /// What it costs to draw each level, finest first.
+    pub costs: Vec<LevelCost>,
     /// Bytes of all files that were written.
     pub bytes: u64,
     /// The files of the levels, then what they need beside them.
@@ -122,19 +125,25 @@ impl Tree {
         }
         let mut written = WrittenChain {
             triangles: chain.triangles,
+            costs: chain.costs,
             bytes: 0,
             files: places.clone(),
             notes: chain.notes,
         };
-        for (file, place) in chain.files.into_iter().zip(places) {
+        for (number, (file, place)) in chain.files.into_iter().zip(places).enumerate() {
             let level = self.as_written(file.bytes)?;
             // Levels share their images.
             let (lod, cutoffs) = (Lod::original(0), Cutoffs::default());
             let what = (&lod, &cutoffs);
-            let prepared = level.prepare_lod_beside(what, &place, options, &written.files)?;
+            // Names of levels come from that of the plant.
+            let at = (place.as_path(), layout != Layout::Files);
+            let prepared = level.prepare_lod_beside(what, at, options, &written.files)?;
             let (one, files) = prepared.into_files();
             staged.append(files);
             written.bytes += one.bytes;
+            if layout == Layout::Files {
+                written.costs[number].bytes = one.bytes;
+            }
             written.files.extend(one.files.into_iter().skip(1));
             written.notes.extend(one.notes);
         }

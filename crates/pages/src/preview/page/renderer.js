@@ -13,7 +13,33 @@ const BACKGROUND = [0.88, 0.905, 0.92];
 // Wireframes: the lines, and what they lie on.
 const FOLIAGE_COLORS = { lines: [0.05, 0.36, 0.14, 0.6], faces: [0.8, 0.91, 0.8, 1] };
 const WOOD_COLORS = { lines: [0.45, 0.2, 0.05, 0.6], faces: [0.94, 0.86, 0.78, 1] };
-const HAS = { texture: 1, normals: 2, normalMap: 4, unlit: 8, seeThrough: 16, fringe: 32, plain: 64 };
+// Strips that a background of two colours is painted in.
+const SKY_BANDS = 64;
+const HAS = { texture: 1, normals: 2, normalMap: 4, unlit: 8, seeThrough: 16, fringe: 32, plain: 64, tint: 128 };
+
+// What is drawn of a scene; bitmaps are pictures of its textures.
+const modelOf = (scene, buffer, bitmaps) => ({
+  scene,
+  buffer,
+  bitmaps,
+  textures: scene.textures.map(() => null),
+  levels: scene.levels.map(() => null),
+  materials: scene.materials,
+});
+
+// A picture of one pixel that is not shown.
+const onePixel = (gl) => {
+  const pixel = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, pixel);
+  const formats = [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]];
+  for (const [attachment, format] of formats) {
+    const buffer = gl.createRenderbuffer();
+    gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+    gl.renderbufferStorage(gl.RENDERBUFFER, format, 1, 1);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, buffer);
+  }
+  return pixel;
+};
 
 class Renderer {
   constructor(canvas) {
@@ -27,6 +53,8 @@ class Renderer {
       const { name } = gl.getActiveUniform(this.program, k);
       this.at[name] = gl.getUniformLocation(this.program, name);
     }
+    // Below and above the plant; equal ones are one colour.
+    this.background = [BACKGROUND, BACKGROUND];
     // Textures of a removal order must be there in any case.
     this.unpackedOrder = null;
     // What wind.js makes, or null where none blows.
@@ -66,14 +94,26 @@ class Renderer {
   // What is drawn first needs little of all this: textures go to the graphics card, and levels and the
   // removal order are unpacked, when they are first drawn or asked for.
   async load(scene, geometry, pictures) {
-    this.scene = scene;
-    [this.buffer, this.bitmaps] = await Promise.all([
+    const [buffer, bitmaps] = await Promise.all([
       inflated(geometry),
       Promise.all(scene.textures.map((entry) => bitmapOf(entry, pictures))),
     ]);
-    this.textures = scene.textures.map(() => null);
-    this.levels = scene.levels.map(() => null);
-    this.materials = scene.materials;
+    this.use(modelOf(scene, buffer, bitmaps));
+  }
+
+  // Draws a model of modelOf() from now on; another that was used before keeps what was unpacked of it.
+  use(model) {
+    Object.assign(this, model);
+  }
+
+  // Gives back what a model has on the graphics card.
+  free(model) {
+    const { gl } = this;
+    for (const texture of model.textures) gl.deleteTexture(texture);
+    for (const mesh of model.levels.flatMap((level) => level ?? [])) {
+      gl.deleteVertexArray(mesh.vertices);
+      for (const buffer of Object.values(mesh.buffers)) gl.deleteBuffer(buffer);
+    }
   }
 
   level(k) {
@@ -114,7 +154,7 @@ class Renderer {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     const format = entry.is_srgb ? gl.SRGB8_ALPHA8 : gl.RGBA8;
     gl.texImage2D(gl.TEXTURE_2D, 0, format, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
-    bitmap.close();
+    bitmap.close?.();
     const wraps = { repeat: gl.REPEAT, clamp: gl.CLAMP_TO_EDGE, mirror: gl.MIRRORED_REPEAT };
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wraps[entry.wrap[0]]);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, wraps[entry.wrap[1]]);
@@ -157,7 +197,8 @@ class Renderer {
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, arrays.indices, gl.STATIC_DRAW);
     gl.bindVertexArray(null);
-    return { ...surface, vertices, buffers: { triangles, lines: null }, corners: arrays.indices };
+    const { positions, indices: corners } = arrays;
+    return { ...surface, vertices, buffers: { triangles, lines: null }, corners, positions, vertexCount: surface.vertices };
   }
 
   // The three sides of each triangle, made when they are first wanted.
@@ -181,22 +222,58 @@ class Renderer {
   }
 
   // Draws one level, { level, steps } as meshes() has it, into a box of the canvas, in its pixels from
-  // the lower left, in a wind where one is given.
+  // the lower left, in a wind where one is given. Of the box only its part is drawn, where it has one; what
+  // is drawn over something else keeps that.
   draw(level, camera, box, show, wind = null) {
     const { gl, at } = this;
     this.wind = wind;
     // First of all: what is unpacked for them binds textures and buffers.
     const meshes = this.meshes(level).filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(box.x, box.y, box.width, box.height);
+    if (!box.isOver) this.clear(box);
     gl.viewport(box.x, box.y, box.width, box.height);
+    this.aim(camera, box.width / box.height, wind);
+    const blends = (mesh) => this.materials[mesh.material].alpha === "blend";
+    if (show.wire) {
+      gl.enable(gl.POLYGON_OFFSET_FILL);
+      gl.polygonOffset(1, 1);
+    }
+    const facesOf = (mesh) => show.wire ? (mesh.is_foliage ? FOLIAGE_COLORS : WOOD_COLORS).faces : null;
+    const tintOf = show.tint ?? (() => null);
+    for (const mesh of meshes) this.fill(mesh, blends(mesh) ? 0.5 : null, false, facesOf(mesh), tintOf(mesh));
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (show.wire) {
+      for (const mesh of meshes) this.drawLines(mesh);
+    } else {
+      for (const mesh of meshes.filter(blends)) this.fill(mesh, 1 / 255, true, null, tintOf(mesh));
+    }
+    gl.bindVertexArray(null);
+  }
+
+  // Clears a box, or the part of it that it says is drawn.
+  clear(box) {
+    const { gl } = this;
+    const { x, y, width, height } = box.part ?? box;
+    gl.enable(gl.SCISSOR_TEST);
     gl.depthMask(true);
-    gl.clearColor(...BACKGROUND, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const [below, above] = this.background;
+    const bands = below === above ? 1 : Math.min(height, SKY_BANDS);
+    for (let band = 0; band < bands; band++) {
+      const [low, high] = [band, band + 1].map((k) => Math.round((k * height) / bands));
+      const share = bands === 1 ? 0 : band / (bands - 1);
+      gl.scissor(x, y + low, width, high - low);
+      gl.clearColor(...below.map((c, k) => c + share * (above[k] - c)), 1);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    }
+    gl.scissor(x, y, width, height);
+  }
+
+  // Sets what all meshes of a picture share.
+  aim(camera, aspect, wind) {
+    const { gl, at } = this;
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.useProgram(this.program);
-    const projection = perspective(camera.tangent, box.width / box.height, camera.near, camera.far);
+    const projection = perspective(camera.tangent, aspect, camera.near, camera.far);
     gl.uniformMatrix4fv(at.u_clip_from_world, false, product(projection, lookAt(camera.eye, camera.target)));
     gl.uniform3fv(at.u_eye, camera.eye);
     gl.uniform3fv(at.u_to_sun, LIGHT.toSun);
@@ -216,19 +293,30 @@ class Renderer {
       gl.activeTexture(gl.TEXTURE2 + k);
       gl.bindTexture(gl.TEXTURE_2D, this.orderTextures[k]);
     });
-    const blends = (mesh) => this.materials[mesh.material].alpha === "blend";
-    if (show.wire) {
-      gl.enable(gl.POLYGON_OFFSET_FILL);
-      gl.polygonOffset(1, 1);
-    }
-    for (const mesh of meshes) this.fill(mesh, blends(mesh) ? 0.5 : null, false, show.wire);
-    gl.disable(gl.POLYGON_OFFSET_FILL);
-    if (show.wire) {
-      for (const mesh of meshes) this.drawLines(mesh);
-    } else {
-      for (const mesh of meshes.filter(blends)) this.fill(mesh, 1 / 255, true, false);
-    }
+  }
+
+  // The number of the surface at a pixel of a box, from its lower left, or null: cut-outs are looked through.
+  surfaceAt(level, camera, box, x, y) {
+    const { gl } = this;
+    const meshes = this.level(level);
+    this.wind = null;
+    this.pixel ??= onePixel(gl);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.pixel);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.viewport(-x, -y, box.width, box.height);
+    gl.clearColor(0, 0, 0, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    this.aim(camera, box.width / box.height, null);
+    meshes.forEach((mesh, k) => {
+      const cutoff = this.materials[mesh.material].alpha === "blend" ? 0.5 : null;
+      this.fill(mesh, cutoff, false, [((k + 1) & 255) / 255, ((k + 1) >> 8) / 255, 0, 1]);
+    });
+    const found = new Uint8Array(4);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
     gl.bindVertexArray(null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const number = found[0] + 256 * found[1];
+    return number === 0 ? null : number - 1;
   }
 
   place(mesh) {
@@ -248,7 +336,8 @@ class Renderer {
     gl.vertexAttrib4f(3, 1, 1, 1, 1);
   }
 
-  fill(mesh, cutoff, isFringe, isPlain) {
+  // plain: the colour of all of it, without light; tint: one that light falls on. Null where it has its own.
+  fill(mesh, cutoff, isFringe, plain, tint = null) {
     const { gl, at } = this;
     const material = this.materials[mesh.material];
     this.place(mesh);
@@ -258,9 +347,10 @@ class Renderer {
     if (material.normal_map !== null && mesh.uvs !== null) has |= HAS.normalMap;
     if (material.is_unlit) has |= HAS.unlit;
     if (isFringe) has |= HAS.seeThrough | HAS.fringe;
-    if (isPlain) has |= HAS.plain;
+    if (plain) has |= HAS.plain;
+    if (tint) has |= HAS.tint;
     gl.uniform1i(at.u_has, has);
-    gl.uniform4fv(at.u_plain, (mesh.is_foliage ? FOLIAGE_COLORS : WOOD_COLORS).faces);
+    gl.uniform4fv(at.u_plain, plain ?? tint ?? [0, 0, 0, 1]);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, has & HAS.normalMap ? this.texture(material.normal_map) : null);
     gl.activeTexture(gl.TEXTURE0);

@@ -10,7 +10,7 @@ in vec2 v_uv;
 in vec4 v_color;
 
 uniform vec4 u_color;
-// Instead of the light, for wireframes.
+// Instead of the light, for wireframes; or what the light falls on.
 uniform vec4 u_plain;
 uniform sampler2D u_texture;
 uniform sampler2D u_normal_map;
@@ -24,7 +24,7 @@ uniform vec3 u_sky;
 uniform vec3 u_ground;
 // One bit each.
 uniform int u_has;
-const int TEXTURE = 1, NORMALS = 2, NORMAL_MAP = 4, UNLIT = 8, SEE_THROUGH = 16, FRINGE = 32, PLAIN = 64;
+const int TEXTURE = 1, NORMALS = 2, NORMAL_MAP = 4, UNLIT = 8, SEE_THROUGH = 16, FRINGE = 32, PLAIN = 64, TINT = 128;
 
 out vec4 color;
 
@@ -92,6 +92,7 @@ void main() {
     color = u_plain;
     return;
   }
+  if (has(TINT)) base.rgb = mix(u_plain.rgb, base.rgb, 0.2);
   vec3 light = has(UNLIT) ? base.rgb : lit(base.rgb);
   color = vec4(to_srgb(light), has(SEE_THROUGH) ? base.a : 1.0);
 }

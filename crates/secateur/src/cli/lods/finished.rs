@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::StagedFiles;
-use secateur_study::tree_sha256;
+use secateur_study::{file_sha256, tree_sha256};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -73,7 +73,12 @@ fn note(args: &args::Lods, job: &Job<'_>) -> Option<PathBuf> {
 impl Finished {
     /// What a call of the same key left of a tree, finished or not; nothing if there was none.
     pub(super) fn of(args: &args::Lods, job: &Job<'_>, key: &str) -> Option<Self> {
-        let text = fs::read(note(args, job)?).ok()?;
+        let place = note(args, job)?;
+        // A pipe would never end, nor what a link may lead to.
+        fs::symlink_metadata(&place)
+            .ok()
+            .filter(fs::Metadata::is_file)?;
+        let text = fs::read(place).ok()?;
         let mut found: Self = serde_json::from_slice(&text).ok()?;
         nameless::named(&mut found.record, &mut found.pretty, args, job);
         (found.key == key).then_some(found)
@@ -94,8 +99,8 @@ impl Finished {
 
 impl Known {
     fn is_there(&self, args: &args::Lods) -> bool {
-        let bytes = self.place(args).and_then(|place| fs::read(place).ok());
-        bytes.is_some_and(|bytes| hex(&Sha256::digest(bytes)) == self.sha256)
+        let sha256 = self.place(args).map(|place| file_sha256(&place));
+        sha256.is_some_and(|sha256| sha256.is_ok_and(|sha256| sha256 == self.sha256))
     }
 
     fn place(&self, args: &args::Lods) -> Option<PathBuf> {
@@ -120,12 +125,12 @@ pub(super) fn noted(
     };
     let mut known = Vec::new();
     for (place, temporary) in files.pending() {
-        let bytes =
-            fs::read(temporary).map_err(|e| Failure::of_file(place, "cannot be read", &e))?;
+        let sha256 = file_sha256(temporary);
+        let sha256 = sha256.map_err(|e| Failure::of_file(place, "cannot be read", &e))?;
         let in_folder = place.strip_prefix(&args.output);
         known.push(Known {
             file: in_folder.ok().map(Path::to_owned),
-            sha256: hex(&Sha256::digest(bytes)),
+            sha256,
         });
     }
     let (record, pretty) = made;
@@ -139,7 +144,7 @@ pub(super) fn noted(
     nameless::nameless(&mut finished.record, &mut finished.pretty, args, job);
     let text = serde_json::to_string_pretty(&finished).expect("values of JSON");
     let mut all = StagedFiles::new();
-    output::stage(&mut all, &place, format!("{text}\n").as_bytes())?;
+    output::stage_derived(&mut all, &place, format!("{text}\n").as_bytes())?;
     all.append(files);
     Ok(all)
 }

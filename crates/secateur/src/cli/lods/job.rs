@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use secateur_gltf::chain::Layout;
+use secateur_gltf::chain::{Layout, check_name};
 use secateur_levels::chain::MAX_LEVELS;
 
 use super::super::args;
@@ -69,6 +69,14 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
                 tree.display()
             )));
         }
+        let wrong = |error| Failure::input(format!("{}: {error}", tree.display()));
+        check_name(&name).map_err(wrong)?;
+        if tree.exists() && !tree.is_file() && !tree.is_dir() {
+            return Err(Failure::input(format!(
+                "{}: is a pipe or a device, and `lods` reads a plant more than once: name a file",
+                tree.display()
+            )));
+        }
         names.push(name);
     }
     let mut jobs = Vec::new();
@@ -116,6 +124,11 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
         ));
     }
     let places: Vec<PathBuf> = jobs.iter().flat_map(places).collect();
+    if args.output.is_dir() {
+        places
+            .iter()
+            .try_for_each(|place| output::check_name(place))?;
+    }
     let found = inputs
         .iter()
         .filter_map(|input| fs::canonicalize(input).ok());

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, WoodMode};
+use secateur::{ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
-use secateur_levels::chain::{ChainOptions, Textures};
+use secateur_levels::chain::Textures;
 use secateur_model::{AlphaMode, Surface};
 use secateur_runtime::Screen;
 use serde::Serialize;
@@ -28,14 +28,14 @@ use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
 use super::streams::Outlet;
-use super::surroundings::{Surroundings, SurroundingsRecord};
+use super::surroundings::SurroundingsRecord;
 use super::{demo, interrupt, log, output, picture, streams};
 use engine::EngineLevels;
 pub(crate) use engine::EngineName;
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{check_free, check_outputs, jobs, outputs};
-use level_options::options;
+pub(crate) use level_options::options;
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
 
@@ -234,17 +234,6 @@ fn run_into_files(args: &args::Lods, common: &Common, outlet: &Outlet) -> Result
     })
 }
 
-/// What levels are to be like, within what is about the plant.
-pub(crate) fn levels_options(
-    args: &args::Lods,
-    surroundings: &Surroundings,
-) -> Result<ChainOptions, Failure> {
-    let mut options = options(args);
-    surroundings.apply(&mut options.leaves);
-    options.scene = surroundings.look(&args.scene, args.memory.memory)?;
-    Ok(options)
-}
-
 /// What a tree's levels are known by, and those that an earlier call left; nothing else may be in their places.
 fn key_and_known(args: &args::Lods, job: &Job<'_>) -> Result<(String, Option<Finished>), Failure> {
     let key = interrupt::reading(|| finished::key(args, job))?;
@@ -351,8 +340,10 @@ fn make(
     picture: Option<&Path>,
     start: Instant,
 ) -> Result<(Done, StagedFiles), Failure> {
-    let options = levels_options(args, surroundings)?;
-    let plant = opened(args, job)?;
+    let options = options(args);
+    let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
+    let plant = opened(args, job)?.within(drawn);
+    let mut stages = vec![("read", start.elapsed().as_secs_f64())];
     let mut warnings = plant.inspection().warnings.clone();
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
@@ -363,6 +354,8 @@ fn make(
         .named(&job.name);
     drop(progress_bar);
     let made = &levels.chain;
+    stages.extend_from_slice(&made.seconds);
+    let writing = Instant::now();
     let differences = made.levels.iter().map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
     super::simplify::warn_all(&of_levels);
@@ -389,6 +382,7 @@ fn make(
         let strip = picture::strip(&demo::exhibits(levels.tree(), made)?)?;
         output::stage(&mut staged, file, &strip)?;
     }
+    stages.push(("write", writing.elapsed().as_secs_f64()));
     let seconds = start.elapsed().as_secs_f64();
     let original = levels.plant().report();
     let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
@@ -411,7 +405,7 @@ fn make(
         wood_triangles: OfOriginal {
             original: original.wood_triangles,
         },
-        surroundings: surroundings.record(&args.scene),
+        surroundings: args.scene.record(surroundings),
         screen: ScreenRecord {
             height_px: options.screen.height_px,
             fov_degrees: options.screen.field_of_view_degrees,
@@ -436,7 +430,7 @@ fn make(
         warnings,
         kept: false,
     };
-    let record = Record::new("lods", record, &[], seconds).to_value();
+    let record = Record::new("lods", record, &stages, seconds).to_value();
     let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
     Ok((Done { record, pretty }, staged))
 }

@@ -55,7 +55,7 @@ impl Host for Program {
     }
 
     fn write_file(&self, path: &Path, bytes: &[u8]) -> Result<(), String> {
-        output::write_file(path, bytes).map_err(|failure| failure.to_string())
+        output::write_derived(path, bytes).map_err(|failure| failure.to_string())
     }
 
     fn peak_rss_bytes(&self) -> Option<u64> {

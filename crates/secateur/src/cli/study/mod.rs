@@ -84,6 +84,7 @@ impl From<Error> for Failure {
             Error::Gltf(error) => error.into(),
             Error::Stopped(_) => Self::of(ErrorKind::Interrupted, error.to_string()),
             Error::File { .. } => Self::machine(error.to_string()),
+            Error::Simplify(error) => error.into(),
             other => Self::input(other.to_string()),
         }
     }

@@ -1,0 +1,52 @@
+//! What levels take of the memory beside the runs over leaves, reckoned before it is taken.
+
+use secateur_gltf::WholeTree;
+use secateur_model::{Budget, Remedy};
+use secateur_simplify::whole::WoodMode;
+use secateur_simplify::{Error, take_plant};
+
+use super::options::{ChainOptions, Wanted};
+
+/// The most triangles that tried levels have together while they are kept, as a multiple of those of the plant.
+pub(super) const MOST_TRIED: usize = 2;
+
+/// What a triangle of a level that is kept takes, as it is drawn.
+const BYTES_A_DRAWN_TRIANGLE: u64 = 200;
+
+/// What a pixel takes of the pictures in which levels are judged, those that are kept and those of the level
+/// (`tests/peak_memory`: 640 MiB with six views of 1,024 pixels).
+const BYTES_A_PICTURE_PIXEL: f64 = 107.0;
+
+/// From how many views a level is judged.
+const VIEWS: f64 = 6.0;
+
+/// Pictures are no larger, in pixels.
+const MOST_SIDE_PX: f64 = 1024.0;
+
+/// Takes what making and judging levels of a plant needs.
+pub(super) fn take_levels(
+    budget: &mut Budget,
+    tree: &WholeTree,
+    options: &ChainOptions,
+) -> Result<(), Error> {
+    let (leaves, wood) = (tree.leaves(), tree.wood());
+    if options.wood != WoodMode::Keep {
+        take_plant(budget, leaves, wood)?;
+    }
+    let highest_px = match &options.wanted {
+        Wanted::Triangles(_) => options.screen.height_px,
+        Wanted::Heights(heights) => heights.first().copied().unwrap_or_default(),
+        Wanted::Distances(_) => MOST_SIDE_PX,
+    };
+    let side_px = highest_px.min(MOST_SIDE_PX);
+    let pictures = (BYTES_A_PICTURE_PIXEL * VIEWS * side_px * side_px) as u64;
+    let what = || format!("pictures of {side_px} pixels a side, to judge levels by,");
+    budget.take(pictures, what, Remedy::FewerPixels)?;
+    if let Wanted::Triangles(_) = options.wanted {
+        return Ok(());
+    }
+    let triangles = MOST_TRIED * (leaves.triangles().len() + wood.triangles().len());
+    let bytes = BYTES_A_DRAWN_TRIANGLE * triangles as u64;
+    let what = || format!("levels that are tried, of {triangles} triangles together,");
+    Ok(budget.take(bytes, what, Remedy::FewerPixels)?)
+}

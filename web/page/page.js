@@ -1,0 +1,306 @@
+// The page: what happens when.
+
+const state = {
+  // What is open: where it came from, its inspection, and its triangles.
+  source: null,
+  name: "",
+  inspection: null,
+  problem: null,
+  // The selectors that the inspection is of, as JSON.
+  leaves: "[]",
+  // Results by what was asked for, the last ones of this plant.
+  results: new Map(),
+  isBusy: false,
+};
+const MOST_RESULTS = 12;
+
+const stage = new Stage($("canvas"));
+const decisions = new Decisions(() => decided());
+let engine = null;
+
+const resultOf = () => state.results.get(decisions.key) ?? null;
+const trianglesOf = (inspection) => inspection.primitives.reduce((sum, p) => (p.taken_for === "not_plant" ? sum : sum + p.triangles * p.placements), 0);
+
+// Shares of the bar, by the stage that a run is in; steps fill what is between.
+const STAGES = { open: "Opening", resolution: "Looking at the plant", simplify: "Choosing leaves", areas: "Looking at the level", fit: "Fitting sizes", audit: "Checking", impostor: "Painting pictures", finish: "Finishing levels" };
+
+const busy = async (text, work, isShown = true) => {
+  state.isBusy = true;
+  $("bar").removeAttribute("value");
+  $("doing").textContent = text;
+  $("busy").hidden = !isShown;
+  tell("");
+  say();
+  let isChain = false;
+  try {
+    return await work((progress) => {
+      // Of a chain the bar shows the levels that are done, of one level its steps.
+      if (progress.stage === "level") isChain = true;
+      if (STAGES[progress.stage]) $("doing").textContent = STAGES[progress.stage];
+      if (progress.stage === "level" || (!isChain && progress.share !== null)) $("bar").value = progress.share;
+      else if (!isChain) $("bar").removeAttribute("value");
+    });
+  } catch (error) {
+    if (!(error instanceof Cancelled)) tell(error.message);
+    return null;
+  } finally {
+    state.isBusy = false;
+    $("busy").hidden = true;
+    say();
+  }
+};
+
+// Opens the plant again where the engine has it not, or with other leaves.
+const reopen = async () => {
+  const wanted = JSON.stringify(decisions.now.leaves);
+  if (engine.open === wanted) return null;
+  const opened = await engine.call("open", { source: state.source, leaves: decisions.now.leaves });
+  engine.open = wanted;
+  return opened;
+};
+
+const shown = (opened, isNew) => {
+  state.leaves = JSON.stringify(decisions.now.leaves);
+  const { inspection, problem, picture } = opened;
+  const parts = picture.scene.parts.map((part) => ({ ...part, role: roleOf(part, inspection) }));
+  picture.scene.parts = parts;
+  Object.assign(state, { inspection, problem });
+  stage.showPlant(picture);
+  if (isNew) stage.orbit.reset();
+};
+
+const open = (source) => busy("Opening", async () => {
+  const began = performance.now();
+  engine.open = null;
+  const opened = await engine.call("open", { source, leaves: [] });
+  Object.assign(state, { source, name: opened.name });
+  state.results.clear();
+  stage.levels = null;
+  decisions.begin();
+  engine.open = "[]";
+  stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
+  shown(opened, true);
+  hideOpen();
+  stage.draw();
+  state.openedMs = performance.now() - began;
+  decided();
+});
+
+// A decision was made, or taken back: what it changes is changed.
+const decided = () => {
+  if (!state.source) return say();
+  if (state.leaves !== JSON.stringify(decisions.now.leaves) && !state.isBusy) {
+    busy("Opening", async () => {
+      engine.open = null;
+      shown(await reopen(), false);
+      look();
+    });
+    return;
+  }
+  look();
+  say();
+};
+
+// Shows the result of what is asked for, where there is one.
+const look = () => {
+  const result = resultOf();
+  if ((stage.levels ?? null) === (result?.taken ?? null)) return follow();
+  stage.showLevels(result?.taken ?? null);
+  if (result && stage.view.mode === "plant") stage.set({ mode: "beside" });
+  if (!result) stage.set({ mode: "plant" });
+  else if (decisions.now.shown === null) stage.set({ distance: firstDistance(result.taken.chain) });
+  follow();
+};
+
+// Where the first lighter level begins to be seen.
+const firstDistance = (chain) => {
+  const lighter = chain.facts.find((facts) => facts.distance > 0 && facts.kind !== "original");
+  return lighter ? lighter.distance : chain.distance(540);
+};
+
+// The level in the picture: the one that was chosen, or what an engine shows at the distance.
+const follow = () => {
+  if (!stage.levels) return;
+  const { chain } = stage.levels;
+  stage.set({ level: pictureOf(decisions.now.shown ?? levelAt(stage.view.distance)) });
+};
+
+// Numbers of levels in the list, and in the picture, whose first is the original always.
+const isOriginalFirst = () => resultOf()?.levels[0].kind === "original";
+const pictureOf = (level) => (isOriginalFirst() ? level : level + 1);
+const levelAt = (distance) => {
+  const { levels } = resultOf();
+  return Math.max(levels.findLastIndex((level) => level.distance <= distance * 1.000001), 0);
+};
+const shownLevel = () => (isOriginalFirst() ? stage.view.level : stage.view.level - 1);
+
+const make = () => busy("Getting ready", async (progress) => {
+  const { kind } = decisions.now;
+  const { key, settings } = decisions;
+  await reopen();
+  const began = performance.now();
+  const { report, picture } = await engine.call("make", { key, kind, settings }, progress);
+  const taken = stage.taken(picture);
+  const levels = kind === "level" ? [report.level] : report.levels;
+  const original = taken.chain.facts[0];
+  const notes = [...(report.notes ?? []), ...(report.warnings ?? [])];
+  state.results.set(key, { kind, taken, levels, original, notes, ms: performance.now() - began });
+  if (state.results.size > MOST_RESULTS) state.results.delete(state.results.keys().next().value);
+  look();
+});
+
+const save = (name, bytes, type = "model/gltf-binary") => {
+  const link = element("a");
+  link.href = URL.createObjectURL(new Blob([bytes], { type }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+};
+
+// Bytes that the engine made; made again where it has forgotten them.
+const take = async (given) => {
+  const { key, settings } = decisions;
+  const { kind } = decisions.now;
+  await reopen();
+  return busy("Writing", async (progress) => {
+    await engine.call("make", { key, kind, settings }, progress);
+    return engine.call("take", { key, ...given });
+  });
+};
+
+const stem = () => state.name.replace(/\.[^.]*$/, "");
+
+const homeButtons = (result) => {
+  const button = (text, act, isMain = false) => {
+    const made = element("button", text, { type: "button", className: isMain ? "main" : "", disabled: state.isBusy });
+    made.addEventListener("click", act);
+    return made;
+  };
+  const layout = $("layout").value;
+  if (result.kind === "level") {
+    return [button("Save the level (.glb)", async () => {
+      const bytes = await take({ what: "level" });
+      if (bytes) save(`${stem()}_lighter.glb`, bytes);
+    }, true)];
+  }
+  const level = shownLevel();
+  const all = button("Save all (.zip)", async () => {
+    const bytes = await take({ what: "zip", layout });
+    if (bytes) save(`${stem()}_levels.zip`, bytes, "application/zip");
+  }, true);
+  const one = button(layout === "files" ? `Save ${wordsOf(result.levels[level], result.original, level).title.toLowerCase()} (.glb)` : "Save the file (.glb)", async () => {
+    const bytes = await take({ what: "file", layout, number: layout === "files" ? level : 0 });
+    if (bytes) save(layout === "files" ? `${stem()}_LOD${level}.glb` : `${stem()}_lods.glb`, bytes);
+  });
+  const page = button("Save the page to look at them", async () => {
+    const bytes = await take({ what: "preview" });
+    if (bytes) save(`${stem()}_preview.html`, bytes, "text/html");
+  });
+  return [all, one, page];
+};
+
+// Writes everything that is shown in words.
+const say = () => {
+  const { now } = decisions;
+  const { inspection } = state;
+  const result = resultOf();
+  const isOpen = state.source !== null;
+  $("undo").disabled = decisions.past.length === 0 || state.isBusy;
+  $("redo").disabled = decisions.future.length === 0 || state.isBusy;
+  $("again").hidden = !isOpen;
+  for (const id of ["of-plant", "of-target", "tools"]) $(id).hidden = !isOpen;
+  for (const id of ["of-levels", "of-home"]) $(id).hidden = !result;
+  document.body.classList.toggle("empty", !isOpen);
+  if (!isOpen) return;
+  $("name").textContent = state.name;
+  document.title = `${state.name} – secateur`;
+  sayPlant(inspection);
+  fillTarget(now, trianglesOf(inspection));
+  $("make").disabled = state.isBusy || state.problem !== null;
+  $("make").textContent = result ? "Made" : "Make it lighter";
+  if (result) $("make").disabled = true;
+  sayView(result);
+  if (result) sayLevels(result);
+};
+
+const sayPlant = (inspection) => {
+  const { foliage } = inspection;
+  const triangles = trianglesOf(inspection);
+  $("counts").textContent = foliage
+    ? `${number(triangles)} triangles: ${number(foliage.leaves)} leaves of ${number(foliage.triangles)}, ${number(inspection.wood_triangles)} of wood`
+    : `${number(triangles)} triangles`;
+  const said = [state.problem, ...inspection.notes, ...inspection.warnings].filter((text) => text);
+  $("problem").hidden = said.length === 0;
+  $("problem").textContent = said.join(" ").replaceAll("use `--foliage`", "choose them here");
+  const { picked } = stage.view;
+  fillParts(inspection, picked, pick);
+  fillPart(inspection.primitives.find((primitive) => primitive.place === picked));
+};
+
+const sayView = (result) => {
+  const { view } = stage;
+  const mode = result ? view.mode : "plant";
+  for (const button of document.querySelectorAll("[data-mode]")) {
+    press(button, button.dataset.mode === mode);
+    button.disabled = !result && button.dataset.mode !== "plant";
+  }
+  press($("roles"), view.hasRoles);
+  $("roles").disabled = mode !== "plant";
+  press($("true-size"), view.isTrueSize);
+  $("wipe").hidden = mode !== "wipe";
+  $("seam").hidden = mode !== "wipe";
+  $("seam").style.left = `${100 * view.wipe}%`;
+  const [first, second] = $("captions").children;
+  const original = `${state.name} · ${number(trianglesOf(state.inspection))} triangles`;
+  const level = () => {
+    const k = shownLevel();
+    const words = wordsOf(result.levels[k], result.original, result.kind === "level" ? null : k);
+    return `${words.title} · ${words.cost}`;
+  };
+  second.hidden = mode === "plant" || mode === "blink";
+  first.textContent = mode === "blink" && view.isLevel ? level() : original;
+  if (!second.hidden) second.textContent = level();
+};
+
+const sayLevels = (result) => {
+  const { chain } = result.taken;
+  const { view } = stage;
+  const high = chain.pixelsHigh(view.distance);
+  $("distance").value = Math.round(1000 * chain.share(view.distance));
+  $("distance-text").textContent = `${metresOf(view.distance)} · ${Math.round(high)} px`;
+  $("distance").setAttribute("aria-valuetext", $("distance-text").textContent);
+  press($("auto"), decisions.now.shown === null);
+  $("fades").hidden = !(view.isTrueSize && high < 200);
+  fillLevels(result, shownLevel(), (k) => {
+    decisions.decide({ shown: k });
+  });
+  $("notes").replaceChildren(...result.notes.map((note) => element("li", note)));
+  $("home").replaceChildren(...homeButtons(result));
+  $("of-layout").hidden = result.kind === "level";
+  const { grown } = state.source;
+  const grows = grown ? `secateur grow ${grown.species} --leaves ${grown.leaves} --seed ${grown.seed} -o ${state.name}\n` : "";
+  $("command").textContent = grows + commandOf(decisions, state.name, $("layout").value);
+};
+
+// Picks a part, to say what it is.
+const pick = (place) => {
+  stage.set({ picked: place === stage.view.picked ? null : place, mode: "plant" });
+  say();
+};
+
+const giveRole = (becomesLeaf) => {
+  const primitive = state.inspection.primitives.find((p) => p.place === stage.view.picked);
+  const leaves = primitive && withRole(state.inspection, primitive, $("scope").value, becomesLeaf);
+  if (leaves) return decisions.decide({ leaves, shown: null });
+  tell("The file has no name that says just this: try its material or its mesh, and leave at least one part as leaves.");
+};
+
+const showOpen = () => {
+  $("open").hidden = false;
+  $("back").hidden = state.source === null;
+};
+const hideOpen = () => {
+  $("open").hidden = true;
+};
+
+start();

@@ -1,0 +1,144 @@
+// What is drawn: the plant alone, or the plant and a level beside, over or instead of each other.
+
+const BACKGROUNDS = {
+  light: [[0.88, 0.905, 0.92], [0.88, 0.905, 0.92]],
+  mid: [[0.5, 0.52, 0.53], [0.5, 0.52, 0.53]],
+  dark: [[0.09, 0.1, 0.11], [0.09, 0.1, 0.11]],
+  sky: [[0.86, 0.9, 0.9], [0.42, 0.62, 0.85]],
+};
+
+const rawBitmap = (entry, textures) => {
+  const [width, height] = entry.texels;
+  return new ImageData(new Uint8ClampedArray(textures.buffer, textures.byteOffset + entry.at, entry.length), width, height);
+};
+
+class Stage {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.renderer = new Renderer(canvas);
+    // mode: "plant", "beside", "wipe" or "blink". wipe: the share that shows the original.
+    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, distance: 10, picked: null };
+    this.plant = null;
+    this.levels = null;
+    this.orbit = new Orbit(canvas, () => this.ask());
+    new ResizeObserver(() => this.ask()).observe(canvas);
+  }
+
+  ask() {
+    if (this.isAsked || !this.plant) return;
+    this.isAsked = true;
+    requestAnimationFrame(() => {
+      this.isAsked = false;
+      this.draw();
+    });
+  }
+
+  // A picture that came from the engine, as { model, chain }.
+  taken({ scene, geometry, textures }) {
+    const model = modelOf({ ...scene, continuous: null }, geometry.buffer, scene.textures.map((entry) => rawBitmap(entry, textures)));
+    return { model, chain: new Chain(scene), parts: scene.parts };
+  }
+
+  showPlant(picture) {
+    for (const old of [this.plant, this.levels]) if (old) this.renderer.free(old.model);
+    this.plant = this.taken(picture);
+    this.levels = null;
+    this.renderer.use(this.plant.model);
+    this.plant.profile = profileOf(this.renderer.level(0), this.plant.chain.center);
+    this.ask();
+  }
+
+  // null: there are no levels any more. What is shown may be shown again later, so nothing is given back.
+  showLevels(taken) {
+    this.levels = taken;
+    this.ask();
+  }
+
+  set(change) {
+    Object.assign(this.view, change);
+    this.ask();
+  }
+
+  get chain() {
+    return this.isAlone ? this.plant.chain : this.levels.chain;
+  }
+
+  // Whether the plant alone is shown, with the roles of its parts.
+  get isAlone() {
+    return this.view.mode === "plant" || !this.levels;
+  }
+
+  boxes() {
+    const all = { x: 0, y: 0, width: this.canvas.width, height: this.canvas.height };
+    if (this.isAlone || this.view.mode !== "beside") return [all];
+    if (all.height > all.width) {
+      const half = all.height >> 1;
+      return [{ ...all, y: all.height - half, height: half }, { ...all, height: all.height - half }];
+    }
+    const half = all.width >> 1;
+    return [{ ...all, width: half }, { ...all, x: half, width: all.width - half }];
+  }
+
+  cameraOf(box) {
+    const { view, orbit, chain } = this;
+    if (!view.isTrueSize) return filled(chain, this.plant.profile, orbit, box.width / box.height);
+    // A page's pixel is one of the screen that levels are for.
+    return chain.trueSize(orbit, view.distance, box.height / (window.devicePixelRatio || 1));
+  }
+
+  draw() {
+    const { canvas, renderer, view } = this;
+    const ratio = window.devicePixelRatio || 1;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    renderer.background = BACKGROUNDS[view.background].map((color) => color);
+    if (view.background !== "sky") renderer.background[1] = renderer.background[0];
+    const boxes = this.boxes();
+    const picture = (k, box) => renderer.draw({ level: k, steps: null }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false });
+    if (this.isAlone) return this.drawAlone(boxes[0]);
+    renderer.use(this.levels.model);
+    if (view.mode === "beside") boxes.forEach((box, k) => picture(k === 0 ? 0 : view.level, box));
+    else if (view.mode === "blink") picture(view.isLevel ? view.level : 0, boxes[0]);
+    else {
+      const at = Math.round(view.wipe * width);
+      picture(0, { ...boxes[0], part: { ...boxes[0], width: at } });
+      picture(view.level, { ...boxes[0], part: { ...boxes[0], x: at, width: width - at } });
+    }
+  }
+
+  drawAlone(box) {
+    const { renderer, plant, view } = this;
+    renderer.use(plant.model);
+    const camera = this.cameraOf(box);
+    const plants = plant.model.scene.levels[0].surfaces.length;
+    plant.model.scene.levels.forEach((_, level) => {
+      const meshes = renderer.level(level);
+      const partOf = (mesh) => plant.parts[meshes.indexOf(mesh) + level * plants];
+      const tint = (mesh) => {
+        const part = partOf(mesh);
+        if (part.place === view.picked) return [1, 0.75, 0.05, 1];
+        return view.hasRoles ? ROLES[part.role].color : null;
+      };
+      const isOver = level > 0;
+      renderer.draw({ level, steps: null }, camera, { ...box, isOver }, { leaves: true, wood: true, wire: false, tint });
+    });
+  }
+
+  // The part of the plant at a place of the window, or null.
+  partAt(x, y) {
+    if (!this.isAlone || !this.plant) return null;
+    const { left, bottom } = this.canvas.getBoundingClientRect();
+    const ratio = window.devicePixelRatio || 1;
+    const [box] = this.boxes();
+    const { renderer, plant } = this;
+    renderer.use(plant.model);
+    const at = [(x - left) * ratio, (bottom - y) * ratio].map(Math.round);
+    const plants = plant.model.scene.levels[0].surfaces.length;
+    // What is not the plant lies under or around it: it is asked for last.
+    for (const [level] of plant.model.scene.levels.entries()) {
+      const surface = renderer.surfaceAt(level, this.cameraOf(box), box, ...at);
+      if (surface !== null) return plant.parts[surface + level * plants];
+    }
+    return null;
+  }
+}

@@ -1,0 +1,122 @@
+// The engine's side: everything that takes time happens here, never in the page.
+
+let tree = null;
+// What was made of the tree, by its settings.
+const made = new Map();
+let hasEngine = null;
+
+const forget = () => {
+  for (const thing of made.values()) thing.free();
+  made.clear();
+  tree?.free();
+  tree = null;
+};
+
+// Arrays of a picture, which move to the page without a copy.
+const pictureOf = (picture) => {
+  const packed = { scene: JSON.parse(picture.scene()), geometry: picture.geometry(), textures: picture.textures() };
+  picture.free();
+  return packed;
+};
+
+const opened = (name, bytes, leaves) => {
+  forget();
+  tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves));
+  return { name, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, picture: pictureOf(tree.picture()) };
+};
+
+const base64Of = (bytes) => {
+  let text = "";
+  for (let at = 0; at < bytes.length; at += 0x8000) text += String.fromCharCode(...bytes.subarray(at, at + 0x8000));
+  return btoa(text);
+};
+
+const TYPES = { png: "image/png", jpg: "image/jpeg", jpeg: "image/jpeg", webp: "image/webp", ktx2: "image/ktx2" };
+
+// A .gltf with the files that it names put into it.
+const joined = async (gltf, files) => {
+  let root;
+  try {
+    root = JSON.parse(await gltf.text());
+  } catch {
+    throw `${gltf.name}: it is no JSON, as a .gltf must be`;
+  }
+  for (const item of [...(root.buffers ?? []), ...(root.images ?? [])]) {
+    const uri = item?.uri;
+    if (typeof uri !== "string" || uri.startsWith("data:")) continue;
+    const wanted = decodeURIComponent(uri).split(/[\\/]/).at(-1);
+    const file = files.find((other) => other.name === wanted);
+    if (!file) throw `${gltf.name}: it needs ${wanted}, which was not dropped with it: drop all of its files together`;
+    const type = TYPES[wanted.split(".").at(-1).toLowerCase()] ?? "application/octet-stream";
+    item.uri = `data:${type};base64,${base64Of(new Uint8Array(await file.arrayBuffer()))}`;
+  }
+  return new TextEncoder().encode(JSON.stringify(root));
+};
+
+// The plant among files: the first .glb or .gltf.
+const bytesOf = async (files) => {
+  const plant = files.find((file) => /\.(glb|gltf)$/i.test(file.name));
+  if (!plant) throw `${files[0]?.name ?? "nothing"}: this is no .glb or .gltf file; other formats can be exported to glTF by Blender`;
+  const isText = /\.gltf$/i.test(plant.name);
+  return [plant.name, isText ? await joined(plant, files) : new Uint8Array(await plant.arrayBuffer())];
+};
+
+const tellOf = (id) => {
+  let last = 0;
+  return (stage, share) => {
+    const now = performance.now();
+    if (stage === "step" && now - last < 50) return;
+    last = now;
+    postMessage({ id, progress: { stage, share } });
+  };
+};
+
+const calls = {
+  species: () => wasm_bindgen.species(),
+  async open({ source, leaves }) {
+    if (source.grown) {
+      const { species, leaves: count, seed } = source.grown;
+      return opened(`${species}.glb`, wasm_bindgen.grow(species, count, seed), leaves);
+    }
+    const [name, bytes] = await bytesOf(source.files);
+    return opened(name, bytes, leaves);
+  },
+  make({ key, kind, settings }, id) {
+    const tell = tellOf(id);
+    if (!made.has(key)) made.set(key, kind === "level" ? tree.level(JSON.stringify(settings), tell) : tree.levels(JSON.stringify(settings), tell));
+    const result = made.get(key);
+    return { report: JSON.parse(result.report()), picture: pictureOf(result.picture()) };
+  },
+  // Bytes to take home; what they are of was made before.
+  take({ key, what, layout, number }) {
+    const result = made.get(key);
+    if (what === "level") return result.glb();
+    if (what === "file") return result.file(layout, number);
+    if (what === "preview") return new TextEncoder().encode(result.preview());
+    return result.zip(layout, true);
+  },
+};
+
+const buffersOf = (value) => {
+  if (value instanceof Uint8Array) return [value.buffer];
+  const { picture } = value ?? {};
+  return picture ? [picture.geometry.buffer, picture.textures.buffer] : [];
+};
+
+onmessage = async ({ data }) => {
+  if (data.engine) {
+    hasEngine = wasm_bindgen({ module_or_path: data.engine });
+    return;
+  }
+  const { id, call, given } = data;
+  try {
+    await hasEngine;
+    const value = await calls[call](given, id);
+    postMessage({ id, value }, buffersOf(value));
+  } catch (error) {
+    if (typeof error === "string") return postMessage({ id, error });
+    // A trap: the engine's memory is not to be trusted any more.
+    const said = wasm_bindgen.lastPanic?.() || String(error);
+    postMessage({ id, error: `The engine failed, or had too little memory: ${said}`, isBroken: true });
+  }
+};
