@@ -8,13 +8,19 @@ use crate::small_files::{put_changed, two_leaves};
 /// Runs something that must fail, and checks that the folder is as it was.
 #[track_caller]
 pub(crate) fn refused(bench: &Bench, run: impl FnOnce() -> Ran, parts: &[&str]) {
+    refused_with(1, bench, run, parts);
+}
+
+/// The same with another exit code.
+#[track_caller]
+pub(crate) fn refused_with(code: i32, bench: &Bench, run: impl FnOnce() -> Ran, parts: &[&str]) {
     let contents = |names: &[String]| -> Vec<Vec<u8>> {
         let files = names.iter().filter(|name| bench.path(name).is_file());
         files.map(|name| bench.read(name)).collect()
     };
     let names = bench.names();
     let before = contents(&names);
-    run().failed_saying(parts);
+    run().failed_with(code, parts);
     assert_eq!(bench.names(), names, "nothing is written");
     assert!(contents(&names) == before, "nothing is changed");
 }
@@ -342,14 +348,14 @@ fn what_never_ends_is_refused() {
         let words: Vec<&str> = line.split(' ').collect();
         bench
             .run(&words)
-            .failed_saying(&[endless, "the file", "`--memory`"]);
+            .lacked_saying(&[endless, "the file", "`--memory`"]);
     }
     // The order has no option for memory: half of what the process may have is its budget.
     let lod =
         "ulimit -v 600000; exec \"$SECATEUR\" lod oak.glb --order /dev/zero --leaves 9 -o o.glb";
     bench
         .run_in_shell(lod)
-        .failed_saying(&[endless, "the file"]);
+        .lacked_saying(&[endless, "the file"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }
 

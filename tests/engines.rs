@@ -71,6 +71,6 @@ fn a_gpu_that_is_not_there_is_one_sentence() {
             .env("VK_ICD_FILENAMES", "/nonexistent.json");
         crate::program::Ran::of(&arguments, command.output().unwrap())
     };
-    run("gpu").failed_saying(&["no GPU adapter was found", "or run on the CPU"]);
+    run("gpu").lacked_saying(&["no GPU adapter was found", "or run on the CPU"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }

@@ -343,13 +343,13 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     let bench = Bench::new();
     let lods = |more: &[&str]| bench.run(&[&["lods", "oak.glb", "-o", "chain"], more].concat());
     let nine = "0.9,0.8,0.7,0.6,0.5,0.4,0.3,0.2,0.1";
-    lods(&["--levels", nine]).failed_saying(&["9 levels", "at most 8"]);
+    lods(&["--levels", nine]).failed_with(2, &["9 levels", "at most 8"]);
     let eight = "0.9,0.8,0.7,0.6,0.5,0.4,0.3,0.2";
-    lods(&["--levels", eight, "--impostor", "crossed"]).failed_saying(&["one too many"]);
-    lods(&["--levels", "0.1,0.5"]).failed_saying(&["from fine to coarse"]);
-    lods(&["--triangles", "500,500"]).failed_saying(&["from fine to coarse"]);
-    lods(&["--levels", "0.5,0"]).failed_saying(&["a level of no triangles"]);
-    lods(&["--triangles", "0"]).failed_saying(&["a level of no triangles"]);
+    lods(&["--levels", eight, "--impostor", "crossed"]).failed_with(2, &["one too many"]);
+    lods(&["--levels", "0.1,0.5"]).failed_with(2, &["from fine to coarse"]);
+    lods(&["--triangles", "500,500"]).failed_with(2, &["from fine to coarse"]);
+    lods(&["--levels", "0.5,0"]).failed_with(2, &["a level of no triangles"]);
+    lods(&["--triangles", "0"]).failed_with(2, &["a level of no triangles"]);
     lods(&["--levels", "0.000001"]).failed_saying(&["no leaf and no piece of wood is left"]);
     lods(&["--levels", "1.5"]).misused_saying(&["from 0 to 1"]);
     lods(&["--levels", "0.5", "--triangles", "9"]).misused_saying(&["cannot be used with"]);
@@ -372,9 +372,9 @@ fn bad_wishes_get_one_sentence_and_nothing_is_written() {
     let into_file = ["lods", "oak.glb", "-o", "x.glb", "--layout", "files"];
     bench
         .run(&into_file)
-        .failed_saying(&["x.glb", "needs a folder"]);
+        .failed_with(2, &["x.glb", "needs a folder"]);
     let twice = ["lods", "oak.glb", "./oak.glb", "-o", "chain"];
-    bench.run(&twice).failed_saying(&["same name"]);
+    bench.run(&twice).failed_with(2, &["same name"]);
     assert_eq!(bench.names(), ["oak.glb"]);
 }
 

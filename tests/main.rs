@@ -3,6 +3,7 @@
 mod as_clients_draw;
 mod bad_input;
 mod baselines;
+mod batch;
 #[path = "browser/browser.rs"]
 mod browser;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
@@ -10,6 +11,7 @@ mod browser;
 mod clients;
 mod demo;
 mod doors;
+mod engine_files;
 mod engines;
 mod fit;
 mod folder;
@@ -29,6 +31,7 @@ mod odd_trees;
 mod outputs;
 mod preview_page;
 mod program;
+mod python;
 mod report_page;
 mod scenes;
 mod schema;
@@ -36,6 +39,7 @@ mod shared_trees;
 mod skin;
 mod small_files;
 mod stream;
+mod streams;
 mod study;
 #[path = "browser/tab.rs"]
 mod tab;

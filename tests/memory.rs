@@ -38,7 +38,7 @@ fn every_command_that_reads_trees_keeps_to_its_memory() {
         &["demo", "-o", "demo", "--leaves", "900"],
     ] {
         let ran = bench.run(&[arguments, &["--memory", "100K"]].concat());
-        ran.failed_saying(&["would take", "of memory", "`--memory`"]);
+        ran.lacked_saying(&["would take", "of memory", "`--memory`"]);
         assert_eq!(bench.names(), before, "{arguments:?}");
     }
     let arguments = ["oak.glb", "-o", "o.glb", "--leaves", "9", "--memory"];
@@ -71,7 +71,7 @@ fn leaves_behind_each_other_are_counted_before_they_take_memory() {
         let ran = bench.simplify(&[&arguments[..], &["--threads", threads]].concat());
         answers.push(ran.stderr.clone());
         let views = "6 views of 64 x 64 pixels";
-        ran.failed_saying(&["1000 leaves behind each other", views, "`--resolution`"]);
+        ran.lacked_saying(&["1000 leaves behind each other", views, "`--resolution`"]);
     }
     assert_eq!(answers[0], answers[1]);
     assert!(!bench.path("o.glb").exists());
@@ -99,7 +99,7 @@ fn images_are_reckoned_by_their_headers() {
     bench.put("tree.gltf", json.to_string().as_bytes());
     bench.put("leaf.png", &white_png(2048));
     let inspect = |memory| bench.run(&["measure", "tree.gltf", "tree.gltf", "--memory", memory]);
-    inspect("40M").failed_saying(&[
+    inspect("40M").lacked_saying(&[
         "images[0]",
         "2048 x 2048 texels",
         "48.0 MiB",
@@ -120,7 +120,7 @@ fn a_file_that_is_named_often_is_taken_once() {
     bench.put("big.bin", &vec![7; 4 << 20]);
     let inspect = |memory| bench.run(&["inspect", "tree.gltf", "--memory", memory]);
     inspect("6M").succeeded();
-    inspect("3M").failed_saying(&["buffers[1]", "`big.bin`", "4.0 MiB"]);
+    inspect("3M").lacked_saying(&["buffers[1]", "`big.bin`", "4.0 MiB"]);
 }
 
 /// 4,000 leaves behind each other would take .4 GiB in these views: a process that may have .6 GiB
@@ -134,6 +134,6 @@ fn limits_of_the_process_are_kept_to() {
         "ulimit -v 600000; exec \"$SECATEUR\" simplify tree.gltf -o o.glb --leaves 9 --sides both \
          --views 6 --resolution 256 --engine cpu --threads 2 --no-audit",
     );
-    ran.failed_saying(&["4000 leaves behind each other", "`--memory`"]);
+    ran.lacked_saying(&["4000 leaves behind each other", "`--memory`"]);
     assert!(!bench.path("o.glb").exists());
 }

@@ -1,7 +1,7 @@
 //! Where outputs may go: what cannot be written, or would take the place of something else, is
 //! said in one sentence before the work, and nothing is left of a run that is stopped.
 
-use crate::bad_input::refused;
+use crate::bad_input::{refused, refused_with};
 use crate::program::{Bench, Ran};
 
 #[test]
@@ -76,7 +76,7 @@ fn a_full_disk_leaves_nothing_behind() {
         command.args(arguments).current_dir(bench.path("."));
         Ran::of(&arguments, command.output().unwrap())
     };
-    refused(&bench, run, &["out.glb: cannot be written: "]);
+    refused_with(4, &bench, run, &["out.glb: cannot be written: "]);
 }
 
 #[cfg(unix)]
@@ -125,7 +125,7 @@ fn stops_at(signal: &str) {
     );
     let mut rest = String::new();
     stderr.read_to_string(&mut rest).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(child.wait().unwrap().code(), Some(130));
     let last = "secateur: error: stopped; nothing was written\n";
     assert!(rest.ends_with(last), "{rest}");
     assert_eq!(bench.names(), ["oak.glb"]);

@@ -143,13 +143,25 @@ impl Ran {
         }
     }
 
-    /// It gave up with one sentence that has all these parts.
+    /// The input does not allow it: it gave up with one sentence that has all these parts.
     #[track_caller]
     pub(crate) fn failed_saying(self, parts: &[&str]) {
+        self.failed_with(1, parts);
+    }
+
+    /// The machine does not allow it: likewise.
+    #[track_caller]
+    pub(crate) fn lacked_saying(self, parts: &[&str]) {
+        self.failed_with(4, parts);
+    }
+
+    /// It gave up with this exit code and one sentence that has all these parts.
+    #[track_caller]
+    pub(crate) fn failed_with(self, code: i32, parts: &[&str]) {
         let Self {
             command, stderr, ..
         } = &self;
-        assert_eq!(self.code, Some(1), "{command}: {stderr}");
+        assert_eq!(self.code, Some(code), "{command}: {stderr}");
         assert_eq!(self.stdout, "", "{command}");
         // A slow machine may say how far it was.
         let errors = stderr.lines().filter(|line| !line.contains(" % after "));

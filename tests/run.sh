@@ -4,7 +4,7 @@
 # package manager, and Chromium likewise where there is no browser to open
 # pages with; where npm is there, fetches the Khronos glTF validator, three.js, which the
 # preview's pictures are compared with, Babylon.js, which chains of levels are shown to, and
-# gltfpack, which whole plants are held against.
+# gltfpack, which whole plants are held against; where Python is there, numpy.
 # Further arguments go to `cargo test --workspace`.
 #
 # All packages are always built together: each alone would have its dependencies built with
@@ -17,7 +17,8 @@ root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
 # Vulkan loaders ask for it, and complain where there is none.
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}"
 
-cargo build --quiet --workspace --example find_adapter
+# With all libraries: Python's wheel is made of one that no test builds by itself.
+cargo build --quiet --workspace --lib --example find_adapter
 find_adapter() { "${CARGO_TARGET_DIR:-target}/debug/examples/find_adapter"; }
 
 # Debian 12's own Mesa 22 ends long loops early and so computes wrong results;
@@ -134,7 +135,29 @@ if [ ! -d tests/gltfpack/node_modules ]; then
 fi
 if [ -d tests/gltfpack/node_modules ]; then export SECATEUR_REQUIRE_GLTFPACK=1; fi
 
+if python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2> /dev/null; then
+  if ! python3 -c 'import numpy' 2> /dev/null; then
+    export SECATEUR_PYTHON_PACKAGES="$PWD/target/tools/numpy"
+    [ -d "$SECATEUR_PYTHON_PACKAGES" ] || {
+      say "fetching numpy"
+      python3 -m pip install --quiet --root-user-action ignore --target "$SECATEUR_PYTHON_PACKAGES" numpy
+    }
+  fi
+  target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+  [ -d "$target/tools/maturin" ] || {
+    say "fetching maturin"
+    python3 -m pip install --quiet --root-user-action ignore --target "$target/tools/maturin" 'maturin>=1.9,<2'
+  }
+  rm -rf "$target/wheels"
+  REAL_CARGO=$(command -v cargo) CARGO="$PWD/tests/wheel/cargo" PATH="$PWD/tests/wheel:$PATH" \
+    "$target/tools/maturin/bin/maturin" --quiet build --manifest-path crates/python/Cargo.toml \
+    --profile dev --out "$target/wheels"
+  export SECATEUR_WHEELS="$target/wheels"
+else
+  say "no Python 3.11 or later: the tests of Python's package will say that they skip"
+fi
+
 if [ $# -gt 0 ]; then exec cargo test --workspace "$@"; fi
 # Examples are compiled, and linked, only where targets are not named; clippy checks them.
-cargo test --workspace --lib --bins --tests
+cargo test --workspace --tests
 cargo test --workspace --doc

@@ -95,9 +95,16 @@
 //! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
 //! the GPU; turn it off where only the library is wanted. `scene`: levels with their materials (`Plant`, `Level`).
 
-#![forbid(unsafe_code)]
+// The program gives free memory back to the system by a call of C.
+#![cfg_attr(not(feature = "cli"), forbid(unsafe_code))]
 
+#[cfg(feature = "cli")]
+extern crate self as secateur;
+
+#[cfg(feature = "cli")]
+pub mod cli;
 mod error;
+mod error_kind;
 #[cfg(feature = "scene")]
 mod judged;
 #[cfg(feature = "scene")]
@@ -118,6 +125,7 @@ mod surroundings;
 mod versioned;
 
 pub use error::Error;
+pub use error_kind::ErrorKind;
 #[cfg(feature = "scene")]
 pub use judged::{
     AllScores, Figures, JudgeOptions, Judged, Misplaced, SetFigures, judge, judge_document,

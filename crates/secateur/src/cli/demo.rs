@@ -40,7 +40,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         seed: args.seed,
     };
     let plant = timed(&mut stages, "grow", || {
-        grow(Species::Oak, &growing).map_err(|e| Failure(e.to_string()))
+        grow(Species::Oak, &growing).map_err(|e| Failure::input(e.to_string()))
     })?;
     let glb = plant_to_glb(&plant);
     let original = args.output.join("tree.glb");
@@ -154,7 +154,8 @@ fn title(tree: &WholeTree, triangles: u64) -> String {
     format!("{:.0} %", 100.0 * triangles as f64 / all)
 }
 
-fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
+/// The plant and its meshes, for pictures.
+pub(crate) fn exhibits(tree: &WholeTree, made: &Chain) -> Result<Vec<Exhibit>, Failure> {
     let words = |leaves: u64, triangles: u64| {
         let [leaves, triangles] = [leaves, triangles].map(grouped);
         format!("{leaves} leaves\n{triangles} triangles")

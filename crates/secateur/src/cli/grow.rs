@@ -177,7 +177,7 @@ impl RuleSource {
             path.extension().is_some_and(|e| e == "lsys") || path.components().count() > 1;
         if !is_file {
             let species: Species = args.species.parse().map_err(|e: UnknownSpecies| {
-                Failure(format!("{e}; a rule file of your own ends in .lsys"))
+                Failure::input(format!("{e}; a rule file of your own ends in .lsys"))
             })?;
             return Ok(Self {
                 name: species.name().to_owned(),
@@ -186,8 +186,8 @@ impl RuleSource {
             });
         }
         let text = read_text(path)?;
-        let rules =
-            Rules::parse(&text).map_err(|error| Failure(format!("{}: {error}", path.display())))?;
+        let rules = Rules::parse(&text)
+            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         Ok(Self {
             name: name.into_owned(),
@@ -199,9 +199,9 @@ impl RuleSource {
     fn failure(&self, error: GrowError) -> Failure {
         match (&self.file, error) {
             (Some(path), GrowError::Rules { source, .. }) => {
-                Failure(format!("{}: {source}", path.display()))
+                Failure::input(format!("{}: {source}", path.display()))
             }
-            (_, error) => Failure(error.to_string()),
+            (_, error) => Failure::input(error.to_string()),
         }
     }
 }
@@ -218,13 +218,13 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     let bytes = read().map_err(|e: std::io::Error| Failure::of_file(path, "cannot be read", &e))?;
     if bytes.len() > Rules::MAX_BYTES {
         let most = Rules::MAX_BYTES;
-        return Err(Failure(format!(
+        return Err(Failure::input(format!(
             "{}: a rule file has at most {most} bytes",
             path.display()
         )));
     }
     String::from_utf8(bytes)
-        .map_err(|_| Failure(format!("{}: the rules are not UTF-8 text", path.display())))
+        .map_err(|_| Failure::input(format!("{}: the rules are not UTF-8 text", path.display())))
 }
 
 fn exhibit(plant: &GrownPlant) -> Exhibit {

@@ -60,7 +60,7 @@ pub(crate) fn level(
     amount: Amount,
     args: &args::Grow,
 ) -> Result<GrownLevel, Failure> {
-    check_depth(&skeleton.segments).map_err(|e| Failure(format!("{name}: {e}")))?;
+    check_depth(&skeleton.segments).map_err(|e| Failure::input(format!("{name}: {e}")))?;
     match args.lod_method {
         LodMethod::Chain => of_chain(name, skeleton, amount),
         LodMethod::Merge => of_scheme(name, skeleton, amount, args),
@@ -144,7 +144,7 @@ fn of_scheme(
 fn check(name: &str, level: usize, levels: usize) -> Result<(), Failure> {
     match level <= levels {
         true => Ok(()),
-        false => Err(Failure(format!(
+        false => Err(Failure::input(format!(
             "{name} has {levels} levels of detail, not {level}"
         ))),
     }

@@ -3,14 +3,13 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::Document;
 use serde_json::json;
 
 use super::args;
 use super::failure::{Failure, to_name};
 use super::print::Printed;
 use super::record::Record;
-use super::{interrupt, output, record};
+use super::{output, record, streams};
 
 /// Shows what is in a file; that the foliage can't be told is no failure.
 pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
@@ -18,7 +17,7 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.tree])?;
     }
-    let document = interrupt::reading(|| Document::open_within(&args.tree, args.memory.memory))?;
+    let document = streams::document(&args.tree, args.memory.memory)?;
     let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;

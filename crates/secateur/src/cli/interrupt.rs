@@ -1,6 +1,7 @@
 //! Ctrl-C, and the signals by which systems end programs (SIGTERM, SIGHUP): the first time a clean
 //! stop, the second time at once.
 
+use super::failure::INTERRUPTED;
 use super::log;
 use secateur::SimplifyError;
 use std::ops::ControlFlow;
@@ -17,11 +18,11 @@ pub(crate) fn listen() {
         // An input may never come, and nothing is there yet that could be left behind.
         if READING.load(Ordering::Relaxed) {
             log::error(&SimplifyError::Stopped.into());
-            std::process::exit(1);
+            std::process::exit(INTERRUPTED.into());
         }
         // Never in the middle of a file.
         if again && !WRITING.load(Ordering::Relaxed) {
-            std::process::exit(1);
+            std::process::exit(INTERRUPTED.into());
         }
     };
     if let Err(reason) = ctrlc::set_handler(handler) {

@@ -65,7 +65,7 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
     })?;
     let steps = steps(&model, args.level).map_err(|why| {
         let of = args.order.as_ref().unwrap_or(&args.tree);
-        Failure(format!("{}: {why}", of.display()))
+        Failure::input(format!("{}: {why}", of.display()))
     })?;
     let lod = model.lod_after(steps);
     interrupt::writing()?;

@@ -2,18 +2,30 @@
 
 use std::fmt;
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::fmt::format::Writer;
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::registry::LookupSpan;
 
-use super::args::Common;
+use super::args::{Common, Format};
 use super::escape::escaped;
 use super::failure::Failure;
 
+/// Whether errors are told as JSON.
+static IS_JSON: AtomicBool = AtomicBool::new(false);
+
+/// From now on errors are told as JSON.
+pub(crate) fn tell_json() {
+    IS_JSON.store(true, Ordering::Relaxed);
+}
+
 /// Starts the log at the level that the flags ask for.
 pub(crate) fn start(common: &Common) {
+    if common.format == Format::Json {
+        tell_json();
+    }
     let level = match (common.quiet, common.verbose) {
         (true, _) => Level::ERROR,
         (_, 0) => Level::WARN,
@@ -32,11 +44,11 @@ pub(crate) fn start(common: &Common) {
 /// Says why the command failed.
 pub(crate) fn error(failure: &Failure) {
     // Where standard error is closed there is no one to tell.
-    let _ = writeln!(
-        io::stderr(),
-        "secateur: error: {}",
-        escaped(&failure.to_string())
-    );
+    let line = match IS_JSON.load(Ordering::Relaxed) {
+        true => failure.as_json(),
+        false => format!("secateur: error: {}", escaped(&failure.to_string())),
+    };
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Formats an event as one line: `secateur: warning: ...`.

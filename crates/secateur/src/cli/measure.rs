@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    AllScores, AsDrawnMeasurement, Difference, Document, Figures, GltfError, JudgeOptions, Judged,
-    Opening, Plant, Problem, Selector, WoodMode, judge_document,
+    AllScores, AsDrawnMeasurement, Difference, Figures, GltfError, JudgeOptions, Judged, Opening,
+    Plant, Problem, Selector, WoodMode, judge_document,
 };
 use secateur_eval::measure::VMI_ERROR_PERCENT;
 use serde::Serialize;
@@ -18,7 +18,7 @@ use super::print::Printed;
 use super::record::Record;
 use super::simplify::warn_all;
 use super::summary::grouped;
-use super::{interrupt, output, record};
+use super::{interrupt, output, record, streams};
 
 /// How a simplified tree compares with its original.
 #[derive(Serialize, JsonSchema)]
@@ -120,23 +120,23 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
 
 /// Both trees, side by side.
 fn judged(args: &args::Measure) -> Result<Judged, Failure> {
-    let original = |foliage: &[Selector]| -> Result<Plant, GltfError> {
+    let original = |foliage: &[Selector]| -> Result<Result<Plant, GltfError>, Failure> {
         let opening = Opening {
             foliage: foliage.to_vec(),
             vertex_alpha: args.vertex_alpha.vertex_alpha,
             wood: WoodMode::Ignore,
             memory: args.memory.memory,
         };
-        interrupt::reading(|| Plant::open_with(&args.original, &opening))
+        streams::opened(&args.original, &opening)
     };
-    let original = match original(&args.foliage.foliage) {
+    let original = match original(&args.foliage.foliage)? {
         Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
-            original(&[Selector::All])?
+            original(&[Selector::All])??
         }
         other => other?,
     };
     let left = original.tree().memory_left();
-    let simplified = interrupt::reading(|| Document::open_within(&args.simplified, left))?;
+    let simplified = streams::document(&args.simplified, left)?;
     let simplified = simplified.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     for document in [original.tree().document(), &simplified] {

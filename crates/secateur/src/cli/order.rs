@@ -35,7 +35,7 @@ pub(crate) fn stage(
 ) -> Result<(), Failure> {
     let leaves = plant.leaves();
     let model = LodModel::new(order, leaves)
-        .map_err(|error| Failure(format!("{}: {error}", path.display())))?;
+        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     if !is_tree(path) {
         return output::stage(staged, path, &order_file::write_order(&model, leaves));
     }
@@ -44,7 +44,7 @@ pub(crate) fn stage(
     if !tree.set_order_base64(&text) {
         let name = tree.document().name();
         let why = "its `extras` are no object, so no order can be put into them";
-        return Err(Failure(format!("{name}: {why}")));
+        return Err(Failure::input(format!("{name}: {why}")));
     }
     let original = Lod::original(tree.foliage().leaves().len());
     let (_, files) = tree.prepare_lod(&original, path, options)?.into_files();
@@ -66,7 +66,7 @@ pub(crate) fn read(file: Option<&Path>, tree: &Tree) -> Result<LodModel, Failure
         None => {
             let none = "it has no removal order in its extras: name a file of one by `--order`";
             let text = tree.order_base64();
-            let text = text.ok_or_else(|| Failure(format!("{name}: {none}")))?;
+            let text = text.ok_or_else(|| Failure::input(format!("{name}: {none}")))?;
             order_file::order_from_base64(text, tree.foliage())
         }
     };
@@ -77,6 +77,6 @@ pub(crate) fn read(file: Option<&Path>, tree: &Tree) -> Result<LodModel, Failure
             }
             _ => "",
         };
-        Failure(format!("{name}: {error}{what_to_do}"))
+        Failure::input(format!("{name}: {error}{what_to_do}"))
     })
 }

@@ -61,7 +61,7 @@ pub(crate) fn check_file(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     }
     if inputs.iter().any(|input| is_same(path, input)) {
         let reason = "is the input; choose another name for the output";
-        return Err(Failure(format!("{}: {reason}", path.display())));
+        return Err(Failure::input(format!("{}: {reason}", path.display())));
     }
     check_name(path)?;
     StagedFiles::check_folder(&folder).map_err(|e| Failure::of_file(path, "cannot be written", &e))
@@ -139,7 +139,9 @@ fn files_of(path: &Path) -> Vec<PathBuf> {
 
 fn refuse(path: &Path, reason: &str) -> Result<(), Failure> {
     let path = path.display();
-    Err(Failure(format!("{path}: cannot be written: {reason}")))
+    Err(Failure::input(format!(
+        "{path}: cannot be written: {reason}"
+    )))
 }
 
 /// Writes a file whole or not at all.

@@ -32,11 +32,20 @@ pub(crate) fn surfaces(
 
 /// Trees side by side as the bytes of a PNG, the first one setting the camera.
 pub(crate) fn sheet(exhibits: &[Exhibit]) -> Result<Vec<u8>, Failure> {
-    let aspect = f64::from(PANEL_WIDTH) / f64::from(PANEL_HEIGHT);
+    side_by_side(exhibits, [PANEL_WIDTH, PANEL_HEIGHT])
+}
+
+/// As a [`sheet`], small, for pages of many plants.
+pub(crate) fn strip(exhibits: &[Exhibit]) -> Result<Vec<u8>, Failure> {
+    side_by_side(exhibits, [PANEL_WIDTH / 3, PANEL_HEIGHT / 3])
+}
+
+fn side_by_side(exhibits: &[Exhibit], [width, height]: [u32; 2]) -> Result<Vec<u8>, Failure> {
+    let aspect = f64::from(width) / f64::from(height);
     let empty = Vec::new();
     let first = exhibits.first().map_or(&empty, |e| &e.surfaces);
     let camera: Camera = framing(first, aspect);
-    let options = RenderOptions::panel(PANEL_WIDTH, PANEL_HEIGHT);
+    let options = RenderOptions::panel(width, height);
     let panel = |exhibit: &Exhibit| Panel {
         title: exhibit.title.clone(),
         subtitle: exhibit.subtitle.clone(),
@@ -87,6 +96,6 @@ fn png(
     let mut bytes = Cursor::new(Vec::new());
     let encoder = PngEncoder::new(&mut bytes);
     let result = encoder.write_image(pixels, width, height, kind);
-    result.map_err(|e| Failure(format!("the picture cannot be encoded: {e}")))?;
+    result.map_err(|e| Failure::input(format!("the picture cannot be encoded: {e}")))?;
     Ok(bytes.into_inner())
 }

@@ -39,6 +39,16 @@ impl Records {
 }
 
 impl Printed {
+    /// Nothing more: the result is on standard output.
+    pub(crate) fn nothing() -> Self {
+        Self {
+            pretty: String::new(),
+            records: Records::Lines(Vec::new()),
+            rows: Vec::new(),
+            some_failed: false,
+        }
+    }
+
     /// A result that is one record.
     pub(crate) fn single(pretty: String, record: Value) -> Self {
         Self {
@@ -156,9 +166,9 @@ pub(crate) fn to_stdout(text: &str) -> Result<(), Failure> {
         .write_all(escape::escaped(text).as_bytes())
         .and_then(|()| stdout.flush());
     match result {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure(format!("standard output cannot be written: {e}")))
-        }
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::machine(format!(
+            "standard output cannot be written: {e}"
+        ))),
         _ => Ok(()),
     }
 }

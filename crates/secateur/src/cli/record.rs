@@ -108,7 +108,7 @@ impl<T: Serialize> Record<T> {
         total: f64,
     ) -> Self {
         let stages = stages.iter();
-        let arguments = std::env::args_os().skip(1);
+        let arguments = super::arguments();
         Self {
             schema_version: SCHEMA_VERSION,
             facts,
@@ -124,6 +124,7 @@ impl<T: Serialize> Record<T> {
                 version: env!("CARGO_PKG_VERSION"),
                 commit: machine::commit(),
                 arguments: arguments
+                    .iter()
                     .map(|a| a.to_string_lossy().into_owned())
                     .collect(),
                 machine: machine::describe(),

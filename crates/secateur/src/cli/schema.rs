@@ -8,6 +8,7 @@ use secateur_study::Row;
 use serde_json::{Value, json};
 
 use super::args;
+use super::batch::Item;
 use super::demo::DemoRecord;
 use super::failure::Failure;
 use super::grow::GrowRecord;
@@ -24,6 +25,8 @@ use super::study::StudyRecord;
 /// A record of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum RecordName {
+    /// A plant of a batch, and what is to be made of it: a line of `batch plan`
+    BatchItem,
     /// An oak that was grown, and levels of it: report.json of `demo`
     Demo,
     /// A plant that was grown
@@ -79,6 +82,7 @@ fn what(name: RecordName) -> String {
 
 fn schema(name: RecordName) -> Schema {
     let mut schema = match name {
+        RecordName::BatchItem => of::<Item>(),
         RecordName::Demo => of::<Record<DemoRecord>>(),
         RecordName::Grow => of::<Record<GrowRecord>>(),
         RecordName::Inspect => of::<Record<Inspection>>(),

@@ -21,13 +21,15 @@ use super::print::Printed;
 use super::progress_bar::RunProgress;
 use super::record::{self, Record};
 use super::simplify_record::Simplifying;
+use super::streams::Outlet;
 use super::summary::{columns, grouped, percent, size};
-use super::{colors, cutoffs, interrupt, machine, order, output};
+use super::{colors, cutoffs, interrupt, machine, order, output, streams};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
     let start = Instant::now();
     let outputs = check_outputs(args)?;
+    let outlet = Outlet::of(&args.output)?;
     let options = options(args)?;
     let mut stages = Vec::new();
 
@@ -45,8 +47,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let mut plant = timed(&mut stages, "load", || {
         tracing::info!("reading {}", args.tree.display());
-        let plant = interrupt::reading(|| Plant::open_with(&args.tree, &opening))?;
-        Ok(plant.within(surroundings))
+        Ok(streams::plant(&args.tree, &opening)?.within(surroundings))
     })?;
     let tree = plant.tree();
     output::check_spares(tree.document(), &outputs)?;
@@ -75,7 +76,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     // All files are written before the first appears: what fails leaves nothing.
     let prepared = timed(&mut stages, "write", || {
         tracing::info!("writing {}", args.output.display());
-        Ok(level.prepare(&args.output, write_options(args))?)
+        Ok(level.prepare(outlet.path(), write_options(args))?)
     })?;
     let picture = match args.picture {
         Some(_) => Some(timed(&mut stages, "picture", || {
@@ -107,8 +108,10 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     };
     let total = start.elapsed().as_secs_f64();
     let record = Record::new("simplify", run.record(args), &stages, total).to_value();
+    let record = outlet.renamed(record);
     record::stage(&mut staged, args.report.as_deref(), &record)?;
     staged.commit()?;
+    outlet.send()?;
     warn_all(&of_look);
     Ok(Printed::single(pretty(&run, args, total), record))
 }
@@ -118,7 +121,9 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let mut inputs = vec![args.tree.as_path()];
     inputs.extend(args.views.as_deref().map(Path::new));
     inputs.extend(args.scene.files());
-    output::check_tree(&args.output, &inputs, write_options(args))?;
+    if !streams::is_stream(&args.output) {
+        output::check_tree(&args.output, &inputs, write_options(args))?;
+    }
     let mut outputs = vec![args.output.as_path()];
     if let Some(file) = &args.report {
         output::check_file(file, &inputs)?;
@@ -214,6 +219,15 @@ fn views(name: &str) -> Result<Views, Error> {
     })
 }
 
+/// A level with the material changes that are asked for.
+pub(crate) fn level_options(args: &args::Simplify, simplify: Options) -> LevelOptions {
+    LevelOptions {
+        simplify,
+        cutoffs: args.cutoffs.unwrap_or_default(),
+        colors: args.colors.unwrap_or_default(),
+    }
+}
+
 fn level(
     plant: &Plant,
     options: &Options,
@@ -221,11 +235,7 @@ fn level(
     common: &Common,
 ) -> Result<Level, Failure> {
     let progress_bar = RunProgress::new(common, &args.tree.display().to_string());
-    let options = LevelOptions {
-        simplify: options.clone(),
-        cutoffs: args.cutoffs.unwrap_or_default(),
-        colors: args.colors.unwrap_or_default(),
-    };
+    let options = level_options(args, options.clone());
     let level = plant.level_watched(&options, &mut |progress| {
         if let Progress::Stage(_) = progress {
             machine::give_back_free_memory();

@@ -138,7 +138,7 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
     let name = args.input.file_stem().unwrap_or_default().to_string_lossy();
     let stream = timed(&mut stages, "stream", || {
         write_stream(&name, &surfaces, tree.foliage(), &model)
-            .map_err(|error| Failure(format!("{}: {error}", args.input.display())))
+            .map_err(|error| Failure::input(format!("{}: {error}", args.input.display())))
     })?;
     let mut staged = StagedFiles::new();
     output::stage(&mut staged, &args.output, &stream.bytes)?;
@@ -223,7 +223,7 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
     drop(progress_bar);
     warn_all(&sentences(&result));
     let model = LodModel::new(result.passes.in_one_order(), tree.foliage());
-    model.map_err(|error| Failure(format!("{}: {error}", args.input.display())))
+    model.map_err(|error| Failure::input(format!("{}: {error}", args.input.display())))
 }
 
 fn pretty(args: &args::Stream, tree: &Tree, stream: &Stream) -> String {
@@ -289,7 +289,8 @@ fn read(args: &args::Stream) -> Result<Printed, Failure> {
         interrupt::reading(|| first_bytes(&args.input, args.bytes, memory))
     })?;
     let (plant, used) = timed(&mut stages, "read", || {
-        read_stream(&bytes).map_err(|error| Failure(format!("{}: {error}", args.input.display())))
+        read_stream(&bytes)
+            .map_err(|error| Failure::input(format!("{}: {error}", args.input.display())))
     })?;
     interrupt::writing()?;
     let mut staged = StagedFiles::new();

@@ -22,8 +22,9 @@ impl SceneArgs {
     pub(crate) fn read(&self, memory: Memory, outputs: &[&Path]) -> Result<Surroundings, Failure> {
         let mut surroundings = Surroundings::default();
         for path in self.files() {
-            let failed =
-                |error: &dyn std::error::Error| Failure(format!("{}: {error}", path.display()));
+            let failed = |error: &dyn std::error::Error| {
+                Failure::input(format!("{}: {error}", path.display()))
+            };
             tracing::info!("reading {}", path.display());
             let document = Document::open_within(path, memory)?;
             output::check_spares(&document, outputs)?;

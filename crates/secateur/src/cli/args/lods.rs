@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::{Alpha, Engine, Sides};
 
+use super::super::lods::EngineName;
 use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;
@@ -13,13 +14,13 @@ use secateur_levels::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
 use secateur_levels::impostor::Choice as ImpostorChoice;
 use secateur_runtime::Screen;
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Lods {
-    /// The trees, .glb or .gltf.
+    /// The trees, .glb or .gltf; - reads one from standard input.
     #[arg(value_name = "TREE.glb", required = true)]
     pub(crate) trees: Vec<PathBuf>,
     /// The folder for the levels, made if it is not there; or, for one tree, a file that holds all
-    /// of them.
+    /// of them, - for standard output.
     #[arg(short, long, value_name = "DIR|OUT.glb")]
     pub(crate) output: PathBuf,
     /// Whether trees that cannot be done are left out, and told of at the end with exit code 3, instead of ending the
@@ -42,6 +43,14 @@ pub(crate) struct Lods {
     /// How the levels lie in files [default: files in a folder, siblings in one file].
     #[arg(long, value_enum)]
     pub(crate) layout: Option<Layout>,
+    /// The engine that levels are for: chooses the layout, and writes what makes it switch them beside the files.
+    #[arg(
+        long = "for",
+        value_name = "ENGINE",
+        value_enum,
+        conflicts_with = "layout"
+    )]
+    pub(crate) for_engine: Option<EngineName>,
     /// The largest difference that a level may have where it begins to be seen: .18 cannot be told at its size, .28
     /// is good, .50 is coarse, for backgrounds.
     #[arg(long, value_name = "F", default_value_t = Limits::GOOD.difference, value_parser = difference)]
@@ -96,6 +105,9 @@ pub(crate) struct Lods {
     /// Write a page to look at the original and the chain side by side; it needs nothing else.
     #[arg(long, value_name = "FILE.html")]
     pub(crate) preview: Option<PathBuf>,
+    /// Only check everything, and say what would be made.
+    #[arg(long)]
+    pub(crate) dry_run: bool,
     /// Replace levels of other runs that have the same names.
     #[arg(long)]
     pub(crate) overwrite: bool,

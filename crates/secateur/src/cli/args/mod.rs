@@ -1,23 +1,28 @@
 //! What can be written on the command line; the commands with many options have a file each.
 
+mod batch;
 mod grow;
 mod lod;
 mod lods;
+mod short_help;
 mod simplify;
 mod stream;
 mod study;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
 use secateur::{Alpha, Engine, JudgingViews, Memory, Selector, Sides, VertexAlpha};
 use secateur_simplify::option_numbers::{from_zero, number, share};
 
 use super::schema::RecordName;
 
+pub(crate) use batch::{Batch, BatchCollect, BatchRun, Completions};
 pub(crate) use grow::{Grow, LodMethod};
 pub(crate) use lod::{LevelArgs, Lod};
 pub(crate) use lods::Lods;
+pub(crate) use short_help::command;
 pub(crate) use simplify::{MaxCoverage, Simplify};
 pub(crate) use stream::Stream;
 pub(crate) use study::Study;
@@ -28,7 +33,8 @@ pub(crate) use study::Study;
     name = "secateur",
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done; 1 the input or the machine does not allow it; 2 wrong usage."
+    after_help = "Exit codes: 0 done; 1 the input does not allow it; 2 wrong usage; 3 some of several inputs failed; \
+                  4 the machine does not allow it (memory, disk, GPU); 130 interrupted."
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -59,8 +65,23 @@ pub(crate) enum Command {
     Stream(Box<Stream>),
     /// Grow a plant from rules: a species, or a file of your own.
     Grow(Grow),
+    /// Split levels of many trees into items for an engine of batches, do an item, gather what was done.
+    #[command(subcommand)]
+    Batch(Batch),
     /// Print the JSON Schema of a record that a command writes, or which records there are.
     Schema(Schema),
+    /// Print what a shell needs to complete commands and options, or write man pages.
+    Completions(Completions),
+}
+
+impl Cli {
+    /// What these words ask for, the first of which is the program's name.
+    pub(crate) fn of(
+        words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    ) -> Result<Self, clap::Error> {
+        let matches = command().try_get_matches_from(words)?;
+        Self::from_arg_matches(&matches)
+    }
 }
 
 /// Headings that part the many options of `simplify`, and those of all commands.
@@ -118,7 +139,7 @@ pub(crate) struct Demo {
 
 #[derive(Args, Debug)]
 pub(crate) struct Inspect {
-    /// The tree, .glb or .gltf.
+    /// The tree, .glb or .gltf; - reads standard input.
     #[arg(value_name = "TREE.glb")]
     pub(crate) tree: PathBuf,
     #[command(flatten)]
@@ -182,7 +203,7 @@ fn height(text: &str) -> Result<f64, String> {
     )
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Foliage {
     /// What is foliage: material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, #N for
     /// numbers; can be given several times [default: what the evidence shows, see `inspect`].
@@ -211,15 +232,15 @@ pub(crate) struct MemoryArg {
     pub(crate) memory: Memory,
 }
 
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct SceneArgs {
     /// A glTF scene in the tree's world space: its perspective cameras are where to look from
     /// (`extras.weight`, 1 to 16, says how often one counts), all its meshes hide leaves.
-    #[arg(long, value_name = "SCENE.glb")]
+    #[arg(long, value_name = "SCENE.glb", value_hint = clap::ValueHint::AnyPath)]
     pub(crate) scene: Option<PathBuf>,
     /// Something else that hides leaves, in the tree's world space: a fence, a wall, terrain; can
     /// be given several times.
-    #[arg(long, value_name = "FILE.glb")]
+    #[arg(long, value_name = "FILE.glb", value_hint = clap::ValueHint::AnyPath)]
     pub(crate) occluder: Vec<PathBuf>,
 }
 

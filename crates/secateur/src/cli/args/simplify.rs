@@ -17,10 +17,10 @@ use super::{
 
 #[derive(Args, Debug)]
 pub(crate) struct Simplify {
-    /// The tree, .glb or .gltf.
+    /// The tree, .glb or .gltf; - reads standard input.
     #[arg(value_name = "TREE.glb")]
     pub(crate) tree: PathBuf,
-    /// The result, .glb or .gltf.
+    /// The result, .glb or .gltf; - writes a GLB to standard output.
     #[arg(short, long, value_name = "OUT.glb")]
     pub(crate) output: PathBuf,
     /// Let the buffer of a .gltf replace a file beside it that is not its own.

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use super::super::args;
 use super::super::failure::Failure;
 use super::super::record::SCHEMA_VERSION;
+use super::super::streams::{is_stream, stdin};
 use super::super::{machine, output};
 use super::job::Job;
 use super::level_options::options;
@@ -40,7 +41,12 @@ struct Known {
 /// read. Trees that cannot be read are refused here.
 pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
     let memory = args.memory.memory;
-    let sha256 = |path: &Path| tree_sha256(path, memory).map_err(Failure::from);
+    let sha256 = |path: &Path| -> Result<String, Failure> {
+        match is_stream(path) {
+            true => Ok(hex(&Sha256::digest(stdin(memory)?))),
+            false => Ok(tree_sha256(path, memory)?),
+        }
+    };
     let mut files = vec![sha256(job.tree)?];
     for path in args.scene.files() {
         files.push(sha256(path)?);
@@ -51,7 +57,7 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
         (files, args.scene.scene.is_some()),
         (&job.name, job.layout, args.textures.is_some()),
         (selectors.collect::<Vec<_>>(), args.vertex_alpha),
-        (memory, &args.preview),
+        (memory, &args.preview, args.for_engine),
         options(args),
     );
     Ok(hex(&Sha256::digest(format!("{about:?}"))))

@@ -11,6 +11,8 @@ use secateur_levels::chain::MAX_LEVELS;
 use super::super::args;
 use super::super::failure::Failure;
 use super::super::output;
+use super::super::streams::is_stream;
+use super::engine::EngineName;
 use super::finished::Finished;
 
 /// A tree to be done, and where its levels go.
@@ -20,6 +22,8 @@ pub(crate) struct Job<'a> {
     pub(crate) layout: Layout,
     /// The file, or for the layout of files the folder.
     pub(crate) place: PathBuf,
+    /// What an engine needs beside the levels.
+    pub(crate) companion: Option<PathBuf>,
 }
 
 /// Where each tree's levels go.
@@ -28,40 +32,47 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     let is_file =
         extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()));
     if is_file && args.trees.len() > 1 {
-        return Err(Failure(format!(
+        return Err(Failure::usage(format!(
             "{}: one file holds the levels of one tree; name a folder for {} trees",
             args.output.display(),
             args.trees.len()
         )));
     }
     if is_file && args.layout == Some(Layout::Files) {
-        return Err(Failure(format!(
+        return Err(Failure::usage(format!(
             "{}: the layout of files needs a folder as its output",
             args.output.display()
         )));
     }
-    let layout = match (args.layout, is_file) {
+    let of_engine = args.for_engine.map(EngineName::layout);
+    if is_file && of_engine == Some(Layout::Files) {
+        return Err(Failure::usage(format!(
+            "{}: that engine needs a file for each level: name a folder",
+            args.output.display()
+        )));
+    }
+    let layout = match (args.layout.or(of_engine), is_file) {
         (Some(layout), _) => layout,
         (None, true) => Layout::Siblings,
         (None, false) => Layout::Files,
     };
     let mut names: Vec<String> = Vec::new();
     for tree in &args.trees {
-        let name = tree
-            .file_stem()
-            .and_then(OsStr::to_str)
-            .unwrap_or("tree")
-            .to_owned();
+        let stem = tree.file_stem().and_then(OsStr::to_str);
+        let name = match is_stream(tree) {
+            true => "plant".to_owned(),
+            false => stem.unwrap_or("tree").to_owned(),
+        };
         if names.contains(&name) {
-            return Err(Failure(format!(
+            return Err(Failure::usage(format!(
                 "{}: another tree of this call has the same name; its levels would overwrite this one's",
                 tree.display()
             )));
         }
-        let wrong = |error| Failure(format!("{}: {error}", tree.display()));
+        let wrong = |error| Failure::input(format!("{}: {error}", tree.display()));
         check_name(&name).map_err(wrong)?;
         if tree.exists() && !tree.is_file() && !tree.is_dir() {
-            return Err(Failure(format!(
+            return Err(Failure::input(format!(
                 "{}: is a pipe or a device, and `lods` reads a plant more than once: name a file",
                 tree.display()
             )));
@@ -70,13 +81,25 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     }
     let mut jobs = Vec::new();
     for (tree, name) in args.trees.iter().zip(names) {
+        let place = match is_file || layout == Layout::Files {
+            true => args.output.clone(),
+            false => args.output.join(format!("{name}.glb")),
+        };
+        let folder = match is_file {
+            true => args
+                .output
+                .parent()
+                .map_or_else(PathBuf::new, Path::to_owned),
+            false => args.output.clone(),
+        };
+        let companion = args
+            .for_engine
+            .map(|engine| folder.join(engine.companion(&name)));
         jobs.push(Job {
             tree,
             layout,
-            place: match is_file || layout == Layout::Files {
-                true => args.output.clone(),
-                false => args.output.join(format!("{name}.glb")),
-            },
+            place,
+            companion,
             name,
         });
     }
@@ -96,7 +119,7 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
         output::check_file(file, &inputs)?;
     }
     if args.preview.is_some() && jobs.len() > 1 {
-        return Err(Failure(
+        return Err(Failure::usage(
             "a preview shows one tree: give one at a time, or leave out `--preview`".to_owned(),
         ));
     }
@@ -115,7 +138,7 @@ pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), F
         place.is_ok_and(|place| found.contains(&place))
     };
     if let Some(place) = places.iter().find(is_input) {
-        return Err(Failure(format!(
+        return Err(Failure::input(format!(
             "{}: is an input of this call, and a level would take its place; give another folder",
             place.display()
         )));
@@ -136,7 +159,7 @@ pub(super) fn check_free(
         is_there && !finished.is_some_and(|finished| finished.wrote(args, file))
     };
     match places(job).iter().find(is_in_the_way) {
-        Some(file) if !args.overwrite => Err(Failure(format!(
+        Some(file) if !args.overwrite => Err(Failure::input(format!(
             "{}: is there already; give another folder, or `--overwrite`",
             file.display()
         ))),
@@ -147,10 +170,12 @@ pub(super) fn check_free(
 /// The files that a tree's levels may become.
 fn places(job: &Job<'_>) -> Vec<PathBuf> {
     let level = |k| job.place.join(format!("{}_LOD{k}.glb", job.name));
-    match job.layout {
+    let mut places: Vec<PathBuf> = match job.layout {
         Layout::Files => (0..MAX_LEVELS).map(level).collect(),
-        _ => vec![job.place.clone()],
-    }
+        Layout::Siblings | Layout::Msft => vec![job.place.clone()],
+    };
+    places.extend(job.companion.clone());
+    places
 }
 
 /// All files that may come of a tree.
@@ -158,14 +183,4 @@ pub(super) fn outputs(args: &args::Lods, job: &Job<'_>) -> Vec<PathBuf> {
     let mut outputs = places(job);
     outputs.extend([&args.report, &args.preview].into_iter().flatten().cloned());
     outputs
-}
-
-/// An error, with the tree that it is of.
-pub(super) fn about(path: &Path, error: secateur::Error) -> Failure {
-    let path = path.display().to_string();
-    let failure = Failure::from(error);
-    match failure.0.starts_with(&path) {
-        true => failure,
-        false => Failure(format!("{path}: {}", failure.0)),
-    }
 }

@@ -6,7 +6,7 @@ use secateur_levels::impostor::Choice;
 
 use super::super::args;
 
-pub(super) fn options(args: &args::Lods) -> ChainOptions {
+pub(crate) fn options(args: &args::Lods) -> ChainOptions {
     let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
         (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
         ([], [], None) => {

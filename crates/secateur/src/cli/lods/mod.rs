@@ -1,5 +1,7 @@
 //! `secateur lods`: the chain of levels that an engine loads.
 
+mod dry_run;
+mod engine;
 mod finished;
 mod job;
 mod level_options;
@@ -10,11 +12,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
+use secateur::{ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_levels::chain::Textures;
 use secateur_model::{AlphaMode, Surface};
+use secateur_runtime::Screen;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -24,12 +27,15 @@ use super::measure::warning_of;
 use super::print::{Printed, Records};
 use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
+use super::streams::Outlet;
 use super::surroundings::SurroundingsRecord;
-use super::{interrupt, log, output};
+use super::{demo, interrupt, log, output, picture, streams};
+use engine::EngineLevels;
+pub(crate) use engine::EngineName;
 use finished::Finished;
 pub(crate) use job::Job;
-use job::{about, check_free, check_outputs, jobs, outputs};
-use level_options::options;
+use job::{check_free, check_outputs, jobs, outputs};
+pub(crate) use level_options::options;
 use table::pretty;
 pub(crate) use table::{OF_DEMO, table};
 
@@ -93,6 +99,16 @@ pub(crate) struct FailureRecord {
     error: String,
 }
 
+impl FailureRecord {
+    /// Why a tree could not be done.
+    pub(crate) fn of(tree: &Path, failure: &Failure) -> Self {
+        Self {
+            input: tree.display().to_string(),
+            error: failure.to_string(),
+        }
+    }
+}
+
 /// The screen that levels are for.
 #[derive(Serialize, JsonSchema)]
 struct ScreenRecord {
@@ -125,13 +141,42 @@ impl Done {
 /// Makes a chain of each tree, one after the other: what is finished when the program ends stays, and
 /// is not done again by the next call. Of several trees those that cannot be done are left out.
 pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure> {
+    let outlet = Outlet::of(&args.output)?;
+    if !outlet.is_stdout() {
+        return run_into_files(args, common, &outlet);
+    }
+    if args.layout == Some(Layout::Files) {
+        return Err(Failure::usage(
+            "standard output takes one file: leave out `--layout files`",
+        ));
+    }
+    if args.for_engine.is_some() {
+        return Err(Failure::usage(
+            "standard output takes one file, and an engine needs more: name a folder",
+        ));
+    }
+    let args = args::Lods {
+        output: outlet.path().to_owned(),
+        ..args.clone()
+    };
+    let printed = run_into_files(&args, common, &outlet)?;
+    if !args.dry_run {
+        outlet.send()?;
+    }
+    Ok(printed)
+}
+
+fn run_into_files(args: &args::Lods, common: &Common, outlet: &Outlet) -> Result<Printed, Failure> {
     let start = Instant::now();
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
-    options(args).check().map_err(|e| Failure(e.to_string()))?;
+    options(args).check().map_err(secateur::Error::from)?;
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     let surroundings = args.scene.read(args.memory.memory, &outputs)?;
+    if args.dry_run {
+        return dry_run::told(args, &jobs);
+    }
     let keeps_going = args.keep_going.unwrap_or(jobs.len() > 1);
     if !keeps_going && jobs.len() > 1 {
         // What cannot be done is refused before anything is made of the others.
@@ -151,10 +196,10 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
         match done(args, common, job, &surroundings, since) {
             Ok(done) => {
                 pretty.push_str(&done.pretty);
-                records.push(done.record);
+                records.push(outlet.renamed(done.record));
             }
             Err(failure) => {
-                if !keeps_going || interrupt::check().is_err() {
+                if !keeps_going || failure.kind == ErrorKind::Interrupted {
                     return Err(failure);
                 }
                 log::error(&failure);
@@ -172,10 +217,7 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     }
     let some_failed = !failed.is_empty();
     records.extend(failed.into_iter().map(|(job, failure, seconds)| {
-        let failure = FailureRecord {
-            input: job.tree.display().to_string(),
-            error: failure.to_string(),
-        };
+        let failure = FailureRecord::of(job.tree, &failure);
         Record::new("lods", failure, &[], seconds).to_value()
     }));
     let levels = records.iter().map(|record| record["levels"].as_array());
@@ -214,8 +256,56 @@ fn done(
         Some(known) if known.is_whole(args) => {
             Ok(Done::again(known, since.elapsed().as_secs_f64()))
         }
-        _ => make(args, common, (job, key, may_overwrite), surroundings, since),
+        _ => {
+            let (done, files) = make(
+                args,
+                common,
+                (job, may_overwrite),
+                surroundings,
+                None,
+                since,
+            )?;
+            let noted = (&done.record, &*done.pretty);
+            let files = finished::noted(args, job, key, noted, files)?;
+            interrupt::writing()?;
+            files.commit()?;
+            interrupt::written();
+            Ok(done)
+        }
     }
+}
+
+/// What the levels of the first tree depend on, as a SHA-256.
+pub(crate) fn key_of_first(args: &args::Lods) -> Result<String, Failure> {
+    match jobs(args)?.first() {
+        Some(job) => interrupt::reading(|| finished::key(args, job)),
+        None => Err(Failure::usage("no tree was named")),
+    }
+}
+
+/// The record of the levels of the first tree, with a picture of them, and all files but for their names.
+pub(crate) fn made_of_first(
+    args: &args::Lods,
+    common: &Common,
+    picture: &Path,
+    since: Instant,
+) -> Result<(Value, StagedFiles), Failure> {
+    let jobs = jobs(args)?;
+    check_outputs(args, &jobs)?;
+    options(args).check().map_err(secateur::Error::from)?;
+    let surroundings = args.scene.read(args.memory.memory, &[])?;
+    let Some(job) = jobs.first() else {
+        return Err(Failure::usage("no tree was named"));
+    };
+    let (done, files) = make(
+        args,
+        common,
+        (job, true),
+        &surroundings,
+        Some(picture),
+        since,
+    )?;
+    Ok((done.record, files))
 }
 
 /// The tree of a job, if a chain can be made of it.
@@ -227,13 +317,13 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
         memory: args.memory.memory,
         ..Opening::default()
     };
-    let plant = interrupt::reading(|| Plant::open_with(job.tree, &opening))?;
+    let plant = streams::plant(job.tree, &opening)?;
     let document = plant.tree().document();
     let outputs = outputs(args, job);
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     output::check_spares(document, &outputs)?;
     if args.textures == Some(Textures::Fit) && !has_cut_outs(document)? {
-        return Err(Failure(format!(
+        return Err(Failure::input(format!(
             "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
             job.tree.display()
         )));
@@ -241,13 +331,15 @@ fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     Ok(plant)
 }
 
+/// The levels of a tree, and their files but for their names.
 fn make(
     args: &args::Lods,
     common: &Common,
-    (job, key, may_overwrite): (&Job<'_>, String, bool),
+    (job, may_overwrite): (&Job<'_>, bool),
     surroundings: &Surroundings,
+    picture: Option<&Path>,
     start: Instant,
-) -> Result<Done, Failure> {
+) -> Result<(Done, StagedFiles), Failure> {
     let options = options(args);
     let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
     let plant = opened(args, job)?.within(drawn);
@@ -258,7 +350,7 @@ fn make(
     let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
     let levels = plant
         .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| about(job.tree, error))?
+        .map_err(|error| Failure::of_plant(job.tree, error))?
         .named(&job.name);
     drop(progress_bar);
     let made = &levels.chain;
@@ -275,12 +367,20 @@ fn make(
         made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
     let how = WriteOptions::default().overwrite(may_overwrite);
-    let (written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
+    let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
+    if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
+        stage_companion(&mut staged, engine, job, (&levels, options.screen), file)?;
+        written.files.push(file.clone());
+    }
     if let Some(file) = &args.preview {
         let page = levels.preview_html();
-        let page = page.map_err(|error| about(job.tree, error))?;
+        let page = page.map_err(|error| Failure::of_plant(job.tree, error))?;
         output::stage(&mut staged, file, page.as_bytes())?;
+    }
+    if let Some(file) = picture {
+        let strip = picture::strip(&demo::exhibits(levels.tree(), made)?)?;
+        output::stage(&mut staged, file, &strip)?;
     }
     stages.push(("write", writing.elapsed().as_secs_f64()));
     let seconds = start.elapsed().as_secs_f64();
@@ -332,11 +432,28 @@ fn make(
     };
     let record = Record::new("lods", record, &stages, seconds).to_value();
     let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
-    let staged = finished::noted(args, job, key, (&record, &pretty), staged)?;
-    interrupt::writing()?;
-    staged.commit()?;
-    interrupt::written();
-    Ok(Done { record, pretty })
+    Ok((Done { record, pretty }, staged))
+}
+
+/// Writes what an engine needs beside the levels.
+fn stage_companion(
+    staged: &mut StagedFiles,
+    engine: EngineName,
+    job: &Job<'_>,
+    (levels, screen): (&Levels, Screen),
+    file: &Path,
+) -> Result<(), Failure> {
+    if let Some(folder) = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        let made = staged.make_folder(folder);
+        made.map_err(|e| Failure::of_file(folder, "cannot be made", &e))?;
+    }
+    let of_levels = job.place.file_name().unwrap_or_default().to_string_lossy();
+    let levels = EngineLevels::of(levels, screen.field_of_view_degrees);
+    let text = engine.text(&levels, &of_levels);
+    output::stage(staged, file, text.as_bytes())
 }
 
 /// Whether the alpha of a texture cuts anything out of what is drawn.

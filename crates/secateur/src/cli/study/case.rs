@@ -38,7 +38,7 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
         let why = why.to_string();
         let why = why.lines().next().unwrap_or_default();
         let why = why.trim_start_matches("error: ");
-        Failure(format!(
+        Failure::input(format!(
             "the case `{text}` is no method with options of `simplify`: {why}"
         ))
     };

@@ -6,6 +6,7 @@ mod host;
 use std::time::Instant;
 
 use schemars::JsonSchema;
+use secateur::ErrorKind;
 use secateur_study::{Case, Error, StudyOptions, redraw, run as run_study};
 use serde::Serialize;
 
@@ -81,8 +82,10 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
             Error::Gltf(error) => error.into(),
+            Error::Stopped(_) => Self::of(ErrorKind::Interrupted, error.to_string()),
+            Error::File { .. } => Self::machine(error.to_string()),
             Error::Simplify(error) => error.into(),
-            other => Self(other.to_string()),
+            other => Self::input(other.to_string()),
         }
     }
 }
