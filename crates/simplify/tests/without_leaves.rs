@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use glam::DVec3;
-use secateur_model::{Foliage, LeafTriangle};
+use glam::{DVec2, DVec3};
+use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, Sharing, WholePlant};
 use secateur_simplify::{Options, Preset, Target};
@@ -96,29 +96,99 @@ fn sheet(x: f64) -> Vec<LeafTriangle> {
 /// Both face the same way where they touch, so nothing but their names tells whose a corner is.
 #[test]
 fn pieces_that_touch_keep_their_own_corners() {
-    let (mut wood, leaves) = (Foliage::default(), Foliage::default());
+    let mut wood = Foliage::default();
     for x in [0.0, 1.0] {
         wood.push_leaf(&sheet(x), None).unwrap();
     }
-    let engine = OpenEngine::cpu();
-    let plant = WholePlant::new(&wood, &leaves, &wood, &engine).unwrap();
-    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
-    let budget = Budget {
-        triangles: 200,
-        sharing: Sharing::Evenly,
-    };
-    let mut go_on = |_| ControlFlow::Continue(());
-    let level = plant
-        .level(budget, &options, &engine, None, &mut go_on)
-        .unwrap();
-    for (made, _) in level.wood.made() {
+    let level = level_of(&wood, 200);
+    for (made, _) in level.made() {
         let corners = made.triangles.iter().flatten();
         let own = 3 * wood.triangles_of(made.donor).len() as u32;
         for corner in corners {
             assert!(corner.like < own);
         }
     }
-    assert!((180..=200).contains(&level.wood_triangles));
+    assert!((180..=200).contains(&level.foliage(&wood).triangles().len()));
+}
+
+/// A level of a plant of this wood alone.
+fn level_of(wood: &Foliage, triangles: usize) -> Lod {
+    let leaves = Foliage::default();
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(wood, &leaves, wood, &engine).unwrap();
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    let budget = Budget {
+        triangles,
+        sharing: Sharing::Evenly,
+    };
+    let mut go_on = |_| ControlFlow::Continue(());
+    let level = plant.level(budget, &options, &engine, None, &mut go_on);
+    level.unwrap().wood
+}
+
+/// A crown of two balls on a trunk that is a fifteenth as wide, and as finely cut.
+fn low_poly_tree() -> Foliage {
+    let mut wood = Foliage::default();
+    for (height, radius) in [(8.0, 3.0), (12.0, 2.0)] {
+        let ball = ball(height * DVec3::Y, radius);
+        wood.push_leaf(&ball, None).unwrap();
+    }
+    let trunk = ball(DVec3::ZERO, 1.0).into_iter().map(|triangle| {
+        let on_trunk = |at: DVec3| DVec3::new(0.2 * at.x, 3.0 + 3.0 * at.y, 0.2 * at.z);
+        LeafTriangle::plain(triangle.corners.map(on_trunk))
+    });
+    wood.push_leaf(&trunk.collect::<Vec<_>>(), None).unwrap();
+    wood
+}
+
+/// Six times what a closed surface holds.
+fn volume(triangles: &[LeafTriangle]) -> f64 {
+    let of_triangle = |t: &LeafTriangle| t.corners[0].dot(t.corners[1].cross(t.corners[2]));
+    triangles.iter().map(of_triangle).sum::<f64>().abs()
+}
+
+/// Corners of a coarser ball are outside of it, else it shrinks; and errors count more where wood is thin, else the
+/// trunk is a needle.
+#[test]
+fn blobs_and_trunk_of_a_low_poly_tree_hold_as_much() {
+    let wood = low_poly_tree();
+    let all = wood.triangles().len();
+    let left = level_of(&wood, all / 5).foliage(&wood);
+    assert!(left.triangles().len() <= all / 5);
+    assert_eq!(left.leaves().len(), 3);
+    for (piece, least) in [(0, 0.9), (1, 0.9), (2, 0.6)] {
+        let piece = LeafId::from_index(piece);
+        let share = volume(left.triangles_of(piece)) / volume(wood.triangles_of(piece));
+        assert!((least..1.05).contains(&share), "{piece:?}: {share}");
+    }
+    // No foot sinks into the ground.
+    let corners = left.triangles().iter().flat_map(|t| t.corners);
+    assert!(corners.map(|c| c.y).fold(f64::INFINITY, f64::min) >= 0.0);
+}
+
+/// Of a palette texture each face, or each row of them, has a colour of its own, and no face may have any between.
+#[test]
+fn faces_keep_the_colours_of_a_palette() {
+    let colour = |number: usize| DVec2::new((number % 16) as f64, (number / 16) as f64) / 16.0;
+    let of_faces = ball(DVec3::ZERO, 1.0).into_iter().enumerate();
+    let of_rows = sheet(0.0).into_iter().enumerate();
+    // Two triangles a quad, ten quads a row.
+    let of_rows = of_rows.map(|(face, triangle)| (face / 20, triangle));
+    let plants: [Vec<(usize, LeafTriangle)>; 2] = [of_faces.collect(), of_rows.collect()];
+    for (plant, triangles) in plants.into_iter().zip([60, 8]) {
+        let coloured = plant.into_iter().map(|(number, triangle)| LeafTriangle {
+            uvs: [colour(number); 3],
+            ..triangle
+        });
+        let mut wood = Foliage::default();
+        wood.push_leaf(&coloured.collect::<Vec<_>>(), None).unwrap();
+        let left = level_of(&wood, triangles).foliage(&wood);
+        let count = left.triangles().len();
+        assert!(count > triangles / 2 && count <= triangles, "{count}");
+        for triangle in left.triangles() {
+            assert_eq!(triangle.uvs, [triangle.uvs[0]; 3]);
+        }
+    }
 }
 
 #[test]

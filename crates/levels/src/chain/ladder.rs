@@ -62,7 +62,7 @@ const SHARINGS: [Sharing; 3] = [
 ];
 
 /// [`SHARINGS`] of plants without leaves.
-const BARE_SHARINGS: [Sharing; 2] = [Sharing::ByNumber, Sharing::Evenly];
+const BARE_SHARINGS: [Sharing; 2] = [Sharing::Evenly, Sharing::ByNumber];
 
 /// Other sharings are tried this many steps further on: of 2 % each, they come to 12 % fewer triangles.
 const BETTER_BY: usize = 6;

@@ -1,6 +1,6 @@
 //! One leaf as a mesh, and what collapses of its edges leave.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use meshoptimizer_rs::SimplifyOptions;
 use rustc_hash::FxHashMap;
 use secateur_model::LeafTriangle;
@@ -77,6 +77,44 @@ pub(crate) fn collapsed_within(
     is_coarser.then(|| mesh.corners_of(triangles, &kept))
 }
 
+/// A corner of what collapses leave whose vertices may move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MovedCorner {
+    /// The corner that it was, numbered as in [`secateur_model::CornerRef`].
+    pub(crate) like: u32,
+    /// Where it is, unless where it was.
+    pub(crate) moved_to: Option<DVec3>,
+}
+
+/// As [`collapsed_within`], but vertices move to where the surface is off least.
+pub(crate) fn collapsed_moving(
+    triangles: &[LeafTriangle],
+    kept: Kept<'_>,
+    at_most: usize,
+) -> Option<Vec<[MovedCorner; 3]>> {
+    let mesh = Mesh::of(triangles)?;
+    let attributes = Attributes::of(&mesh, triangles, kept);
+    let (kept, positions) = mesh
+        .as_indexed()
+        .collapsed_moving(attributes.as_of_vertices(), 3 * at_most);
+    let kept = kept.as_chunks().0;
+    if kept.is_empty() || kept.len() >= triangles.len() {
+        return None;
+    }
+    let moved = |vertex: u32| {
+        let (from, to) = (mesh.positions[vertex as usize], positions[vertex as usize]);
+        (from != to).then(|| mesh.place_of(to))
+    };
+    let corners = mesh.corners_of(triangles, kept).into_iter();
+    let all = corners.zip(kept).map(|(corners, vertices)| {
+        [0, 1, 2].map(|k| MovedCorner {
+            like: corners[k],
+            moved_to: moved(vertices[k]),
+        })
+    });
+    Some(all.collect())
+}
+
 /// Texture coordinates and normal of a vertex.
 const ATTRIBUTES: usize = 5;
 
@@ -121,8 +159,21 @@ impl Attributes {
     }
 }
 
+impl Attributes {
+    fn as_of_vertices(&self) -> VertexAttributes<'_, ATTRIBUTES> {
+        VertexAttributes {
+            values: &self.values,
+            weights: &self.weights,
+            is_locked: &self.is_locked,
+        }
+    }
+}
+
 /// A leaf by its vertices: corners at one place of one texture coordinate.
 struct Mesh {
+    origin: DVec3,
+    /// How far the furthest corner is from the first, in world units.
+    size: f64,
     /// Relative to the first corner, the furthest at 1.
     positions: Vec<[f32; 3]>,
     /// Texture coordinates, relative to those of the first corner.
@@ -156,10 +207,17 @@ impl Mesh {
         let indices = corners().zip(uvs).map(vertex).collect();
         let is_sound = positions.as_flattened().iter().all(|x| x.is_finite());
         is_sound.then_some(Self {
+            origin,
+            size,
             positions,
             uvs: vertex_uvs,
             indices,
         })
+    }
+
+    /// A position in world space.
+    fn place_of(&self, position: [f32; 3]) -> DVec3 {
+        self.origin + self.size * Vec3::from(position).as_dvec3()
     }
 
     fn as_indexed(&self) -> IndexedTriangles<'_> {
@@ -171,14 +229,9 @@ impl Mesh {
 
     /// As [`Self::collapsed`], but attributes count too.
     fn collapsed_with(&self, attributes: &Attributes, triangles: usize) -> Vec<[u32; 3]> {
-        let attributes = VertexAttributes {
-            values: &attributes.values,
-            weights: &attributes.weights,
-            is_locked: &attributes.is_locked,
-        };
         let options = SimplifyOptions::ERROR_ABSOLUTE;
         let mesh = self.as_indexed();
-        let kept = mesh.collapsed_with(attributes, 3 * triangles, options);
+        let kept = mesh.collapsed_with(attributes.as_of_vertices(), 3 * triangles, options);
         kept.as_chunks().0.to_vec()
     }
 

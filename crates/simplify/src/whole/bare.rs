@@ -23,7 +23,7 @@ impl WholePlant<'_> {
     ) -> Result<WholeLevel, Error> {
         let sphere = sphere_of(&self.wood)?;
         let evenly = match budget.sharing {
-            Sharing::Evenly => self.levels.evenly(budget.triangles),
+            Sharing::Evenly => self.levels.evenly(&self.wood, budget.triangles),
             Sharing::ByNumber | Sharing::LeafMargin(_) => None,
         };
         let mut wood = self.wood_of(&[], budget);

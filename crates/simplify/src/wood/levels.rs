@@ -1,6 +1,6 @@
 //! Ever coarser levels of one piece of wood.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 use secateur_model::{Facing, Foliage, LeafId, LeafTriangle};
@@ -17,7 +17,7 @@ use crate::coarsen::leaf_mesh::{Kept, collapsed_within, halvings};
 /// A texture that would be off by its whole width counts as much as a surface that is off by this
 /// share of the piece's length: little, since bark repeats along a branch. Other values were not
 /// tried.
-const UV_WEIGHT: f32 = 0.01;
+pub(super) const UV_WEIGHT: f32 = 0.01;
 
 /// A piece with fewer triangles.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ pub(super) struct Level {
 const NORMAL_WEIGHT: f64 = 0.05;
 
 /// [`NORMAL_WEIGHT`] of collapses over all pieces, as a share of the size of the plant. Other values were not tried.
-const EVEN_NORMAL_WEIGHT: f32 = 0.005;
+pub(super) const EVEN_NORMAL_WEIGHT: f32 = 0.005;
 
 /// What a level loses at most: what shows nothing of a piece may still bear leaves and twigs.
 const MOST_LOST: f64 = 0.999;
@@ -116,52 +116,6 @@ pub(super) fn collapsed_to(
         let kept = collapsed_within(triangles, kept, *counts.end())?;
         counts.contains(&kept.len()).then_some(kept)
     })
-}
-
-/// By piece, what collapses over all pieces at once leave, at most so many triangles; none if they do not get there.
-/// Where `is_joint` says so, they leave vertices.
-pub(super) fn collapsed_evenly(
-    wood: &Foliage,
-    is_joint: &dyn Fn(DVec3) -> bool,
-    at_most: usize,
-) -> Option<Vec<Vec<[u32; 3]>>> {
-    // Pieces that touch share no vertex: each has its own part of the texture's plane.
-    let pieces = (0..wood.leaves().len()).map(LeafId::from_index);
-    let apart = |uvs_of: fn(&LeafTriangle) -> [DVec2; 3]| -> Vec<LeafTriangle> {
-        let moved = |piece: LeafId| {
-            let offset = DVec2::new(2.0 * piece.index() as f64, 0.0);
-            let triangles = wood.triangles_of(piece).iter();
-            triangles.map(move |t| LeafTriangle {
-                corners: t.corners,
-                uvs: uvs_of(t).map(|uv| uv + offset),
-            })
-        };
-        pieces.clone().flat_map(moved).collect()
-    };
-    let collapse = |triangles: &[LeafTriangle]| {
-        let kept = Kept {
-            uv_weight: UV_WEIGHT,
-            normal_weight: EVEN_NORMAL_WEIGHT,
-            is_locked: is_joint,
-        };
-        let left = collapsed_within(triangles, kept, at_most)?;
-        (left.len() <= at_most).then_some(left)
-    };
-    let along_textures = collapse(&apart(|t| t.uvs));
-    let left = along_textures.or_else(|| collapse(&apart(|_| [DVec2::ZERO; 3])))?;
-    let mut pieces = vec![Vec::new(); wood.leaves().len()];
-    let mut ends = Vec::with_capacity(pieces.len());
-    let mut end = 0;
-    for piece in 0..pieces.len() {
-        end += 3 * wood.triangles_of(LeafId::from_index(piece)).len() as u32;
-        ends.push(end);
-    }
-    for corners in left {
-        let piece = ends.partition_point(|end| *end <= corners[0]);
-        let first = piece.checked_sub(1).map_or(0, |before| ends[before]);
-        pieces[piece].push(corners.map(|corner| corner - first));
-    }
-    Some(pieces)
 }
 
 /// What collapses of edges by geometry leave of all pieces. Where `is_joint` says so, they leave vertices.

@@ -12,6 +12,7 @@
 mod bearing;
 mod charts;
 mod distance;
+mod evenly;
 mod forks;
 mod gaps;
 mod last_forms;
@@ -36,7 +37,7 @@ use secateur_raster::{Rasteriser, ViewSet};
 use crate::Error;
 use bearing::{Bearing, Borne, Needs, needs};
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
-use levels::{Level, collapsed, collapsed_evenly, collapsed_to, joints, last_levels, levels};
+use levels::{Level, collapsed, collapsed_to, joints, last_levels, levels};
 use loss::Judges;
 pub use parts::Parts;
 pub use spend::WoodBudget;
@@ -251,23 +252,6 @@ impl Wood {
             }
         }
         self.lod_with(chosen, &finer)
-    }
-
-    /// The wood with at most this many triangles, after collapses over all pieces in the order of what they put off;
-    /// none if they do not get there.
-    pub fn evenly(&self, at_most: usize) -> Option<Lod> {
-        let wood = self.parts.foliage();
-        let collapsed = collapsed_evenly(wood, &joints(&self.parts), at_most)?;
-        let mut chosen = vec![None; self.pieces.len()];
-        let mut finer: FxHashMap<usize, Vec<[u32; 3]>> = FxHashMap::default();
-        for (part, triangles) in collapsed.into_iter().enumerate() {
-            if triangles.len() == self.pieces[part].triangles {
-                chosen[part] = Some(0);
-            } else if !triangles.is_empty() {
-                finer.insert(part, triangles);
-            }
-        }
-        Some(self.lod_with(&chosen, &finer))
     }
 
     /// How many triangles carry the crown to the ground or save at least `px_a_triangle` pixels each, the

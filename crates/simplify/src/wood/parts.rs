@@ -137,6 +137,20 @@ impl Parts {
         self.origins[part].piece
     }
 
+    /// Whether a piece's bark is cut into charts.
+    pub(super) fn has_charts(&self, piece: LeafId) -> bool {
+        self.pieces[piece.index()].charts.is_some()
+    }
+
+    /// The corners of a piece that a new triangle of these has its texture from: of one chart where bark is cut into
+    /// charts.
+    pub(super) fn texture_of(&self, piece: LeafId, corners: [u32; 3]) -> [u32; 3] {
+        match &self.pieces[piece.index()].charts {
+            Some(charts) => charts.texture_of(corners),
+            None => corners,
+        }
+    }
+
     /// The part of the same piece that a part grows on.
     pub(super) fn on(&self, part: usize) -> Option<usize> {
         self.origins[part].on
@@ -151,13 +165,9 @@ impl Parts {
             Some(corners) => corners[corner as usize],
             None => corner,
         };
-        let charts = &self.pieces[leaf.index()].charts;
         let made = |triangle: &[u32; 3]| {
             let corners = triangle.map(of_piece);
-            let like = match charts {
-                Some(charts) => charts.texture_of(corners),
-                None => corners,
-            };
+            let like = self.texture_of(leaf, corners);
             [0, 1, 2].map(|k| NewCorner {
                 place: Place::Of(CornerRef {
                     leaf,
