@@ -133,11 +133,14 @@ fn a_plant_is_opened_corrected_made_lighter_and_compared() {
     let all = tab.ask("page.state.results.get(page.decisions.key).original.triangles");
     let [left, all] = [triangles, all].map(|count| count.as_f64().unwrap());
     assert!(left <= 0.25 * all && left > 0.15 * all, "{left} of {all}");
-    for mode in ["beside", "wipe", "blink"] {
+    for mode in ["beside", "wipe", "blink", "difference"] {
         tab.click(&format!("[data-mode={mode}]"));
         let [share, _] = drawn(&mut tab);
         assert!(share > 0.03, "{mode}: {share}");
     }
+    tab.ask("page.stage.set({ level: 0 })");
+    assert_eq!(drawn(&mut tab)[0], 0.0, "the plant is equal to itself");
+    tab.ask("page.stage.set({ level: 1 })");
     tab.click("#true-size");
     assert!(drawn(&mut tab)[0] > 0.0);
     let command = text_of(&mut tab, "#command");

@@ -33,6 +33,7 @@ const chooseLevel = (k) => {
 
 const keys = {
   b: blink,
+  d: () => setMode("difference"),
   r: () => setView({ hasRoles: !stage.view.hasRoles, mode: "plant" }),
   t: () => setView({ isTrueSize: !stage.view.isTrueSize }),
   a: () => decisions.decide({ shown: null }),

@@ -258,6 +258,7 @@ const sayView = (result) => {
     return `${words.title} · ${words.cost}`;
   };
   second.hidden = mode === "plant" || mode === "blink";
+  $("legend").hidden = mode !== "difference";
   first.textContent = mode === "blink" && view.isLevel ? level() : original;
   if (!second.hidden) second.textContent = level();
 };

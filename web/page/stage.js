@@ -16,10 +16,11 @@ class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new Renderer(canvas);
-    // mode: "plant", "beside", "wipe" or "blink". wipe: the share that shows the original.
+    // mode: "plant", "beside", "wipe", "blink" or "difference". wipe: the share that shows the original.
     this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, distance: 10, picked: null };
     this.plant = null;
     this.levels = null;
+    this.heat = null;
     this.orbit = new Orbit(canvas, () => this.ask());
     new ResizeObserver(() => this.ask()).observe(canvas);
   }
@@ -99,7 +100,10 @@ class Stage {
     renderer.use(this.levels.model);
     if (view.mode === "beside") boxes.forEach((box, k) => picture(k === 0 ? 0 : view.level, box));
     else if (view.mode === "blink") picture(view.isLevel ? view.level : 0, boxes[0]);
-    else {
+    else if (view.mode === "difference") {
+      this.heat ??= new HeatMap(renderer);
+      this.heat.draw(width, height, [0, view.level].map((k) => () => picture(k, boxes[0])));
+    } else {
       const at = Math.round(view.wipe * width);
       picture(0, { ...boxes[0], part: { ...boxes[0], width: at } });
       picture(view.level, { ...boxes[0], part: { ...boxes[0], x: at, width: width - at } });
