@@ -139,7 +139,11 @@ fn a_plant_is_opened_corrected_made_lighter_and_compared() {
         assert!(share > 0.03, "{mode}: {share}");
     }
     tab.ask("page.stage.set({ level: 0 })");
-    assert_eq!(drawn(&mut tab)[0], 0.0, "the plant is equal to itself");
+    let [only_the_legend, _] = drawn(&mut tab);
+    assert!(
+        only_the_legend < 0.025,
+        "the plant is equal to itself: {only_the_legend}"
+    );
     tab.ask("page.stage.set({ level: 1 })");
     tab.click("#true-size");
     assert!(drawn(&mut tab)[0] > 0.0);
@@ -198,6 +202,7 @@ fn a_plant_is_grown_and_made_lighter_by_fingers() {
     wait_for(&mut tab, "!page.state.isBusy && page.state.source !== null");
     assert!(drawn(&mut tab)[0] > 0.1);
     tab.click("[data-kind=level]");
+    tab.ask("page.decisions.decide({ level: { amount: 'triangles', value: 200 } })");
     tab.click("#make");
     wait_for(
         &mut tab,
@@ -208,6 +213,21 @@ fn a_plant_is_grown_and_made_lighter_by_fingers() {
         "[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.offsetParent && e.type !== 'checkbox').map((e) => [e.id || e.innerText, e.getBoundingClientRect()]).filter(([, r]) => r.height < 43.5 || r.width < 43.5).map(([name]) => name)",
     );
     assert_eq!(small, json!([]), "touch targets are at least 44 pixels");
+
+    // Any number of leaves of that level, from all to its own.
+    let leaves = text_of(&mut tab, "#leaves-text");
+    tab.ask("void (document.querySelector('#leaves').value = 1, document.querySelector('#leaves').dispatchEvent(new Event('input')))");
+    let [few, many] = [leaves, text_of(&mut tab, "#leaves-text")].map(|text| text.parse::<u32>());
+    assert!(
+        few.clone().unwrap() < many.clone().unwrap(),
+        "{few:?} {many:?}"
+    );
+    let caption = text_of(&mut tab, "#captions");
+    assert!(
+        caption.contains(&format!("{} leaves", many.unwrap())),
+        "{caption}"
+    );
+    assert!(drawn(&mut tab)[0] > 0.05);
     check_manners(&mut tab);
 }
 

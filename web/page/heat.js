@@ -12,6 +12,7 @@ class HeatMap {
     this.at = ["u_first", "u_second"].map((name) => gl.getUniformLocation(this.program, name));
     this.nothing = gl.createVertexArray();
     this.size = [0, 0];
+    this.pictures = [];
   }
 
   // Room for two pictures of this size.
@@ -21,17 +22,18 @@ class HeatMap {
     this.free();
     this.size = [width, height];
     const samples = Math.min(SAMPLES, gl.getParameter(gl.MAX_SAMPLES));
-    this.drawn = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.drawn);
     const formats = [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]];
-    this.buffers = formats.map(([attachment, format]) => {
-      const buffer = gl.createRenderbuffer();
-      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
-      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);
-      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, buffer);
-      return buffer;
-    });
+    // Each is drawn into buffers of its own: some drivers resolve the first only after the second is drawn.
     this.pictures = [0, 1].map(() => {
+      const drawn = gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, drawn);
+      const buffers = formats.map(([attachment, format]) => {
+        const buffer = gl.createRenderbuffer();
+        gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+        gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, buffer);
+        return buffer;
+      });
       const texture = gl.createTexture();
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, width, height);
@@ -39,18 +41,16 @@ class HeatMap {
       const framebuffer = gl.createFramebuffer();
       gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-      return { texture, framebuffer };
+      return { drawn, buffers, texture, framebuffer };
     });
   }
 
   free() {
     const { gl } = this.renderer;
-    if (!this.pictures) return;
-    gl.deleteFramebuffer(this.drawn);
-    for (const buffer of this.buffers) gl.deleteRenderbuffer(buffer);
-    for (const { texture, framebuffer } of this.pictures) {
+    for (const { drawn, buffers, texture, framebuffer } of this.pictures) {
+      buffers.forEach((buffer) => gl.deleteRenderbuffer(buffer));
       gl.deleteTexture(texture);
-      gl.deleteFramebuffer(framebuffer);
+      [drawn, framebuffer].forEach((made) => gl.deleteFramebuffer(made));
     }
   }
 
@@ -59,11 +59,12 @@ class HeatMap {
     const { gl } = this.renderer;
     this.fit(width, height);
     draws.forEach((draw, k) => {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, this.drawn);
+      const { drawn, framebuffer } = this.pictures[k];
+      gl.bindFramebuffer(gl.FRAMEBUFFER, drawn);
       draw();
       gl.disable(gl.SCISSOR_TEST);
-      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.drawn);
-      gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.pictures[k].framebuffer);
+      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, drawn);
+      gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, framebuffer);
       gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
     });
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
