@@ -19,16 +19,19 @@ const blink = () => {
 const goTo = (distance) => {
   const { chain } = stage.levels;
   stage.set({ distance: clamp(distance, chain.nearest, chain.farthest) });
-  if (decisions.now.shown !== null) decisions.decide({ shown: null });
-  else {
-    follow();
-    say();
-  }
+  show(null);
+};
+
+// Shows a level by its number, or, for null, what the distance has.
+const show = (k) => {
+  if (decisions.now.shown !== k) return decisions.decide({ shown: k });
+  follow();
+  say();
 };
 
 const chooseLevel = (k) => {
   const result = resultOf();
-  if (result && k < result.levels.length) decisions.decide({ shown: k });
+  if (result && k < result.levels.length) show(k);
 };
 
 const keys = {
@@ -36,7 +39,7 @@ const keys = {
   d: () => setMode("difference"),
   r: () => setView({ hasRoles: !stage.view.hasRoles, mode: "plant" }),
   t: () => setView({ isTrueSize: !stage.view.isTrueSize }),
-  a: () => decisions.decide({ shown: null }),
+  a: () => stage.levels && show(null),
   "[": () => stage.levels && goTo(stage.view.distance / 1.06),
   "]": () => stage.levels && goTo(stage.view.distance * 1.06),
   escape: () => state.isBusy && engine.cancel(),
@@ -142,6 +145,8 @@ const start = async () => {
   $("is-wood").addEventListener("click", () => giveRole(false));
   $("distance").addEventListener("input", (e) => goTo(stage.levels.chain.distanceAt(e.target.value / 1000)));
   $("auto").addEventListener("click", keys.a);
+  $("leaves").addEventListener("input", (e) => goToSteps(Number(e.target.value)));
+  $("make-so").addEventListener("click", makeSo);
   $("layout").addEventListener("change", say);
   addEventListener("keydown", onKey);
   if (matchMedia("(prefers-color-scheme: dark)").matches) {

@@ -122,7 +122,7 @@ const firstDistance = (chain) => {
 const follow = () => {
   if (!stage.levels) return;
   const wanted = decisions.now.shown ?? levelAt(stage.view.distance);
-  stage.set({ level: pictureOf(Math.min(wanted, resultOf().levels.length - 1)) });
+  stage.set({ steps: null, level: pictureOf(Math.min(wanted, resultOf().levels.length - 1)) });
 };
 
 // Numbers of levels in the list, and in the picture, whose first is the original always.
@@ -132,6 +132,29 @@ const levelAt = (distance) => {
   const { levels } = resultOf();
   return Math.max(levels.findLastIndex((level) => level.distance <= distance * 1.000001), 0);
 };
+// Shows the level after some steps of the removal order, with the wood of the coarsest level of at least as many leaves.
+const goToSteps = (steps) => {
+  const left = stage.order.leaves[steps];
+  const { facts } = stage.levels.chain;
+  const level = facts.findLastIndex((f) => f.kind !== "impostor" && f.leaves !== null && f.leaves >= left);
+  setView({ steps, level: Math.max(level, 1), mode: stage.isAlone ? "beside" : stage.view.mode });
+};
+
+// Leaves and triangles of what the slider of leaves shows, or null where it shows a level.
+const shownLeaves = () => {
+  const { steps, level } = stage.view;
+  if (steps === null) return null;
+  const { leaves, triangles } = stage.order;
+  return { leaves: leaves[steps], triangles: triangles[steps] + stage.levels.chain.facts[level].wood_triangles };
+};
+
+// Makes a level of as many triangles as the slider of leaves shows.
+const makeSo = () => {
+  const { triangles } = shownLeaves();
+  decisions.decide({ kind: "level", level: { amount: "triangles", value: triangles }, shown: null });
+  if (!resultOf()) make();
+};
+
 const shownLevel = () => (isOriginalFirst() ? stage.view.level : stage.view.level - 1);
 
 const make = () => busy("Getting ready", async (progress) => {
@@ -253,6 +276,8 @@ const sayView = (result) => {
   const [first, second] = $("captions").children;
   const original = `${state.name} · ${number(trianglesOf(state.inspection))} triangles`;
   const level = () => {
+    const left = shownLeaves();
+    if (left) return `${number(left.leaves)} leaves · ${number(left.triangles)} triangles · ${percentOf(left.triangles, result.original.triangles)}`;
     const k = shownLevel();
     const words = wordsOf(result.levels[k], result.original, result.kind === "level" ? null : k);
     return `${words.title} · ${words.cost}`;
@@ -270,17 +295,30 @@ const sayLevels = (result) => {
   $("distance").value = Math.round(1000 * chain.share(view.distance));
   $("distance-text").textContent = `${metresOf(view.distance)} · ${Math.round(high)} px`;
   $("distance").setAttribute("aria-valuetext", $("distance-text").textContent);
-  press($("auto"), decisions.now.shown === null);
+  press($("auto"), decisions.now.shown === null && view.steps === null);
+  sayLeaves();
   $("fades").hidden = !(view.isTrueSize && high < 200);
-  fillLevels(result, shownLevel(), (k) => {
-    decisions.decide({ shown: k });
-  });
+  fillLevels(result, view.steps === null ? shownLevel() : null, chooseLevel);
   $("notes").replaceChildren(...result.notes.map((note) => element("li", note)));
   $("home").replaceChildren(...homeButtons(result));
   $("of-layout").hidden = result.kind === "level";
   const { grown } = state.source;
   const grows = grown ? `secateur grow ${grown.species} --leaves ${grown.leaves} --seed ${grown.seed} -o ${state.name}\n` : "";
   $("command").textContent = grows + commandOf(decisions, state.name, $("layout").value);
+};
+
+// The slider of leaves, which stands where the level has as many.
+const sayLeaves = () => {
+  const { order } = stage;
+  $("any-number").hidden = !(order?.steps > 1);
+  if (!order) return;
+  const { steps, level } = stage.view;
+  const at = steps ?? order.stepsTo(stage.levels.chain.facts[level].leaves ?? order.leaves[0]);
+  $("leaves").max = order.steps;
+  $("leaves").value = at;
+  $("leaves-text").textContent = number(order.leaves[at]);
+  $("leaves").setAttribute("aria-valuetext", `${number(order.leaves[at])} leaves`);
+  $("make-so").disabled = steps === null || state.isBusy;
 };
 
 // Picks a part, to say what it is.

@@ -17,7 +17,8 @@ class Stage {
     this.canvas = canvas;
     this.renderer = new Renderer(canvas);
     // mode: "plant", "beside", "wipe", "blink" or "difference". wipe: the share that shows the original.
-    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, distance: 10, picked: null };
+    // steps: of the removal order, where its slider chooses the leaves of the level; else null.
+    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null };
     this.plant = null;
     this.levels = null;
     this.heat = null;
@@ -36,7 +37,7 @@ class Stage {
 
   // A picture that came from the engine, as { model, chain }.
   taken({ scene, geometry, textures }) {
-    const model = modelOf({ ...scene, continuous: null }, geometry.buffer, scene.textures.map((entry) => rawBitmap(entry, textures)));
+    const model = modelOf(scene, geometry.buffer, scene.textures.map((entry) => rawBitmap(entry, textures)));
     return { model, chain: new Chain(scene), parts: scene.parts };
   }
 
@@ -53,6 +54,13 @@ class Stage {
   showLevels(taken) {
     this.levels = taken;
     this.ask();
+  }
+
+  // The removal order of what is shown, or null where there is none.
+  get order() {
+    if (!this.levels) return null;
+    this.renderer.use(this.levels.model);
+    return this.renderer.order;
   }
 
   set(change) {
@@ -95,7 +103,7 @@ class Stage {
     renderer.background = BACKGROUNDS[view.background].map((color) => color);
     if (view.background !== "sky") renderer.background[1] = renderer.background[0];
     const boxes = this.boxes();
-    const picture = (k, box) => renderer.draw({ level: k, steps: null }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false });
+    const picture = (k, box) => renderer.draw({ level: k, steps: k === 0 ? null : view.steps }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false });
     if (this.isAlone) return this.drawAlone(boxes[0]);
     renderer.use(this.levels.model);
     if (view.mode === "beside") boxes.forEach((box, k) => picture(k === 0 ? 0 : view.level, box));
