@@ -19,11 +19,11 @@ const blink = () => {
 const goTo = (distance) => {
   const { chain } = stage.levels;
   stage.set({ distance: clamp(distance, chain.nearest, chain.farthest) });
-  show(null);
+  showLevel(null);
 };
 
 // Shows a level by its number, or, for null, what the distance has.
-const show = (k) => {
+const showLevel = (k) => {
   if (decisions.now.shown !== k) return decisions.decide({ shown: k });
   follow();
   say();
@@ -31,7 +31,7 @@ const show = (k) => {
 
 const chooseLevel = (k) => {
   const result = resultOf();
-  if (result && k < result.levels.length) show(k);
+  if (result && k < result.levels.length) showLevel(k);
 };
 
 const keys = {
@@ -39,7 +39,7 @@ const keys = {
   d: () => setMode("difference"),
   r: () => setView({ hasRoles: !stage.view.hasRoles, mode: "plant" }),
   t: () => setView({ isTrueSize: !stage.view.isTrueSize }),
-  a: () => stage.levels && show(null),
+  a: () => stage.levels && showLevel(null),
   "[": () => stage.levels && goTo(stage.view.distance / 1.06),
   "]": () => stage.levels && goTo(stage.view.distance * 1.06),
   escape: () => state.isBusy && engine.cancel(),
@@ -65,7 +65,11 @@ const filesOf = async (transfer) => {
   if (!entries.some((entry) => entry.isDirectory)) return [...transfer.files];
   const files = [];
   const walk = async (entry) => {
-    if (entry.isFile) return files.push(await new Promise((done, fail) => entry.file(done, fail)));
+    if (entry.isFile) {
+      const file = await new Promise((done, fail) => entry.file(done, fail));
+      files.push(Object.assign(file, { folder: entry.fullPath.slice(1, -entry.name.length) }));
+      return;
+    }
     const reader = entry.createReader();
     for (let some; (some = await new Promise((done, fail) => reader.readEntries(done, fail))).length > 0; ) for (const inner of some) await walk(inner);
   };
@@ -73,8 +77,15 @@ const filesOf = async (transfer) => {
   return files;
 };
 
-const openFiles = (files) => {
-  if (files.length > 0) open({ files: [...files] });
+const openFiles = async (files) => {
+  const sources = sourcesOf([...files]);
+  if (files.length === 0) return;
+  if (state.isBusy) {
+    engine.cancel();
+    // What is broken off has its end first.
+    await new Promise((done) => setTimeout(done));
+  }
+  openAll(sources);
 };
 
 const listenToFiles = () => {
@@ -138,6 +149,7 @@ const start = async () => {
   listenToStage();
   listenToTarget(decisions, () => trianglesOf(state.inspection));
   $("make").addEventListener("click", make);
+  $("close").addEventListener("click", closePlant);
   $("cancel").addEventListener("click", () => engine.cancel());
   $("undo").addEventListener("click", () => decisions.undo());
   $("redo").addEventListener("click", () => decisions.redo());

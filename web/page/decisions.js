@@ -23,11 +23,16 @@ class Decisions {
     this.begin();
   }
 
-  // Of another plant: targets stay, what was said of leaves does not.
-  begin() {
-    this.past = [];
-    this.future = [];
-    this.now = { ...(this.now ?? FIRST), leaves: [], shown: null };
+  // Of another plant: targets stay, what was said of leaves does not; or of one that was left, as kept.
+  begin(kept = null) {
+    const now = { ...(this.now ?? FIRST), leaves: [], shown: null };
+    Object.assign(this, kept ?? { past: [], future: [], now });
+    this.joins = null;
+  }
+
+  get kept() {
+    const { past, future, now } = this;
+    return { past, future, now };
   }
 
   // Decides; a change of the same thing within a moment, as by a slider that is dragged, is one step.

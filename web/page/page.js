@@ -1,14 +1,16 @@
 // The page: what happens when.
 
 const state = {
-  // What is open: where it came from, its inspection, and its triangles.
+  // All that is open, as plantOf() has it, and the one that is shown: where it came from, and its inspection.
+  plants: [],
+  plant: null,
   source: null,
   name: "",
   inspection: null,
   problem: null,
   // The selectors that the inspection is of, as JSON.
   leaves: "[]",
-  // Results by what was asked for, the last ones of this plant.
+  // Those of the plant.
   results: new Map(),
   isBusy: false,
 };
@@ -69,22 +71,65 @@ const shown = (opened, isNew) => {
   if (isNew) stage.orbit.reset();
 };
 
-const open = (source) => busy("Opening", async () => {
+// Shows a plant instead of the one that is shown, which keeps its decisions and what they gave.
+const turnTo = async (plant) => {
   const began = performance.now();
   engine.open = null;
-  const opened = await engine.call("open", { source, leaves: [] });
-  Object.assign(state, { source, name: opened.name });
-  state.results.clear();
-  stage.levels = null;
-  decisions.begin();
-  engine.open = "[]";
+  const opened = await engine.call("open", { source: plant.source, leaves: plant.kept?.now.leaves ?? [] });
+  leave();
+  decisions.begin(plant.kept);
+  engine.open = JSON.stringify(decisions.now.leaves);
+  Object.assign(state, { plant, source: plant.source, name: opened.name, results: plant.results });
   stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
   shown(opened, true);
+  plant.triangles = trianglesOf(state.inspection);
   hideOpen();
   stage.draw();
   state.openedMs = performance.now() - began;
   decided();
+};
+
+const leave = () => {
+  if (state.plant) state.plant.kept = decisions.kept;
+  const shown = decisions.key;
+  for (const key of [...state.results.keys()]) if (key !== shown) forget(key);
+  stage.levels = null;
+};
+
+const forget = (key) => {
+  stage.renderer.free(state.results.get(key).taken.model);
+  state.results.delete(key);
+};
+
+// Opens a plant of each source, and shows the first that can be read.
+const openAll = (sources) => busy("Opening", async () => {
+  const plants = sources.map(plantOf);
+  while (plants.length > 0) {
+    try {
+      await turnTo(plants[0]);
+      state.plants.push(...plants);
+      return;
+    } catch (error) {
+      if (error instanceof Cancelled || plants.length === 1) throw error;
+      tell(error.message);
+      plants.shift();
+    }
+  }
 });
+
+const open = (source) => openAll([source]);
+
+const choosePlant = (plant) => busy("Opening", () => turnTo(plant));
+
+const closePlant = async () => {
+  const { plants, plant } = state;
+  const at = plants.indexOf(plant);
+  await choosePlant(plants[at + 1] ?? plants[at - 1]);
+  if (state.plant === plant) return;
+  for (const { taken } of plant.results.values()) stage.renderer.free(taken.model);
+  plants.splice(at, 1);
+  say();
+};
 
 // A decision was made, or taken back: what it changes is changed.
 const decided = () => {
@@ -168,7 +213,7 @@ const make = () => busy("Getting ready", async (progress) => {
   const original = taken.chain.facts[0];
   const notes = [...(report.notes ?? []), ...(report.warnings ?? [])];
   state.results.set(key, { kind, taken, levels, original, notes, ms: performance.now() - began });
-  if (state.results.size > MOST_RESULTS) state.results.delete(state.results.keys().next().value);
+  if (state.results.size > MOST_RESULTS) forget(state.results.keys().next().value);
   look();
 });
 
@@ -236,6 +281,7 @@ const say = () => {
   document.body.classList.toggle("empty", !isOpen);
   if (!isOpen) return;
   $("name").textContent = state.name;
+  fillPlants(state.plants, state.plant, state.isBusy, choosePlant);
   document.title = `${state.name} – secateur`;
   sayPlant(inspection);
   fillTarget(now, trianglesOf(inspection));

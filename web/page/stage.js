@@ -42,7 +42,7 @@ class Stage {
   }
 
   showPlant(picture) {
-    for (const old of [this.plant, this.levels]) if (old) this.renderer.free(old.model);
+    if (this.plant) this.renderer.free(this.plant.model);
     this.plant = this.taken(picture);
     this.levels = null;
     this.renderer.use(this.plant.model);

@@ -30,7 +30,7 @@ const OF_PREVIEW: [&str; 7] = [
 ];
 
 /// Scripts of this page, in the order in which they build on each other.
-const OF_PAGE: [&str; 10] = [
+const OF_PAGE: [&str; 11] = [
     "words.js",
     "fit.js",
     "leaves.js",
@@ -39,6 +39,7 @@ const OF_PAGE: [&str; 10] = [
     "heat.js",
     "stage.js",
     "panel.js",
+    "plants.js",
     "controls.js",
     "page.js",
 ];

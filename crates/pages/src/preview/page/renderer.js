@@ -107,8 +107,7 @@ class Renderer {
     Object.assign(this, model);
   }
 
-  // Gives back what a model has on the graphics card, where it comes again if it is drawn again; for that its
-  // bitmaps must be there still.
+  // Gives back what a model has on the graphics card; it is not drawn again.
   free(model) {
     const { gl } = this;
     const { ordered, textures, levels } = model;
@@ -117,9 +116,6 @@ class Renderer {
       gl.deleteVertexArray(mesh.vertices);
       for (const buffer of Object.values(mesh.buffers)) gl.deleteBuffer(buffer);
     }
-    textures.fill(null);
-    levels.fill(null);
-    Object.assign(ordered, { order: null, meshes: [], textures: null });
   }
 
   level(k) {
