@@ -166,6 +166,13 @@ const start = async () => {
     $("background").value = "dark";
   }
   say();
+  const { settings, grown } = askedBy(location.hash);
+  state.asked = settings;
+  if (grown) open({ grown });
+  addEventListener("hashchange", () => {
+    const { settings } = askedBy(location.hash);
+    if (settings && state.source && !state.isBusy) decisions.decide(settings);
+  });
   window.page = { state, stage, decisions, open, make, take, get engine() { return engine; } };
   try {
     await engine.module;

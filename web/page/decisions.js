@@ -23,9 +23,10 @@ class Decisions {
     this.begin();
   }
 
-  // Of another plant: targets stay, what was said of leaves does not; or of one that was left, as kept.
-  begin(kept = null) {
-    const now = { ...(this.now ?? FIRST), leaves: [], shown: null };
+  // Of another plant: targets stay but for what is known of it, what was said of leaves does not; or of one that
+  // was left, as kept.
+  begin(kept, known) {
+    const now = { ...(this.now ?? FIRST), leaves: [], ...known, shown: null };
     Object.assign(this, kept ?? { past: [], future: [], now });
     this.joins = null;
   }

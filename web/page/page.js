@@ -10,6 +10,8 @@ const state = {
   problem: null,
   // The selectors that the inspection is of, as JSON.
   leaves: "[]",
+  // Settings of the link that the page was opened with, until a plant has them.
+  asked: null,
   // Those of the plant.
   results: new Map(),
   isBusy: false,
@@ -75,9 +77,14 @@ const shown = (opened, isNew) => {
 const turnTo = async (plant) => {
   const began = performance.now();
   engine.open = null;
-  const opened = await engine.call("open", { source: plant.source, leaves: plant.kept?.now.leaves ?? [] });
+  const openWith = (leaves) => engine.call("open", { source: plant.source, leaves });
+  let opened = await openWith(plant.kept?.now.leaves ?? []);
+  plant.sha256 = opened.sha256;
+  const known = { ...recalled(plant.sha256), ...state.asked };
+  if (!plant.kept && known.leaves?.length > 0) opened = await openWith(known.leaves);
   leave();
-  decisions.begin(plant.kept);
+  decisions.begin(plant.kept, known);
+  state.asked = null;
   engine.open = JSON.stringify(decisions.now.leaves);
   Object.assign(state, { plant, source: plant.source, name: opened.name, results: plant.results });
   stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
@@ -134,6 +141,7 @@ const closePlant = async () => {
 // A decision was made, or taken back: what it changes is changed.
 const decided = () => {
   if (!state.source) return say();
+  keep();
   if (state.leaves !== JSON.stringify(decisions.now.leaves) && !state.isBusy) {
     busy("Opening", async () => {
       engine.open = null;

@@ -19,6 +19,8 @@ const plantOf = (source) => ({
   // Once it was open: its triangles, and its decisions.
   triangles: null,
   kept: null,
+  // Of its bytes, where the browser can say it.
+  sha256: null,
   // Results by what was asked for, the last ones of this plant.
   results: new Map(),
 });

@@ -30,7 +30,7 @@ const OF_PREVIEW: [&str; 7] = [
 ];
 
 /// Scripts of this page, in the order in which they build on each other.
-const OF_PAGE: [&str; 11] = [
+const OF_PAGE: [&str; 12] = [
     "words.js",
     "fit.js",
     "leaves.js",
@@ -40,6 +40,7 @@ const OF_PAGE: [&str; 11] = [
     "stage.js",
     "panel.js",
     "plants.js",
+    "memory.js",
     "controls.js",
     "page.js",
 ];
