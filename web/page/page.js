@@ -73,71 +73,6 @@ const shown = (opened, isNew) => {
   if (isNew) stage.orbit.reset();
 };
 
-// Shows a plant instead of the one that is shown, which keeps its decisions and what they gave.
-const turnTo = async (plant) => {
-  const began = performance.now();
-  engine.open = null;
-  const openWith = (leaves) => engine.call("open", { source: plant.source, leaves });
-  let opened = await openWith(plant.kept?.now.leaves ?? []);
-  plant.sha256 = opened.sha256;
-  const known = { ...recalled(plant.sha256), ...state.asked };
-  if (!plant.kept && known.leaves?.length > 0) opened = await openWith(known.leaves);
-  leave();
-  decisions.begin(plant.kept, known);
-  state.asked = null;
-  engine.open = JSON.stringify(decisions.now.leaves);
-  Object.assign(state, { plant, source: plant.source, name: opened.name, results: plant.results });
-  stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
-  shown(opened, true);
-  plant.triangles = trianglesOf(state.inspection);
-  hideOpen();
-  stage.draw();
-  state.openedMs = performance.now() - began;
-  decided();
-};
-
-const leave = () => {
-  if (state.plant) state.plant.kept = decisions.kept;
-  const shown = decisions.key;
-  for (const key of [...state.results.keys()]) if (key !== shown) forget(key);
-  stage.levels = null;
-};
-
-const forget = (key) => {
-  stage.renderer.free(state.results.get(key).taken.model);
-  state.results.delete(key);
-};
-
-// Opens a plant of each source, and shows the first that can be read.
-const openAll = (sources) => busy("Opening", async () => {
-  const plants = sources.map(plantOf);
-  while (plants.length > 0) {
-    try {
-      await turnTo(plants[0]);
-      state.plants.push(...plants);
-      return;
-    } catch (error) {
-      if (error instanceof Cancelled || plants.length === 1) throw error;
-      tell(error.message);
-      plants.shift();
-    }
-  }
-});
-
-const open = (source) => openAll([source]);
-
-const choosePlant = (plant) => busy("Opening", () => turnTo(plant));
-
-const closePlant = async () => {
-  const { plants, plant } = state;
-  const at = plants.indexOf(plant);
-  await choosePlant(plants[at + 1] ?? plants[at - 1]);
-  if (state.plant === plant) return;
-  for (const { taken } of plant.results.values()) stage.renderer.free(taken.model);
-  plants.splice(at, 1);
-  say();
-};
-
 // A decision was made, or taken back: what it changes is changed.
 const decided = () => {
   if (!state.source) return say();
@@ -185,29 +120,6 @@ const levelAt = (distance) => {
   const { levels } = resultOf();
   return Math.max(levels.findLastIndex((level) => level.distance <= distance * 1.000001), 0);
 };
-// Shows the level after some steps of the removal order, with the wood of the coarsest level of at least as many leaves.
-const goToSteps = (steps) => {
-  const left = stage.order.leaves[steps];
-  const { facts } = stage.levels.chain;
-  const level = facts.findLastIndex((f) => f.kind !== "impostor" && f.leaves !== null && f.leaves >= left);
-  setView({ steps, level: Math.max(level, 1), mode: stage.isAlone ? "beside" : stage.view.mode });
-};
-
-// Leaves and triangles of what the slider of leaves shows, or null where it shows a level.
-const shownLeaves = () => {
-  const { steps, level } = stage.view;
-  if (steps === null) return null;
-  const { leaves, triangles } = stage.order;
-  return { leaves: leaves[steps], triangles: triangles[steps] + stage.levels.chain.facts[level].wood_triangles };
-};
-
-// Makes a level of as many triangles as the slider of leaves shows.
-const makeSo = () => {
-  const { triangles } = shownLeaves();
-  decisions.decide({ kind: "level", level: { amount: "triangles", value: triangles }, shown: null });
-  if (!resultOf()) make();
-};
-
 const shownLevel = () => (isOriginalFirst() ? stage.view.level : stage.view.level - 1);
 
 const make = () => busy("Getting ready", async (progress) => {
@@ -359,20 +271,6 @@ const sayLevels = (result) => {
   const { grown } = state.source;
   const grows = grown ? `secateur grow ${grown.species} --leaves ${grown.leaves} --seed ${grown.seed} -o ${state.name}\n` : "";
   $("command").textContent = grows + commandOf(decisions, state.name, $("layout").value);
-};
-
-// The slider of leaves, which stands where the level has as many.
-const sayLeaves = () => {
-  const { order } = stage;
-  $("any-number").hidden = !(order?.steps > 1);
-  if (!order) return;
-  const { steps, level } = stage.view;
-  const at = steps ?? order.stepsTo(stage.levels.chain.facts[level].leaves ?? order.leaves[0]);
-  $("leaves").max = order.steps;
-  $("leaves").value = at;
-  $("leaves-text").textContent = number(order.leaves[at]);
-  $("leaves").setAttribute("aria-valuetext", `${number(order.leaves[at])} leaves`);
-  $("make-so").disabled = steps === null || state.isBusy;
 };
 
 // Picks a part, to say what it is.

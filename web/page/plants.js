@@ -42,3 +42,68 @@ const fillPlants = (plants, shown, isBusy, choose) => {
   $("plants").replaceChildren(...rows);
   $("close").disabled = isBusy;
 };
+
+// Shows a plant instead of the one that is shown, which keeps its decisions and what they gave.
+const turnTo = async (plant) => {
+  const began = performance.now();
+  engine.open = null;
+  const openWith = (leaves) => engine.call("open", { source: plant.source, leaves });
+  let opened = await openWith(plant.kept?.now.leaves ?? []);
+  plant.sha256 = opened.sha256;
+  const known = { ...recalled(plant.sha256), ...state.asked };
+  if (!plant.kept && known.leaves?.length > 0) opened = await openWith(known.leaves);
+  leave();
+  decisions.begin(plant.kept, known);
+  state.asked = null;
+  engine.open = JSON.stringify(decisions.now.leaves);
+  Object.assign(state, { plant, source: plant.source, name: opened.name, results: plant.results });
+  stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
+  shown(opened, true);
+  plant.triangles = trianglesOf(state.inspection);
+  hideOpen();
+  stage.draw();
+  state.openedMs = performance.now() - began;
+  decided();
+};
+
+const leave = () => {
+  if (state.plant) state.plant.kept = decisions.kept;
+  const shown = decisions.key;
+  for (const key of [...state.results.keys()]) if (key !== shown) forget(key);
+  stage.levels = null;
+};
+
+const forget = (key) => {
+  stage.renderer.free(state.results.get(key).taken.model);
+  state.results.delete(key);
+};
+
+// Opens a plant of each source, and shows the first that can be read.
+const openAll = (sources) => busy("Opening", async () => {
+  const plants = sources.map(plantOf);
+  while (plants.length > 0) {
+    try {
+      await turnTo(plants[0]);
+      state.plants.push(...plants);
+      return;
+    } catch (error) {
+      if (error instanceof Cancelled || plants.length === 1) throw error;
+      tell(error.message);
+      plants.shift();
+    }
+  }
+});
+
+const open = (source) => openAll([source]);
+
+const choosePlant = (plant) => busy("Opening", () => turnTo(plant));
+
+const closePlant = async () => {
+  const { plants, plant } = state;
+  const at = plants.indexOf(plant);
+  await choosePlant(plants[at + 1] ?? plants[at - 1]);
+  if (state.plant === plant) return;
+  for (const { taken } of plant.results.values()) stage.renderer.free(taken.model);
+  plants.splice(at, 1);
+  say();
+};

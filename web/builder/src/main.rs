@@ -30,7 +30,7 @@ const OF_PREVIEW: [&str; 7] = [
 ];
 
 /// Scripts of this page, in the order in which they build on each other.
-const OF_PAGE: [&str; 12] = [
+const OF_PAGE: [&str; 13] = [
     "words.js",
     "fit.js",
     "leaves.js",
@@ -41,6 +41,7 @@ const OF_PAGE: [&str; 12] = [
     "panel.js",
     "plants.js",
     "memory.js",
+    "any_number.js",
     "controls.js",
     "page.js",
 ];
