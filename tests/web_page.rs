@@ -7,7 +7,8 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use crate::program::Bench;
+use crate::glb;
+use crate::program::{Bench, oak};
 use crate::tab::{DESKTOP, Device, PHONE, Tab};
 
 /// The page, or nothing where it is not built, unless the environment has `SECATEUR_REQUIRE_WEB=1`: then it panics.
@@ -133,11 +134,18 @@ fn a_plant_is_opened_corrected_made_lighter_and_compared() {
     let all = tab.ask("page.state.results.get(page.decisions.key).original.triangles");
     let [left, all] = [triangles, all].map(|count| count.as_f64().unwrap());
     assert!(left <= 0.25 * all && left > 0.15 * all, "{left} of {all}");
-    for mode in ["beside", "wipe", "blink"] {
+    for mode in ["beside", "wipe", "blink", "difference"] {
         tab.click(&format!("[data-mode={mode}]"));
         let [share, _] = drawn(&mut tab);
         assert!(share > 0.03, "{mode}: {share}");
     }
+    tab.ask("page.stage.set({ level: 0 })");
+    let [only_the_legend, _] = drawn(&mut tab);
+    assert!(
+        only_the_legend < 0.025,
+        "the plant is equal to itself: {only_the_legend}"
+    );
+    tab.ask("page.stage.set({ level: 1 })");
     tab.click("#true-size");
     assert!(drawn(&mut tab)[0] > 0.0);
     let command = text_of(&mut tab, "#command");
@@ -195,6 +203,7 @@ fn a_plant_is_grown_and_made_lighter_by_fingers() {
     wait_for(&mut tab, "!page.state.isBusy && page.state.source !== null");
     assert!(drawn(&mut tab)[0] > 0.1);
     tab.click("[data-kind=level]");
+    tab.ask("page.decisions.decide({ level: { amount: 'triangles', value: 200 } })");
     tab.click("#make");
     wait_for(
         &mut tab,
@@ -205,6 +214,21 @@ fn a_plant_is_grown_and_made_lighter_by_fingers() {
         "[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.offsetParent && e.type !== 'checkbox').map((e) => [e.id || e.innerText, e.getBoundingClientRect()]).filter(([, r]) => r.height < 43.5 || r.width < 43.5).map(([name]) => name)",
     );
     assert_eq!(small, json!([]), "touch targets are at least 44 pixels");
+
+    // Any number of leaves of that level, from all to its own.
+    let leaves = text_of(&mut tab, "#leaves-text");
+    tab.ask("void (document.querySelector('#leaves').value = 1, document.querySelector('#leaves').dispatchEvent(new Event('input')))");
+    let [few, many] = [leaves, text_of(&mut tab, "#leaves-text")].map(|text| text.parse::<u32>());
+    assert!(
+        few.clone().unwrap() < many.clone().unwrap(),
+        "{few:?} {many:?}"
+    );
+    let caption = text_of(&mut tab, "#captions");
+    assert!(
+        caption.contains(&format!("{} leaves", many.unwrap())),
+        "{caption}"
+    );
+    assert!(drawn(&mut tab)[0] > 0.05);
     check_manners(&mut tab);
 }
 
@@ -271,4 +295,66 @@ fn what_cannot_be_opened_is_said_in_a_sentence() {
         assert_eq!(tab.ask("page.state.name"), Value::from("oak.glb"));
     }
     check_manners(&mut tab);
+}
+
+/// Of files that are chosen together each is a plant, but what a .gltf names; a plant keeps its decisions and levels
+/// while another is shown, and its decisions when the page is loaded again.
+#[test]
+fn several_plants_are_open_and_what_is_decided_outlives_the_page() {
+    let Some(mut tab) = opened(DESKTOP) else {
+        return;
+    };
+    let bench = Bench::new();
+    let (root, bin) = glb::chunks(oak());
+    let mut root: Value = serde_json::from_slice(root).unwrap();
+    root["buffers"][0]["uri"] = "tree.bin".into();
+    bench.put("tree.gltf", root.to_string().as_bytes());
+    bench.put("tree.bin", bin);
+    bench.put("broken.glb", b"glTF, or so");
+    opens(
+        &mut tab,
+        &bench,
+        &["oak.glb", "tree.bin", "tree.gltf", "broken.glb"],
+    );
+    let choose = |tab: &mut Tab, number: u32| {
+        tab.click(&format!("#plants li:nth-child({number}) button"));
+        wait_for(tab, "!page.state.isBusy");
+    };
+    assert_eq!(
+        tab.ask("document.querySelectorAll('#plants button').length"),
+        3
+    );
+    tab.ask("page.decisions.decide({ kind: 'level', level: { amount: 'share', value: 0.07 } })");
+    tab.click("#make");
+    wait_for(&mut tab, "page.state.results.size === 1");
+    let whole = drawn(&mut tab);
+
+    choose(&mut tab, 2);
+    assert_eq!(text_of(&mut tab, "#name"), "tree.gltf");
+    assert!(text_of(&mut tab, "#counts").contains("240 leaves"));
+    assert_eq!(tab.ask("page.decisions.past.length"), 0);
+    tab.ask("page.decisions.decide({ kind: 'chain' })");
+    choose(&mut tab, 3);
+    assert!(text_of(&mut tab, "#error").contains("broken.glb"));
+    assert_eq!(text_of(&mut tab, "#name"), "tree.gltf");
+    choose(&mut tab, 1);
+    assert_eq!(drawn(&mut tab), whole, "the level is there still");
+    assert_eq!(tab.ask("location.hash"), "#one=7%");
+    check_manners(&mut tab);
+
+    let page = built().unwrap();
+    tab.visit(&page);
+    opens(&mut tab, &bench, &["tree.gltf", "tree.bin"]);
+    assert_eq!(tab.ask("page.decisions.now.kind"), "chain");
+    opens(&mut tab, &bench, &["oak.glb"]);
+    assert_eq!(tab.ask("page.decisions.now.level.value"), 0.07);
+    assert_eq!(tab.ask("page.decisions.now.kind"), "level");
+
+    // What a link asks for goes before what is remembered; what is wrong in it is passed over.
+    tab.ask("void (location.hash = 'metres=3,9&difference=some&pictures=no')");
+    wait_for(&mut tab, "page.decisions.now.levels === 'distances'");
+    assert_eq!(tab.ask("page.decisions.now.distances"), json!([3, 9]));
+    assert_eq!(tab.ask("page.decisions.now.maxDifference"), 0.28);
+    assert_eq!(tab.ask("page.decisions.now.impostor"), json!(false));
+    assert_eq!(tab.complaints(), [""; 0]);
 }

@@ -19,23 +19,27 @@ const blink = () => {
 const goTo = (distance) => {
   const { chain } = stage.levels;
   stage.set({ distance: clamp(distance, chain.nearest, chain.farthest) });
-  if (decisions.now.shown !== null) decisions.decide({ shown: null });
-  else {
-    follow();
-    say();
-  }
+  showLevel(null);
+};
+
+// Shows a level by its number, or, for null, what the distance has.
+const showLevel = (k) => {
+  if (decisions.now.shown !== k) return decisions.decide({ shown: k });
+  follow();
+  say();
 };
 
 const chooseLevel = (k) => {
   const result = resultOf();
-  if (result && k < result.levels.length) decisions.decide({ shown: k });
+  if (result && k < result.levels.length) showLevel(k);
 };
 
 const keys = {
   b: blink,
+  d: () => setMode("difference"),
   r: () => setView({ hasRoles: !stage.view.hasRoles, mode: "plant" }),
   t: () => setView({ isTrueSize: !stage.view.isTrueSize }),
-  a: () => decisions.decide({ shown: null }),
+  a: () => stage.levels && showLevel(null),
   "[": () => stage.levels && goTo(stage.view.distance / 1.06),
   "]": () => stage.levels && goTo(stage.view.distance * 1.06),
   escape: () => state.isBusy && engine.cancel(),
@@ -61,7 +65,11 @@ const filesOf = async (transfer) => {
   if (!entries.some((entry) => entry.isDirectory)) return [...transfer.files];
   const files = [];
   const walk = async (entry) => {
-    if (entry.isFile) return files.push(await new Promise((done, fail) => entry.file(done, fail)));
+    if (entry.isFile) {
+      const file = await new Promise((done, fail) => entry.file(done, fail));
+      files.push(Object.assign(file, { folder: entry.fullPath.slice(1, -entry.name.length) }));
+      return;
+    }
     const reader = entry.createReader();
     for (let some; (some = await new Promise((done, fail) => reader.readEntries(done, fail))).length > 0; ) for (const inner of some) await walk(inner);
   };
@@ -69,8 +77,15 @@ const filesOf = async (transfer) => {
   return files;
 };
 
-const openFiles = (files) => {
-  if (files.length > 0) open({ files: [...files] });
+const openFiles = async (files) => {
+  const sources = sourcesOf([...files]);
+  if (files.length === 0) return;
+  if (state.isBusy) {
+    engine.cancel();
+    // What is broken off has its end first.
+    await new Promise((done) => setTimeout(done));
+  }
+  openAll(sources);
 };
 
 const listenToFiles = () => {
@@ -134,6 +149,7 @@ const start = async () => {
   listenToStage();
   listenToTarget(decisions, () => trianglesOf(state.inspection));
   $("make").addEventListener("click", make);
+  $("close").addEventListener("click", closePlant);
   $("cancel").addEventListener("click", () => engine.cancel());
   $("undo").addEventListener("click", () => decisions.undo());
   $("redo").addEventListener("click", () => decisions.redo());
@@ -141,6 +157,8 @@ const start = async () => {
   $("is-wood").addEventListener("click", () => giveRole(false));
   $("distance").addEventListener("input", (e) => goTo(stage.levels.chain.distanceAt(e.target.value / 1000)));
   $("auto").addEventListener("click", keys.a);
+  $("leaves").addEventListener("input", (e) => goToSteps(Number(e.target.value)));
+  $("make-so").addEventListener("click", makeSo);
   $("layout").addEventListener("change", say);
   addEventListener("keydown", onKey);
   if (matchMedia("(prefers-color-scheme: dark)").matches) {
@@ -148,6 +166,13 @@ const start = async () => {
     $("background").value = "dark";
   }
   say();
+  const { settings, grown } = askedBy(location.hash);
+  state.asked = settings;
+  if (grown) open({ grown });
+  addEventListener("hashchange", () => {
+    const { settings } = askedBy(location.hash);
+    if (settings && state.source && !state.isBusy) decisions.decide(settings);
+  });
   window.page = { state, stage, decisions, open, make, take, get engine() { return engine; } };
   try {
     await engine.module;

@@ -23,11 +23,17 @@ class Decisions {
     this.begin();
   }
 
-  // Of another plant: targets stay, what was said of leaves does not.
-  begin() {
-    this.past = [];
-    this.future = [];
-    this.now = { ...(this.now ?? FIRST), leaves: [], shown: null };
+  // Of another plant: targets stay but for what is known of it, what was said of leaves does not; or of one that
+  // was left, as kept.
+  begin(kept, known) {
+    const now = { ...(this.now ?? FIRST), leaves: [], ...known, shown: null };
+    Object.assign(this, kept ?? { past: [], future: [], now });
+    this.joins = null;
+  }
+
+  get kept() {
+    const { past, future, now } = this;
+    return { past, future, now };
   }
 
   // Decides; a change of the same thing within a moment, as by a slider that is dragged, is one step.

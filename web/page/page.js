@@ -1,14 +1,18 @@
 // The page: what happens when.
 
 const state = {
-  // What is open: where it came from, its inspection, and its triangles.
+  // All that is open, as plantOf() has it, and the one that is shown: where it came from, and its inspection.
+  plants: [],
+  plant: null,
   source: null,
   name: "",
   inspection: null,
   problem: null,
   // The selectors that the inspection is of, as JSON.
   leaves: "[]",
-  // Results by what was asked for, the last ones of this plant.
+  // Settings of the link that the page was opened with, until a plant has them.
+  asked: null,
+  // Those of the plant.
   results: new Map(),
   isBusy: false,
 };
@@ -69,26 +73,10 @@ const shown = (opened, isNew) => {
   if (isNew) stage.orbit.reset();
 };
 
-const open = (source) => busy("Opening", async () => {
-  const began = performance.now();
-  engine.open = null;
-  const opened = await engine.call("open", { source, leaves: [] });
-  Object.assign(state, { source, name: opened.name });
-  state.results.clear();
-  stage.levels = null;
-  decisions.begin();
-  engine.open = "[]";
-  stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
-  shown(opened, true);
-  hideOpen();
-  stage.draw();
-  state.openedMs = performance.now() - began;
-  decided();
-});
-
 // A decision was made, or taken back: what it changes is changed.
 const decided = () => {
   if (!state.source) return say();
+  keep();
   if (state.leaves !== JSON.stringify(decisions.now.leaves) && !state.isBusy) {
     busy("Opening", async () => {
       engine.open = null;
@@ -122,7 +110,7 @@ const firstDistance = (chain) => {
 const follow = () => {
   if (!stage.levels) return;
   const wanted = decisions.now.shown ?? levelAt(stage.view.distance);
-  stage.set({ level: pictureOf(Math.min(wanted, resultOf().levels.length - 1)) });
+  stage.set({ steps: null, level: pictureOf(Math.min(wanted, resultOf().levels.length - 1)) });
 };
 
 // Numbers of levels in the list, and in the picture, whose first is the original always.
@@ -145,7 +133,7 @@ const make = () => busy("Getting ready", async (progress) => {
   const original = taken.chain.facts[0];
   const notes = [...(report.notes ?? []), ...(report.warnings ?? [])];
   state.results.set(key, { kind, taken, levels, original, notes, ms: performance.now() - began });
-  if (state.results.size > MOST_RESULTS) state.results.delete(state.results.keys().next().value);
+  if (state.results.size > MOST_RESULTS) forget(state.results.keys().next().value);
   look();
 });
 
@@ -213,6 +201,7 @@ const say = () => {
   document.body.classList.toggle("empty", !isOpen);
   if (!isOpen) return;
   $("name").textContent = state.name;
+  fillPlants(state.plants, state.plant, state.isBusy, choosePlant);
   document.title = `${state.name} – secateur`;
   sayPlant(inspection);
   fillTarget(now, trianglesOf(inspection));
@@ -253,11 +242,14 @@ const sayView = (result) => {
   const [first, second] = $("captions").children;
   const original = `${state.name} · ${number(trianglesOf(state.inspection))} triangles`;
   const level = () => {
+    const left = shownLeaves();
+    if (left) return `${number(left.leaves)} leaves · ${number(left.triangles)} triangles · ${percentOf(left.triangles, result.original.triangles)}`;
     const k = shownLevel();
     const words = wordsOf(result.levels[k], result.original, result.kind === "level" ? null : k);
     return `${words.title} · ${words.cost}`;
   };
   second.hidden = mode === "plant" || mode === "blink";
+  $("legend").hidden = mode !== "difference";
   first.textContent = mode === "blink" && view.isLevel ? level() : original;
   if (!second.hidden) second.textContent = level();
 };
@@ -269,11 +261,10 @@ const sayLevels = (result) => {
   $("distance").value = Math.round(1000 * chain.share(view.distance));
   $("distance-text").textContent = `${metresOf(view.distance)} · ${Math.round(high)} px`;
   $("distance").setAttribute("aria-valuetext", $("distance-text").textContent);
-  press($("auto"), decisions.now.shown === null);
+  press($("auto"), decisions.now.shown === null && view.steps === null);
+  sayLeaves();
   $("fades").hidden = !(view.isTrueSize && high < 200);
-  fillLevels(result, shownLevel(), (k) => {
-    decisions.decide({ shown: k });
-  });
+  fillLevels(result, view.steps === null ? shownLevel() : null, chooseLevel);
   $("notes").replaceChildren(...result.notes.map((note) => element("li", note)));
   $("home").replaceChildren(...homeButtons(result));
   $("of-layout").hidden = result.kind === "level";

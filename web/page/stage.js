@@ -16,10 +16,12 @@ class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new Renderer(canvas);
-    // mode: "plant", "beside", "wipe" or "blink". wipe: the share that shows the original.
-    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, distance: 10, picked: null };
+    // mode: "plant", "beside", "wipe", "blink" or "difference". wipe: the share that shows the original.
+    // steps: of the removal order, where its slider chooses the leaves of the level; else null.
+    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null };
     this.plant = null;
     this.levels = null;
+    this.heat = null;
     this.orbit = new Orbit(canvas, () => this.ask());
     new ResizeObserver(() => this.ask()).observe(canvas);
   }
@@ -35,12 +37,12 @@ class Stage {
 
   // A picture that came from the engine, as { model, chain }.
   taken({ scene, geometry, textures }) {
-    const model = modelOf({ ...scene, continuous: null }, geometry.buffer, scene.textures.map((entry) => rawBitmap(entry, textures)));
+    const model = modelOf(scene, geometry.buffer, scene.textures.map((entry) => rawBitmap(entry, textures)));
     return { model, chain: new Chain(scene), parts: scene.parts };
   }
 
   showPlant(picture) {
-    for (const old of [this.plant, this.levels]) if (old) this.renderer.free(old.model);
+    if (this.plant) this.renderer.free(this.plant.model);
     this.plant = this.taken(picture);
     this.levels = null;
     this.renderer.use(this.plant.model);
@@ -52,6 +54,13 @@ class Stage {
   showLevels(taken) {
     this.levels = taken;
     this.ask();
+  }
+
+  // The removal order of what is shown, or null where there is none.
+  get order() {
+    if (!this.levels) return null;
+    this.renderer.use(this.levels.model);
+    return this.renderer.order;
   }
 
   set(change) {
@@ -94,12 +103,15 @@ class Stage {
     renderer.background = BACKGROUNDS[view.background].map((color) => color);
     if (view.background !== "sky") renderer.background[1] = renderer.background[0];
     const boxes = this.boxes();
-    const picture = (k, box) => renderer.draw({ level: k, steps: null }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false });
+    const picture = (k, box) => renderer.draw({ level: k, steps: k === 0 ? null : view.steps }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false });
     if (this.isAlone) return this.drawAlone(boxes[0]);
     renderer.use(this.levels.model);
     if (view.mode === "beside") boxes.forEach((box, k) => picture(k === 0 ? 0 : view.level, box));
     else if (view.mode === "blink") picture(view.isLevel ? view.level : 0, boxes[0]);
-    else {
+    else if (view.mode === "difference") {
+      this.heat ??= new HeatMap(renderer);
+      this.heat.draw(width, height, [0, view.level].map((k) => () => picture(k, boxes[0])));
+    } else {
       const at = Math.round(view.wipe * width);
       picture(0, { ...boxes[0], part: { ...boxes[0], width: at } });
       picture(view.level, { ...boxes[0], part: { ...boxes[0], x: at, width: width - at } });

@@ -19,10 +19,17 @@ const pictureOf = (picture) => {
   return packed;
 };
 
-const opened = (name, bytes, leaves) => {
+const sha256Of = async (bytes) => {
+  // There is none in pages that came without encryption.
+  const hash = await globalThis.crypto?.subtle?.digest("SHA-256", bytes);
+  return hash ? [...new Uint8Array(hash)].map((byte) => byte.toString(16).padStart(2, "0")).join("") : null;
+};
+
+const opened = async (name, bytes, leaves) => {
   forget();
+  const sha256 = await sha256Of(bytes);
   tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves));
-  return { name, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, picture: pictureOf(tree.picture()) };
+  return { name, sha256, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, picture: pictureOf(tree.picture()) };
 };
 
 const base64Of = (bytes) => {

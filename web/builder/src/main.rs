@@ -30,14 +30,18 @@ const OF_PREVIEW: [&str; 7] = [
 ];
 
 /// Scripts of this page, in the order in which they build on each other.
-const OF_PAGE: [&str; 9] = [
+const OF_PAGE: [&str; 13] = [
     "words.js",
     "fit.js",
     "leaves.js",
     "decisions.js",
     "engine.js",
+    "heat.js",
     "stage.js",
     "panel.js",
+    "plants.js",
+    "memory.js",
+    "any_number.js",
     "controls.js",
     "page.js",
 ];
@@ -100,6 +104,8 @@ fn page(folder: &str, repository: &str, output: &str) -> Result<()> {
             read(&preview.join("tree.vert"))?.replace("%%wind%%", &wind),
         ),
         ("fragment shader", read(&preview.join("tree.frag"))?),
+        ("heat vertex shader", read(&page.join("heat.vert"))?),
+        ("heat fragment shader", read(&page.join("heat.frag"))?),
         ("engine", STANDARD.encode(deflated(&engine)?)),
         ("worker", worker),
         ("script", script),

@@ -24,6 +24,8 @@ const modelOf = (scene, buffer, bitmaps) => ({
   bitmaps,
   textures: scene.textures.map(() => null),
   levels: scene.levels.map(() => null),
+  // The removal order, its meshes and its textures, once it is asked for.
+  ordered: { order: null, meshes: [], textures: null },
   materials: scene.materials,
 });
 
@@ -55,11 +57,10 @@ class Renderer {
     }
     // Below and above the plant; equal ones are one colour.
     this.background = [BACKGROUND, BACKGROUND];
-    // Textures of a removal order must be there in any case.
-    this.unpackedOrder = null;
     // What wind.js makes, or null where none blows.
     this.wind = null;
-    this.orderTextures = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
+    // Textures of a removal order must be there in any case.
+    this.noOrder = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
   }
 
   // A texture whose texels have this number of words.
@@ -106,11 +107,12 @@ class Renderer {
     Object.assign(this, model);
   }
 
-  // Gives back what a model has on the graphics card.
+  // Gives back what a model has on the graphics card; it is not drawn again.
   free(model) {
     const { gl } = this;
-    for (const texture of model.textures) gl.deleteTexture(texture);
-    for (const mesh of model.levels.flatMap((level) => level ?? [])) {
+    const { ordered, textures, levels } = model;
+    for (const texture of [...textures, ...(ordered.textures ?? [])]) gl.deleteTexture(texture);
+    for (const mesh of [...levels.flatMap((level) => level ?? []), ...ordered.meshes]) {
       gl.deleteVertexArray(mesh.vertices);
       for (const buffer of Object.values(mesh.buffers)) gl.deleteBuffer(buffer);
     }
@@ -130,13 +132,13 @@ class Renderer {
   get order() {
     const { continuous } = this.scene;
     if (!continuous) return null;
-    if (!this.unpackedOrder) {
+    if (!this.ordered.order) {
       const order = new RemovalOrder(continuous, this.buffer);
-      this.orderTextures = [this.words(order.leafTexels(), 4), this.words(order.sizeTexels(), 2)];
-      this.ordered = continuous.surfaces.map((surface, k) => this.mesh(surface, this.buffer, order.surfaces[k].leaves));
-      this.unpackedOrder = order;
+      const textures = [this.words(order.leafTexels(), 4), this.words(order.sizeTexels(), 2)];
+      const meshes = continuous.surfaces.map((surface, k) => this.mesh(surface, this.buffer, order.surfaces[k].leaves));
+      Object.assign(this.ordered, { order, meshes, textures });
     }
-    return this.unpackedOrder;
+    return this.ordered.order;
   }
 
   // The meshes of a level, or of the removal order after some steps with the wood of a level.
@@ -144,7 +146,7 @@ class Renderer {
     if (steps === null) return this.level(level);
     const { order } = this;
     const prefix = (mesh, k) => ({ ...mesh, steps, triangles: order.trianglesAfter(k, steps) });
-    return [...this.level(level).filter((mesh) => !mesh.is_foliage), ...this.ordered.map(prefix)];
+    return [...this.level(level).filter((mesh) => !mesh.is_foliage), ...this.ordered.meshes.map(prefix)];
   }
 
   upload(entry, bitmap) {
@@ -291,7 +293,7 @@ class Renderer {
     [at.u_leaves, at.u_sizes].forEach((sampler, k) => {
       gl.uniform1i(sampler, 2 + k);
       gl.activeTexture(gl.TEXTURE2 + k);
-      gl.bindTexture(gl.TEXTURE_2D, this.orderTextures[k]);
+      gl.bindTexture(gl.TEXTURE_2D, (this.ordered.textures ?? this.noOrder)[k]);
     });
   }
 
