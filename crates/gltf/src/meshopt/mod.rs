@@ -26,6 +26,7 @@ use super::Document;
 use super::error::{ALLOW_MORE, At, Fault, Problem, shortened};
 use super::property;
 use filters::Filter;
+pub(crate) use filters::octahedral_of_bytes;
 
 /// What kind of stream it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 //! through as they are.
 
 mod layout;
+mod octahedral;
 mod quantise;
 mod streams;
 
@@ -18,7 +19,7 @@ use super::references::{as_index, items, len};
 use crate::error::Fault;
 use layout::Layout;
 pub(super) use quantise::quantised;
-use streams::{Bytes, Stream};
+use streams::{Bytes, Numbers, Stream};
 
 /// An extension that compresses buffer views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -258,8 +259,13 @@ fn kind_of(accessor: &Value, view: &Value, is_triangles: Option<&bool>) -> Optio
         }
         Some(_) => None,
         None if stride.is_multiple_of(4) && stride <= 256 => {
-            let is_f32 = accessor["componentType"] == 5126;
-            Some(Bytes::Elements { stride, is_f32 })
+            let is_normalized = accessor["normalized"] == true;
+            let numbers = match accessor["componentType"].as_u64()? {
+                5126 => Numbers::Floats,
+                5120 if stride == 4 && components >= 3 && is_normalized => Numbers::Directions,
+                _ => Numbers::Others,
+            };
+            Some(Bytes::Elements { stride, numbers })
         }
         None => None,
     }
@@ -267,30 +273,20 @@ fn kind_of(accessor: &Value, view: &Value, is_triangles: Option<&bool>) -> Optio
 
 /// What the bytes of a view are that two accessors have.
 fn together(a: Option<Bytes>, b: Option<Bytes>) -> Option<Bytes> {
+    use Bytes::{Elements, Indices};
     match (a?, b?) {
-        (
-            Bytes::Elements { stride, is_f32 },
-            Bytes::Elements {
-                stride: other,
-                is_f32: other_is_f32,
-            },
-        ) if stride == other => Some(Bytes::Elements {
-            stride,
-            is_f32: is_f32 && other_is_f32,
-        }),
-        (
-            Bytes::Indices {
+        (same, other) if same == other => Some(same),
+        (Elements { stride, .. }, Elements { stride: other, .. }) if stride == other => {
+            let numbers = Numbers::Others;
+            Some(Elements { stride, numbers })
+        }
+        (Indices { stride, .. }, Indices { stride: other, .. }) if stride == other => {
+            let is_triangles = false;
+            Some(Indices {
                 stride,
                 is_triangles,
-            },
-            Bytes::Indices {
-                stride: other,
-                is_triangles: other_is_triangles,
-            },
-        ) if stride == other => Some(Bytes::Indices {
-            stride,
-            is_triangles: is_triangles && other_is_triangles,
-        }),
-        _ => None,
+            })
+        }
+        (Elements { .. } | Indices { .. }, Elements { .. } | Indices { .. }) => None,
     }
 }

@@ -11,17 +11,19 @@ use super::super::content::{Content, finished};
 use super::super::draft::{Draft, NewElements, Role};
 use super::super::drop_unreferenced::References;
 use super::super::grid::rounded;
-use super::super::references::{as_index, items};
+use super::super::primitive::new_indices;
+use super::super::references::{as_index, items, len};
+use super::octahedral::nearest;
 use super::{Compression, items_of};
 use crate::Document;
-use crate::accessor::{Accessor, Component, Shape};
+use crate::accessor::{Accessor, Component, Shape, is_index};
 use crate::error::Fault;
 
 /// Bits of a number whose size is that of the largest of its accessor, beside the sign.
 const BITS: f64 = 15.0;
 
-/// Texture coordinates beyond 0 to 1 have a grid of at least as many steps to a texture.
-const LEAST_STEPS_OF_TEXTURE: f64 = 8192.0;
+/// Texture coordinates beyond 0 to 1 have a grid of as many steps to a texture.
+const STEPS_OF_TEXTURE: f64 = 4096.0;
 
 /// What vertices have, as far as it is quantised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -67,6 +69,7 @@ pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault>
             }
         }
     }
+    index_apart(&mut draft)?;
     let mut new: HashMap<(usize, Kind), usize> = HashMap::new();
     for (accessor, kind) in of_vertices {
         if morphing.contains(&accessor) || new.contains_key(&(accessor, kind)) {
@@ -94,6 +97,38 @@ pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault>
         }
     }
     finished(draft, &before, 0)
+}
+
+/// Gives indices that share a view, or are bytes, a view of their own: streams are of one kind.
+fn index_apart(draft: &mut Draft) -> Result<(), Fault> {
+    let document = draft.document;
+    let mut new: HashMap<usize, usize> = HashMap::new();
+    for mesh in 0..len(&draft.root, "meshes") {
+        for primitive in 0..len(&draft.root["meshes"][mesh], "primitives") {
+            let fields = &draft.root["meshes"][mesh]["primitives"][primitive];
+            let position = fields.pointer("/attributes/POSITION").and_then(as_index);
+            let old = fields.get("indices").and_then(as_index);
+            let (Some(position), Some(old)) = (position, old) else {
+                continue;
+            };
+            let number = match new.get(&old) {
+                Some(&known) => known,
+                None => {
+                    let elements = document.elements(old)?;
+                    if !is_index(&elements.accessor) {
+                        continue;
+                    }
+                    let corners = elements.indices();
+                    let vertices = document.accessor(position)?.count.max(1 << 8);
+                    let elements = new_indices(draft, old, &corners, vertices)?;
+                    *new.entry(old)
+                        .or_insert(draft.push_accessor(Some(old), elements))
+                }
+            };
+            draft.root["meshes"][mesh]["primitives"][primitive]["indices"] = number.into();
+        }
+    }
+    Ok(())
 }
 
 fn need_quantization(root: &mut Value) {
@@ -131,15 +166,15 @@ fn fewer_bits(
     let steps = libm::exp2(BITS - libm::ceil(libm::log2(largest)));
     let (component, numbers) = match kind {
         Kind::Position => (Component::F32, on_grid(&numbers, steps)),
-        Kind::Direction if largest <= 1.0 + 1e-3 => (Component::I8, times(&numbers, 127.0)),
+        Kind::Direction => match directions(&numbers, old.shape.components()) {
+            Some(bytes) => (Component::I8, bytes),
+            None => return Ok(None),
+        },
         Kind::TextureCoordinates | Kind::Colour if is_share => {
             (Component::U16, times(&numbers, 65535.0))
         }
-        Kind::TextureCoordinates => {
-            let steps = steps.max(LEAST_STEPS_OF_TEXTURE);
-            (Component::F32, on_grid(&numbers, steps))
-        }
-        Kind::Direction | Kind::Colour => return Ok(None),
+        Kind::TextureCoordinates => (Component::F32, on_grid(&numbers, STEPS_OF_TEXTURE)),
+        Kind::Colour => return Ok(None),
     };
     let mut bytes = Vec::with_capacity(numbers.len() * component.bytes());
     numbers
@@ -151,6 +186,24 @@ fn fewer_bits(
 fn on_grid(numbers: &[f64], steps_per_unit: f64) -> Vec<f64> {
     let all = numbers.iter().map(|x| rounded(*x, steps_per_unit));
     all.collect()
+}
+
+/// Unit vectors of three components, or tangents of four, times 127; nothing where one has another length.
+fn directions(numbers: &[f64], components: usize) -> Option<Vec<f64>> {
+    let mut whole = Vec::with_capacity(numbers.len());
+    for vector in numbers.chunks_exact(components) {
+        let [x, y, z, ref rest @ ..] = *vector else {
+            return None;
+        };
+        let length = x * x + y * y + z * z;
+        if length > 0.0 && (length - 1.0).abs() > 0.01 {
+            return None;
+        }
+        let near = nearest([x, y, z]).unwrap_or_default();
+        whole.extend(near.map(f64::from));
+        whole.extend(times(rest, 127.0));
+    }
+    Some(whole)
 }
 
 /// Whole numbers, of which the largest stands for 1.

@@ -9,13 +9,24 @@ use meshoptimizer_rs::codec::{
 };
 use serde_json::{Value, json};
 
+use super::octahedral::codes;
+
 /// What the bytes of a buffer view are, which decides the codec.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bytes {
-    /// Elements of as many bytes each, a multiple of four; whether they are all f32.
-    Elements { stride: usize, is_f32: bool },
+    /// Elements of as many bytes each, a multiple of four.
+    Elements { stride: usize, numbers: Numbers },
     /// Indices of two or four bytes each; whether each three of them are a triangle.
     Indices { stride: usize, is_triangles: bool },
+}
+
+/// What the components of elements are, as far as a filter is for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Numbers {
+    Floats,
+    /// Unit vectors times 127, four bytes each.
+    Directions,
+    Others,
 }
 
 /// A stream, and what its extension says beside where it is.
@@ -32,9 +43,13 @@ const JSON_BYTES: usize = 256;
 pub(super) fn encode(bytes: &[u8], kind: Bytes, version: u8) -> Option<Stream> {
     let mut workspace = Workspace::default();
     let (stream, stride, mode, filter) = match kind {
-        Bytes::Elements { stride, is_f32 } => {
-            let filtered = is_f32.then(|| exponential(bytes, stride)).flatten();
-            let filter = filtered.is_some().then_some("EXPONENTIAL");
+        Bytes::Elements { stride, numbers } => {
+            let (filtered, name) = match numbers {
+                Numbers::Floats => (exponential(bytes, stride), "EXPONENTIAL"),
+                Numbers::Directions => (codes(bytes), "OCTAHEDRAL"),
+                Numbers::Others => (None, "NONE"),
+            };
+            let filter = filtered.is_some().then_some(name);
             let source = filtered.map_or(Cow::Borrowed(bytes), Cow::Owned);
             let encoding = VertexEncoding::new(version, 2).ok()?;
             let count = source.len() / stride;
