@@ -12,7 +12,7 @@ pub(super) enum Grid {
     /// They were f32 and are.
     AsFloats,
     /// The nearest ones on the grid.
-    OnGrid,
+    Kept,
     /// f32, since the grid is too coarse for them, or ends before them.
     BecameFloats,
 }
@@ -48,7 +48,7 @@ pub(super) fn elements_like<const N: usize>(
         for &number in &on_grid {
             component.push(number, &mut bytes);
         }
-        return (new_elements(old, bytes, component, bounded), Grid::OnGrid);
+        return (new_elements(old, bytes, component, bounded), Grid::Kept);
     }
     // On a grid of a power of two still, a finer one, which compresses well.
     let steps = libm::exp2(libm::log2(steps).ceil() + 1.0);
@@ -138,11 +138,11 @@ mod tests {
     #[test]
     fn numbers_stay_on_their_grid_where_they_can() {
         let (new, grid) = like(Component::U16, true, &[[0.5, 1.0]]);
-        assert_eq!((grid, new.component), (Grid::OnGrid, Component::U16));
+        assert_eq!((grid, new.component), (Grid::Kept, Component::U16));
         assert_eq!(new.bytes.unwrap(), [0x00, 0x80, 0xff, 0xff]);
         // Beyond its end.
         let (new, grid) = like(Component::U16, false, &[[-1.2, 9000.0]]);
-        assert_eq!((grid, new.component), (Grid::OnGrid, Component::I16));
+        assert_eq!((grid, new.component), (Grid::Kept, Component::I16));
         assert_eq!(new.bytes.unwrap()[..2], (-1i16).to_le_bytes());
         let (new, grid) = like(Component::U16, true, &[[-0.25, 1.0]]);
         assert_eq!((grid, new.component), (Grid::BecameFloats, Component::F32));
