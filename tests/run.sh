@@ -150,7 +150,7 @@ if python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2> /dev/null; t
   }
   rm -rf "$target/wheels"
   REAL_CARGO=$(command -v cargo) CARGO="$PWD/tests/wheel/cargo" PATH="$PWD/tests/wheel:$PATH" \
-    "$target/tools/maturin/bin/maturin" --quiet build --manifest-path crates/python/Cargo.toml \
+    "$target/tools/maturin/bin/maturin" build --quiet --manifest-path crates/python/Cargo.toml \
     --profile dev --out "$target/wheels"
   export SECATEUR_WHEELS="$target/wheels"
 else

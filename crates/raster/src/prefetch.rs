@@ -14,6 +14,7 @@ pub mod switches {
     pub static IS_OFF_FOR_LISTS: AtomicBool = AtomicBool::new(false);
 }
 
+#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn is_on() -> bool {
     #[cfg(feature = "ablation")]
