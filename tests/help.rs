@@ -41,6 +41,7 @@ fn help_names_every_flag() {
                 "--preset",
                 "--preview",
                 "--overwrite",
+                "--compress",
                 "--report",
             ],
         ),

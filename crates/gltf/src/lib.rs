@@ -83,7 +83,8 @@
 //!   one. Only meshes that are left without triangles may make others move up, and
 //!   only where every extension of the file is one whose references are known.
 //! - The bytes that are still named are packed into one buffer.
-//! - Meshopt-compressed views and Draco-compressed primitives are written without compression.
+//! - What is meshopt-compressed or quantised stays so, and streams that still serve are copied;
+//!   Draco-compressed primitives are written without compression.
 //! - The same input gives the same bytes.
 //!
 //! # Map

@@ -86,6 +86,13 @@ fn each_of_words(bytes: &mut [u8], turn: impl Fn([u16; 4]) -> [u16; 4]) {
     }
 }
 
+/// What the octahedral filter makes of a code of bytes that has full precision: a unit vector
+/// times 127.
+pub(crate) fn octahedral_of_bytes([a, b]: [i8; 2]) -> [i8; 3] {
+    let [x, y, z, _] = octahedral([a.into(), b.into(), 127, 0], 127.0);
+    [x, y, z].map(|component| component as i8)
+}
+
 /// `input[2]` is 1 in the precision of the first two; the fourth is kept.
 fn octahedral(input: [i32; 4], largest: f32) -> [i32; 4] {
     let one = input[2] as f32;

@@ -17,6 +17,7 @@ mod indices;
 mod triangles;
 mod varint;
 
+use std::borrow::Cow;
 use std::sync::atomic::Ordering;
 
 use serde_json::Value;
@@ -25,6 +26,7 @@ use super::Document;
 use super::error::{ALLOW_MORE, At, Fault, Problem, shortened};
 use super::property;
 use filters::Filter;
+pub(crate) use filters::octahedral_of_bytes;
 
 /// What kind of stream it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +76,20 @@ impl Document {
             let _ = cell.set(bytes);
         }
         Ok(cell.get().map(Vec::as_slice))
+    }
+
+    /// The stream that the extension of `bufferViews[index]` names.
+    pub(super) fn stream_bytes(&self, index: usize, json: &Value) -> Result<Cow<'_, [u8]>, Fault> {
+        let read = || {
+            let compressed = Compressed::read(json)?;
+            let (buffer, range) = self.buffer_range(
+                compressed.buffer,
+                compressed.byte_offset,
+                compressed.byte_length,
+            )?;
+            buffer.bytes(range)
+        };
+        read().at(|| self.place("bufferViews", index))
     }
 
     fn decompress(&self, json: &Value, view: &Value) -> Result<Vec<u8>, Problem> {

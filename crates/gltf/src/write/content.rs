@@ -8,16 +8,17 @@ use serde_json::{Value, json};
 use super::beyond_cards;
 use super::chain::forget_unused;
 use super::compact_vertices::drop_unused_vertices;
+use super::compress;
 use super::cutoffs::Cutoffs;
 use super::draft::Draft;
 use super::drop_unreferenced::{
-    References, drop_extension, drop_meshes, drop_unreferenced, remove_field, undrawn_meshes,
+    References, drop_meshes, drop_unreferenced, remove_field, undrawn_meshes,
 };
 use super::leaf_edits::LeafEdits;
 use super::meshes::rewrite_meshes;
 use super::nodes::{drop_nodes, leave_out_levels};
 use super::packing::{PackProblem, ViewBytes, pack};
-use super::references::{items, len};
+use super::references::len;
 use super::skeleton::rewrite_skeleton;
 use crate::Document;
 use crate::buffer::BufferSource;
@@ -26,12 +27,9 @@ use crate::order_extras::ORDER_EXTRAS_NAME;
 use crate::tree::Tree;
 use secateur_model::Lod;
 
-/// The extensions that compress buffer views.
-const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-
 /// What a LOD's files hold.
 pub(super) struct Content {
-    /// The JSON; its `buffers` has one entry, without URI, or is absent.
+    /// The JSON; the first of its `buffers` has no URI, a second one no bytes.
     pub(super) root: Value,
     pub(super) buffer: Vec<u8>,
     /// Triangles drawn, each instance counted.
@@ -95,6 +93,7 @@ pub(super) fn finished(
     triangles: u64,
 ) -> Result<Content, Fault> {
     let document = draft.document;
+    let compression = draft.compression;
     sign(&mut draft.root);
     let partly_used = drop_unreferenced(&mut draft, before);
 
@@ -102,17 +101,20 @@ pub(super) fn finished(
     for (view, bytes) in std::mem::take(&mut draft.new_bytes) {
         own.insert(view, Cow::Owned(bytes));
     }
-    decompress_views(&mut draft, &mut own)?;
+    let kept = compress::take_off(&mut draft, &partly_used, &mut own)?;
     let bytes = ViewBytes {
         buffers: document.buffers.iter().collect(),
         own,
         partly_used,
     };
-    let buffer = pack(&mut draft.root, &bytes).map_err(|problem| match problem {
+    let mut buffer = pack(&mut draft.root, &bytes).map_err(|problem| match problem {
         PackProblem::OutOfRange(view) => stray_view(document, view),
         PackProblem::Unreadable(problem) => problem.into(),
     })?;
     set_buffer(&mut draft.root, document, buffer.len());
+    if let Some(compression) = compression {
+        buffer = compress::compress(&mut draft.root, buffer, compression, &kept);
+    }
     Ok(Content {
         triangles,
         notes: without_repeats(draft.notes),
@@ -139,37 +141,6 @@ fn sign(root: &mut Value) {
         }
     }
     asset["generator"] = format!("{OURS} {}", env!("CARGO_PKG_VERSION")).into();
-}
-
-/// Views that were compressed are written as they are without compression.
-fn decompress_views<'d>(
-    draft: &mut Draft<'d>,
-    own: &mut HashMap<usize, Cow<'d, [u8]>>,
-) -> Result<(), Fault> {
-    let mut count = 0;
-    for (number, view) in items(&mut draft.root, "bufferViews").enumerate() {
-        let Some(extensions) = view.get_mut("extensions").and_then(Value::as_object_mut) else {
-            continue;
-        };
-        let found = COMPRESSIONS.map(|name| extensions.shift_remove(name).is_some());
-        if !found.contains(&true) {
-            continue;
-        }
-        if extensions.is_empty() {
-            remove_field(view, "extensions");
-        }
-        own.insert(number, draft.document.view_bytes(number)?);
-        count += 1;
-    }
-    for name in COMPRESSIONS {
-        drop_extension(&mut draft.root, name, |_| false);
-    }
-    if count > 0 {
-        draft.notes.push(format!(
-            "{count} meshopt-compressed buffer views were written without compression"
-        ));
-    }
-    Ok(())
 }
 
 fn stray_view(document: &Document, view: usize) -> Fault {

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use serde_json::{Value, json};
 
 use super::bounds::bounds;
+use super::compress::Compression;
 use super::references::len;
 use crate::Document;
 use crate::accessor::{Component, Elements, Shape};
@@ -50,6 +51,8 @@ pub(super) struct Draft<'d> {
     pub(super) view_origins: Vec<Option<usize>>,
     /// What the user should know about how the file changed.
     pub(super) notes: Vec<String>,
+    /// How what is new is compressed: as the document is.
+    pub(super) compression: Option<Compression>,
     gathered: HashMap<(usize, Role, Rc<[u32]>), usize>,
 }
 
@@ -62,6 +65,7 @@ impl<'d> Draft<'d> {
             accessor_origins: Vec::new(),
             view_origins: Vec::new(),
             notes: Vec::new(),
+            compression: Compression::of(&document.root),
             gathered: HashMap::new(),
         }
     }

@@ -48,12 +48,20 @@ pub struct WriteOptions {
     /// buffer of the .gltf that is there, and levels of a chain that of files that
     /// are there.
     pub overwrite: bool,
+    /// Whether geometry gets fewer bits and is compressed: `EXT_meshopt_compression`, and
+    /// `KHR_mesh_quantization` for normals. Positions keep 15 bits of their largest coordinate.
+    pub compress: bool,
 }
 
 impl WriteOptions {
     /// These options, with `overwrite` as given.
     pub fn overwrite(self, overwrite: bool) -> Self {
-        Self { overwrite }
+        Self { overwrite, ..self }
+    }
+
+    /// These options, with `compress` as given.
+    pub fn compress(self, compress: bool) -> Self {
+        Self { compress, ..self }
     }
 
     /// Refuses a path that [`Tree::prepare_lod`] could not write to, to know before
@@ -229,7 +237,10 @@ impl Tree {
         let target = target.map_err(failed)?;
         self.check_not_input(&target).map_err(failed)?;
         let content = lod_content(self, lod, cutoffs);
-        let content = content.map_err(|fault| self.document.error(fault))?;
+        let mut content = content.map_err(|fault| self.document.error(fault))?;
+        if options.compress {
+            content = self.compressed(content)?;
+        }
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
         let images = self.images_to_copy(&content.root, &target, &mut notes);
         let mut images = images.map_err(failed)?;
@@ -245,6 +256,21 @@ impl Tree {
         prepared.images = self.document.base_dir.clone();
         prepared.memory = self.document.memory;
         Ok(prepared)
+    }
+
+    /// The same content with fewer bits.
+    fn compressed(&self, content: Content) -> Result<Content, GltfError> {
+        let document = &self.document;
+        let glb = glb_bytes(&content.root, content.buffer)
+            .ok_or_else(|| document.error(Problem::from(WriteProblem::TooLarge)))?;
+        let folder = document.base_dir.as_deref();
+        let read = Document::from_bytes_within(&document.name, glb, folder, document.memory)?;
+        let small = super::compress::quantised(&read).map_err(|fault| read.error(fault))?;
+        Ok(Content {
+            root: small.root,
+            buffer: small.buffer,
+            ..content
+        })
     }
 
     fn check_not_input(&self, target: &Output) -> Result<(), WriteProblem> {

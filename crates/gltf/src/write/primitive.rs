@@ -4,11 +4,12 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
 use super::flat_normals::FlatShaded;
+use super::grid::{Grid, elements_like};
 use super::leaf_edits::{Blend, LeafEdits, MadeCorner};
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
@@ -43,7 +44,11 @@ pub(super) fn rewrite_primitive(
     let vertices = match old_indices {
         Some(_) => {
             let position = accessor_of(&primitive["attributes"]["POSITION"]);
-            shared_vertices(document.accessor(position)?.count, &kept)
+            let vertices = shared_vertices(document.accessor(position)?.count, &kept);
+            match draft.compression {
+                Some(_) => vertices.in_order_of_use(),
+                None => vertices,
+            }
         }
         None => corner_vertices(&kept),
     };
@@ -280,8 +285,7 @@ impl Moves<'_> {
     }
 
     /// The accessor of an attribute that some new vertices have of several old ones, or of their own: of that sum,
-    /// where there is one, and their resize. The others have that of the vertex that they are copies of. As f32: sums may leave
-    /// the range or the grid of integers.
+    /// where there is one, and their resize. The others have that of the vertex that they are copies of.
     fn blend<const N: usize>(
         &self,
         draft: &mut Draft,
@@ -304,35 +308,19 @@ impl Moves<'_> {
                 vectors[*vertex as usize] = vector;
             }
         }
-        if elements.accessor.component != Component::F32 {
+        let fields = &draft.document.root["accessors"][old];
+        let bounded = fields.get("min").is_some() || fields.get("max").is_some();
+        let (new, grid) = elements_like(&elements.accessor, &vectors, bounded);
+        if grid == Grid::BecameFloats {
             draft.notes.push(format!(
                 "{}: quantised texture coordinates or normals became f32, because those of new leaves leave their grid",
                 self.place
             ));
         }
-        let fields = &draft.document.root["accessors"][old];
-        let in_range = |x: &f64| (*x as f32).clamp(f32::MIN, f32::MAX);
-        let new = NewElements {
-            component: Component::F32,
-            shape: Shape::Vector(N),
-            normalized: false,
-            count: sources.len(),
-            bytes: Some(
-                vectors
-                    .as_flattened()
-                    .iter()
-                    .map(in_range)
-                    .flat_map(f32::to_le_bytes)
-                    .collect(),
-            ),
-            bounded: fields.get("min").is_some() || fields.get("max").is_some(),
-            role: Role::Vertex,
-        };
         Ok(draft.push_accessor(Some(old), new))
     }
 
     /// The accessor of positions, or of their displacements, of which some move.
-    /// As f32: a leaf that grows may leave the range or the grid of integers.
     fn move_vectors(
         &self,
         draft: &mut Draft,
@@ -361,26 +349,14 @@ impl Moves<'_> {
                 _ => moved(*vector, &self.resizes[resize as usize], mover),
             };
         }
-        if elements.accessor.component != Component::F32 {
+        let vectors: Vec<[f64; 3]> = vectors.iter().map(DVec3::to_array).collect();
+        let (new, grid) = elements_like(&elements.accessor, &vectors, true);
+        if grid == Grid::BecameFloats {
             draft.notes.push(format!(
                 "{}: its quantised positions became f32, because leaves that grow or are new leave their grid",
                 self.place
             ));
         }
-        let bytes = vectors
-            .iter()
-            .flat_map(|v| v.as_vec3().clamp(Vec3::MIN, Vec3::MAX).to_array())
-            .flat_map(f32::to_le_bytes)
-            .collect();
-        let new = NewElements {
-            component: Component::F32,
-            shape: Shape::Vector(3),
-            normalized: false,
-            count: sources.len(),
-            bytes: Some(bytes),
-            bounded: true,
-            role: Role::Vertex,
-        };
         Ok(draft.push_accessor(Some(old), new))
     }
 }

@@ -29,11 +29,12 @@ pub struct RequestError {
 }
 
 /// Options of the program that name files to be written, or say how: other faces write by calls of their own.
-const OF_OUTPUT: [&str; 17] = [
+const OF_OUTPUT: [&str; 18] = [
     "for",
     "dry-run",
     "output",
     "overwrite",
+    "compress",
     "report",
     "picture",
     "order",

@@ -145,7 +145,9 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
 }
 
 fn write_options(args: &args::Simplify) -> WriteOptions {
-    WriteOptions::default().overwrite(args.overwrite)
+    WriteOptions::default()
+        .overwrite(args.overwrite)
+        .compress(args.compress)
 }
 
 /// What a run is asked to do.

@@ -37,7 +37,7 @@ pub(super) fn all() -> Vec<(&'static str, Fixture)> {
     ]
 }
 
-fn plain(count: usize) -> Fixture {
+pub(super) fn plain(count: usize) -> Fixture {
     let mut fixture = Fixture::new();
     let positions = fixture.vectors(&squares(count));
     let indices = fixture.indices(UNSIGNED_SHORT, &square_indices(count));

@@ -6,7 +6,7 @@ use super::check::check_lod;
 use super::encodings;
 use super::fixture::read;
 use super::validator::assert_valid;
-use crate::{Document, Tree};
+use crate::{Document, Tree, WriteOptions};
 use secateur_model::{LeafId, Lod};
 
 /// The first leaf gone, the second of twice its area.
@@ -72,4 +72,48 @@ fn the_same_input_gives_the_same_bytes() {
         let lod = |tree: &Tree| tree.lod_to_bytes(&one_gone_one_grown(tree)).unwrap();
         assert_eq!(lod(&fixture.tree()), lod(&fixture.tree()), "{name}");
     }
+}
+
+#[test]
+fn compressed_a_lod_is_the_same_within_a_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let many = ("many", encodings::plain(2000));
+    for (name, fixture) in encodings::all().into_iter().chain([many]) {
+        let tree = fixture.tree();
+        let lod = one_gone_one_grown(&tree);
+        let write = |kind: &str, compress: bool| {
+            let path = folder.path().join(format!("{name}-{kind}.glb"));
+            let options = WriteOptions::default().compress(compress);
+            let prepared = tree.prepare_lod(&lod, &path, options).unwrap();
+            prepared.document().unwrap();
+            (prepared.commit().unwrap(), path)
+        };
+        let (plain, _) = write("plain", false);
+        let (small, path) = write("small", true);
+        assert_eq!(small.triangles, plain.triangles, "{name}");
+        let expected = lod.foliage(&tree.foliage);
+        let found = read(std::fs::read(&path).unwrap());
+        assert_eq!(found.foliage.leaves().len(), lod.leaf_count(), "{name}");
+        if name == "many" {
+            let (small, plain) = (small.bytes, plain.bytes);
+            assert!(3 * small <= plain, "{small} bytes of {plain}");
+            let far = expected.bounding_sphere().unwrap();
+            let step = 2.0 * (far.radius + far.centre.length()) / 32768.0;
+            let leaves = (0..lod.leaf_count()).map(LeafId::from_index);
+            for leaf in leaves {
+                let was = expected.triangles_of(leaf).iter();
+                for (a, b) in was.zip(found.foliage.triangles_of(leaf)) {
+                    let mut apart = b.corners.map(|b| {
+                        let near = a.corners.map(|a| a.distance(b));
+                        near.into_iter().fold(f64::INFINITY, f64::min)
+                    });
+                    apart.sort_by(f64::total_cmp);
+                    assert!(apart[2] <= step, "{leaf}: {} m", apart[2]);
+                }
+            }
+        }
+        files.push(path);
+    }
+    assert_valid(&files);
 }

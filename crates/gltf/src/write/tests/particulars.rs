@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::encodings;
 use super::every_encoding::one_gone_one_grown;
-use super::fixture::{FLOAT, Fixture, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT, read};
+use super::fixture::{Fixture, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT, read};
 use super::fixture::{square_indices, squares};
 use crate::write::content::{Content, lod_content};
 use crate::{Document, Tree};
@@ -123,7 +123,7 @@ fn no_dead_bytes_stay() {
 }
 
 #[test]
-fn integers_stay_integers_where_no_leaf_grows() {
+fn integers_stay_integers() {
     let fixture = encodings::quantised_normalised();
     let position = |lod: fn(&Tree) -> Lod| {
         let root = content(&fixture, lod).root;
@@ -138,8 +138,8 @@ fn integers_stay_integers_where_no_leaf_grows() {
     assert_eq!(kept["max"], json!([10 * 2048, 2 * 2048, 512]));
 
     let grown = position(one_gone_one_grown);
-    assert_eq!(grown["componentType"], FLOAT);
-    assert_eq!(grown.get("normalized"), None);
+    assert_eq!(grown["componentType"], super::fixture::SHORT);
+    assert_eq!(grown["normalized"], true);
 }
 
 #[test]
@@ -333,14 +333,29 @@ fn images_in_the_buffer_move_along() {
 }
 
 #[test]
-fn compressed_views_are_written_without_compression() {
-    let copy = content(&encodings::meshopt(), |tree| without(tree, &[]));
-    assert_eq!(copy.root.get("extensionsUsed"), None);
-    assert_eq!(copy.root.get("extensionsRequired"), None);
-    assert_eq!(copy.root["buffers"].as_array().unwrap().len(), 1);
-    let views = copy.root["bufferViews"].as_array().unwrap();
-    assert!(views.iter().all(|view| view.get("extensions").is_none()));
-    // Positions of 4 + 16 vertices, 6 + 24 short indices: neither the streams
-    // nor the holes where the positions were are left.
-    assert_eq!(copy.buffer.len(), 20 * 12 + 30 * 2);
+fn compressed_views_that_stay_keep_their_streams() {
+    let fixture = encodings::meshopt();
+    let copy = content(&fixture, |tree| without(tree, &[]));
+    let tree = fixture.tree();
+    let streams = |root: &Value, buffer: &[u8]| -> Vec<Vec<u8>> {
+        let views = root["bufferViews"].as_array().unwrap().iter();
+        let compressed =
+            views.filter_map(|view| view.pointer("/extensions/EXT_meshopt_compression"));
+        let number = |fields: &Value, name: &str| fields[name].as_u64().unwrap() as usize;
+        let stream = |fields: &Value| {
+            let start = number(fields, "byteOffset");
+            buffer[start..start + number(fields, "byteLength")].to_vec()
+        };
+        compressed.map(stream).collect()
+    };
+    let before = streams(&fixture.root, &fixture.bin);
+    assert!(!before.is_empty());
+    assert_eq!(streams(&copy.root, &copy.buffer), before);
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        assert_eq!(copy.root[list], tree.document.root[list]);
+    }
+    // The holes where the positions were are gone.
+    assert!(copy.buffer.len() < fixture.bin.len());
+    let fallback = &copy.root["buffers"][1]["extensions"]["EXT_meshopt_compression"];
+    assert_eq!(*fallback, json!({"fallback": true}));
 }

@@ -111,6 +111,9 @@ pub(crate) struct Lods {
     /// Replace levels of other runs that have the same names.
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Quantise and compress geometry (meshopt).
+    #[arg(long)]
+    pub(crate) compress: bool,
     /// Write the machine-readable record of the run to this file.
     #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,

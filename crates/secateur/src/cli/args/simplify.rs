@@ -26,6 +26,9 @@ pub(crate) struct Simplify {
     /// Let the buffer of a .gltf replace a file beside it that is not its own.
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Quantise and compress geometry (meshopt).
+    #[arg(long)]
+    pub(crate) compress: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole

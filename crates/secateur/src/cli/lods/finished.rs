@@ -57,7 +57,7 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
         (files, args.scene.scene.is_some()),
         (&job.name, job.layout, args.textures.is_some()),
         (selectors.collect::<Vec<_>>(), args.vertex_alpha),
-        (memory, &args.preview, args.for_engine),
+        (memory, &args.preview, args.for_engine, args.compress),
         options(args),
     );
     Ok(hex(&Sha256::digest(format!("{about:?}"))))

@@ -366,7 +366,9 @@ fn make(
         let made = staged.make_folder(&args.output);
         made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
     }
-    let how = WriteOptions::default().overwrite(may_overwrite);
+    let how = WriteOptions::default()
+        .overwrite(may_overwrite)
+        .compress(args.compress);
     let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
