@@ -63,8 +63,12 @@ const OF_WOOD: f64 = 0.45;
 const WOOD_VIEWS: usize = 2;
 
 /// A level that from the first two views, or the first four, is so many times beyond the limits is looked at no more:
-/// the others do not bring it back within them.
-const SURELY_BEYOND: [(usize, f64); 2] = [(2, 1.3), (4, 1.1)];
+/// the others do not bring it back within them. The first number is for plants of [`ALIKE_FROM_PX`] and more, the
+/// second for smaller ones, whose views differ more: what the other views would have to be below nothing to make up.
+const SURELY_BEYOND: [(usize, [f64; 2]); 2] = [(2, [1.3, 2.0]), (4, [1.1, 1.5])];
+
+/// The height in pixels from which on the views of one level are about alike.
+const ALIKE_FROM_PX: f64 = 200.0;
 
 /// How far a level looks from its plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -293,8 +297,10 @@ impl DifferenceJudge {
                 views.par_extend(judged);
                 let so_far = Difference::of_views(&views);
                 let over = so_far.over(limits);
-                let is_beyond =
-                    |(count, most): &(usize, f64)| views.len() == *count && over > *most;
+                let is_small = usize::from(pixels_high < ALIKE_FROM_PX);
+                let is_beyond = |(count, most): &(usize, [f64; 2])| {
+                    views.len() == *count && over > most[is_small]
+                };
                 if views.len() < eyes.len() && SURELY_BEYOND.iter().any(is_beyond) {
                     return so_far;
                 }
