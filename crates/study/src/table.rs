@@ -63,13 +63,22 @@ impl Table {
     pub(crate) fn markdown(&self) -> String {
         let mut text = String::new();
         let line = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|c| markdown_escaped(c)).collect();
+            let cells: Vec<String> = cells.iter().map(|c| cell_in_markdown(c)).collect();
             format!("| {} |\n", cells.join(" | "))
         };
         text += &line(&self.head);
         let _ = writeln!(text, "|{}", "---|".repeat(self.head.len()));
         self.body.iter().for_each(|cells| text += &line(cells));
         text
+    }
+}
+
+/// A cell, in which pairs of backticks are our own and mark code.
+fn cell_in_markdown(text: &str) -> String {
+    let safe = markdown_escaped(text);
+    match text.matches('`').count() % 2 {
+        0 => safe.replace("\\`", "`"),
+        _ => safe,
     }
 }
 
@@ -106,6 +115,8 @@ mod tests {
     fn cells_are_escaped_for_either_page() {
         let mut table = Table::new(&["a", "b"]);
         table.push(vec!["<1>".into(), "x|y".into()]);
+        table.push(vec!["`a --b`".into(), "a `".into()]);
+        assert!(table.markdown().contains("| `a --b` | a \\` |"));
         assert!(table.html().contains("<td>&lt;1&gt;</td><td>x|y</td>"));
         let lines = ["| a | b |", "|---|---|", "| \\<1> | x\\|y |"];
         assert_eq!(table.markdown().lines().collect::<Vec<_>>(), lines);
