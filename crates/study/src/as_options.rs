@@ -1,7 +1,7 @@
 //! Labels of rows as one types them: `vds triangles preset look` is `vds --triangles --preset look`.
 
 /// The first words of options in settings; all others are values.
-const OPTIONS: [&str; 22] = [
+const OPTIONS: [&str; 23] = [
     "alpha",
     "area-weight",
     "branch-metric",
@@ -21,6 +21,7 @@ const OPTIONS: [&str; 22] = [
     "reference",
     "resize",
     "resolution",
+    "sides",
     "ties",
     "triangles",
     "views",

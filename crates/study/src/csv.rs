@@ -88,7 +88,7 @@ mod tests {
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(
-            lines[1].contains(",256,,\"\",,held-out,,0.5,"),
+            lines[1].contains(",256,,\"\",,held-out,as-in-file,,0.5,"),
             "{}",
             lines[1]
         );

@@ -116,9 +116,13 @@ mod tests {
         let mut table = Table::new(&["a", "b"]);
         table.push(vec!["<1>".into(), "x|y".into()]);
         table.push(vec!["`a --b`".into(), "a `".into()]);
-        assert!(table.markdown().contains("| `a --b` | a \\` |"));
         assert!(table.html().contains("<td>&lt;1&gt;</td><td>x|y</td>"));
-        let lines = ["| a | b |", "|---|---|", "| \\<1> | x\\|y |"];
+        let lines = [
+            "| a | b |",
+            "|---|---|",
+            "| \\<1> | x\\|y |",
+            "| `a --b` | a \\` |",
+        ];
         assert_eq!(table.markdown().lines().collect::<Vec<_>>(), lines);
     }
 }
