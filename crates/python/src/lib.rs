@@ -1,7 +1,7 @@
 //! The part of Python's package `secateur` that is compiled: thin doors to the library, with numpy arrays and without
 //! holding Python's lock while anything is computed. `python/secateur/__init__.pyi` documents it for its users.
 //!
-//! Options of levels are those of the program, by its own words ([`words`]): a keyword `max_difference=0.18` is
+//! Options of levels are those of the program, by its own words (`words`): a keyword `max_difference=0.18` is
 //! `--max-difference=0.18`, so names, defaults, refusals and bytes are the program's.
 
 mod array_door;
