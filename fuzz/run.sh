@@ -35,7 +35,7 @@ run() {
   local target=$1 folder=target/fuzz/$1
   mkdir -p "$folder" "fuzz/artifacts/$target"
   # New inputs go to the first folder; the corpus stays as it is.
-  if "fuzz/target/$host/release/$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 \
+  if "fuzz/target/$host/release/$target" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2048 \
     -artifact_prefix="fuzz/artifacts/$target/" "$folder" "fuzz/corpus/$target" > "$folder.log" 2>&1; then
     echo "$target: $(tail -n 1 "$folder.log")"
   else
