@@ -2,8 +2,8 @@
 # Makes target/web/secateur.html: engine, page and styles in one file, which works from a disk or any static host,
 # without a network. Beside it lies target/web/package, which `npm pack` takes.
 #
-# Needs Rust, and fetches from crates.io what Cargo.lock and web/builder/Cargo.lock name; from the Rust project
-# the standard library for wasm32-unknown-unknown, where it is not installed.
+# Needs Rust. Cargo fetches the crates that Cargo.lock and web/builder/Cargo.lock name; rustup fetches the
+# standard library for wasm32-unknown-unknown where it is not installed.
 #
 # `web/build.sh quick` compiles in a fraction of the time to a larger and slower engine, for tests.
 set -euo pipefail

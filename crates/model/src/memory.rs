@@ -101,7 +101,7 @@ pub struct OverMemory {
 pub enum Remedy {
     /// A file with less in it.
     SmallerFile,
-    /// Smaller images.
+    /// Textures of fewer texels.
     SmallerImages,
     /// Less of the plant taken for foliage.
     LessFoliage,

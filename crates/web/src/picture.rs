@@ -15,7 +15,7 @@ impl JsPicture {
         self.0.scene.clone()
     }
 
-    /// Vertices and triangles.
+    /// The vertices and triangles of all parts, at the places in bytes that the scene gives.
     pub fn geometry(&self) -> Vec<u8> {
         self.0.geometry.clone()
     }

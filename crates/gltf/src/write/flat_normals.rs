@@ -20,9 +20,9 @@ const LEAST_ALIKE: f64 = 0.3;
 
 /// A primitive of which many triangles are flat-shaded.
 pub(super) struct FlatShaded {
-    /// By vertex.
+    /// The normal of each vertex, of unit length.
     normals: Vec<DVec3>,
-    /// By triangle, whether its corners have its own normal.
+    /// Whether the corners of each triangle have the normal of the triangle itself.
     is_flat: Vec<bool>,
 }
 

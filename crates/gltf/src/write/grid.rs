@@ -57,7 +57,7 @@ pub(super) fn elements_like<const N: usize>(
     (new, Grid::BecameFloats)
 }
 
-/// The nearest number on a grid of so many steps per unit, and never -0.
+/// The nearest multiple of `1 / steps_per_unit`; zero is never negative.
 pub(super) fn rounded(number: f64, steps_per_unit: f64) -> f64 {
     (number * steps_per_unit).round() / steps_per_unit + 0.0
 }

@@ -117,7 +117,7 @@ impl ChainOptions {
     /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
     ///
     /// # Errors
-    /// [`BadOptions`] if not.
+    /// [`BadOptions`], which names the option that is out of range.
     pub fn check(&self) -> Result<(), BadOptions> {
         let out_of_range = |what| Err(BadOptions::OutOfRange(what));
         let (count, falls) = match &self.wanted {

@@ -71,7 +71,7 @@ pub(crate) struct Look {
 pub struct Packed {
     /// What there is to draw and where it lies in the bytes, as JSON.
     pub scene: String,
-    /// Vertices and triangles.
+    /// The vertices and triangles of all parts, at the places in bytes that `scene` gives.
     pub geometry: Vec<u8>,
     /// Textures, one after another.
     pub pictures: Vec<u8>,

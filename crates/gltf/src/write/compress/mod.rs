@@ -24,9 +24,9 @@ use streams::{Bytes, Numbers, Stream};
 /// An extension that compresses buffer views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Compression {
-    /// `EXT_meshopt_compression`.
+    /// `EXT_meshopt_compression`, with the first version of the attribute codec.
     Ext,
-    /// `KHR_meshopt_compression`, which knows a second version of the attribute codec.
+    /// `KHR_meshopt_compression`, with the second version of the attribute codec.
     Khr,
 }
 

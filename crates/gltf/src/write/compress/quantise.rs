@@ -29,7 +29,7 @@ const STEPS_OF_TEXTURE: f64 = 4096.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Kind {
     Position,
-    /// Normals and tangents.
+    /// A unit vector: a normal or a tangent.
     Direction,
     TextureCoordinates,
     Colour,
