@@ -247,6 +247,64 @@ mod tests {
     use super::*;
     use secateur_plant::Species;
 
+    fn options_of(trees: &[PathBuf], folder: &Path, plan: Plan) -> StudyOptions {
+        StudyOptions {
+            trees: trees.to_vec(),
+            folder: folder.join("s"),
+            selectors: Vec::new(),
+            plans: vec![plan],
+            cases: Vec::new(),
+            views: None,
+            levels: Vec::new(),
+            distances_m: Vec::new(),
+            only: Vec::new(),
+            frames_up_to_px: 128,
+            seeds: 1,
+            memory: Memory::Auto,
+        }
+    }
+
+    /// What drives in the paper's plan is what is judged, of the user's trees too.
+    #[test]
+    fn the_papers_plan_judges_the_leaves_that_drive_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let glb = plant_to_glb(
+            &grow(
+                Species::Oak,
+                &GrowOptions {
+                    leaves: 12,
+                    seed: 1,
+                },
+            )
+            .unwrap(),
+        );
+        let path = folder.path().join("oak.glb");
+        std::fs::write(&path, glb).unwrap();
+        let judged = |plan| {
+            let of_plan = subjects(&options_of(
+                std::slice::from_ref(&path),
+                folder.path(),
+                plan,
+            ));
+            let judged = of_plan
+                .unwrap()
+                .into_iter()
+                .map(|subject| subject.judged_leaves);
+            judged.collect::<Vec<_>>()
+        };
+        assert_eq!(
+            judged(Plan::Paper),
+            [JudgedLeaves::Solid; 1 + paper::MODELS.len()]
+        );
+        assert_eq!(judged(Plan::Methods), [JudgedLeaves::AsInFile]);
+        let tree = Tree::open(&path, &[]).unwrap();
+        let is_cut_out = |leaves: &secateur_model::Foliage| {
+            leaves.leaves().iter().any(|leaf| leaf.cutout().is_some())
+        };
+        assert!(is_cut_out(&JudgedLeaves::AsInFile.of(tree.foliage())));
+        assert!(!is_cut_out(&JudgedLeaves::Solid.of(tree.foliage())));
+    }
+
     /// A tree that has lost its skeleton does without rule-based levels, in the same
     /// study as one that has them beside the other methods.
     #[test]
@@ -273,21 +331,7 @@ mod tests {
             std::fs::write(&path, bytes).unwrap();
             path
         });
-        let options = StudyOptions {
-            trees: paths.to_vec(),
-            folder: folder.path().join("s"),
-            selectors: Vec::new(),
-            plans: vec![Plan::Methods],
-            cases: Vec::new(),
-            views: None,
-            levels: Vec::new(),
-            distances_m: Vec::new(),
-            only: Vec::new(),
-            frames_up_to_px: 128,
-            seeds: 1,
-            memory: Memory::Auto,
-        };
-        let subjects = subjects(&options).unwrap();
+        let subjects = subjects(&options_of(&paths, folder.path(), Plan::Methods)).unwrap();
         let by_branches = subjects.iter().map(|subject| {
             let methods = subject.cases.iter().map(Case::method);
             let found: Vec<&str> = methods.filter(|m| ["chain", "merge"].contains(m)).collect();
