@@ -132,16 +132,15 @@ const show = async () => {
     renderer = new Renderer(canvas);
     const { textures, materials } = reader.head;
     const bitmaps = await Promise.all(textures.map((entry) => bitmapOf(entry, reader.pictures)));
-    renderer.textures = textures.map((entry, k) => renderer.upload(entry, bitmaps[k]));
-    renderer.materials = materials;
-    renderer.levels = [[]];
+    renderer.use(modelOf({ textures, materials, levels: [], continuous: null }, null, bitmaps));
+    renderer.levels[0] = [];
     const { low, high, reach } = reader.head;
     chain = new Chain({ screen: [1080, 60], low, high, reach, levels: [{ facts: { distance: 0 } }] });
   }
   renderer.levels[0].forEach((mesh) => mesh.free());
   const surfaces = reader.arrays().map(meshOf);
   renderer.levels[0] = surfaces;
-  renderer.scene = { textures: reader.head.textures, levels: [{ surfaces }], continuous: null };
+  renderer.scene.levels = [{ surfaces }];
   tell("");
 };
 
