@@ -9,6 +9,7 @@ mod browser;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "clients/clients.rs"]
 mod clients;
+mod compress;
 mod demo;
 mod doors;
 mod engine_files;
