@@ -27,6 +27,7 @@ mod lods;
 mod main_job;
 mod measure;
 mod memory;
+mod npm_package;
 mod odd_plants;
 mod odd_trees;
 mod outputs;
