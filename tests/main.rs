@@ -1,5 +1,6 @@
 //! What crosses crates: the built program, run as its users run it.
 
+mod action;
 mod as_clients_draw;
 mod bad_input;
 mod baselines;
@@ -34,6 +35,7 @@ mod outputs;
 mod preview_page;
 mod program;
 mod python;
+mod release;
 mod report_page;
 mod scenes;
 mod schema;
