@@ -43,7 +43,11 @@ fn key(item: &str) -> String {
 fn an_item_is_done_once_with_the_bytes_of_lods() {
     let (bench, items) = planned();
     let oak = &items[0];
+    // What a worker that died left of it goes with the next.
+    let left = format!("b/.secateur-{}-dead/made", key(oak));
+    std::fs::create_dir_all(bench.path(&left)).unwrap();
     run(&bench, oak).succeeded();
+    assert!(!bench.path(&left).exists());
     bench
         .run(&[&["lods", "oak.glb", "-o", "alone"], &OPTIONS[..]].concat())
         .succeeded();
@@ -143,7 +147,16 @@ done < "$items"
 #[test]
 fn recipes_do_each_item_of_a_plan() {
     use std::os::unix::fs::PermissionsExt;
-    let (bench, items) = planned();
+    let bench = Bench::new();
+    let plants = ["1.glb", "2.glb"];
+    for (plant, seed) in plants.iter().zip(["1", "2"]) {
+        let grow = ["grow", "palmetto", "--leaves", "12", "--seed", seed];
+        bench.run(&[&grow[..], &["-o", plant]].concat()).succeeded();
+    }
+    let options = ["-o", "b", "--levels", "0.3", "--no-original"];
+    let plan = [&["batch", "plan"], &plants[..], &options].concat();
+    let plan = bench.run(&plan).succeeded();
+    let items: Vec<&str> = plan.stdout.lines().collect();
     std::fs::create_dir(bench.path("bin")).unwrap();
     for (name, script) in [("sbatch", SBATCH), ("hq", HQ)] {
         let name = format!("bin/{name}");
@@ -176,13 +189,10 @@ fn recipes_do_each_item_of_a_plan() {
             }
             _ => recipe,
         };
-        // Two plants that can be done, each recipe into a folder of its own.
+        // Each recipe into a folder of its own.
         let folder = format!("b_{}", engine.replace(' ', "_"));
         let [from, to] = ["b", &folder].map(|name| format!("{}\"", bench.path(name).display()));
-        let own: Vec<String> = items[..2]
-            .iter()
-            .map(|item| item.replace(&from, &to))
-            .collect();
+        let own: Vec<String> = items.iter().map(|item| item.replace(&from, &to)).collect();
         bench.put("items.jsonl", format!("{}\n", own.join("\n")).as_bytes());
         let path = "PATH=\"$PWD/bin:$(dirname \"$SECATEUR\"):$PATH\"; export PATH";
         bench.run_in_shell(&format!("{path}; {line}")).succeeded();

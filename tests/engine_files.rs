@@ -266,6 +266,21 @@ fn blender_gets_a_script_that_python_reads() {
         .arg(bench.path("out/oak_blender.py"))
         .status();
     assert!(status.map_or(true, |status| status.success()));
+    let Some(packages) = std::env::var_os("SECATEUR_BPY_PACKAGES") else {
+        eprintln!("SKIPPED: SECATEUR_BPY_PACKAGES names no folder with Blender as a module (bpy)");
+        return;
+    };
+    let run = "import bpy, runpy, sys; bpy.ops.wm.read_factory_settings(use_empty=True); runpy.run_path(sys.argv[1]); \
+        print('found', [(it.name, it.hide_viewport, len(it.all_objects)) for it in bpy.data.collections])";
+    let output = Command::new("python3")
+        .args(["-c", run])
+        .arg(bench.path("out/oak_blender.py"))
+        .env("PYTHONPATH", packages)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stdout);
+    let collections = "[('oak_LOD0', False, 1), ('oak_LOD1', True, 1), ('oak_LOD2', True, 1)]";
+    assert!(told.contains(collections), "{output:?}");
 }
 
 #[test]

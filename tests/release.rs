@@ -7,6 +7,21 @@ use std::process::Command;
 
 use crate::program::Bench;
 
+/// What `dist` would pack, and what the workflow packs, are for the same platforms.
+#[test]
+fn archives_are_for_the_same_platforms() {
+    let dist = include_str!("../dist-workspace.toml").lines();
+    let dist: Vec<&str> = dist
+        .filter_map(|line| line.strip_prefix("    \"")?.strip_suffix("\","))
+        .collect();
+    let workflow = include_str!("../.github/workflows/release.yml").lines();
+    let workflow: Vec<&str> = workflow
+        .filter_map(|line| line.split_once("{ target: ")?.1.split(',').next())
+        .collect();
+    assert_eq!(dist, workflow);
+    assert_eq!(dist.len(), 5);
+}
+
 #[test]
 fn an_archive_has_the_program_its_pages_and_all_licences() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -139,7 +139,7 @@ class _Operator(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SECATEUR_OT_find(_Operator):
+class FindLeaves(_Operator):
     """Say what is taken for leaves of the selected objects"""
 
     bl_idname = "secateur.find"
@@ -154,7 +154,7 @@ class SECATEUR_OT_find(_Operator):
         return context.scene.secateur.found
 
 
-class SECATEUR_OT_levels(_Operator):
+class MakeLevels(_Operator):
     """Make levels of the selected objects, a collection for each"""
 
     bl_idname = "secateur.levels"
@@ -168,7 +168,7 @@ class SECATEUR_OT_levels(_Operator):
         return f"{place.name}: {counts} triangles"
 
 
-class SECATEUR_OT_export(_Operator):
+class ExportLevels(_Operator):
     """Make levels of the selected objects, and write them for an engine"""
 
     bl_idname = "secateur.export"
@@ -261,7 +261,7 @@ class SECATEUR_PT_panel(bpy.types.Panel):
         layout.operator("secateur.export", icon="EXPORT")
 
 
-CLASSES = [SecateurSettings, SECATEUR_OT_find, SECATEUR_OT_levels, SECATEUR_OT_export, SECATEUR_PT_panel]
+CLASSES = [SecateurSettings, FindLeaves, MakeLevels, ExportLevels, SECATEUR_PT_panel]
 
 
 def register():

@@ -6,10 +6,13 @@ Calls: usd.py FILE.usda FIELD_OF_VIEW_DEGREES DISTANCE_M...
 import json
 import sys
 
-from pxr import Gf, Usd, UsdGeom, UsdLod, UsdShade, UsdUtils
+from pxr import Gf, Usd, UsdGeom, UsdLod, UsdShade, UsdUtils, UsdValidation
 
 path, field_of_view, *distances = sys.argv[1:]
 stage = Usd.Stage.Open(path)
+validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+errors = UsdValidation.ValidationContext(validators).Validate(stage)
+assert not errors, [error.GetErrorAsString() for error in errors]
 root = stage.GetDefaultPrim()
 lods = [prim for prim in stage.Traverse() if prim.HasAPI(UsdLod.RootAPI)]
 assert len(lods) == 1, lods

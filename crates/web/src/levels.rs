@@ -85,7 +85,7 @@ impl JsLevels {
             .map_err(|error| error.to_string())
     }
 
-    /// The names of the files in a layout: `files`, `siblings` or `msft`.
+    /// The names of the files in a layout: `files`, `siblings`, `msft` or `usd`.
     ///
     /// # Errors
     /// A sentence where there is no such layout, or a file would be beyond 4 GiB.

@@ -248,7 +248,7 @@ class Levels:
         *,
         overwrite: bool = False,
     ) -> list[os.PathLike[str]]:
-        """Writes the levels into a folder, or into one file if ``path`` ends in .glb or .gltf; gives the files."""
+        """Writes the levels into a folder, or into one file if ``path`` ends in .glb, .gltf or .usda; gives the files."""
     def preview_html(self) -> str:
         """A page that shows the levels beside the plant."""
 

@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn names_of_strangers_end_no_text_and_no_path() {
-        assert_eq!(identifier("7 Ä-b"), "_7____b");
+        assert_eq!(identifier("7 Ä-b"), "_7___b");
         assert_eq!(identifier(""), "_");
         assert_eq!(quoted("a\"\\\n"), r#""a\"\\""#);
         assert_eq!(asset("a_textures/b.png"), "@./a_textures/b.png@");
