@@ -40,6 +40,11 @@ use sheets::Sheets;
 /// would become a spike.
 const MAX_LINEAR_SCALE: f64 = 3.0;
 
+/// Largest factor by which a coarser leaf reaches further from its centre than the leaf did. The largest triangle in an
+/// ellipse has the ellipse's area at 1.555 times its size; what would have to grow more is strips of a leaf that lost
+/// its width, and would hang in the air beside the plant.
+const MAX_REACH: f64 = 1.6;
+
 /// A foliage with coarser leaves.
 #[derive(Clone, Debug)]
 pub struct Coarse {
@@ -182,7 +187,18 @@ fn in_place_of(
     if !(linear_scale.is_finite() && linear_scale > 0.0) {
         return None;
     }
-    let linear_scale = linear_scale.min(MAX_LINEAR_SCALE);
+    let reach = |triangles: &[LeafTriangle], centre: DVec3| {
+        let corners = triangles.iter().flat_map(|t| t.corners);
+        corners
+            .map(|corner| corner.distance(centre))
+            .fold(0.0, f64::max)
+    };
+    let reaches = [
+        reach(foliage.triangles_of(leaf), before.centre()),
+        reach(&plain, after.centre()),
+    ];
+    let within_reach = (MAX_REACH * reaches[0] / reaches[1]).max(1.0);
+    let linear_scale = linear_scale.min(MAX_LINEAR_SCALE).min(within_reach);
     let placed = |corner: u32| NewCorner {
         place: Place::At(before.centre() + linear_scale * (position(corner) - after.centre())),
         like: corner,
