@@ -59,6 +59,12 @@ impl FlatShaded {
         Ok(is_meant.then_some(Self { normals, is_flat }))
     }
 
+    /// Whether these vertices have one normal.
+    pub(super) fn is_one_plane(&self, vertices: [u32; 3]) -> bool {
+        let [a, b, c] = vertices.map(|k| self.normals[k as usize]);
+        a.dot(b).abs() >= SAME && a.dot(c).abs() >= SAME
+    }
+
     /// The normal of a new triangle with these corners that is like three old ones at these vertices; nothing where one
     /// of them is smooth, or it has no area or lies across them.
     pub(super) fn normal_of(

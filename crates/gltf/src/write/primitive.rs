@@ -171,9 +171,7 @@ fn kept_triangles(
     let mut blends = HashMap::new();
     let mut surfaces = HashMap::new();
     let mut normals = HashMap::new();
-    // Cards of leaves may have bent normals.
-    let is_solid = part.role == roles::Role::Wood && edits.has_made(part_number);
-    let flat = match is_solid {
+    let flat = match edits.has_made(part_number) {
         true => {
             let primitive = draft.document.primitive(part.mesh, part.primitive)?;
             FlatShaded::of(draft.document, primitive, &triangles)?
@@ -183,6 +181,10 @@ fn kept_triangles(
     for triangle in edits.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
         let own_normal = flat.as_ref().and_then(|flat| {
+            // Cards keep the normals of their plane.
+            if part.role == roles::Role::Leaf && flat.is_one_plane(corners) {
+                return None;
+            }
             let places = [0, 1, 2].map(|k| triangle[k].position_local);
             let like = [0, 1, 2].map(|k| triangle[k].like.0);
             flat.normal_of(places, like, corners)
