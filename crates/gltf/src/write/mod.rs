@@ -21,6 +21,7 @@ mod flat_normals;
 mod grid;
 mod images;
 mod instances;
+mod interleaved;
 mod leaf_edits;
 mod lod_document;
 mod meshes;
