@@ -26,6 +26,7 @@ mod lods;
 mod main_job;
 mod measure;
 mod memory;
+mod no_larger;
 mod odd_plants;
 mod odd_trees;
 mod outputs;

@@ -11,13 +11,14 @@
 //! texture shows (`enclosing_triangle`), which for bent leaves is put into a plane of three of their corners
 //! (`sheets`), or by a triangle of three of its corners in its mean plane
 //! (`triangle`). In the first and last way it is then scaled and moved, so that its area and its
-//! centre stay.
+//! centre stay. Leaves that are instances of one mesh become coarser together and alike (`instances`).
 
 mod budget;
 pub(crate) mod by_position;
 mod card_textures;
 mod cards;
 mod enclosing_triangle;
+mod instances;
 mod k_dop;
 pub(crate) mod leaf_mesh;
 mod loss_curve;
