@@ -11,7 +11,7 @@ mod clients;
 #[path = "../crates/levels/examples/forest/clock.rs"]
 mod clock;
 #[allow(dead_code, reason = "its main is the example's")]
-#[path = "../crates/secateur/examples/obstacles.rs"]
+#[path = "../crates/cli/examples/obstacles.rs"]
 mod obstacles;
 mod rows;
 

@@ -29,7 +29,7 @@ rustup target add "$arm"
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 # The GPU's part stays out: an emulator has none.
 build() {
-  cargo build --release --package secateur --no-default-features --features cli \
+  cargo build --release --package secateur-cli --no-default-features \
     --config profile.release.lto=false --config profile.release.codegen-units=16 \
     --target-dir target/architectures --target "$1"
 }

@@ -1,8 +1,8 @@
 //! Plants by chance, opened, inspected and made levels of: `examples/odd_plants` makes as many as one likes.
 
-#[path = "../crates/secateur/examples/odd_plants/check.rs"]
+#[path = "../crates/cli/examples/odd_plants/check.rs"]
 mod check;
-#[path = "../crates/secateur/examples/odd_plants/plant/mod.rs"]
+#[path = "../crates/cli/examples/odd_plants/plant/mod.rs"]
 pub(crate) mod plant;
 
 use proptest::prelude::*;

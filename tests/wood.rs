@@ -2,7 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use secateur::{Foliage, LeafId, OpenEngine, Options, Target, Tree, WholePlant, WholeTree};
+use glam::Vec3;
+use secateur::{
+    Document, Foliage, LeafId, OpenEngine, Options, Target, Tree, WholePlant, WholeTree,
+};
 use secateur_simplify::wood::{hanging_on, leaf_wood_gaps};
 use serde_json::Value;
 
@@ -54,6 +57,33 @@ fn a_budget_of_triangles_is_the_whole_plants() {
         }
     }
     crate::validator::assert_valid(&[bench.path("out.glb")]);
+}
+
+/// A twig that is left as a flat strip is lit as what it faces, not as if from its edges.
+#[test]
+fn coarse_wood_has_normals_that_follow_it() {
+    let bench = Bench::new();
+    simplified(&bench, &["--triangles", "0.1"]);
+    let least_along = |file: &str| {
+        let document = Document::open(&bench.path(file)).unwrap();
+        let surfaces = document.surfaces(&[]).unwrap();
+        let wood = surfaces
+            .iter()
+            .filter(|(surface, _)| surface.material.name.contains("bark"));
+        let along = wood.flat_map(|(surface, _)| {
+            surface.triangles.iter().map(|corners| {
+                let [a, b, c] = corners.map(|k| surface.positions[k as usize]);
+                let own = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+                let normals = corners.map(|k| surface.normals[k as usize]);
+                normals.iter().sum::<Vec3>().dot(own) / 3.0
+            })
+        });
+        let along: Vec<f32> = along.collect();
+        assert!(!along.is_empty());
+        along.into_iter().fold(1.0, f32::min)
+    };
+    let [before, after] = ["oak.glb", "out.glb"].map(least_along);
+    assert!(after > 0.39 && before > 0.39, "{before} {after}");
 }
 
 /// Eleven stems, each of which carries a tenth of the crown: from the ground up to it, whatever pixels they save.

@@ -2,9 +2,9 @@
 
 #![no_main]
 
-#[path = "../../crates/secateur/examples/odd_plants/check.rs"]
+#[path = "../../crates/cli/examples/odd_plants/check.rs"]
 mod check;
-#[path = "../../crates/secateur/examples/odd_plants/plant/mod.rs"]
+#[path = "../../crates/cli/examples/odd_plants/plant/mod.rs"]
 mod plant;
 
 use libfuzzer_sys::fuzz_target;

@@ -2,7 +2,7 @@
 
 use pyo3::PyErr;
 use secateur::ErrorKind;
-use secateur::cli::RequestError;
+use secateur_cli::RequestError;
 
 mod classes {
     pyo3::import_exception!(secateur._errors, InputError);

@@ -7,9 +7,9 @@ use std::sync::{Mutex, PoisonError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyDict;
-use secateur::cli::{LevelRequest, levels_options};
 use secateur::plant::{GrowOptions, Species};
 use secateur::{GltfError, Lod, Memory, Opening, Plant, WoodMode, plant_into_glb};
+use secateur_cli::{LevelRequest, levels_options};
 use serde_json::json;
 
 use crate::level::PyLevel;

@@ -7,5 +7,5 @@ use pyo3::prelude::*;
 /// Runs the program with these words, the first of which is its name, and gives its exit code.
 #[pyfunction]
 pub(crate) fn run_program(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    py.detach(|| secateur::cli::run_words(words))
+    py.detach(|| secateur_cli::run_words(words))
 }

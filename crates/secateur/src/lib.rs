@@ -86,23 +86,16 @@
 //! | trees without files | `plant` |
 //!
 //! Each stage by itself is a crate of its own: `secateur-model`, `secateur-gltf`,
-//! `secateur-raster`, `secateur-simplify`, `secateur-eval`, `secateur-plant`; `secateur-study`
-//! compares methods.
+//! `secateur-raster`, `secateur-simplify`, `secateur-eval`, `secateur-plant`. The program
+//! is `secateur-cli`; `secateur-study` compares methods.
 //!
 //! # Features
-//! `gpu` (default): rasterising on a GPU through wgpu. `plant` (default): growing plants, and
-//! methods that follow their branches. `eval` (default): judging. `study`: what the command
-//! `secateur study` needs. `cli` (default): the program `secateur`, which needs the others but for
-//! the GPU; turn it off where only the library is wanted. `scene`: levels with their materials (`Plant`, `Level`).
+//! All but the last are on by default. `gpu`: rasterising on a GPU through wgpu. `plant`: growing plants, and
+//! methods that follow their branches. `eval`: judging. `scene`: levels with their materials (`Plant`, `Level`).
+//! `cli`: options and records as command lines and JSON schemas know them, for the program of `secateur-cli`.
 
-// The program gives free memory back to the system by a call of C.
-#![cfg_attr(not(feature = "cli"), forbid(unsafe_code))]
+#![forbid(unsafe_code)]
 
-#[cfg(feature = "cli")]
-extern crate self as secateur;
-
-#[cfg(feature = "cli")]
-pub mod cli;
 mod error;
 mod error_kind;
 #[cfg(feature = "scene")]

@@ -137,6 +137,7 @@ impl JsLevels {
             "files" => Layout::Files,
             "siblings" => Layout::Siblings,
             "msft" => Layout::Msft,
+            "usd" => Layout::Usd,
             other => return Err(format!("there is no layout {other}")),
         };
         if let Some((known, files)) = &*self.last.borrow()

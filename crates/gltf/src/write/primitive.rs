@@ -8,9 +8,9 @@ use glam::DVec3;
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
-use super::flat_normals::FlatShaded;
 use super::grid::{Grid, elements_like};
 use super::leaf_edits::{Blend, LeafEdits, MadeCorner};
+use super::old_normals::OldNormals;
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::accessor::{Component, Elements, Shape};
@@ -171,23 +171,23 @@ fn kept_triangles(
     let mut blends = HashMap::new();
     let mut surfaces = HashMap::new();
     let mut normals = HashMap::new();
-    let flat = match edits.has_made(part_number) {
+    let old_normals = match edits.has_made(part_number) {
         true => {
             let primitive = draft.document.primitive(part.mesh, part.primitive)?;
-            FlatShaded::of(draft.document, primitive, &triangles)?
+            OldNormals::of(draft.document, primitive, &triangles)?
         }
         false => None,
     };
     for triangle in edits.made_in(part_number) {
         let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
-        let own_normal = flat.as_ref().and_then(|flat| {
-            // Cards keep the normals of their plane.
-            if part.role == roles::Role::Leaf && flat.is_one_plane(corners) {
-                return None;
-            }
-            let places = [0, 1, 2].map(|k| triangle[k].position_local);
-            let like = [0, 1, 2].map(|k| triangle[k].like.0);
-            flat.normal_of(places, like, corners)
+        let own_normal = old_normals.as_ref().and_then(|old| {
+            let places = triangle.map(|corner| corner.position_local);
+            let surfaces = triangle.map(|corner| corner.surface_of.unwrap_or(corner.like));
+            let vertices = surfaces.map(|(triangle, k)| triangles[triangle as usize][k]);
+            // Cards keep the normals of their plane, and what is bent on purpose.
+            let is_solid = part.role == roles::Role::Wood || old.are_facets(vertices);
+            let of_triangles = surfaces.map(|(triangle, _)| triangle);
+            is_solid.then(|| old.normal_of(places, of_triangles, vertices))?
         });
         let normal_bits = own_normal.map(|normal| normal.to_array().map(f64::to_bits));
         let mut resize = |k: usize| {

@@ -239,12 +239,12 @@ class Levels:
     def report(self) -> list[dict[str, Any]]:
         """The figures of each level by the keys of the program's reports: ``kind``, ``triangles``, ``distance`` in
         metres, ``screen_coverage``, ``difference`` and others."""
-    def to_bytes(self, layout: Literal["files", "siblings", "msft"] = "files") -> dict[str, bytes]:
+    def to_bytes(self, layout: Literal["files", "siblings", "msft", "usd"] = "files") -> dict[str, bytes]:
         """The files by their names."""
     def write(
         self,
         path: _Path,
-        layout: Literal["files", "siblings", "msft"] | None = None,
+        layout: Literal["files", "siblings", "msft", "usd"] | None = None,
         *,
         overwrite: bool = False,
     ) -> list[os.PathLike[str]]:

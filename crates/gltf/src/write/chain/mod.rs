@@ -19,6 +19,7 @@ mod placement;
 mod plan;
 mod retexture;
 mod scene;
+mod usd;
 mod vertices;
 
 use std::collections::HashSet;
@@ -59,6 +60,8 @@ pub enum Layout {
     ///
     /// The finest level is in the scene and names the others, which are not.
     Msft,
+    /// A USD layer (.usda) with LODRootAPI, and its textures in a folder beside it.
+    Usd,
 }
 
 /// What a level shows.
@@ -94,7 +97,7 @@ pub struct Level<'a> {
     pub number: usize,
     /// Plain facts for the `extras` of its node.
     ///
-    /// [`Layout::Msft`] needs one of them, the number `screen_coverage`: the
+    /// [`Layout::Msft`] and [`Layout::Usd`] need one of them, the number `screen_coverage`: the
     /// least share of the screen at which the level is drawn. Below it the next
     /// level takes over, or nothing is drawn any more after the last one, which
     /// therefore should have 0.
@@ -160,9 +163,10 @@ pub struct ChainFiles {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ChainFile {
-    /// Its name: that of the chain, or of its level, and `.glb`.
+    /// Its name: that of the chain, or of its level, and `.glb`; in the layout of USD that of the chain and `.usda`, or
+    /// that of a texture below the folder of textures.
     pub name: String,
-    /// The bytes of a GLB.
+    /// The bytes of a GLB, a layer of USD, or an image.
     pub bytes: Vec<u8>,
     /// Whether it is the plant as the input has it, compressed as it was.
     pub is_as_it_came: bool,
@@ -212,14 +216,17 @@ impl Tree {
             });
         }
         let of_files: Vec<(&str, &[Level])> = match layout {
-            Layout::Files => levels
+            Layout::Files | Layout::Usd => levels
                 .iter()
                 .map(|level| (level.name.as_str(), std::slice::from_ref(level)))
                 .collect(),
             Layout::Siblings | Layout::Msft => vec![(name, levels)],
         };
+        // USD gets the plant alone.
+        let with_others = |number| number == 0 && layout != Layout::Usd;
         for (number, (file, levels)) in of_files.into_iter().enumerate() {
-            let content = content(self, name, levels, layout, number == 0).map_err(failed)?;
+            let content =
+                content(self, name, levels, layout, with_others(number)).map_err(failed)?;
             chain.notes.extend(content.notes);
             let mut counted = Counted::default();
             for level in levels {
@@ -245,6 +252,9 @@ impl Tree {
                 bytes,
                 is_as_it_came,
             });
+        }
+        if layout == Layout::Usd {
+            usd::rewrite(self, name, levels, &mut chain)?;
         }
         chain.notes = without_repeats(chain.notes);
         Ok(chain)
@@ -276,7 +286,7 @@ fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProble
             return Err(ChainProblem::SameName(name.to_owned()));
         }
     }
-    if layout == Layout::Msft {
+    if matches!(layout, Layout::Msft | Layout::Usd) {
         let mut last = f64::INFINITY;
         for level in levels {
             match level.screen_coverage() {

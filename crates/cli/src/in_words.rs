@@ -4,13 +4,13 @@
 use super::args::{Cli, Command};
 use super::failure::Failure;
 use super::{lods, simplify};
-use crate::chain::LevelsOptions;
-use crate::{ErrorKind, LevelOptions, Memory, Surroundings, WoodMode};
+use secateur::chain::LevelsOptions;
+use secateur::{ErrorKind, LevelOptions, Memory, Surroundings, WoodMode};
 
 /// A level, as options of `secateur simplify` ask for it.
 #[derive(Clone, Debug)]
 pub struct LevelRequest {
-    /// What becomes of the wood, which is decided when a plant is [opened](crate::Opening::wood).
+    /// What becomes of the wood, which is decided when a plant is [opened](secateur::Opening::wood).
     pub wood: WoodMode,
     /// How the level is made.
     pub options: LevelOptions,

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    secateur::cli::main(std::env::args_os())
+    secateur_cli::main(std::env::args_os())
 }
