@@ -156,7 +156,7 @@ fn vertices_that_lay_interleaved_are_there_once() {
     let trunk = interleaved_trunk();
     bench.put("trunk.glb", &trunk);
     bench
-        .run(&["lods", "trunk.glb", "-o", "levels", "--triangles", "0.5"])
+        .run(&["lods", "trunk.glb", "-o", "levels", "--levels", "0.5"])
         .succeeded();
     for (level, share) in [("0", 102), ("1", 70)] {
         let level = std::fs::read(bench.path(&format!("levels/trunk_LOD{level}.glb"))).unwrap();
@@ -167,4 +167,54 @@ fn vertices_that_lay_interleaved_are_there_once() {
             trunk.len()
         );
     }
+}
+
+/// A sheet that Draco compressed, below a node that moves it.
+fn compressed_sheet() -> Vec<u8> {
+    let mut bin = include_bytes!("../crates/gltf/tests/data/sheet_edgebreaker.drc").to_vec();
+    let length = bin.len();
+    bin.resize(length.next_multiple_of(4), 0);
+    let root = json!({
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_draco_mesh_compression"],
+        "extensionsRequired": ["KHR_draco_mesh_compression"],
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "sheet", "mesh": 0, "scale": [3.0, 3.0, 3.0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "extensions": {
+            "KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}}]}],
+        "accessors": [
+            {"componentType": 5126, "count": 625, "type": "VEC3",
+                "min": [0.0, 0.0, -0.1], "max": [1.0, 1.0, 0.1]},
+            {"componentType": 5125, "count": 3456, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteLength": length}],
+        "buffers": [{"byteLength": bin.len()}],
+    });
+    joined(&root, &bin)
+}
+
+/// The level that is the plant itself is as it came: what compressed it need not be undone.
+#[test]
+fn the_plant_itself_stays_compressed_as_it_was() {
+    let bench = Bench::new();
+    let sheet = compressed_sheet();
+    bench.put("sheet.glb", &sheet);
+    bench
+        .run(&["lods", "sheet.glb", "-o", "levels", "--levels", "0.3"])
+        .succeeded();
+    let level = std::fs::read(bench.path("levels/sheet_LOD0.glb")).unwrap();
+    assert!(
+        level.len() < sheet.len() + 512,
+        "{} of {}",
+        level.len(),
+        sheet.len()
+    );
+    let root: Value = serde_json::from_slice(chunks(&level).0).unwrap();
+    assert_eq!(root["nodes"][0]["name"], "sheet_LOD0");
+    let triangles = |file: &str| {
+        let ran = bench.run(&["inspect", file, "--format", "json"]);
+        let record: Value = serde_json::from_str(&ran.succeeded().stdout).unwrap();
+        record["triangles"].clone()
+    };
+    assert_eq!(triangles("levels/sheet_LOD0.glb"), triangles("sheet.glb"));
 }
