@@ -462,7 +462,7 @@ proptest! {
 #[test]
 fn a_leaf_of_which_strips_are_left_stays_near_its_place() {
     let square = polygon(4, 1.0, DVec3::X);
-    let mut strip = square[0].clone();
+    let mut strip = square[0];
     strip.corners[1] = 0.9 * strip.corners[0].midpoint(strip.corners[2]) + 0.1 * strip.corners[1];
     let foliage = of(&[[square, vec![strip]].concat()]);
     let leaf = LeafId::from_index(0);
