@@ -28,6 +28,7 @@ mod lods;
 mod main_job;
 mod measure;
 mod memory;
+mod no_larger;
 mod npm_package;
 mod odd_plants;
 mod odd_trees;

@@ -1,12 +1,15 @@
 //! A budget of triangles, shared over the leaves.
 
+use std::collections::BTreeMap;
+
 use secateur_model::{Foliage, LeafId};
 
 use super::LossCurves;
 
 /// For each leaf the number of triangles it may keep, at most `at_most` in all unless every
 /// leaf is at its least. Triangles go one by one where they save the most area: what the leaf
-/// loses without them, times its area. A few may stay over that no leaf can use.
+/// loses without them, times its area. A few may stay over that no leaf can use. Leaves that are instances of one mesh
+/// have one number, and get more together.
 pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -> Vec<usize> {
     let leaves = || (0..foliage.leaves().len()).map(LeafId::from_index);
     let mut shares: Vec<usize> = leaves()
@@ -18,12 +21,28 @@ pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -
         to: usize,
         worth: f64,
     }
+    // Instances of one mesh go by the name of the first.
+    let mut instances: BTreeMap<LeafId, Vec<LeafId>> = BTreeMap::new();
+    for leaf in leaves() {
+        if let Some(first) = curves.first_of_shape(leaf) {
+            instances.entry(first).or_default().push(leaf);
+        }
+    }
+    let is_alone = |leaf: &LeafId| curves.first_of_shape(*leaf).is_none();
     let mut more: Vec<More> = Vec::new();
     for leaf in leaves() {
+        let area = match (is_alone(&leaf), instances.get(&leaf)) {
+            (true, _) => foliage.leaf(leaf).area(),
+            (false, Some(alike)) => {
+                let areas = alike.iter().map(|leaf| foliage.leaf(*leaf).area());
+                areas.sum::<f64>() / alike.len() as f64
+            }
+            (false, None) => continue,
+        };
         for pair in curves.hull(leaf).windows(2) {
             let (from, to) = (pair[0].triangles, pair[1].triangles);
             let lost = pair[0].loss - pair[1].loss;
-            let worth = foliage.leaf(leaf).area() * lost / (to - from) as f64;
+            let worth = area * lost / (to - from) as f64;
             more.push(More {
                 leaf,
                 from,
@@ -35,13 +54,18 @@ pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -
     more.sort_by(|a, b| b.worth.total_cmp(&a.worth));
     let mut over = at_most.saturating_sub(shares.iter().sum());
     for More { leaf, from, to, .. } in more {
-        if shares[leaf.index()] == from && to - from <= over {
-            shares[leaf.index()] = to;
-            over -= to - from;
+        let alone = [leaf];
+        let alike = instances.get(&leaf).map_or(&alone[..], Vec::as_slice);
+        let added = (to - from) * alike.len();
+        if shares[leaf.index()] == from && added <= over {
+            for leaf in alike {
+                shares[leaf.index()] = to;
+            }
+            over -= added;
         }
     }
     // The rest goes to points off the hull, largest leaves first.
-    let mut by_area: Vec<LeafId> = leaves().collect();
+    let mut by_area: Vec<LeafId> = leaves().filter(is_alone).collect();
     by_area.sort_by(|a, b| {
         let area = |leaf: &LeafId| foliage.leaf(*leaf).area();
         area(b).total_cmp(&area(a))

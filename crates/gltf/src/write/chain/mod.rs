@@ -4,6 +4,7 @@
 //! the same number in every copy, so that levels share it: materials, textures,
 //! images, skins, and vertices that they have in common.
 
+mod as_it_came;
 mod cards_apart;
 mod deduplicate;
 mod materials;
@@ -167,6 +168,8 @@ pub struct ChainFile {
     pub name: String,
     /// The bytes of a GLB, a layer of USD, or an image.
     pub bytes: Vec<u8>,
+    /// Whether it is the plant as the input has it, compressed as it was.
+    pub is_as_it_came: bool,
 }
 
 impl Tree {
@@ -181,7 +184,8 @@ impl Tree {
     /// for each file; what one level alone shows is called after it, `leaves_LOD1`, unless the level is the plant as
     /// it is. The facts of a level are in its node's `extras`, with the
     /// extras of the nodes that it takes the place of. Images in files of their
-    /// own stay there. The same input gives the same bytes.
+    /// own stay there. In the layout of files the level that is the plant itself is as the input has it, where it would
+    /// otherwise be larger. The same input gives the same bytes.
     ///
     /// # Errors
     /// [`GltfError`] as [`lod_to_bytes`](Self::lod_to_bytes), and with
@@ -230,12 +234,24 @@ impl Tree {
                 chain.costs.push(cost);
             }
             let glb = glb_bytes(&content.root, content.buffer);
-            let bytes = glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?;
+            let mut bytes =
+                glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?;
+            let mut is_as_it_came = false;
+            if let (Layout::Files, [level], Some(cost)) = (layout, levels, chain.costs.last()) {
+                let came = as_it_came::as_it_came(self, level, cost.draws, bytes.len());
+                if let Some(came) = came.map_err(failed)? {
+                    (bytes, is_as_it_came) = (came, true);
+                }
+            }
             if let (Layout::Files, Some(cost)) = (layout, chain.costs.last_mut()) {
                 cost.bytes = bytes.len() as u64;
             }
             let name = format!("{file}.glb");
-            chain.files.push(ChainFile { name, bytes });
+            chain.files.push(ChainFile {
+                name,
+                bytes,
+                is_as_it_came,
+            });
         }
         if layout == Layout::Usd {
             usd::rewrite(self, name, levels, &mut chain)?;

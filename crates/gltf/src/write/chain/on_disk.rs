@@ -136,6 +136,12 @@ impl Tree {
             notes: chain.notes,
         };
         for (number, (file, place)) in chain.files.into_iter().zip(places).enumerate() {
+            if file.is_as_it_came && !options.compress {
+                let added = staged.add_derived(&place, &file.bytes);
+                added.map_err(|error| refused(&place, WriteProblem::Io(error)))?;
+                written.bytes += file.bytes.len() as u64;
+                continue;
+            }
             let level = self.as_written(file.bytes)?;
             // Levels share their images.
             let (lod, cutoffs) = (Lod::original(0), Cutoffs::default());

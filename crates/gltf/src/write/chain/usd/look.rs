@@ -137,8 +137,13 @@ impl Looks {
     /// The textures, by their names.
     pub(super) fn into_files(self) -> Vec<ChainFile> {
         let all = self.file_of.into_iter();
-        let mut files: Vec<ChainFile> =
-            all.map(|(bytes, name)| ChainFile { name, bytes }).collect();
+        let mut files: Vec<ChainFile> = all
+            .map(|(bytes, name)| ChainFile {
+                name,
+                bytes,
+                is_as_it_came: false,
+            })
+            .collect();
         files.sort_by(|a, b| a.name.cmp(&b.name));
         files
     }

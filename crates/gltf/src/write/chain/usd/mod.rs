@@ -84,6 +84,7 @@ pub(super) fn rewrite(
     chain.files.push(ChainFile {
         name: format!("{name}.usda"),
         bytes,
+        is_as_it_came: false,
     });
     chain.files.extend(looks.into_files());
     Ok(())

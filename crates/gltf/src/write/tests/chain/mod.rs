@@ -277,6 +277,7 @@ fn check_arrangement(tree: &Tree, document: &Document, layout: Layout, what: &st
     };
     let first = &root["nodes"][roots[0].as_u64().unwrap() as usize];
     match layout {
+        Layout::Usd => panic!("{what}: layers of USD are no glTF"),
         Layout::Files => assert_eq!(first["name"], "oak_LOD0", "{what}"),
         Layout::Siblings => {
             assert_eq!(first["name"], "oak", "{what}");
