@@ -43,7 +43,11 @@ fn key(item: &str) -> String {
 fn an_item_is_done_once_with_the_bytes_of_lods() {
     let (bench, items) = planned();
     let oak = &items[0];
+    // What a worker that died left of it goes with the next.
+    let left = format!("b/.secateur-{}-dead/made", key(oak));
+    std::fs::create_dir_all(bench.path(&left)).unwrap();
     run(&bench, oak).succeeded();
+    assert!(!bench.path(&left).exists());
     bench
         .run(&[&["lods", "oak.glb", "-o", "alone"], &OPTIONS[..]].concat())
         .succeeded();
@@ -107,6 +111,98 @@ fn what_changed_or_fails_is_told_and_gathered() {
 }
 
 /// Two workers with the same item leave one result, and nothing else.
+/// The recipes of docs/batch.md, by the engine's name.
+#[cfg(unix)]
+fn recipes() -> Vec<(&'static str, String)> {
+    let lines = include_str!("../docs/batch.md").lines();
+    let rows = lines.filter_map(|line| line.strip_prefix("| ")?.strip_suffix("` |"));
+    rows.filter_map(|row| row.split_once(" | `"))
+        .map(|(engine, recipe)| (engine, recipe.replace("\\|", "|")))
+        .collect()
+}
+
+/// Stand-ins for what hands work to machines: they read the words that the recipes give them, and do it here.
+#[cfg(unix)]
+const SBATCH: &str = r#"#!/bin/sh
+last=${1#--array=1-}
+[ "$2" = --wrap ] || exit 9
+for SLURM_ARRAY_TASK_ID in $(seq 1 "$last"); do
+  export SLURM_ARRAY_TASK_ID
+  sh -c "$3" || exit 1
+done
+"#;
+#[cfg(unix)]
+const HQ: &str = r#"#!/bin/sh
+[ "$1 $2 $4 $5 $6" = "submit --each-line --cpus 2 --" ] || exit 9
+items=$3
+shift 6
+while read -r HQ_ENTRY; do
+  export HQ_ENTRY
+  "$@" < /dev/null || exit 1
+done < "$items"
+"#;
+
+/// Each recipe as it is written down, with the engine where it can be had.
+#[cfg(unix)]
+#[test]
+fn recipes_do_each_item_of_a_plan() {
+    use std::os::unix::fs::PermissionsExt;
+    let bench = Bench::new();
+    let plants = ["1.glb", "2.glb"];
+    for (plant, seed) in plants.iter().zip(["1", "2"]) {
+        let grow = ["grow", "palmetto", "--leaves", "12", "--seed", seed];
+        bench.run(&[&grow[..], &["-o", plant]].concat()).succeeded();
+    }
+    let options = ["-o", "b", "--levels", "0.3", "--no-original"];
+    let plan = [&["batch", "plan"], &plants[..], &options].concat();
+    let plan = bench.run(&plan).succeeded();
+    let items: Vec<&str> = plan.stdout.lines().collect();
+    std::fs::create_dir(bench.path("bin")).unwrap();
+    for (name, script) in [("sbatch", SBATCH), ("hq", HQ)] {
+        let name = format!("bin/{name}");
+        bench.put(&name, script.as_bytes());
+        let all = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(bench.path(&name), all).unwrap();
+    }
+    let is_there = |line: &str| bench.run_in_shell(line).code == Some(0);
+    let all = recipes();
+    assert_eq!(all.len(), 4, "{all:?}");
+    for (engine, recipe) in all {
+        let line = match engine {
+            "GNU parallel" if !is_there("parallel --version") => {
+                eprintln!("SKIPPED: there is no GNU parallel");
+                continue;
+            }
+            "Dask" => {
+                let python = format!(
+                    "import subprocess\nfrom dask.distributed import Client\nwith Client(n_workers=1, threads_per_worker=2, \
+                     processes=False, dashboard_address=None) as client:\n    assert {recipe} == [0, 0]\n"
+                );
+                bench.put("dask_batch.py", python.as_bytes());
+                let packages = std::env::var("SECATEUR_DASK_PACKAGES").unwrap_or_default();
+                let line = format!("PYTHONPATH='{packages}' python3");
+                if !is_there(&format!("{line} -c 'import distributed'")) {
+                    eprintln!("SKIPPED: there is no Dask");
+                    continue;
+                }
+                format!("{line} dask_batch.py")
+            }
+            _ => recipe,
+        };
+        // Each recipe into a folder of its own.
+        let folder = format!("b_{}", engine.replace(' ', "_"));
+        let [from, to] = ["b", &folder].map(|name| format!("{}\"", bench.path(name).display()));
+        let own: Vec<String> = items.iter().map(|item| item.replace(&from, &to)).collect();
+        bench.put("items.jsonl", format!("{}\n", own.join("\n")).as_bytes());
+        let path = "PATH=\"$PWD/bin:$(dirname \"$SECATEUR\"):$PATH\"; export PATH";
+        bench.run_in_shell(&format!("{path}; {line}")).succeeded();
+        for item in &own {
+            let record = bench.json(&format!("{folder}/{}/record.json", key(item)));
+            assert_eq!(record["key"], key(item), "{engine}");
+        }
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn two_workers_may_be_given_the_same_item() {

@@ -185,6 +185,76 @@ fn modules_for_the_web_switch_where_they_should() {
     }
 }
 
+/// usd-core opens the layer, finds the triangles and points of each level, and switches where the report says.
+#[test]
+fn usd_gets_a_layer_whose_levels_switch() {
+    let (bench, levels) = levels_for("usd");
+    let layer = text(&bench, "out/oak.usda");
+    assert!(layer.starts_with("#usda 1.0\n"));
+    for part in [
+        "[\"LODRootAPI\"]",
+        "inputs:opacityThreshold = ",
+        "@./oak_textures/",
+    ] {
+        assert!(layer.contains(part), "{part}");
+    }
+    let compressed = ["lods", "oak.glb", "-o", "c", "--for", "usd", "--compress"];
+    bench.run(&compressed).failed_with(2, &["--compress"]);
+    let Some(packages) = std::env::var_os("SECATEUR_USD_PACKAGES") else {
+        let is_required = std::env::var("SECATEUR_REQUIRE_USD").is_ok_and(|v| v == "1");
+        assert!(!is_required, "tests/run.sh fetches usd-core, and could not");
+        eprintln!("SKIPPED: tests/run.sh fetches usd-core, which opens levels as USD");
+        return;
+    };
+    bench.put("usd.py", include_bytes!("clients/usd.py"));
+    // Just before each switch, and where the next level is alone.
+    let distances = switches(&levels)[1..].to_vec();
+    let at = distances.iter().flat_map(|m| [m * 0.99, m * 1.12]);
+    let output = Command::new("python3")
+        .args(["usd.py", "out/oak.usda", "60"])
+        .args(at.map(|m| m.to_string()))
+        .current_dir(bench.path("."))
+        .env("PYTHONPATH", packages)
+        .output()
+        .unwrap();
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{complaint}");
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["up"], "Y");
+    let names = |k: &Value| k["name"].as_str().unwrap().to_owned();
+    for (k, (level, told)) in found["levels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(&levels)
+        .enumerate()
+    {
+        assert_eq!(names(level), format!("oak_LOD{k}"));
+        assert_eq!(level["triangles"], told["triangles"]);
+        assert_eq!(level["facts"]["triangles"], told["triangles"]);
+        assert_ne!(level["thresholds"], json!([]), "leaves are cut out");
+    }
+    let points = found["levels"].as_array().unwrap().iter();
+    let points: Vec<u64> = points
+        .map(|level| level["points"].as_u64().unwrap())
+        .collect();
+    assert!(
+        points.windows(2).all(|pair| pair[0] > pair[1]),
+        "{points:?}"
+    );
+    assert_eq!(found["drawn"], json!([0.0, 1.0, 1.0, 2.0]));
+    let all: Vec<String> = found["levels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(names)
+        .collect();
+    assert_eq!(found["alone"][3], json!(all), "auto has all levels");
+    for (k, name) in all.iter().enumerate() {
+        assert_eq!(found["alone"][k], json!([name]));
+    }
+}
+
 #[test]
 fn blender_gets_a_script_that_python_reads() {
     let (bench, _) = levels_for("blender");
@@ -196,6 +266,21 @@ fn blender_gets_a_script_that_python_reads() {
         .arg(bench.path("out/oak_blender.py"))
         .status();
     assert!(status.map_or(true, |status| status.success()));
+    let Some(packages) = std::env::var_os("SECATEUR_BPY_PACKAGES") else {
+        eprintln!("SKIPPED: SECATEUR_BPY_PACKAGES names no folder with Blender as a module (bpy)");
+        return;
+    };
+    let run = "import bpy, runpy, sys; bpy.ops.wm.read_factory_settings(use_empty=True); runpy.run_path(sys.argv[1]); \
+        print('found', [(it.name, it.hide_viewport, len(it.all_objects)) for it in bpy.data.collections])";
+    let output = Command::new("python3")
+        .args(["-c", run])
+        .arg(bench.path("out/oak_blender.py"))
+        .env("PYTHONPATH", packages)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stdout);
+    let collections = "[('oak_LOD0', False, 1), ('oak_LOD1', True, 1), ('oak_LOD2', True, 1)]";
+    assert!(told.contains(collections), "{output:?}");
 }
 
 #[test]

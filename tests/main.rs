@@ -1,5 +1,6 @@
 //! What crosses crates: the built program, run as its users run it.
 
+mod action;
 mod as_clients_draw;
 mod bad_input;
 mod baselines;
@@ -9,6 +10,7 @@ mod browser;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "clients/clients.rs"]
 mod clients;
+mod compress;
 mod demo;
 mod doors;
 mod engine_files;
@@ -26,12 +28,15 @@ mod lods;
 mod main_job;
 mod measure;
 mod memory;
+mod no_larger;
+mod npm_package;
 mod odd_plants;
 mod odd_trees;
 mod outputs;
 mod preview_page;
 mod program;
 mod python;
+mod release;
 mod report_page;
 mod scenes;
 mod schema;

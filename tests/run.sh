@@ -4,7 +4,8 @@
 # package manager, and Chromium likewise where there is no browser to open
 # pages with; where npm is there, fetches the Khronos glTF validator, three.js, which the
 # preview's pictures are compared with, Babylon.js, which chains of levels are shown to, and
-# gltfpack, which whole plants are held against; where Python is there, numpy.
+# gltfpack, which whole plants are held against; where Python is there, numpy, and usd-core,
+# which opens levels as USD.
 # Further arguments go to `cargo test --workspace`.
 #
 # All packages are always built together: each alone would have its dependencies built with
@@ -144,6 +145,14 @@ if python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2> /dev/null; t
     }
   fi
   target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+  if [ ! -d "$target/tools/usd" ]; then
+    say "fetching usd-core"
+    python3 -m pip install --quiet --root-user-action ignore --target "$target/tools/usd" 'usd-core>=26.11' || {
+      rm -rf "$target/tools/usd"
+      say "no usd-core for this Python: the test of levels as USD will say that it skips"
+    }
+  fi
+  if [ -d "$target/tools/usd" ]; then export SECATEUR_USD_PACKAGES="$target/tools/usd"; fi
   [ -d "$target/tools/maturin" ] || {
     say "fetching maturin"
     python3 -m pip install --quiet --root-user-action ignore --target "$target/tools/maturin" 'maturin>=1.9,<2'

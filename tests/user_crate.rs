@@ -29,25 +29,25 @@ fn example_of_guide() -> String {
 }
 
 /// Writes the crate. Locked versions and profiles of dependencies are those of this repository, so that what is compiled
-/// here serves; this repository's own crates have other features here, and are compiled sooner than well.
+/// here serves.
 fn put_crate(bench: &Bench, dependency: &str) {
     let profiles = text("Cargo.toml");
-    let mut profiles = profiles[profiles.find("[profile.dev]").unwrap()..].to_owned();
-    for name in ["raster", "simplify", "eval", "levels", "plant", "pages"] {
-        profiles += &format!("\n[profile.dev.package.secateur-{name}]\nopt-level = 1\n");
-    }
+    let profiles = &profiles[profiles.find("[profile.dev]").unwrap()..];
     let manifest = format!(
         "[package]\nname = \"user\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[workspace]\n\n\
          [dependencies]\n{dependency}\n\n{profiles}"
     );
-    let main = format!(
-        "fn main() -> Result<(), Box<dyn std::error::Error>> {{\n{}Ok(())\n}}\n",
-        block(&text("README.md"), "rust")
-    );
     bench.put("Cargo.toml", manifest.as_bytes());
     bench.put("Cargo.lock", text("Cargo.lock").as_bytes());
     std::fs::create_dir_all(bench.path("src")).unwrap();
-    bench.put("src/main.rs", main.as_bytes());
+    bench.put("src/main.rs", program_of_readme().as_bytes());
+}
+
+/// README's example as a program.
+fn program_of_readme() -> String {
+    let readme = text("README.md");
+    let example = block(&readme, "rust");
+    format!("fn main() -> Result<(), Box<dyn std::error::Error>> {{\n{example}Ok(())\n}}\n")
 }
 
 /// The folder into which this test was compiled.
@@ -56,14 +56,40 @@ fn target() -> PathBuf {
     test.ancestors().nth(3).unwrap().to_owned()
 }
 
-fn run_crate(bench: &Bench) -> Ran {
+fn check_crate(bench: &Bench) -> Ran {
     let output = Command::new(env!("CARGO"))
-        .args(["run", "--offline", "--quiet", "--target-dir"])
+        .args(["check", "--offline", "--quiet", "--target-dir"])
         .arg(target())
         .current_dir(bench.path(""))
         .output()
         .unwrap();
-    Ran::of(&["cargo", "run"], output)
+    Ran::of(&["cargo", "check"], output)
+}
+
+/// README's example, compiled with these tests.
+mod example {
+    include!("user_crate/example.rs");
+}
+
+/// Set where [`readmes_example`] is to run.
+const RUNS_HERE: &str = "SECATEUR_RUNS_EXAMPLE_HERE";
+
+/// Writes into the working folder, and so runs only in a process of its own.
+#[test]
+fn readmes_example() {
+    if std::env::var_os(RUNS_HERE).is_some() {
+        example::main().unwrap();
+    }
+}
+
+fn run_example(bench: &Bench) {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "user_crate::readmes_example"])
+        .env(RUNS_HERE, "1")
+        .current_dir(bench.path(""))
+        .output()
+        .unwrap();
+    Ran::of(&["README's example"], output).succeeded();
 }
 
 /// What README says compiles with the features that it names, runs, and writes the bytes of the program.
@@ -79,7 +105,10 @@ fn a_user_of_readme_gets_the_programs_bytes() {
     let line = line.replace("path/to/crates/secateur", &library);
     assert!(line.contains(&library));
     put_crate(&bench, &line);
-    run_crate(&bench).succeeded();
+    check_crate(&bench).succeeded();
+    let example = text("tests/user_crate/example.rs");
+    assert_eq!(example, format!("pub(super) {}", program_of_readme()));
+    run_example(&bench);
 
     let grow = [
         "grow", "oak", "--leaves", "200", "--seed", "1", "-o", "oak.glb",

@@ -31,6 +31,6 @@ mkdir -p "$out"
 "$builder" wrap "$engine" no-modules "$out/no-modules"
 "$builder" page "$out/no-modules" . "$out/secateur.html"
 for kind in nodejs bundler; do "$builder" wrap "$engine" "$kind" "$out/package/$kind"; done
-cp -r web/package/* "$out/package/"
+cp -r web/package/* LICENSE "$out/package/"
 printf '%s: %s bytes, %s compressed\n' "$out/secateur.html" \
   "$(wc -c < "$out/secateur.html")" "$(gzip -9 -c "$out/secateur.html" | wc -c)"

@@ -26,6 +26,8 @@ const LARGE_GLB_BYTES: u64 = 64 << 20;
 pub struct Document {
     /// The JSON, with everything that this crate doesn't know.
     pub(crate) root: Value,
+    /// The JSON as it came, where `root` has another since geometry was decoded.
+    pub(crate) undecoded: Option<Arc<Value>>,
     /// The bytes of `buffers`, in their order.
     pub(crate) buffers: Vec<Buffer>,
     /// How many bytes these are, those that buffers share counted once.
@@ -182,6 +184,7 @@ impl Document {
         let views = property::list(&root, "bufferViews")?.len();
         let mut document = Self {
             root,
+            undecoded: None,
             data_bytes: buffer::distinct_bytes(&buffers),
             buffers,
             name: name.to_owned(),
@@ -197,6 +200,11 @@ impl Document {
         };
         document.decode_draco()?;
         Ok(document)
+    }
+
+    /// Its JSON as it came.
+    pub(crate) fn root_as_it_came(&self) -> &Value {
+        self.undecoded.as_deref().unwrap_or(&self.root)
     }
 
     /// A fault of this file, with its name.
@@ -217,6 +225,7 @@ impl Clone for Document {
         let views = self.decompressed_views.len();
         Self {
             root: self.root.clone(),
+            undecoded: self.undecoded.clone(),
             buffers: self.buffers.clone(),
             data_bytes: self.data_bytes,
             name: self.name.clone(),

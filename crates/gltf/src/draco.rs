@@ -108,6 +108,9 @@ impl Document {
             }
             replaced.push(one);
         }
+        if !replaced.is_empty() {
+            self.undecoded = Some(self.root.clone().into());
+        }
         self.put(decoded, &replaced);
         self.forget_draco();
         Ok(())

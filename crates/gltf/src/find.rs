@@ -11,6 +11,7 @@ use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::levels_inside::LevelsInside;
 use super::parts::Part;
 use super::picture::Pictures;
+use super::property;
 use super::report;
 use super::role_groups::Judged;
 use super::roles::Role;
@@ -261,6 +262,15 @@ impl Document {
                             self.place("nodes", part.node)
                         )
                     })?;
+                // Instances that become other shapes would have to be written one by one.
+                let mesh = &self.root["meshes"][group.mesh];
+                let is_alone = property::list(mesh, "primitives").is_ok_and(|all| all.len() == 1);
+                let is_whole = is_alone && group.geometry.pieces().len() == 1;
+                if role == Role::Leaf && part.instance.is_some() && is_whole {
+                    let last = found.foliage.leaves().len() - 1;
+                    let shape = *index as u32;
+                    found.foliage.set_shape(LeafId::from_index(last), shape);
+                }
             }
         }
         Ok(found)

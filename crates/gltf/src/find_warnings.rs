@@ -34,40 +34,92 @@ impl Document {
         mixed.collect()
     }
 
-    /// What of each primitive is read otherwise than one may think, or could be something else; a sentence each.
+    /// What of primitives is read otherwise than one may think, or could be something else; a sentence for all that
+    /// it is true of.
     pub(crate) fn warnings(
         &self,
         survey: &Survey,
         verdicts: &[Verdict],
         selectors: &[Selector],
     ) -> Vec<String> {
-        let mut warnings = Vec::new();
+        let mut about: Vec<(Oddity, Vec<String>)> = Vec::new();
         for (group, verdict) in survey.groups.iter().zip(verdicts) {
-            let place = self.primitive_place(group.mesh, group.primitive);
             let is_skinned = |&node: &usize| self.root["nodes"][node].get("skin").is_some();
-            if group.nodes.iter().any(is_skinned) {
-                warnings.push(format!("{place}: is skinned; its bind pose is read"));
-            }
             let json = &self.root["meshes"][group.mesh]["primitives"][group.primitive];
-            if property::list(json, "targets").is_ok_and(|targets| !targets.is_empty()) {
-                warnings.push(format!(
-                    "{place}: has morph targets; its shape at rest is read"
-                ));
-            }
-            match verdict {
-                Verdict::NoTriangles => warnings.push(format!("{place}: has no triangles")),
-                Verdict::Unclear if selectors.is_empty() => warnings.push(format!(
-                    "{place}: could be foliage, is left as wood; to choose it use `--foliage`"
-                )),
-                Verdict::FoliageForWantOfOther if selectors.is_empty() => warnings.push(format!(
-                    "{place}: is taken for foliage since its texture is cut out and nothing else looks like leaves; to choose others use `--foliage`"
-                )),
+            let has_targets = property::list(json, "targets").is_ok_and(|t| !t.is_empty());
+            let of_verdict = match verdict {
+                Verdict::NoTriangles => Some(Oddity::NoTriangles),
+                Verdict::Unclear if selectors.is_empty() => Some(Oddity::Unclear),
+                Verdict::FoliageForWantOfOther if selectors.is_empty() => {
+                    Some(Oddity::FoliageForWantOfOther)
+                }
                 Verdict::Foliage
                 | Verdict::FoliageForWantOfOther
                 | Verdict::Unclear
-                | Verdict::Wood => {}
+                | Verdict::Wood => None,
+            };
+            let of_shape = [
+                group
+                    .nodes
+                    .iter()
+                    .any(is_skinned)
+                    .then_some(Oddity::Skinned),
+                has_targets.then_some(Oddity::MorphTargets),
+            ];
+            for oddity in of_shape.into_iter().chain([of_verdict]).flatten() {
+                let place = self.primitive_place(group.mesh, group.primitive);
+                match about.iter_mut().find(|(known, _)| *known == oddity) {
+                    Some((_, places)) => places.push(place),
+                    None => about.push((oddity, vec![place])),
+                }
             }
         }
-        warnings
+        about.iter().map(|(oddity, at)| oddity.of(at)).collect()
+    }
+}
+
+/// Most primitives that a sentence names.
+const MOST_NAMED: usize = 3;
+
+/// What may surprise of a primitive.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Oddity {
+    Skinned,
+    MorphTargets,
+    NoTriangles,
+    Unclear,
+    FoliageForWantOfOther,
+}
+
+impl Oddity {
+    /// A sentence about the primitives at these places, at least one.
+    fn of(self, places: &[String]) -> String {
+        let (one, several) = match self {
+            Self::Skinned => (
+                "is skinned; its bind pose is read",
+                "are skinned; their bind pose is read",
+            ),
+            Self::MorphTargets => (
+                "has morph targets; its shape at rest is read",
+                "have morph targets; their shape at rest is read",
+            ),
+            Self::NoTriangles => ("has no triangles", "have no triangles"),
+            Self::Unclear => (
+                "could be foliage, is left as wood; to choose it use `--foliage`",
+                "could be foliage, are left as wood; to choose them use `--foliage`",
+            ),
+            Self::FoliageForWantOfOther => (
+                "is taken for foliage since its texture is cut out and nothing else looks like leaves; to choose others use `--foliage`",
+                "are taken for foliage since their textures are cut out and nothing else looks like leaves; to choose others use `--foliage`",
+            ),
+        };
+        if let [place] = places {
+            return format!("{place}: {one}");
+        }
+        let named = places[..places.len().min(MOST_NAMED)].join(", ");
+        match places.len() - places.len().min(MOST_NAMED) {
+            0 => format!("{named}: {several}"),
+            more => format!("{named} and {more} more: {several}"),
+        }
     }
 }

@@ -100,7 +100,7 @@
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
-//! | chains of levels | `write/chain/` |
+//! | chains of levels | `write/chain/`; as USD: `write/chain/usd/` |
 //! | alpha cutoffs of a level | `write/cutoffs.rs`, `write/beyond_cards.rs` |
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |

@@ -282,6 +282,13 @@ impl Document {
         dimensions(&bytes, MAX_TEXELS).ok()
     }
 
+    /// The encoded bytes of an image, if they can be had.
+    pub(crate) fn encoded_image(&self, index: usize) -> Option<Vec<u8>> {
+        let mut budget = self.budget;
+        let bytes = self.image_bytes(index, &mut budget).ok()?.ok()?;
+        Some(bytes.into_owned())
+    }
+
     /// The encoded bytes of an image; the inner error says why it can't be had
     /// though the file is sound.
     fn image_bytes(

@@ -9,6 +9,9 @@ pub enum WriteProblem {
     /// Neither .glb nor .gltf.
     #[error("cannot be written: its name must end in .glb or .gltf")]
     Extension,
+    /// No .usda.
+    #[error("cannot be written: the name of USD levels must end in .usda")]
+    NotUsda,
     /// The name can't be put into a URI.
     #[error("cannot be written: its name is not Unicode")]
     Name,

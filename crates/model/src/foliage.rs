@@ -40,6 +40,7 @@ pub struct Leaf {
     triangles: Range<u32>,
     cutout: Option<u32>,
     facing: Facing,
+    shape: Option<u32>,
     centre: DVec3,
     area: f64,
 }
@@ -53,6 +54,12 @@ impl Leaf {
     /// From which side its triangles are seen.
     pub fn facing(&self) -> Facing {
         self.facing
+    }
+
+    /// The number of the mesh of which it is an instance, where it is all of that mesh: leaves of one number have one
+    /// shape, and should keep one.
+    pub fn shape(&self) -> Option<u32> {
+        self.shape
     }
 
     /// Its centre in world space: the centroid of its area, or the mean of its
@@ -160,7 +167,7 @@ impl Foliage {
         self.push_leaf_facing(triangles, cutout, Facing::Both)
     }
 
-    /// Adds a leaf with the cut-out and facing of another, which may be one of another foliage
+    /// Adds a leaf with the cut-out, facing and shape of another, which may be one of another foliage
     /// with the same cut-outs, and returns its name.
     ///
     /// # Errors
@@ -170,7 +177,9 @@ impl Foliage {
         triangles: &[LeafTriangle],
         like: &Leaf,
     ) -> Result<LeafId, FoliageError> {
-        self.push_leaf_facing(triangles, like.cutout, like.facing)
+        let id = self.push_leaf_facing(triangles, like.cutout, like.facing)?;
+        self.leaves[id.index()].shape = like.shape;
+        Ok(id)
     }
 
     /// Adds a leaf and returns its name.
@@ -213,10 +222,19 @@ impl Foliage {
             triangles: start..self.triangles.len() as u32,
             cutout,
             facing,
+            shape: None,
             centre,
             area,
         });
         Ok(id)
+    }
+
+    /// Says of which mesh a leaf is an instance, see [`Leaf::shape`].
+    ///
+    /// # Panics
+    /// If there is no such leaf.
+    pub fn set_shape(&mut self, id: LeafId, shape: u32) {
+        self.leaves[id.index()].shape = Some(shape);
     }
 
     /// These leaves and then those of another foliage, with their cut-outs.
@@ -230,7 +248,8 @@ impl Foliage {
         for (index, leaf) in other.leaves.iter().enumerate() {
             let triangles = other.triangles_of(LeafId::from_index(index));
             let cutout = leaf.cutout.map(|c| cutouts_before + c);
-            joined.push_leaf_facing(triangles, cutout, leaf.facing)?;
+            let id = joined.push_leaf_facing(triangles, cutout, leaf.facing)?;
+            joined.leaves[id.index()].shape = leaf.shape;
         }
         Ok(joined)
     }
@@ -332,6 +351,14 @@ pub(crate) fn scaled_about(centre: DVec3, area_scale: f64, triangles: &mut [Leaf
     for corner in triangles.iter_mut().flat_map(|t| &mut t.corners) {
         *corner = centre + (*corner - centre) * linear_scale;
     }
+}
+
+/// The centre of these triangles, as [`Leaf::centre`] is that of a leaf's.
+///
+/// # Panics
+/// If there is no triangle.
+pub fn centroid_of(triangles: &[LeafTriangle]) -> DVec3 {
+    centroid_and_area(triangles).0
 }
 
 /// As [`Leaf::centre`] and [`Leaf::area`]; there is a triangle.

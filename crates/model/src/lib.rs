@@ -35,7 +35,7 @@ mod skeleton;
 mod surface;
 
 pub use cutout::{Cutout, Wrap};
-pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle};
+pub use foliage::{BoundingSphere, Facing, Foliage, FoliageError, Leaf, LeafTriangle, centroid_of};
 pub use forest::{CollapseIndex, Forest, Heirs, NoHeirs, Node, NodeIndex};
 pub use hex::hex;
 pub use hold::{Hold, PlantHolds};

@@ -69,7 +69,8 @@ impl PyLevels {
     ) -> PyResult<Vec<PathBuf>> {
         let layout = match layout {
             Some(layout) => layout_of(layout)?,
-            None if is_glb(&path) => Layout::Siblings,
+            None if has_extension(&path, &["glb", "gltf"]) => Layout::Siblings,
+            None if has_extension(&path, &["usda"]) => Layout::Usd,
             None => Layout::Files,
         };
         let written = py.detach(|| {
@@ -94,14 +95,15 @@ fn layout_of(name: &str) -> PyResult<Layout> {
         "files" => Ok(Layout::Files),
         "siblings" => Ok(Layout::Siblings),
         "msft" => Ok(Layout::Msft),
+        "usd" => Ok(Layout::Usd),
         _ => Err(errors::usage(format!(
-            "the layout `{name}` is none of files, siblings, msft"
+            "the layout `{name}` is none of files, siblings, msft, usd"
         ))),
     }
 }
 
-/// Whether a path is one of a file that holds all levels.
-fn is_glb(path: &Path) -> bool {
+/// Whether a path is one of a file of these kinds.
+fn has_extension(path: &Path, all: &[&str]) -> bool {
     let extension = path.extension().and_then(|e| e.to_str());
-    extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()))
+    extension.is_some_and(|e| all.contains(&e.to_ascii_lowercase().as_str()))
 }

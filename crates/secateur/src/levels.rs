@@ -211,7 +211,7 @@ impl Levels {
     pub fn placed(&self, layout: Layout, written: &WrittenChain) -> Vec<PlacedLevel> {
         let place = |k: usize| match layout {
             Layout::Files => LevelPlace::File(written.files[k].display().to_string()),
-            Layout::Siblings | Layout::Msft => LevelPlace::Node(self.node(k)),
+            Layout::Siblings | Layout::Msft | Layout::Usd => LevelPlace::Node(self.node(k)),
         };
         let placed = |(k, level): (usize, &ChainLevel)| PlacedLevel {
             shadow: Some(place(level.shadow)),

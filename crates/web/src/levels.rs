@@ -85,7 +85,7 @@ impl JsLevels {
             .map_err(|error| error.to_string())
     }
 
-    /// The names of the files in a layout: `files`, `siblings` or `msft`.
+    /// The names of the files in a layout: `files`, `siblings`, `msft` or `usd`.
     ///
     /// # Errors
     /// A sentence where there is no such layout, or a file would be beyond 4 GiB.
@@ -137,6 +137,7 @@ impl JsLevels {
             "files" => Layout::Files,
             "siblings" => Layout::Siblings,
             "msft" => Layout::Msft,
+            "usd" => Layout::Usd,
             other => return Err(format!("there is no layout {other}")),
         };
         if let Some((known, files)) = &*self.last.borrow()

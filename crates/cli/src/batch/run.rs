@@ -29,9 +29,9 @@ pub(super) fn run(args: &args::BatchRun, common: &Common) -> Result<Printed, Fai
     let start = Instant::now();
     let item = Item::parsed(&text(&args.item)?)?;
     let place = item.place();
+    let is_done = |record| Printed::single(format!("{}: is done\n", item.input.display()), record);
     if let Some(record) = known(&place) {
-        let kept = format!("{}: is done\n", item.input.display());
-        return Ok(Printed::single(kept, record));
+        return Ok(is_done(record));
     }
     match made(&item, common, start) {
         Ok(record) => {
@@ -40,6 +40,10 @@ pub(super) fn run(args: &args::BatchRun, common: &Common) -> Result<Printed, Fai
             Ok(Printed::single(pretty, record))
         }
         Err(failure) => {
+            if let Some(record) = known(&place) {
+                // Another worker was given the same item, and was faster.
+                return Ok(is_done(record));
+            }
             if failure.kind != secateur::ErrorKind::Interrupted {
                 let record = lods::FailureRecord::of(&item.input, &failure);
                 let seconds = start.elapsed().as_secs_f64();
@@ -68,7 +72,7 @@ fn made(item: &Item, common: &Common, start: Instant) -> Result<Value, Failure> 
     fs::create_dir_all(&item.output)
         .map_err(|e| Failure::of_file(&item.output, "cannot be made", &e))?;
     let beside = tempfile::Builder::new()
-        .prefix(".secateur-")
+        .prefix(&beginning(item))
         .tempdir_in(&item.output)
         .map_err(|e| Failure::of_file(&item.output, "cannot be written into", &e))?;
     let folder = beside.path().join("made");
@@ -86,11 +90,25 @@ fn made(item: &Item, common: &Common, start: Instant) -> Result<Value, Failure> 
     )?;
     interrupt::writing()?;
     files.commit()?;
-    if let Err(error) = fs::rename(&folder, &place) {
-        // Another worker was given the same item, and was faster.
-        return known(&place).ok_or_else(|| Failure::of_file(&place, "cannot be made", &error));
-    }
+    fs::rename(&folder, &place).map_err(|e| Failure::of_file(&place, "cannot be made", &e))?;
+    drop(beside);
+    remove_leftovers(item);
     Ok(record)
+}
+
+/// How the names of folders begin in which an item is made.
+fn beginning(item: &Item) -> String {
+    format!(".secateur-{}-", item.key)
+}
+
+/// Removes what workers that died left of an item that is done. One that is at it still finds the item done.
+fn remove_leftovers(item: &Item) {
+    let beginning = beginning(item);
+    for entry in fs::read_dir(&item.output).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&beginning) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
 }
 
 fn with_key(mut record: Value, item: &Item) -> Value {

@@ -21,7 +21,7 @@ pub(super) fn told(args: &args::Lods, jobs: &[Job<'_>]) -> Result<Printed, Failu
         let plant = opened(args, job)?;
         let files = match job.layout {
             Layout::Files => job.place.join(format!("{}_LOD0.glb ...", job.name)),
-            Layout::Siblings | Layout::Msft => job.place.clone(),
+            Layout::Siblings | Layout::Msft | Layout::Usd => job.place.clone(),
         };
         let leaves = plant.leaves().leaves().len() as u64;
         pretty.push_str(&format!(

@@ -22,15 +22,16 @@ pub(crate) struct Job<'a> {
     pub(crate) layout: Layout,
     /// The file, or for the layout of files the folder.
     pub(crate) place: PathBuf,
-    /// What an engine needs beside the levels.
+    /// What an engine needs beside the levels, where it does.
     pub(crate) companion: Option<PathBuf>,
 }
 
 /// Where each tree's levels go.
 pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     let extension = args.output.extension().and_then(OsStr::to_str);
-    let is_file =
-        extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()));
+    let extension = extension.map(str::to_ascii_lowercase);
+    let is_usda = extension.as_deref() == Some("usda");
+    let is_file = is_usda || matches!(extension.as_deref(), Some("glb" | "gltf"));
     if is_file && args.trees.len() > 1 {
         return Err(Failure::usage(format!(
             "{}: one file holds the levels of one tree; name a folder for {} trees",
@@ -38,24 +39,7 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
             args.trees.len()
         )));
     }
-    if is_file && args.layout == Some(Layout::Files) {
-        return Err(Failure::usage(format!(
-            "{}: the layout of files needs a folder as its output",
-            args.output.display()
-        )));
-    }
-    let of_engine = args.for_engine.map(EngineName::layout);
-    if is_file && of_engine == Some(Layout::Files) {
-        return Err(Failure::usage(format!(
-            "{}: that engine needs a file for each level: name a folder",
-            args.output.display()
-        )));
-    }
-    let layout = match (args.layout.or(of_engine), is_file) {
-        (Some(layout), _) => layout,
-        (None, true) => Layout::Siblings,
-        (None, false) => Layout::Files,
-    };
+    let layout = layout(args, is_file.then_some(is_usda))?;
     let mut names: Vec<String> = Vec::new();
     for tree in &args.trees {
         let stem = tree.file_stem().and_then(OsStr::to_str);
@@ -83,7 +67,10 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
     for (tree, name) in args.trees.iter().zip(names) {
         let place = match is_file || layout == Layout::Files {
             true => args.output.clone(),
-            false => args.output.join(format!("{name}.glb")),
+            false => args.output.join(match layout {
+                Layout::Usd => format!("{name}.usda"),
+                Layout::Files | Layout::Siblings | Layout::Msft => format!("{name}.glb"),
+            }),
         };
         let folder = match is_file {
             true => args
@@ -94,7 +81,7 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
         };
         let companion = args
             .for_engine
-            .map(|engine| folder.join(engine.companion(&name)));
+            .and_then(|engine| Some(folder.join(engine.companion(&name)?)));
         jobs.push(Job {
             tree,
             layout,
@@ -104,6 +91,32 @@ pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
         });
     }
     Ok(jobs)
+}
+
+/// How levels lie in files; `is_usda` says of an output that is a file whether it is one of USD.
+fn layout(args: &args::Lods, is_usda: Option<bool>) -> Result<Layout, Failure> {
+    let wrong = |what: &str| Failure::usage(format!("{}: {what}", args.output.display()));
+    let of_engine = args.for_engine.map(EngineName::layout);
+    let layout = match (args.layout.or(of_engine), is_usda) {
+        (Some(layout), _) => layout,
+        (None, Some(true)) => Layout::Usd,
+        (None, Some(false)) => Layout::Siblings,
+        (None, None) => Layout::Files,
+    };
+    match (layout, is_usda) {
+        (Layout::Files, Some(_)) if args.for_engine.is_some() => Err(wrong(
+            "that engine needs a file for each level: name a folder",
+        )),
+        (Layout::Files, Some(_)) => Err(wrong("the layout of files needs a folder as its output")),
+        (Layout::Usd, Some(false)) => Err(wrong("levels as USD need a name that ends in .usda")),
+        (Layout::Siblings | Layout::Msft, Some(true)) => {
+            Err(wrong("this layout needs a name that ends in .glb or .gltf"))
+        }
+        (Layout::Usd, _) if args.compress => Err(Failure::usage(
+            "`--compress` is for glTF: leave it out with the layout usd",
+        )),
+        (layout, _) => Ok(layout),
+    }
 }
 
 pub(super) fn check_outputs(args: &args::Lods, jobs: &[Job<'_>]) -> Result<(), Failure> {
@@ -172,7 +185,7 @@ fn places(job: &Job<'_>) -> Vec<PathBuf> {
     let level = |k| job.place.join(format!("{}_LOD{k}.glb", job.name));
     let mut places: Vec<PathBuf> = match job.layout {
         Layout::Files => (0..MAX_LEVELS).map(level).collect(),
-        Layout::Siblings | Layout::Msft => vec![job.place.clone()],
+        Layout::Siblings | Layout::Msft | Layout::Usd => vec![job.place.clone()],
     };
     places.extend(job.companion.clone());
     places

@@ -145,9 +145,9 @@ pub(crate) fn run(args: &args::Lods, common: &Common) -> Result<Printed, Failure
     if !outlet.is_stdout() {
         return run_into_files(args, common, &outlet);
     }
-    if args.layout == Some(Layout::Files) {
+    if matches!(args.layout, Some(Layout::Files | Layout::Usd)) {
         return Err(Failure::usage(
-            "standard output takes one file: leave out `--layout files`",
+            "standard output takes one file: leave out `--layout`, or name a folder",
         ));
     }
     if args.for_engine.is_some() {
@@ -454,8 +454,10 @@ fn stage_companion(
     }
     let of_levels = job.place.file_name().unwrap_or_default().to_string_lossy();
     let levels = EngineLevels::of(levels, screen.field_of_view_degrees);
-    let text = engine.text(&levels, &of_levels);
-    output::stage(staged, file, text.as_bytes())
+    match engine.text(&levels, &of_levels) {
+        Some(text) => output::stage(staged, file, text.as_bytes()),
+        None => Ok(()),
+    }
 }
 
 /// Whether the alpha of a texture cuts anything out of what is drawn.

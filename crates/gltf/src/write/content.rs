@@ -14,6 +14,7 @@ use super::draft::Draft;
 use super::drop_unreferenced::{
     References, drop_meshes, drop_unreferenced, remove_field, undrawn_meshes,
 };
+use super::interleaved::separate_what_is_left;
 use super::leaf_edits::LeafEdits;
 use super::meshes::rewrite_meshes;
 use super::nodes::{drop_nodes, leave_out_levels};
@@ -95,6 +96,7 @@ pub(super) fn finished(
     let document = draft.document;
     let compression = draft.compression;
     sign(&mut draft.root);
+    separate_what_is_left(&mut draft, before)?;
     let partly_used = drop_unreferenced(&mut draft, before);
 
     let mut own: HashMap<usize, Cow<[u8]>> = HashMap::new();
@@ -124,7 +126,7 @@ pub(super) fn finished(
 }
 
 /// Says that this program wrote the file; what said so before stays in the extras of `asset`.
-fn sign(root: &mut Value) {
+pub(super) fn sign(root: &mut Value) {
     const OURS: &str = "secateur";
     let asset = &mut root["asset"];
     let before = asset.get("generator").and_then(Value::as_str);

@@ -28,6 +28,18 @@ impl References {
         }
     }
 
+    /// How many accessors the input has.
+    pub(super) fn accessors(&self) -> usize {
+        self.accessors.len()
+    }
+
+    /// Accessors of the input that nothing in `root` names any more.
+    pub(super) fn accessors_without_a_user(&self, root: &mut Value) -> HashSet<usize> {
+        let after = count_references(root, self.accessors.len(), visit_accessor_numbers);
+        let is_gone = |&number: &usize| after[number] == 0 && self.accessors[number] > 0;
+        (0..self.accessors.len()).filter(is_gone).collect()
+    }
+
     /// Accessors of the input that are named less often in `root`.
     pub(super) fn accessors_that_lost_a_user(&self, root: &mut Value) -> HashSet<usize> {
         let after = count_references(root, self.accessors.len(), visit_accessor_numbers);

@@ -49,7 +49,8 @@ pub struct WriteOptions {
     /// are there.
     pub overwrite: bool,
     /// Whether geometry gets fewer bits and is compressed: `EXT_meshopt_compression`, and
-    /// `KHR_mesh_quantization` for normals. Positions keep 15 bits of their largest coordinate.
+    /// `KHR_mesh_quantization` for normals. Positions keep 14 bits of the longest side of what they span. PNG images
+    /// become lossless WebP (`EXT_texture_webp`) where that saves a twentieth.
     pub compress: bool,
 }
 

@@ -6,9 +6,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat3, DMat4, DVec3};
 
+use super::references::len;
 use super::vertices::Resize;
 use crate::tree::Tree;
-use secateur_model::{LeafId, Lod, NewCorner, NewLeaf, Place};
+use secateur_model::{LeafId, Lod, NewCorner, NewLeaf, Place, centroid_of};
 
 /// What a LOD does to one leaf of a part.
 #[derive(Clone, Copy, Debug)]
@@ -91,8 +92,52 @@ impl<'t> LeafEdits<'t> {
         }
     }
 
+    /// The one new leaf that is all of an instance from now on, with its area scale: instances with it are scaled.
+    pub(super) fn only_made(&self, place: &Use) -> Option<(&'t NewLeaf, f64)> {
+        let ([part], Some(_)) = (&place.parts[..], place.instance) else {
+            return None;
+        };
+        let [only] = self.made.get(part)?[..] else {
+            return None;
+        };
+        let is_gone = |edit: LeafEdit| edit.area_scale.is_none();
+        let (mesh, primitive) = (
+            self.tree.parts[*part].mesh,
+            self.tree.parts[*part].primitive,
+        );
+        let of_leaves: usize = self.of_part(*part).map(|edit| edit.triangles.len()).sum();
+        let document = &self.tree.document;
+        let is_whole = len(&document.root["meshes"][mesh], "primitives") == 1
+            && document.triangles(mesh, primitive).ok()?.len() == of_leaves;
+        (is_whole && self.of_part(*part).all(is_gone)).then_some(only)
+    }
+
+    /// By how much an instance that has one new leaf is scaled beside another with the same.
+    pub(super) fn scale_beside(&self, first: &Use, other: &Use) -> Option<Resize> {
+        let ((_, of_first), (leaf, scale)) = (self.only_made(first)?, self.only_made(other)?);
+        if of_first == scale {
+            return None;
+        }
+        let placed = leaf.triangles_in(&self.tree.foliage, scale);
+        let centre_world = centroid_of(&placed);
+        let world_from_local = &self.tree.parts[other.parts[0]].world_from_local;
+        Some(Resize {
+            centre_local: origin_of_point(world_from_local, centre_world),
+            linear_scale: (scale / of_first).sqrt(),
+        })
+    }
+
+    /// The triangles of new leaves that belong to a part, at the sizes at which they were made.
+    fn made_as_designed(&self, part: usize) -> Vec<[MadeCorner; 3]> {
+        self.made_at(part, |_| 1.0)
+    }
+
     /// The triangles of new leaves that belong to a part.
     pub(super) fn made_in(&self, part: usize) -> Vec<[MadeCorner; 3]> {
+        self.made_at(part, |area_scale| area_scale)
+    }
+
+    fn made_at(&self, part: usize, size: impl Fn(f64) -> f64) -> Vec<[MadeCorner; 3]> {
         let world_from_local = &self.tree.parts[part].world_from_local;
         let corner = |donor: LeafId, corner: &NewCorner, position_world: DVec3| {
             let source = &self.tree.leaf_sources[donor.index()];
@@ -121,7 +166,7 @@ impl<'t> LeafEdits<'t> {
         };
         let mut triangles = Vec::new();
         for &(leaf, area_scale) in self.made.get(&part).into_iter().flatten() {
-            let placed = leaf.triangles_in(&self.tree.foliage, area_scale);
+            let placed = leaf.triangles_in(&self.tree.foliage, size(area_scale));
             triangles.extend(leaf.triangles.iter().zip(placed).map(|(t, placed)| {
                 [0, 1, 2].map(|k| corner(leaf.donor, &t[k], placed.corners[k]))
             }));
@@ -270,11 +315,13 @@ fn changes<'t>(tree: &Tree, edits: &LeafEdits<'t>, place: &Use) -> Changes<'t> {
 
 fn made(tree: &Tree, edits: &LeafEdits, place: &Use) -> MadeLeaves {
     let mut made = MadeLeaves::new();
+    let is_scaled_as_whole = edits.only_made(place).is_some();
     for &part in &place.parts {
         for &(leaf, area_scale) in edits.made.get(&part).into_iter().flatten() {
             let triangles = tree.triangles_of(&tree.leaf_sources[leaf.donor.index()]);
             let vertex = |c: &NewCorner| (triangles[c.like as usize / 3], c.like as usize % 3);
             let corners = leaf.triangles.iter().flatten().map(vertex).collect();
+            let area_scale = if is_scaled_as_whole { 1.0 } else { area_scale };
             made.push((tree.parts[part].primitive, area_scale.to_bits(), corners));
         }
     }
@@ -286,7 +333,11 @@ fn made(tree: &Tree, edits: &LeafEdits, place: &Use) -> MadeLeaves {
 fn are_made_alike(edits: &LeafEdits, first: &Use, other: &Use) -> bool {
     const TOLERANCE: f64 = 1e-5;
     first.parts.iter().zip(&other.parts).all(|(&a, &b)| {
-        let pairs = edits.made_in(a).into_iter().zip(edits.made_in(b));
+        let [made_in_a, made_in_b] = match (edits.only_made(first), edits.only_made(other)) {
+            (Some(_), Some(_)) => [a, b].map(|part| edits.made_as_designed(part)),
+            (_, _) => [a, b].map(|part| edits.made_in(part)),
+        };
+        let pairs = made_in_a.into_iter().zip(made_in_b);
         let places = |t: [MadeCorner; 3]| t.map(|corner| corner.position_local);
         pairs.map(|(a, b)| (places(a), places(b))).all(|(a, b)| {
             let size = a[0].distance(a[1]) + a[0].distance(a[2]);

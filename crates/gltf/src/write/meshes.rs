@@ -169,8 +169,12 @@ fn plan_mesh(
                 Some(draft.push("meshes", json))
             }
         };
-        for member in group {
-            placements[changed[member]].mesh = number;
+        for &member in &group {
+            let [first, other] = [changed_uses[group[0]], changed_uses[member]];
+            placements[changed[member]] = Placement {
+                mesh: number,
+                resize: edits.scale_beside(first, other),
+            };
         }
     }
     if added > 0 {

@@ -20,6 +20,7 @@ mod files;
 mod grid;
 mod images;
 mod instances;
+mod interleaved;
 mod leaf_edits;
 mod lod_document;
 mod meshes;

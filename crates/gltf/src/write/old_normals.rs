@@ -85,6 +85,12 @@ impl OldNormals {
         }))
     }
 
+    /// Whether facets are meant, and these vertices are of several.
+    pub(super) fn are_facets(&self, vertices: [u32; 3]) -> bool {
+        let [a, b, c] = vertices.map(|k| self.normals.get(k as usize).copied().unwrap_or_default());
+        self.is_faceted && (a.dot(b).abs() < SAME || a.dot(c).abs() < SAME)
+    }
+
     /// The normal of a new triangle with these corners, each of which has the normal of a vertex, of an old triangle;
     /// nothing where it keeps those, or has no area.
     pub(super) fn normal_of(

@@ -171,9 +171,7 @@ fn kept_triangles(
     let mut blends = HashMap::new();
     let mut surfaces = HashMap::new();
     let mut normals = HashMap::new();
-    // Cards of leaves may have bent normals.
-    let is_solid = part.role == roles::Role::Wood && edits.has_made(part_number);
-    let old_normals = match is_solid {
+    let old_normals = match edits.has_made(part_number) {
         true => {
             let primitive = draft.document.primitive(part.mesh, part.primitive)?;
             OldNormals::of(draft.document, primitive, &triangles)?
@@ -186,7 +184,10 @@ fn kept_triangles(
             let places = triangle.map(|corner| corner.position_local);
             let surfaces = triangle.map(|corner| corner.surface_of.unwrap_or(corner.like));
             let vertices = surfaces.map(|(triangle, k)| triangles[triangle as usize][k]);
-            old.normal_of(places, surfaces.map(|(triangle, _)| triangle), vertices)
+            // Cards keep the normals of their plane, and what is bent on purpose.
+            let is_solid = part.role == roles::Role::Wood || old.are_facets(vertices);
+            let of_triangles = surfaces.map(|(triangle, _)| triangle);
+            is_solid.then(|| old.normal_of(places, of_triangles, vertices))?
         });
         let normal_bits = own_normal.map(|normal| normal.to_array().map(f64::to_bits));
         let mut resize = |k: usize| {

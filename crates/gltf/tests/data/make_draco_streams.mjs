@@ -24,3 +24,23 @@ for (const [name, method] of [['edgebreaker', draco.MESH_EDGEBREAKER_ENCODING], 
   for (let i = 0; i < length; ++i) bytes.writeInt8(out.GetValue(i), i);
   fs.writeFileSync(`squares_${name}.drc`, bytes);
 }
+
+// A bent sheet of 24 x 24 squares, of which a plain file is several times as large.
+{
+  const N = 24, P = [], I = [];
+  for (let y = 0; y <= N; ++y) for (let x = 0; x <= N; ++x) P.push(x / N, y / N, 0.1 * Math.sin(0.7 * x) * Math.cos(0.5 * y));
+  for (let y = 0; y < N; ++y) for (let x = 0; x < N; ++x) {
+    const a = y * (N + 1) + x, b = a + N + 1;
+    I.push(a, a + 1, b, a + 1, b + 1, b);
+  }
+  const encoder = new draco.Encoder(), builder = new draco.MeshBuilder(), mesh = new draco.Mesh();
+  builder.AddFacesToMesh(mesh, I.length / 3, new Uint32Array(I));
+  builder.AddFloatAttributeToMesh(mesh, draco.POSITION, P.length / 3, 3, new Float32Array(P));
+  encoder.SetEncodingMethod(draco.MESH_EDGEBREAKER_ENCODING);
+  encoder.SetAttributeQuantization(draco.POSITION, 11);
+  const out = new draco.DracoInt8Array();
+  const length = encoder.EncodeMeshToDracoBuffer(mesh, out);
+  const bytes = Buffer.alloc(length);
+  for (let i = 0; i < length; ++i) bytes.writeInt8(out.GetValue(i), i);
+  fs.writeFileSync('sheet_edgebreaker.drc', bytes);
+}

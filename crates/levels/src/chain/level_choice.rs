@@ -19,9 +19,36 @@ pub(super) const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
 /// A level that is sought for a distance that was asked for has at most this share.
 const MOST_OF_ASKED: f64 = 0.9;
 
-/// How a note begins that says why there is no level for a place.
+/// How a note begins that says why there is no level for a place, which follows with a colon.
+const NO_LEVEL: &str = "no level begins at ";
+
+/// How a note begins that says why there is no level for this place.
 pub(super) fn no_level(place: &str) -> String {
-    format!("no level begins at {place}:")
+    format!("{NO_LEVEL}{place}:")
+}
+
+/// Notes of which those of places without a level for the same reason are one: `135 pixels` after `270 pixels` makes
+/// `270 and 135 pixels`.
+pub(super) fn join_places(notes: Vec<String>) -> Vec<String> {
+    let mut joined: Vec<String> = Vec::new();
+    let parts = |note: &str| {
+        let (place, reason) = note.strip_prefix(NO_LEVEL)?.split_once(':')?;
+        Some((place.to_owned(), reason.to_owned()))
+    };
+    for note in notes {
+        let before = joined.last().and_then(|last| parts(last));
+        match (before, parts(&note)) {
+            (Some((places, reason)), Some((place, same))) if reason == same => {
+                let unit = place.rsplit_once(' ').map_or("", |(_, unit)| unit);
+                let earlier = places.strip_suffix(unit).unwrap_or(&places).trim_end();
+                let earlier = earlier.replace(" and ", ", ");
+                joined.pop();
+                joined.push(no_level(&format!("{earlier} and {place}")) + &reason);
+            }
+            (_, _) => joined.push(note),
+        }
+    }
+    joined
 }
 
 /// Levels of these numbers of triangles.
@@ -207,5 +234,32 @@ fn note_places_without_level(
             no_level(place),
             100.0 * (1.0 - most_of_before)
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_without_a_level_for_one_reason_are_one_note() {
+        let note = |place: &str, why: &str| format!("{} {why}", no_level(place));
+        let notes = vec![
+            "the plant is 99 units high: as it is".to_owned(),
+            note("1080 pixels", "the plant serves: it is light"),
+            note("540 pixels", "the plant serves: it is light"),
+            note("270 pixels", "the plant serves: it is light"),
+            note("135 pixels", "the impostor is enough"),
+        ];
+        assert_eq!(
+            join_places(notes),
+            [
+                "the plant is 99 units high: as it is",
+                "no level begins at 1080, 540 and 270 pixels: the plant serves: it is light",
+                "no level begins at 135 pixels: the impostor is enough"
+            ]
+        );
+        let far = vec![note("20 m", "so"), note("21.5 m", "so")];
+        assert_eq!(join_places(far), ["no level begins at 20 and 21.5 m: so"]);
     }
 }

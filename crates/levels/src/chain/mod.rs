@@ -40,7 +40,7 @@ pub use cost::{CostWeights, LevelParts};
 pub use error::{BadOptions, ChainError};
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_as_drawn::LevelAsDrawn;
-use level_choice::{asked, lightest};
+use level_choice::{asked, join_places, lightest};
 pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
 pub use level_surfaces::show;
 use maker::Maker;
@@ -116,7 +116,7 @@ pub fn chain(
     }
     Ok(Chain {
         levels,
-        notes,
+        notes: join_places(notes),
         seconds: clock.seconds(),
     })
 }

@@ -243,16 +243,16 @@ class Levels:
     def report(self) -> list[dict[str, Any]]:
         """The figures of each level by the keys of the program's reports: ``kind``, ``triangles``, ``distance`` in
         metres, ``screen_coverage``, ``difference`` and others."""
-    def to_bytes(self, layout: Literal["files", "siblings", "msft"] = "files") -> dict[str, bytes]:
+    def to_bytes(self, layout: Literal["files", "siblings", "msft", "usd"] = "files") -> dict[str, bytes]:
         """The files by their names."""
     def write(
         self,
         path: _Path,
-        layout: Literal["files", "siblings", "msft"] | None = None,
+        layout: Literal["files", "siblings", "msft", "usd"] | None = None,
         *,
         overwrite: bool = False,
     ) -> list[os.PathLike[str]]:
-        """Writes the levels into a folder, or into one file if ``path`` ends in .glb or .gltf; gives the files."""
+        """Writes the levels into a folder, or into one file if ``path`` ends in .glb, .gltf or .usda; gives the files."""
     def preview_html(self) -> str:
         """A page that shows the levels beside the plant."""
 

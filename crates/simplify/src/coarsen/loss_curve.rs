@@ -7,7 +7,7 @@ use secateur_raster::ViewSet;
 use secateur_raster::cpu::LeafFragments;
 
 use super::triangle::{self, CornerTriple};
-use super::{Cards, Sheets, by_position, collapsed, leaf_mesh};
+use super::{Cards, Sheets, by_position, collapsed, instances, leaf_mesh};
 
 /// Width and height in pixels of the largest images in which leaves are drawn: the judge's.
 const MAX_RESOLUTION_PX: f64 = 512.0;
@@ -48,6 +48,8 @@ pub struct LossCurves {
     sheets: Sheets,
     kind_of: Vec<u32>,
     kinds: Vec<KindCurve>,
+    /// The first leaf of each kind whose leaves are instances of one mesh.
+    first_of_shape: Vec<Option<LeafId>>,
 }
 
 #[derive(Clone, Debug)]
@@ -71,8 +73,8 @@ pub struct LossPoint {
     pub loss: f64,
 }
 
-/// What leaves of one kind share: number of triangles, cut-out, and which corners meet.
-type Kind = (usize, Option<u32>, Vec<u32>);
+/// What leaves of one kind share: number of triangles, cut-out, shape, and which corners meet.
+type Kind = (usize, Option<u32>, Option<u32>, Vec<u32>);
 
 impl LossCurves {
     /// Draws samples of each kind of leaf, on the threads of the current rayon pool.
@@ -89,7 +91,8 @@ impl LossCurves {
             let mut meeting = leaf_mesh::vertices(triangles).unwrap_or_default();
             meeting.push(least);
             meeting.push(sheets.has(*leaf).into());
-            (triangles.len(), foliage.leaf(*leaf).cutout(), meeting)
+            let own = foliage.leaf(*leaf);
+            (triangles.len(), own.cutout(), own.shape(), meeting)
         };
         let kind_of_leaf: Vec<Kind> = leaves.par_iter().map(kind).collect();
         let mut numbers: FxHashMap<&Kind, u32> = FxHashMap::default();
@@ -127,7 +130,11 @@ impl LossCurves {
                 kinds[k] = kind_curve;
             }
         }
+        let first_of_shape = members
+            .iter()
+            .map(|leaves| Some(leaves[0]).filter(|&first| foliage.leaf(first).shape().is_some()));
         Self {
+            first_of_shape: first_of_shape.collect(),
             cards,
             sheets,
             kind_of,
@@ -166,7 +173,19 @@ impl LossCurves {
         at_most: usize,
     ) -> Option<NewLeaf> {
         let three = self.curve_of(leaf).three;
-        coarser(foliage, &self.cards, &self.sheets, leaf, at_most, three)
+        let made = |leaf| coarser(foliage, &self.cards, &self.sheets, leaf, at_most, three);
+        match self.first_of_shape(leaf) {
+            Some(first) if first != leaf => {
+                let like = instances::as_instance(foliage, &made(first)?, leaf);
+                like.or_else(|| made(leaf))
+            }
+            Some(_) | None => made(leaf),
+        }
+    }
+
+    /// The first of the leaves that are instances of the same mesh as this; none where it is no instance.
+    pub(super) fn first_of_shape(&self, leaf: LeafId) -> Option<LeafId> {
+        self.first_of_shape[self.kind_of[leaf.index()] as usize]
     }
 }
 

@@ -11,13 +11,14 @@
 //! texture shows (`enclosing_triangle`), which for bent leaves is put into a plane of three of their corners
 //! (`sheets`), or by a triangle of three of its corners in its mean plane
 //! (`triangle`). In the first and last way it is then scaled and moved, so that its area and its
-//! centre stay.
+//! centre stay. Leaves that are instances of one mesh become coarser together and alike (`instances`).
 
 mod budget;
 pub(crate) mod by_position;
 mod card_textures;
 mod cards;
 mod enclosing_triangle;
+mod instances;
 mod k_dop;
 pub(crate) mod leaf_mesh;
 mod loss_curve;
@@ -39,6 +40,12 @@ use sheets::Sheets;
 /// Largest factor by which a coarser leaf is scaled to give back its area; with more, a sliver
 /// would become a spike.
 const MAX_LINEAR_SCALE: f64 = 3.0;
+
+/// Largest factor by which a coarser leaf that lost more area than [`MAX_LINEAR_SCALE`] gives back reaches further from
+/// its centre than the leaf did. The largest triangle in an
+/// ellipse has the ellipse's area at 1.555 times its size; what would have to grow more is strips of a leaf that lost
+/// its width, and would hang in the air beside the plant.
+const MAX_REACH: f64 = 1.6;
 
 /// A foliage with coarser leaves.
 #[derive(Clone, Debug)]
@@ -182,7 +189,22 @@ fn in_place_of(
     if !(linear_scale.is_finite() && linear_scale > 0.0) {
         return None;
     }
-    let linear_scale = linear_scale.min(MAX_LINEAR_SCALE);
+    let reach = |triangles: &[LeafTriangle], centre: DVec3| {
+        let corners = triangles.iter().flat_map(|t| t.corners);
+        corners
+            .map(|corner| corner.distance(centre))
+            .fold(0.0, f64::max)
+    };
+    let reaches = [
+        reach(foliage.triangles_of(leaf), before.centre()),
+        reach(&plain, after.centre()),
+    ];
+    let within_reach = (MAX_REACH * reaches[0] / reaches[1]).max(1.0);
+    // A leaf that can have its area has it.
+    let linear_scale = match linear_scale <= MAX_LINEAR_SCALE {
+        true => linear_scale,
+        false => MAX_LINEAR_SCALE.min(within_reach),
+    };
     let placed = |corner: u32| NewCorner {
         place: Place::At(before.centre() + linear_scale * (position(corner) - after.centre())),
         like: corner,

@@ -456,3 +456,24 @@ proptest! {
         }
     }
 }
+
+/// What is left of a square is a strip along its diagonal: at the square's area it would be 3.2 times as long, and the
+/// tips of leaves would hang in the air beside their plant.
+#[test]
+fn a_leaf_of_which_strips_are_left_stays_near_its_place() {
+    let square = polygon(4, 1.0, DVec3::X);
+    let mut strip = square[0];
+    strip.corners[1] = 0.9 * strip.corners[0].midpoint(strip.corners[2]) + 0.1 * strip.corners[1];
+    let foliage = of(&[[square, vec![strip]].concat()]);
+    let leaf = LeafId::from_index(0);
+    let triangles = foliage.triangles_of(leaf);
+    let position = |corner: u32| triangles[corner as usize / 3].corners[corner as usize % 3];
+    let left = in_place_of(&foliage, leaf, &[[6, 7, 8]], position).unwrap();
+    let centre = foliage.leaf(leaf).centre();
+    let corners = left.triangles_in(&foliage, 1.0)[0].corners;
+    let reach = corners
+        .map(|c| c.distance(centre))
+        .into_iter()
+        .fold(0.0, f64::max);
+    assert!((1.2..1.7).contains(&reach), "{reach}");
+}

@@ -26,6 +26,8 @@ pub(crate) enum EngineName {
     Babylon,
     /// One file, and a Python script that imports it as a collection for each level
     Blender,
+    /// A layer of USD whose levels switch by their size on the screen
+    Usd,
 }
 
 /// A level as engines ask for it.
@@ -63,13 +65,15 @@ impl EngineName {
             | Self::Three
             | Self::Babylon
             | Self::Blender => Layout::Siblings,
+            Self::Usd => Layout::Usd,
         }
     }
 
-    /// The file that is written beside levels of this name, relative to their folder.
-    pub(super) fn companion(self, name: &str) -> PathBuf {
+    /// The file that is written beside levels of this name, relative to their folder; none where they say all.
+    pub(super) fn companion(self, name: &str) -> Option<PathBuf> {
         let ident = identifier(name);
-        match self {
+        let file = match self {
+            Self::Usd => return None,
             Self::Godot => format!("{name}.tscn"),
             Self::Unity => format!("Editor/{ident}Lods.cs"),
             Self::Unreal => format!("{ident}_unreal.py"),
@@ -77,13 +81,14 @@ impl EngineName {
             Self::Three => format!("{name}.three.js"),
             Self::Babylon => format!("{name}.babylon.js"),
             Self::Blender => format!("{ident}_blender.py"),
-        }
-        .into()
+        };
+        Some(file.into())
     }
 
     /// What that file says of levels in a .glb of this name.
-    pub(super) fn text(self, levels: &EngineLevels, file: &str) -> String {
-        match self {
+    pub(super) fn text(self, levels: &EngineLevels, file: &str) -> Option<String> {
+        Some(match self {
+            Self::Usd => return None,
             Self::Godot => godot::scene(levels, file),
             Self::Unity => scripts::unity(levels, file),
             Self::Unreal => scripts::unreal(levels),
@@ -91,7 +96,7 @@ impl EngineName {
             Self::Three => scripts::three(levels, file),
             Self::Babylon => scripts::babylon(levels, file),
             Self::Blender => scripts::blender(levels, file),
-        }
+        })
     }
 }
 

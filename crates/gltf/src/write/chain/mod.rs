@@ -4,6 +4,7 @@
 //! the same number in every copy, so that levels share it: materials, textures,
 //! images, skins, and vertices that they have in common.
 
+mod as_it_came;
 mod cards_apart;
 mod deduplicate;
 mod materials;
@@ -18,6 +19,7 @@ mod placement;
 mod plan;
 mod retexture;
 mod scene;
+mod usd;
 mod vertices;
 
 use std::collections::HashSet;
@@ -58,6 +60,8 @@ pub enum Layout {
     ///
     /// The finest level is in the scene and names the others, which are not.
     Msft,
+    /// A USD layer (.usda) with LODRootAPI, and its textures in a folder beside it.
+    Usd,
 }
 
 /// What a level shows.
@@ -93,7 +97,7 @@ pub struct Level<'a> {
     pub number: usize,
     /// Plain facts for the `extras` of its node.
     ///
-    /// [`Layout::Msft`] needs one of them, the number `screen_coverage`: the
+    /// [`Layout::Msft`] and [`Layout::Usd`] need one of them, the number `screen_coverage`: the
     /// least share of the screen at which the level is drawn. Below it the next
     /// level takes over, or nothing is drawn any more after the last one, which
     /// therefore should have 0.
@@ -159,10 +163,13 @@ pub struct ChainFiles {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ChainFile {
-    /// Its name: that of the chain, or of its level, and `.glb`.
+    /// Its name: that of the chain, or of its level, and `.glb`; in the layout of USD that of the chain and `.usda`, or
+    /// that of a texture below the folder of textures.
     pub name: String,
-    /// The bytes of a GLB.
+    /// The bytes of a GLB, a layer of USD, or an image.
     pub bytes: Vec<u8>,
+    /// Whether it is the plant as the input has it, compressed as it was.
+    pub is_as_it_came: bool,
 }
 
 impl Tree {
@@ -177,7 +184,8 @@ impl Tree {
     /// for each file; what one level alone shows is called after it, `leaves_LOD1`, unless the level is the plant as
     /// it is. The facts of a level are in its node's `extras`, with the
     /// extras of the nodes that it takes the place of. Images in files of their
-    /// own stay there. The same input gives the same bytes.
+    /// own stay there. In the layout of files the level that is the plant itself is as the input has it, where it would
+    /// otherwise be larger. The same input gives the same bytes.
     ///
     /// # Errors
     /// [`GltfError`] as [`lod_to_bytes`](Self::lod_to_bytes), and with
@@ -208,14 +216,17 @@ impl Tree {
             });
         }
         let of_files: Vec<(&str, &[Level])> = match layout {
-            Layout::Files => levels
+            Layout::Files | Layout::Usd => levels
                 .iter()
                 .map(|level| (level.name.as_str(), std::slice::from_ref(level)))
                 .collect(),
             Layout::Siblings | Layout::Msft => vec![(name, levels)],
         };
+        // USD gets the plant alone.
+        let with_others = |number| number == 0 && layout != Layout::Usd;
         for (number, (file, levels)) in of_files.into_iter().enumerate() {
-            let content = content(self, name, levels, layout, number == 0).map_err(failed)?;
+            let content =
+                content(self, name, levels, layout, with_others(number)).map_err(failed)?;
             chain.notes.extend(content.notes);
             let mut counted = Counted::default();
             for level in levels {
@@ -223,12 +234,27 @@ impl Tree {
                 chain.costs.push(cost);
             }
             let glb = glb_bytes(&content.root, content.buffer);
-            let bytes = glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?;
+            let mut bytes =
+                glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?;
+            let mut is_as_it_came = false;
+            if let (Layout::Files, [level], Some(cost)) = (layout, levels, chain.costs.last()) {
+                let came = as_it_came::as_it_came(self, level, cost.draws, bytes.len());
+                if let Some(came) = came.map_err(failed)? {
+                    (bytes, is_as_it_came) = (came, true);
+                }
+            }
             if let (Layout::Files, Some(cost)) = (layout, chain.costs.last_mut()) {
                 cost.bytes = bytes.len() as u64;
             }
             let name = format!("{file}.glb");
-            chain.files.push(ChainFile { name, bytes });
+            chain.files.push(ChainFile {
+                name,
+                bytes,
+                is_as_it_came,
+            });
+        }
+        if layout == Layout::Usd {
+            usd::rewrite(self, name, levels, &mut chain)?;
         }
         chain.notes = without_repeats(chain.notes);
         Ok(chain)
@@ -260,7 +286,7 @@ fn check(name: &str, levels: &[Level], layout: Layout) -> Result<(), ChainProble
             return Err(ChainProblem::SameName(name.to_owned()));
         }
     }
-    if layout == Layout::Msft {
+    if matches!(layout, Layout::Msft | Layout::Usd) {
         let mut last = f64::INFINITY;
         for level in levels {
             match level.screen_coverage() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::super::cutoffs::Cutoffs;
 use super::super::files::WriteOptions;
 use super::super::staged_files::{CommitError, StagedFiles};
-use super::{Layout, Level};
+use super::{ChainFiles, Layout, Level};
 use crate::Document;
 use crate::cost::LevelCost;
 use crate::error::{GltfError, Problem};
@@ -66,7 +66,7 @@ impl PreparedChain {
 
 impl Tree {
     /// Writes a chain: to the folder `path` in the layout of files, to the file
-    /// `path` in the others. Its name ends in .glb or .gltf.
+    /// `path` in the others. Its name ends in .glb or .gltf, in the layout of USD in .usda.
     ///
     /// [`prepare_chain`](Self::prepare_chain) with the usual options, and at once
     /// [`commit`](PreparedChain::commit).
@@ -112,11 +112,16 @@ impl Tree {
         let place_of = |file: &str| match layout {
             Layout::Files => path.join(file),
             Layout::Siblings | Layout::Msft => path.to_owned(),
+            Layout::Usd if is_usda(file) => path.to_owned(),
+            Layout::Usd => path.with_file_name(file),
         };
         let places = chain.files.iter().map(|file| place_of(&file.name));
         let places: Vec<PathBuf> = places.collect();
         for place in &places {
             self.check_place(place, options)?;
+        }
+        if layout == Layout::Usd {
+            return prepare_usd(chain, places);
         }
         let mut staged = StagedFiles::new();
         if layout == Layout::Files {
@@ -131,6 +136,12 @@ impl Tree {
             notes: chain.notes,
         };
         for (number, (file, place)) in chain.files.into_iter().zip(places).enumerate() {
+            if file.is_as_it_came && !options.compress {
+                let added = staged.add_derived(&place, &file.bytes);
+                added.map_err(|error| refused(&place, WriteProblem::Io(error)))?;
+                written.bytes += file.bytes.len() as u64;
+                continue;
+            }
             let level = self.as_written(file.bytes)?;
             // Levels share their images.
             let (lod, cutoffs) = (Lod::original(0), Cutoffs::default());
@@ -195,6 +206,40 @@ impl Tree {
         }
         Ok(())
     }
+}
+
+fn is_usda(file: impl AsRef<Path>) -> bool {
+    let extension = file.as_ref().extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("usda"))
+}
+
+/// Writes the layer, which comes first, and its textures.
+fn prepare_usd(chain: ChainFiles, places: Vec<PathBuf>) -> Result<PreparedChain, GltfError> {
+    let layer = &places[0];
+    if !is_usda(layer) {
+        return Err(refused(layer, WriteProblem::NotUsda));
+    }
+    let folder = layer
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(refused(layer, WriteProblem::NoFolder(folder.to_owned())));
+    }
+    let mut staged = StagedFiles::new();
+    // The layer last: what it names is there then.
+    for (file, place) in chain.files.iter().zip(&places).rev() {
+        let added = staged.add_derived(place, &file.bytes);
+        added.map_err(|error| refused(place, WriteProblem::Io(error)))?;
+        staged.sync_folders();
+    }
+    let written = WrittenChain {
+        triangles: chain.triangles,
+        costs: chain.costs,
+        bytes: chain.files.iter().map(|file| file.bytes.len() as u64).sum(),
+        files: places,
+        notes: chain.notes,
+    };
+    Ok(PreparedChain { written, staged })
 }
 
 fn refused(path: &Path, problem: WriteProblem) -> GltfError {

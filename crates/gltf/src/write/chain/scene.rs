@@ -54,7 +54,7 @@ pub(super) fn arrange(
             }
             roots.push(draft.push("nodes", parent));
         }
-        Layout::Msft | Layout::Files => {
+        Layout::Msft | Layout::Files | Layout::Usd => {
             roots.push(nodes.levels[0]);
             roots.extend(&nodes.with_tree);
         }

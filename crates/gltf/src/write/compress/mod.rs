@@ -7,6 +7,7 @@ mod layout;
 mod octahedral;
 mod quantise;
 mod streams;
+mod webp;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -168,6 +169,16 @@ fn items_of<'v>(object: &'v mut Value, list: &str) -> &'v mut Vec<Value> {
         object[list] = json!([]);
     }
     object[list].as_array_mut().expect("it is one now")
+}
+
+/// Names an extension that a reader must know.
+fn need_extension(root: &mut Value, name: &str) {
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        let names = items_of(root, list);
+        if !names.iter().any(|known| known == name) {
+            names.push(name.into());
+        }
+    }
 }
 
 /// The views that accessors alone use, and what their bytes are.

@@ -14,13 +14,16 @@ use super::super::grid::rounded;
 use super::super::primitive::new_indices;
 use super::super::references::{as_index, items, len};
 use super::octahedral::nearest;
-use super::{Compression, items_of};
+use super::{Compression, need_extension, webp};
 use crate::Document;
 use crate::accessor::{Accessor, Component, Shape, is_index};
 use crate::error::Fault;
 
-/// Bits of a number whose size is that of the largest of its accessor, beside the sign.
-const BITS: f64 = 15.0;
+/// Bits of the longest side of what an accessor's positions span: a millimetre of 16 metres.
+const BITS: f64 = 14.0;
+
+/// The most steps from zero: the exponential filter has whole numbers of 23 bits beside the sign.
+const MOST_STEPS: f64 = (1 << 22) as f64;
 
 /// Texture coordinates beyond 0 to 1 have a grid of as many steps to a texture.
 const STEPS_OF_TEXTURE: f64 = 4096.0;
@@ -47,7 +50,7 @@ impl Kind {
     }
 }
 
-/// A file whose vertices have fewer bits, compressed. What is no f32, is animated or morphs, or has a
+/// A file whose vertices have fewer bits, compressed, and its PNG images as WebP where that is smaller. What is no f32, is animated or morphs, or has a
 /// name of its own stays as it is.
 pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault> {
     let mut draft = Draft::new(document);
@@ -77,7 +80,7 @@ pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault>
         }
         if let Some(elements) = fewer_bits(document, accessor, kind)? {
             if elements.component == Component::I8 {
-                need_quantization(&mut draft.root);
+                need_extension(&mut draft.root, "KHR_mesh_quantization");
             }
             let number = draft.push_accessor(Some(accessor), elements);
             new.insert((accessor, kind), number);
@@ -96,6 +99,7 @@ pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault>
             }
         }
     }
+    webp::images(&mut draft)?;
     finished(draft, &before, 0)
 }
 
@@ -131,16 +135,6 @@ fn index_apart(draft: &mut Draft) -> Result<(), Fault> {
     Ok(())
 }
 
-fn need_quantization(root: &mut Value) {
-    const NAME: &str = "KHR_mesh_quantization";
-    for list in ["extensionsUsed", "extensionsRequired"] {
-        let names = items_of(root, list);
-        if !names.iter().any(|name| name == NAME) {
-            names.push(NAME.into());
-        }
-    }
-}
-
 /// The elements of an accessor of floats in fewer bits; nothing where there is no gain or some
 /// is no number.
 fn fewer_bits(
@@ -163,9 +157,11 @@ fn fewer_bits(
     }
     let is_share = numbers.iter().all(|x| (0.0..=1.0).contains(x));
     let bounded = kind == Kind::Position;
-    let steps = libm::exp2(BITS - libm::ceil(libm::log2(largest)));
     let (component, numbers) = match kind {
-        Kind::Position => (Component::F32, on_grid(&numbers, steps)),
+        Kind::Position => {
+            let steps = steps_per_unit(&numbers, old.shape.components(), largest);
+            (Component::F32, on_grid(&numbers, steps))
+        }
         Kind::Direction => match directions(&numbers, old.shape.components()) {
             Some(bytes) => (Component::I8, bytes),
             None => return Ok(None),
@@ -181,6 +177,24 @@ fn fewer_bits(
         .iter()
         .for_each(|&number| component.push(number, &mut bytes));
     Ok(Some(vertices(&old, component, bytes, bounded)))
+}
+
+/// Steps of a grid that is as fine as what positions span, not as where they lie, asks for.
+fn steps_per_unit(numbers: &[f64], components: usize, largest: f64) -> f64 {
+    let side = |axis: usize| {
+        let along = numbers.iter().skip(axis).step_by(components);
+        let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
+        high - low
+    };
+    let longest = (0..components).map(side).fold(0.0, f64::max);
+    let whole_power = |x: f64| libm::exp2(libm::ceil(libm::log2(x)));
+    let finest = MOST_STEPS / whole_power(largest);
+    match longest > 0.0 {
+        true => finest.min(libm::exp2(BITS) / whole_power(longest)),
+        false => finest,
+    }
 }
 
 fn on_grid(numbers: &[f64], steps_per_unit: f64) -> Vec<f64> {

@@ -277,6 +277,7 @@ fn check_arrangement(tree: &Tree, document: &Document, layout: Layout, what: &st
     };
     let first = &root["nodes"][roots[0].as_u64().unwrap() as usize];
     match layout {
+        Layout::Usd => panic!("{what}: layers of USD are no glTF"),
         Layout::Files => assert_eq!(first["name"], "oak_LOD0", "{what}"),
         Layout::Siblings => {
             assert_eq!(first["name"], "oak", "{what}");
@@ -309,10 +310,36 @@ fn check_arrangement(tree: &Tree, document: &Document, layout: Layout, what: &st
     }
 }
 
+/// Every plant becomes a layer that has its levels' triangles and names all its textures.
+#[test]
+fn levels_as_usd_have_their_triangles() {
+    for (name, fixture) in all() {
+        let chain = chain(&fixture.tree(), Layout::Usd);
+        assert_eq!(chain.files[0].name, "oak.usda", "{name}");
+        let layer = std::str::from_utf8(&chain.files[0].bytes).unwrap();
+        let mut triangles = Vec::new();
+        for line in layer.lines().map(str::trim_start) {
+            if line.starts_with("def Xform \"oak_LOD") {
+                triangles.push(0);
+            }
+            if let Some(counts) = line.strip_prefix("int[] faceVertexCounts = [") {
+                *triangles.last_mut().unwrap() += counts.split(',').count() as u64;
+            }
+        }
+        assert_eq!(triangles, chain.triangles, "{name}");
+        for texture in &chain.files[1..] {
+            assert!(layer.contains(&format!("@./{}@", texture.name)), "{name}");
+        }
+        let bytes: u64 = chain.costs.iter().map(|cost| cost.bytes).sum();
+        let all: usize = chain.files.iter().map(|file| file.bytes.len()).sum();
+        assert!(bytes < all as u64, "{name}");
+    }
+}
+
 #[test]
 fn the_same_levels_give_the_same_bytes() {
     for (name, fixture) in all() {
-        for layout in LAYOUTS {
+        for layout in [&LAYOUTS[..], &[Layout::Usd]].concat() {
             let (one, other) = (
                 chain(&fixture.tree(), layout),
                 chain(&fixture.tree(), layout),

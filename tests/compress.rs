@@ -1,0 +1,104 @@
+//! `--compress`: the same plant in fewer bytes.
+
+use std::path::PathBuf;
+
+use secateur::chain::{ImpostorChoice, Wanted};
+use secateur::{Amount, Document, Layout, LevelsOptions, Plant, WriteOptions};
+
+use crate::program::{Bench, shared_tree};
+use crate::validator::assert_valid;
+
+/// Levels of a plant in a file each, and the same files compressed.
+fn both_ways(bench: &Bench, plant: &Plant) -> [Vec<PathBuf>; 2] {
+    let options = LevelsOptions {
+        wanted: Wanted::Triangles(vec![Amount::Share(0.3), Amount::Share(0.12)]),
+        impostor: ImpostorChoice::None,
+        ..LevelsOptions::default()
+    };
+    let levels = plant.levels(&options).unwrap().named("plant");
+    [false, true].map(|compress| {
+        let folder = bench.path(if compress { "small" } else { "plain" });
+        let how = WriteOptions::default().compress(compress);
+        let prepared = levels.prepare(&folder, Layout::Files, how).unwrap();
+        prepared.commit().unwrap().files
+    })
+}
+
+fn bytes(files: &[PathBuf]) -> u64 {
+    let sizes = files.iter().map(|file| file.metadata().unwrap().len());
+    sizes.sum()
+}
+
+/// Which extensions a reader of the file must know.
+fn required(file: &PathBuf) -> Vec<String> {
+    let glb = std::fs::read(file).unwrap();
+    let (root, _) = crate::glb::chunks(&glb);
+    let root: serde_json::Value = serde_json::from_slice(root).unwrap();
+    let names = root["extensionsRequired"].as_array();
+    let names = names.into_iter().flatten();
+    names.map(|n| n.as_str().unwrap().to_owned()).collect()
+}
+
+/// Triangles are as many, corners where they were but for a step of the grid, and texels the very same.
+#[track_caller]
+fn assert_same_looks(plain: &PathBuf, small: &PathBuf) {
+    let [plain, small] = [plain, small].map(|file| Document::open(file).unwrap());
+    let [plain, small] = [plain, small].map(|file| file.surfaces(&[]).unwrap());
+    assert_eq!(plain.len(), small.len());
+    for ((a, _), (b, _)) in plain.iter().zip(&small) {
+        assert_eq!(a.triangles.len(), b.triangles.len());
+        let texels = |of: &secateur::Surface| of.material.texture.as_ref().map(|t| t.rgba.clone());
+        assert_eq!(texels(a), texels(b));
+        for corner in 0..3 {
+            let mean = |of: &secateur::Surface| {
+                let all = of.positions.iter().map(|p| p[corner]);
+                all.sum::<f64>() / of.positions.len() as f64
+            };
+            assert!((mean(a) - mean(b)).abs() < 1e-3);
+        }
+    }
+}
+
+#[test]
+fn a_real_chain_takes_a_third_and_its_images_are_webp() {
+    let Some(tree) = shared_tree("ez_oak_20k.glb") else {
+        return;
+    };
+    let bench = Bench::new();
+    let [plain, small] = both_ways(&bench, &Plant::open(tree).unwrap());
+    let share = bytes(&small) as f64 / bytes(&plain) as f64;
+    assert!(share < 1.0 / 3.0, "{share}");
+    for (plain, small) in plain.iter().zip(&small) {
+        assert_eq!(required(plain), [""; 0]);
+        let required = required(small);
+        for name in ["EXT_meshopt_compression", "EXT_texture_webp"] {
+            assert!(required.contains(&name.to_owned()), "{required:?}");
+        }
+        assert_same_looks(plain, small);
+    }
+    assert_valid(&small);
+}
+
+/// Where the plant stands far from the origin, its grid is as fine.
+#[test]
+fn a_plant_far_off_keeps_its_shape() {
+    let bench = Bench::new();
+    let (root, bin) = crate::glb::chunks(crate::program::oak());
+    let mut root: serde_json::Value = serde_json::from_slice(root).unwrap();
+    let far = [700.0, 0.0, -300.0];
+    root["nodes"]
+        .as_array_mut()
+        .unwrap()
+        .iter_mut()
+        .for_each(|node| {
+            if node.get("mesh").is_some() {
+                node["translation"] = serde_json::json!(far);
+            }
+        });
+    let glb = crate::glb::joined(&root, bin);
+    let plant = Plant::from_bytes("far.glb", glb, &secateur::Opening::default()).unwrap();
+    let [plain, small] = both_ways(&bench, &plant);
+    for (plain, small) in plain.iter().zip(&small) {
+        assert_same_looks(plain, small);
+    }
+}
