@@ -10,7 +10,7 @@ use secateur::{
 };
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
-use secateur_levels::chain::{Chain, ChainOptions, Shape, Wanted};
+use secateur_levels::chain::{Chain, ChainOptions, CostWeights, Shape, Wanted};
 use secateur_levels::impostor::Choice;
 use secateur_plant::{GrowOptions, Species, grow};
 use serde::Serialize;
@@ -194,7 +194,7 @@ fn rows(
     cost.bytes = bytes as u64;
     let first = DemoLevel {
         level: "original".to_owned(),
-        placed: PlacedLevel::new(file, cost, plant.report()),
+        placed: PlacedLevel::new(file, cost, plant.report(), CostWeights::default()),
     };
     let placed = levels.placed(Layout::Files, written).into_iter();
     let named = placed.map(|placed| DemoLevel {

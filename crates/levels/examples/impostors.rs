@@ -10,7 +10,7 @@ use secateur_eval::Judging;
 use secateur_eval::pictures::share_of_tight_frame;
 use secateur_gltf::WholeTree;
 use secateur_levels::impostor::Impostor;
-use secateur_levels::impostor::cards::Cards;
+use secateur_levels::impostor::cards::{Cards, Texels};
 use secateur_levels::impostor::crossed::Planes;
 use secateur_levels::impostor::judge::Judge;
 use secateur_model::{Surface, Texture};
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for count in CARDS {
             let start = Instant::now();
             let cards = Cards::new(&surfaces, count);
-            if let Some(made) = Impostor::cards(&cards, height, f64::INFINITY) {
+            if let Some(made) = Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY)) {
                 let name = format!("cards-{}", cards.count());
                 all.push((name, start.elapsed().as_secs_f64(), made));
             }

@@ -5,7 +5,8 @@ use std::path::Path;
 use secateur_gltf::chain::{ChainFiles, Layout, Level, PreparedChain, WrittenChain};
 use secateur_gltf::{GltfError, LevelCost, WholeTree, WriteOptions};
 use secateur_levels::chain::{
-    BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, LevelReport, Shape, chain,
+    BadOptions, Chain, ChainLevel, ChainOptions as LevelsOptions, CostWeights, LevelParts,
+    LevelReport, Shape, chain,
 };
 use secateur_model::Memory;
 use secateur_runtime::Screen;
@@ -21,6 +22,7 @@ pub struct Levels {
     plant: Plant,
     name: String,
     pub(crate) screen: Screen,
+    weights: CostWeights,
     /// The levels, and what has to be said of them.
     pub chain: Chain,
     /// Where leaves were drawn: `cpu` or `gpu`.
@@ -45,6 +47,8 @@ pub struct PlacedLevel {
     pub bytes: u64,
     /// Bytes that it takes in a GPU's memory: `texture_bytes`, vertices and indices. What levels share counts for each.
     pub gpu_bytes: u64,
+    /// Triangles, draws and bytes as one figure, by the weights of the chain's options.
+    pub cost: f64,
     /// The figures of the level, as reports have them.
     #[serde(flatten)]
     pub report: LevelReport,
@@ -63,13 +67,25 @@ pub enum LevelPlace {
 
 impl PlacedLevel {
     /// A level that casts its own shadow.
-    pub fn new(place: LevelPlace, cost: LevelCost, report: LevelReport) -> Self {
-        Self {
-            place,
-            shadow: None,
+    pub fn new(
+        place: LevelPlace,
+        cost: LevelCost,
+        report: LevelReport,
+        weights: CostWeights,
+    ) -> Self {
+        let parts = LevelParts {
+            triangles: report.triangles,
             draws: cost.draws,
             bytes: cost.bytes,
             gpu_bytes: report.texture_bytes + cost.geometry_bytes,
+        };
+        Self {
+            place,
+            shadow: None,
+            draws: parts.draws,
+            bytes: parts.bytes,
+            gpu_bytes: parts.gpu_bytes,
+            cost: weights.cost(parts),
             report,
         }
     }
@@ -126,6 +142,7 @@ impl Plant {
             plant: self.clone(),
             name: self.name(),
             screen: options.screen,
+            weights: options.cost,
             engine: engine.name(),
             adapter: engine.adapter(),
         })
@@ -198,7 +215,12 @@ impl Levels {
         };
         let placed = |(k, level): (usize, &ChainLevel)| PlacedLevel {
             shadow: Some(place(level.shadow)),
-            ..PlacedLevel::new(place(k), written.costs[k], level.report.clone())
+            ..PlacedLevel::new(
+                place(k),
+                written.costs[k],
+                level.report.clone(),
+                self.weights,
+            )
         };
         self.chain.levels.iter().enumerate().map(placed).collect()
     }

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use secateur::{Alpha, Engine, Sides};
+use secateur::{Alpha, Engine, Memory, Sides};
 
 use super::super::lods::EngineName;
 use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_gltf::chain::Layout;
-use secateur_levels::chain::{DISTANCES, MOST_DIFFERENCE, Textures};
+use secateur_levels::chain::{CostWeights, DISTANCES, MOST_DIFFERENCE, Textures};
 use secateur_levels::impostor::Choice as ImpostorChoice;
 use secateur_runtime::Screen;
 
@@ -27,9 +27,9 @@ pub(crate) struct Lods {
     /// call [default: true for several trees].
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub(crate) keep_going: Option<bool>,
-    /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: four
-    /// levels for heights on the screen of 1080, 540, 270 and 135 pixels, each as light as `--max-difference` lets
-    /// it be].
+    /// The levels as shares of all triangles, the finest first, such as 0.5,0.25,0.1 [default: levels
+    /// for heights on the screen of 1080, 540, 270, 135, 64, 32 and 16 pixels, each as light as `--max-difference`
+    /// lets it be].
     #[arg(long, value_name = "R,R,...", value_delimiter = ',', value_parser = share, conflicts_with = "triangles")]
     pub(crate) levels: Vec<f64>,
     /// The levels as numbers of triangles, the finest first, such as 20000,5000,1000.
@@ -63,8 +63,8 @@ pub(crate) struct Lods {
     pub(crate) no_original: bool,
     /// The pictures that the chain ends in: crossed planes, cards, octahedral views (docs/impostors.md has
     /// their sampler; other clients draw two crossed planes), none, or crossed planes where they
-    /// look no worse than the lightest mesh and, with --distances, cards where they are within --max-difference and
-    /// save a third of the triangles of the mesh there [default: auto, none with --levels and --triangles].
+    /// look no worse than the lightest mesh and, up to 100 pixels high or with --distances, cards where they are
+    /// within --max-difference and save a third of the cost of the mesh there [default: auto, none with --levels and --triangles].
     #[arg(long, value_enum)]
     pub(crate) impostor: Option<ImpostorChoice>,
     /// How many levels coarser the level that casts a level's shadow is, 0 to 2.
@@ -74,6 +74,14 @@ pub(crate) struct Lods {
     /// out.
     #[arg(long, value_name = "F", value_parser = difference)]
     pub(crate) max_pop: Option<f64>,
+    /// What triangles, draws, KiB on disk and KiB on the GPU count for where a mesh and an impostor are compared, or
+    /// some of these.
+    #[arg(long, value_name = "WEIGHTS", default_value_t = CostWeights::default())]
+    pub(crate) cost: CostWeights,
+    /// How much the textures of all impostors together may take on the GPU, such as 4M [default: as much as the plant's
+    /// own, at least 1M].
+    #[arg(long, value_name = "SIZE", value_parser = texture_size)]
+    pub(crate) impostor_textures: Option<u64>,
     /// What becomes of the wood.
     #[arg(long, value_enum, default_value_t = ChainWoodName::Auto)]
     pub(crate) wood: ChainWoodName,
@@ -137,6 +145,13 @@ pub(super) fn distances(text: &str) -> Result<Distances, String> {
 fn difference(text: &str) -> Result<f64, String> {
     let is_one = |n: f64| n > 0.0 && n <= MOST_DIFFERENCE;
     number(text, is_one, "above 0 and at most 2")
+}
+
+fn texture_size(text: &str) -> Result<u64, String> {
+    match text.parse() {
+        Ok(Memory::Bytes(bytes)) => Ok(bytes),
+        Ok(Memory::Auto) | Err(_) => Err("write a size above 0 such as 4M or 800K".to_owned()),
+    }
 }
 
 fn metres(text: &str) -> Result<f64, String> {

@@ -8,7 +8,7 @@ use super::{Cli, OF_OTHERS, OF_RECORDS, OF_VDS};
 const OF_LABORATORY: [&str; 3] = [OF_VDS, OF_OTHERS, OF_RECORDS];
 
 /// Options that few people need, by their identifiers.
-const SELDOM: [&str; 17] = [
+const SELDOM: [&str; 19] = [
     "alpha",
     "sides",
     "vertex_alpha",
@@ -19,6 +19,8 @@ const SELDOM: [&str; 17] = [
     "fit",
     "shadow_steps",
     "max_pop",
+    "cost",
+    "impostor_textures",
     "textures",
     "height_px",
     "field_of_view_degrees",

@@ -1,7 +1,7 @@
 //! What a chain is to be like.
 
 use secateur::{Amount, Options};
-use secateur_levels::chain::{ChainOptions, HEIGHTS_PX, Wanted};
+use secateur_levels::chain::{ChainOptions, Wanted};
 use secateur_levels::impostor::Choice;
 
 use super::super::args;
@@ -9,10 +9,7 @@ use super::super::args;
 pub(crate) fn options(args: &args::Lods) -> ChainOptions {
     let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
         (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
-        ([], [], None) => {
-            let screen = args.screen.height_px / HEIGHTS_PX[0];
-            Wanted::Heights(HEIGHTS_PX.map(|height| height * screen).to_vec())
-        }
+        ([], [], None) => Wanted::Heights(ChainOptions::usual_heights_px(args.screen.height_px)),
         ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
         (shares, ..) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
     };
@@ -36,6 +33,8 @@ pub(crate) fn options(args: &args::Lods) -> ChainOptions {
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
         textures: args.textures.unwrap_or_default(),
+        cost: args.cost,
+        impostor_texture_bytes: args.impostor_textures,
         screen: args.screen,
         max_difference: args.max_difference,
         original: !args.no_original,

@@ -237,6 +237,17 @@ impl DifferenceJudge {
         self.plants.size()
     }
 
+    /// How many pixels the plants cover together where the screen shows [size](Self::size) as `pixels_high` pixels: the
+    /// mean over the views of a search.
+    pub fn covered_px(&self, pixels_high: f64) -> f64 {
+        let of_plant = |plant: usize| {
+            let eyes = self.eyes(self.plants.sphere(plant), ViewCount::Search);
+            let covered = |eye: &Eye| self.picture(plant, eye, pixels_high).1.covered_px();
+            eyes.iter().map(covered).sum::<f64>() / eyes.len().max(1) as f64
+        };
+        (0..self.plants.len()).map(of_plant).sum()
+    }
+
     /// How far a level looks from the plant where the screen shows the plant's [size](Self::size) as
     /// `pixels_high` pixels.
     pub fn difference(&self, level: &[Surface], pixels_high: f64, count: ViewCount) -> Difference {

@@ -63,6 +63,11 @@ impl PlantPicture {
         }
     }
 
+    /// How many pixels the plant covers, parts of pixels counted.
+    pub(super) fn covered_px(&self) -> f64 {
+        self.coverage.iter().map(|part| f64::from(*part)).sum()
+    }
+
     /// How far a level, drawn in the same frame, is from this plant.
     pub(super) fn scores(&self, DrawnPlant(level): &DrawnPlant, frame: &Frame) -> ViewScores {
         let width = (frame.lens.width / frame.samples) as usize;

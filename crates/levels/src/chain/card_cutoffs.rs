@@ -11,7 +11,7 @@ use secateur_eval::MipMaps;
 use secateur_model::Mips;
 
 use super::level_as_drawn::LevelAsDrawn;
-use super::textures::Client;
+use super::textures::{Client, mips_to_try};
 use crate::impostor::Impostor;
 
 /// The range of cutoffs.
@@ -37,6 +37,8 @@ struct AlphaTest {
 pub(super) struct Covering<'a> {
     client: &'a Client<'a>,
     range: [f64; 2],
+    /// Which mips are tried, the first first.
+    mips: [Mips; 2],
     /// What was best for the last one: it mostly does for others, too.
     last: Cell<Option<AlphaTest>>,
 }
@@ -46,11 +48,12 @@ impl<'a> Covering<'a> {
         Self {
             client,
             range,
+            mips: mips_to_try(range[0]),
             last: Cell::new(None),
         }
     }
 
-    /// Cards that cover what they should. Mips are smoother where they keep the coverage.
+    /// Cards that cover what they should.
     pub(super) fn of(&self, cards: Impostor) -> Impostor {
         if let Some(AlphaTest { mips, cutoff }) = self.last.get() {
             let tried = cards.with_mips(mips).with_cutoff(cutoff);
@@ -60,7 +63,7 @@ impl<'a> Covering<'a> {
             }
         }
         let mut best: Option<(f64, AlphaTest)> = None;
-        for mips in [Mips::Blended, Mips::None] {
+        for mips in self.mips {
             let read = cards.with_mips(mips);
             let known = MipMaps::of_cut_outs(from_ref(&read.surface));
             let [mut low, mut high] = CUTOFFS;

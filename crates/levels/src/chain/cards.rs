@@ -1,55 +1,133 @@
 //! Cards that take the place of a chain's coarsest meshes.
 
+use std::ops::Range;
+
 use secateur_simplify::Observer;
 
 use super::card_cutoffs::Covering;
+use super::cost::LevelParts;
 use super::error::ChainError;
 use super::impostors::PlacedImpostor;
 use super::level::ImpostorLevel;
 use super::level_choice::MOST_OF_BEFORE;
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::LevelPicture;
-use super::maker::{Made, Maker};
+use super::maker::Maker;
+use super::options::LEAST_BOUND_BYTES;
 use super::placed::Placed;
+use super::stage_clock::ChainStage;
+use super::texture_bytes::texture_bytes;
 use super::textures::{Client, end_of};
+use crate::impostor::cards::Texels;
 use crate::impostor::fewest_cards::{self, Found, Search};
 use crate::impostor::{Impostor, poll};
 
+/// Where a plant is no higher than this, in pixels, nobody sees of what it is made: cards may stand for it in any chain.
+pub(super) const FAR_PX: f64 = 100.0;
+
+/// The search for cards of a chain, and what their pictures may still take.
+pub(super) struct CardSearch<'a> {
+    cards: Search<'a>,
+    /// On the GPU, in bytes.
+    pub(super) bytes_left: u64,
+}
+
+impl<'a> CardSearch<'a> {
+    pub(super) fn new(maker: &'a Maker<'_>) -> Self {
+        let bytes_left = maker.impostor_bytes();
+        Self {
+            cards: Search::new(&maker.look.original.surfaces, bytes_left),
+            bytes_left,
+        }
+    }
+}
+
 impl Maker<'_> {
-    /// Cards from the first of these heights on at which some are within the difference, there and at all that
-    /// follow, save a third of the triangles of the mesh there and have no more than the lightest; and fewer of
-    /// them from each that follows where that saves a third again. Their normals have half as many texels a side where
-    /// these do as well.
+    /// Bytes that the textures of all impostors may take on the GPU.
+    pub(super) fn impostor_bytes(&self) -> u64 {
+        let own = || {
+            let document = self.tree.items().document();
+            texture_bytes(document, &self.look.original.materials, &[])
+        };
+        let wanted = self.options.impostor_texture_bytes;
+        wanted.unwrap_or_else(|| own().max(LEAST_BOUND_BYTES))
+    }
+
+    /// The cost of a mesh, or of the plant itself where no mesh stands.
+    pub(super) fn cost_beside(&self, mesh: Option<&Placed>) -> f64 {
+        let document = self.tree.items().document();
+        let (level, triangles, own) = match mesh {
+            Some(mesh) => (
+                &mesh.made.drawn.level,
+                mesh.triangles(),
+                &mesh.chosen.textures[..],
+            ),
+            None => (&self.look.original, self.all, &[][..]),
+        };
+        let textures = texture_bytes(document, &level.materials, own);
+        let parts = LevelParts::before_writing(triangles, level.surfaces.len(), textures);
+        self.options.cost.cost(parts)
+    }
+
+    /// The cost of an impostor.
+    pub(super) fn cost_of_impostor(&self, impostor: &Impostor) -> f64 {
+        let triangles = impostor.surface.triangles.len();
+        let parts = LevelParts::before_writing(triangles, 1, impostor.texture_bytes());
+        self.options.cost.cost(parts)
+    }
+
+    /// How many triangles an impostor has at most that costs no more than this: as many as without its pictures.
+    fn triangles_for(&self, cost: f64) -> f64 {
+        let cost_of = |triangles: usize| {
+            let parts = LevelParts::before_writing(triangles, 1, 0);
+            self.options.cost.cost(parts)
+        };
+        let [of_none, of_many] = [0, 1 << 20].map(cost_of);
+        let of_one = (of_many - of_none) / f64::from(1 << 20);
+        match of_one > 0.0 {
+            true => ((cost - of_none) / of_one).max(0.0),
+            false => f64::INFINITY,
+        }
+    }
+
+    /// Cards from the first of some of these heights on at which some are within the difference, there and at all that
+    /// follow, save a third of the cost of the mesh there and cost no more than the lightest; and fewer of them from
+    /// each that follows where that saves a third again. Their normals have half as many texels a side where these do
+    /// as well. Where the plant is far, they have no more triangles than it covers pixels.
     pub(super) fn cards(
         &self,
         placed: &[Placed],
-        heights: &[f64],
+        (heights, places): (&[f64], Range<usize>),
+        before: &[PlacedImpostor],
+        search: &mut CardSearch<'_>,
         client: &Client<'_>,
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
-        let mut all: Vec<PlacedImpostor> = Vec::new();
-        let lightest = self.triangles_beside(placed.last().map(|mesh| &mesh.made)) as f64;
-        let mut before: Option<usize> = None;
-        let mut search = Search::new(&self.look.original.surfaces);
-        // Beside the plant stands a mesh, if there is more than one place.
-        let near = usize::from(self.heights().len() > 1);
-        for (k, height) in heights.iter().enumerate().skip(near) {
+        let mut all = before.to_vec();
+        let lightest = self.cost_beside(placed.last());
+        for k in places {
             poll(observer)?;
-            if !search.has_room(*height) {
+            let height = &heights[k];
+            search.cards.bound(search.bytes_left);
+            if !search.cards.has_room(*height) {
                 continue;
             }
-            let most_triangles = match before {
-                Some(cards) => MOST_OF_BEFORE * cards as f64,
+            let most_cost = match all.last() {
+                Some(cards) => MOST_OF_BEFORE * self.cost_of_impostor(&cards.level.impostor),
                 None => {
-                    let there = self.triangles_beside(drawn_at(placed, *height));
-                    lightest.min(MOST_OF_BEFORE * there as f64)
+                    let there = self.cost_beside(drawn_at(placed, *height));
+                    lightest.min(MOST_OF_BEFORE * there)
                 }
             };
+            let mut most_triangles = self.triangles_for(most_cost);
+            if *height <= FAR_PX {
+                most_triangles = most_triangles.min(self.look.covered_px(*height));
+            }
             let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
             let finish = |made| covering.of(made);
             let seen = self.seen(*height);
-            let found = search.fewest(&seen, most, finish, observer)?;
+            let found = search.cards.fewest(&seen, most, finish, observer)?;
             let Some(found) = found else {
                 continue;
             };
@@ -65,10 +143,34 @@ impl Maker<'_> {
                 Some(half) if seen.is_within(&half.impostor) && does(&half)? => half,
                 _ => found,
             };
-            before = Some(found.impostor.surface.triangles.len());
+            if self.cost_of_impostor(&found.impostor) > most_cost {
+                continue;
+            }
+            let bytes = found.impostor.texture_bytes();
+            search.bytes_left = search.bytes_left.saturating_sub(bytes);
             all.push(self.beside_mesh(placed, found, *height, observer)?);
         }
-        Ok(all)
+        Ok(all.split_off(before.len()))
+    }
+
+    /// Cards from this one of the heights on, and fewer from those that follow; none if none do there.
+    pub(super) fn far_cards(
+        &self,
+        placed: &[Placed],
+        (heights, place): (&[f64], usize),
+        search: &mut CardSearch<'_>,
+        client: &Client<'_>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Vec<PlacedImpostor>, ChainError> {
+        self.look.clock.time(ChainStage::Impostors, || {
+            let first = (heights, place..place + 1);
+            let mut all = self.cards(placed, first, &[], search, client, observer)?;
+            if !all.is_empty() {
+                let others = (heights, place + 1..heights.len());
+                all.extend(self.cards(placed, others, &all, search, client, observer)?);
+            }
+            Ok(all)
+        })
     }
 
     /// Whether an impostor is within the difference at all of these heights.
@@ -117,17 +219,22 @@ impl Maker<'_> {
         &self,
         placed: &[Placed],
         height: f64,
+        search: &mut CardSearch<'_>,
         client: &Client<'_>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<PlacedImpostor>, ChainError> {
         let covering = Covering::new(client, [height, end_of(height, None)]);
         let finish = |made| covering.of(made);
-        let mut search = Search::new(&self.look.original.surfaces);
+        let search = &mut search.cards;
         let (seen, most) = (self.seen(height), fewest_cards::most());
         let fewest = search.fewest(&seen, most, finish, observer)?;
         let found = match fewest {
             Some(fewest) => Some(fewest),
-            None => search.finished(most, &seen, f64::INFINITY, finish, observer)?,
+            // They stand there whatever they take.
+            None => {
+                let texels = Texels::up_to(f64::INFINITY);
+                search.finished(most, &seen, texels, finish, observer)?
+            }
         };
         let Some(found) = found else {
             return Ok(None);
@@ -152,7 +259,7 @@ impl Maker<'_> {
         height: f64,
         observer: &mut Observer<'_>,
     ) -> Result<PlacedImpostor, ChainError> {
-        let mesh = drawn_at(placed, height);
+        let mesh = drawn_at(placed, height).map(|mesh| &mesh.made);
         poll(observer)?;
         let triangles = found.impostor.surface.triangles.len();
         let mut same_cost = None;
@@ -177,7 +284,7 @@ impl Maker<'_> {
 }
 
 /// The mesh that is drawn where the screen shows the plant at this height; none where that is the plant itself.
-fn drawn_at(placed: &[Placed], height: f64) -> Option<&Made> {
+fn drawn_at(placed: &[Placed], height: f64) -> Option<&Placed> {
     let has_begun = |mesh: &&Placed| mesh.begins() >= height;
-    placed.iter().rev().find(has_begun).map(|mesh| &mesh.made)
+    placed.iter().rev().find(has_begun)
 }

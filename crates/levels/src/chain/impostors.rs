@@ -7,15 +7,15 @@ use secateur_eval::{Difference, ViewCount};
 use secateur_simplify::Observer;
 
 use super::card_cutoffs::Covering;
+use super::cards::CardSearch;
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
-use super::level_choice::no_level;
+use super::level_choice::{MOST_OF_BEFORE, no_level};
 use super::level_report::{LevelKind, LevelReport};
 use super::look::LevelPicture;
 use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, Wanted};
 use super::placed::Placed;
-use super::texture_bytes::bytes_of;
 use super::textures::{Client, Textures, end_of};
 use crate::impostor::crossed::Planes;
 use crate::impostor::fewest_cards::Seen;
@@ -49,7 +49,8 @@ impl Maker<'_> {
     /// The impostors that a chain ends in, from which height on, and their FLIP there.
     pub(super) fn impostors(
         &self,
-        placed: &[Placed],
+        (placed, far): (&[Placed], Vec<PlacedImpostor>),
+        search: &mut CardSearch<'_>,
         client: &Client<'_>,
         notes: &mut Vec<String>,
         observer: &mut Observer<'_>,
@@ -65,20 +66,40 @@ impl Maker<'_> {
             (before / 2.0, format!("{} pixels", before / 2.0))
         });
         if choice == Choice::Cards {
-            let cards = self.demanded_cards(placed, last.0, client, observer)?;
+            let cards = self.demanded_cards(placed, last.0, search, client, observer)?;
             self.note_beyond(&last.1, cards.iter(), notes);
             return Ok(cards.into_iter().collect());
         }
         let mut found = Vec::new();
         let mut own_notes = Vec::new();
-        let of_last = self.impostor(placed, &last, client, &mut own_notes, observer)?;
-        // Levels for heights are for any distance, and nearer to the plant than cards can be.
+        let most_bytes = search.bytes_left;
+        let of_last = self.impostor(placed, &last, most_bytes, client, &mut own_notes, observer)?;
+        if let Some(planes) = &of_last {
+            let bytes = planes.level.impostor.texture_bytes();
+            search.bytes_left = search.bytes_left.saturating_sub(bytes);
+        }
+        // Levels for large heights are for any distance, and nearer to the plant than cards can be.
         if choice == Choice::Auto && matches!(self.options.wanted, Wanted::Distances(_)) {
             if of_last.is_none() {
                 places.push(last.clone());
             }
             let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
-            found.extend(self.cards(placed, &heights, client, observer)?);
+            // Beside the plant stands a mesh, if there is more than one place.
+            let near = usize::from(self.heights().len() > 1);
+            let far = far.first().map_or(0.0, |far| far.begins_px);
+            let count = heights.iter().filter(|height| **height > far).count();
+            let before = near.min(count)..count;
+            found.extend(self.cards(placed, (&heights, before), &[], search, client, observer)?);
+        }
+        for cards in far {
+            let is_last = of_last.is_some() && cards.begins_px <= last.0;
+            let of_cards = self.cost_of_impostor(&cards.level.impostor);
+            let pays = found.last().is_none_or(|before: &PlacedImpostor| {
+                of_cards <= MOST_OF_BEFORE * self.cost_of_impostor(&before.level.impostor)
+            });
+            if pays && !is_last {
+                found.push(cards);
+            }
         }
         // Where crossed planes are none, cards may be.
         if found.is_empty() {
@@ -132,6 +153,7 @@ impl Maker<'_> {
         &self,
         placed: &[Placed],
         (height, place): &(f64, String),
+        most_bytes: u64,
         client: &Client<'_>,
         notes: &mut Vec<String>,
         observer: &mut Observer<'_>,
@@ -170,11 +192,11 @@ impl Maker<'_> {
         let difference = seen.difference(&impostor);
         let of_planes = difference.difference;
         let triangles = impostor.surface.triangles.len();
-        let is_lighter = triangles < mesh_triangles;
+        let is_lighter = self.cost_of_impostor(&impostor) < self.cost_beside(mesh);
         let is_near = difference.over(self.look.limits) <= 1.0;
         let mut same_cost = None;
-        if is_lighter
-            && (is_near || choice != Choice::Auto)
+        if triangles < mesh_triangles
+            && (is_near && is_lighter || choice != Choice::Auto)
             && let Some(equal) = self.level_if_any(triangles, observer)?
         {
             let of_equal = self.difference_beside_impostor(Some(&equal), height);
@@ -191,6 +213,13 @@ impl Maker<'_> {
         }
         if choice == Choice::Auto && !(is_lighter && is_near) {
             notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
+            return Ok(None);
+        }
+        if choice == Choice::Auto && impostor.texture_bytes() > most_bytes {
+            notes.push(format!(
+                "no impostor at {place}: crossed planes take {} KiB of textures on the GPU there, more than `--impostor-textures` lets them",
+                impostor.texture_bytes() >> 10
+            ));
             return Ok(None);
         }
         if choice == Choice::Auto {
@@ -261,15 +290,12 @@ impl Maker<'_> {
         } = impostor;
         let picture = LevelPicture::Impostor(level.impostor.clone());
         let surface = &level.impostor.surface;
-        let normals = surface.material.finish.normal_map.as_ref();
-        let textures = surface.material.texture.iter();
-        let textures = textures.chain(normals.map(|map| &map.texture));
         let as_drawn = (!level.impostor.needs_sampler())
             .then(|| client.as_drawn(std::slice::from_ref(surface), range));
         let report = LevelReport {
             kind: LevelKind::Impostor,
             triangles: surface.triangles.len() as u64,
-            texture_bytes: textures.map(|texture| bytes_of(texture)).sum(),
+            texture_bytes: level.impostor.texture_bytes(),
             distance: self.distance_m(begins_px),
             pixels_high: begins_px,
             difference,

@@ -6,6 +6,7 @@ use std::ops::Range;
 use secateur_simplify::Observer;
 use secateur_simplify::whole::{Budget, Sharing};
 
+use super::cards::FAR_PX;
 use super::error::ChainError;
 use super::look::SEARCH_PX;
 use super::maker::{Made, Maker};
@@ -183,6 +184,10 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
         let mut best = self.coarsest_so_shared(heights, steps.clone(), first, observer)?;
+        // Of few pixels no sharing shows enough to be worth the time.
+        if heights[0] <= FAR_PX {
+            return Ok(best);
+        }
         loop {
             let next = best.map_or(steps.start, |(step, _)| step + BETTER_BY);
             if next >= steps.end {

@@ -2,12 +2,15 @@
 
 use secateur_simplify::{Amount, Observer, Progress};
 
+use super::cards::{CardSearch, FAR_PX};
 use super::error::ChainError;
+use super::impostors::PlacedImpostor;
 use super::ladder::{Ladder, step_of_share};
 use super::maker::{Made, Maker};
-use super::options::{HEIGHTS_PX, Wanted};
+use super::options::{HEIGHTS_PX, LEAST_PX, Wanted};
 use super::placed::{Place, Placed};
 use super::textures::{Client, end_of};
+use crate::impostor::Choice;
 
 /// A level that is sought for a height has at most this share of the triangles of the one before it: to switch for
 /// less would not pay.
@@ -15,9 +18,6 @@ pub(super) const MOST_OF_BEFORE: f64 = 2.0 / 3.0;
 
 /// A level that is sought for a distance that was asked for has at most this share.
 const MOST_OF_ASKED: f64 = 0.9;
-
-/// The least height at which a level of a given number of triangles may begin, in pixels: a block of the judge.
-const LEAST_PX: f64 = 8.0;
 
 /// How a note begins that says why there is no level for a place, which follows with a colon.
 const NO_LEVEL: &str = "no level begins at ";
@@ -126,13 +126,15 @@ fn placed_below(
 }
 
 /// For each place the fewest triangles within the limits, but for places that would save too little, and for the
-/// last where an impostor stands there whatever a mesh would look like.
+/// last where an impostor stands there whatever a mesh would look like; and the cards that stand from the first place on
+/// that is far and at which some do.
 pub(super) fn lightest(
     maker: &Maker<'_>,
+    cards: &mut CardSearch<'_>,
     client: &Client<'_>,
     notes: &mut Vec<String>,
     observer: &mut Observer<'_>,
-) -> Result<Vec<Placed>, ChainError> {
+) -> Result<(Vec<Placed>, Vec<PlacedImpostor>), ChainError> {
     let mut places = maker.heights();
     if maker.options.impostor.is_demanded() && places.len() > 1 {
         places.pop();
@@ -147,11 +149,22 @@ pub(super) fn lightest(
     let mut found: Vec<(usize, usize, Placed)> = Vec::new();
     // Further heights at which the level of a place has to do, as none is lighter there.
     let mut serves: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
+    let mut far = Vec::new();
+    // From here on it is not known that there are no cards.
+    let mut may_have_cards = 0;
     let mut place = 0;
     while place < places.len() {
         let [done, of] = [place, places.len()];
         Progress::Level { done, of }.tell(observer)?;
         let height = heights[place];
+        if maker.options.impostor == Choice::Auto && height <= FAR_PX && place >= may_have_cards {
+            let meshes: Vec<Placed> = found.iter().map(|(.., mesh)| mesh.clone()).collect();
+            far = maker.far_cards(&meshes, (&heights, place), cards, client, observer)?;
+            if !far.is_empty() {
+                break;
+            }
+            may_have_cards = place + 1;
+        }
         let end_px = end_of(height, heights.get(place + 1).copied());
         let before = found.last();
         let first = step_of_share(most_of_before, before.map_or(0, |(step, ..)| *step));
@@ -193,6 +206,20 @@ pub(super) fn lightest(
         }
         place += 1;
     }
+    let sought = &places[..place];
+    note_places_without_level(sought, &found, maker, most_of_before, notes);
+    let meshes = found.into_iter().map(|(.., level)| level).collect();
+    Ok((meshes, far))
+}
+
+/// Says of each place without a level of its own which level serves there.
+fn note_places_without_level(
+    places: &[(f64, String)],
+    found: &[(usize, usize, Placed)],
+    maker: &Maker<'_>,
+    most_of_before: f64,
+    notes: &mut Vec<String>,
+) {
     for (k, (_, place)) in places.iter().enumerate() {
         if found.iter().any(|(_, at, _)| *at == k) {
             continue;
@@ -208,7 +235,6 @@ pub(super) fn lightest(
             100.0 * (1.0 - most_of_before)
         ));
     }
-    Ok(found.into_iter().map(|(.., level)| level).collect())
 }
 
 #[cfg(test)]

@@ -207,6 +207,12 @@ impl Look {
         difference.difference
     }
 
+    /// How many pixels the plant covers where the screen shows it at this height.
+    pub(super) fn covered_px(&self, pixels_high: f64) -> f64 {
+        let px = pixels_high.min(SEARCH_PX);
+        self.judge.covered_px(px) * (pixels_high / px).powi(2)
+    }
+
     /// What tells the plants of the file apart, and judges levels of them.
     pub(super) fn judge(&self) -> &DifferenceJudge {
         &self.judge

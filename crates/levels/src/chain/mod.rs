@@ -2,7 +2,10 @@
 
 mod card_cutoffs;
 mod cards;
+mod cost;
 mod error;
+#[cfg(test)]
+mod far_tests;
 mod fitted_textures;
 mod impostor_ending;
 mod impostors;
@@ -32,6 +35,8 @@ use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
 use secateur_simplify::{Observer, Progress, sphere_of};
 
+use cards::CardSearch;
+pub use cost::{CostWeights, LevelParts};
 pub use error::{BadOptions, ChainError};
 pub use level::{Chain, ChainLevel, ImpostorLevel, Shape};
 pub use level_as_drawn::LevelAsDrawn;
@@ -42,6 +47,7 @@ use maker::Maker;
 pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, Wanted};
 pub use scene_look::SceneLook;
 use stage_clock::ChainStage;
+pub(crate) use texture_bytes::bytes_of;
 pub use texture_bytes::texture_bytes;
 pub use textures::Textures;
 
@@ -61,16 +67,20 @@ pub fn chain(
     let maker = Maker::new(tree, options, engine)?;
     let client = maker.client();
     let mut notes = maker.remarks()?;
-    let placed = match &options.wanted {
-        Wanted::Triangles(amounts) => asked(&maker, amounts, &client, &mut notes, observer)?,
+    let mut cards = CardSearch::new(&maker);
+    let (placed, far) = match &options.wanted {
+        Wanted::Triangles(amounts) => {
+            let placed = asked(&maker, amounts, &client, &mut notes, observer)?;
+            (placed, Vec::new())
+        }
         Wanted::Heights(_) | Wanted::Distances(_) => {
-            lightest(&maker, &client, &mut notes, observer)?
+            lightest(&maker, &mut cards, &client, &mut notes, observer)?
         }
     };
     Progress::Level { done: 1, of: 1 }.tell(observer)?;
     let clock = &maker.look.clock;
     let impostors = clock.time(ChainStage::Impostors, || {
-        maker.impostors(&placed, &client, &mut notes, observer)
+        maker.impostors((&placed, far), &mut cards, &client, &mut notes, observer)
     })?;
     let mut levels = clock.time(ChainStage::Figures, || {
         maker.ending(placed, impostors, &client, &mut notes, observer)

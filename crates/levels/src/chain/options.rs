@@ -7,14 +7,21 @@ use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Amount, Options, Target};
 use serde::{Deserialize, Serialize};
 
+use super::cost::CostWeights;
 use super::error::BadOptions;
 use super::scene_look::SceneLook;
 use super::textures::Textures;
 use crate::impostor::Choice;
 use secateur_runtime::{SCREEN_HEIGHTS_PX, Screen};
 
-/// Heights on the screen for which levels are made where nothing else is asked for.
-pub const HEIGHTS_PX: [f64; 4] = [1080.0, 540.0, 270.0, 135.0];
+/// Heights on a screen of 1080 pixels for which levels are made where nothing else is asked for.
+pub const HEIGHTS_PX: [f64; 7] = [1080.0, 540.0, 270.0, 135.0, 64.0, 32.0, 16.0];
+
+/// The least height at which a level begins, in pixels: a block of the judge.
+pub(super) const LEAST_PX: f64 = 8.0;
+
+/// The least bound of the textures that impostors of a chain take on the GPU, in bytes.
+pub(super) const LEAST_BOUND_BYTES: u64 = 1 << 20;
 
 /// The largest difference that can be asked for: no figure is above 1.75.
 pub const MOST_DIFFERENCE: f64 = 2.0;
@@ -69,6 +76,11 @@ pub struct ChainOptions {
     pub max_pop: Option<f64>,
     /// Which textures leaves have.
     pub textures: Textures,
+    /// What the parts of a level count for where the one that costs less is taken.
+    pub cost: CostWeights,
+    /// How many bytes the textures of all impostors of the chain may take on the GPU; as many as those of the plant
+    /// itself, and at least 1 MiB, where nothing is said.
+    pub impostor_texture_bytes: Option<u64>,
     /// Where levels are judged from and what stands before them; from all around, with nothing
     /// about the plant, where there is no scene.
     #[serde(skip)]
@@ -103,6 +115,8 @@ impl Default for ChainOptions {
             shadow_steps: 1,
             max_pop: None,
             textures: Textures::Fit,
+            cost: CostWeights::default(),
+            impostor_texture_bytes: None,
             scene: None,
         }
     }
@@ -112,6 +126,15 @@ impl ChainOptions {
     /// How much levels may differ.
     pub fn limits(&self) -> Limits {
         Limits::of_difference(self.max_difference)
+    }
+
+    /// The heights for which a screen of this height has levels where nothing else is asked for: [`HEIGHTS_PX`] in its
+    /// proportion, those of 8 pixels and more, and the first in any case.
+    pub fn usual_heights_px(screen_height_px: f64) -> Vec<f64> {
+        let heights = HEIGHTS_PX.map(|height| height * screen_height_px / HEIGHTS_PX[0]);
+        let [first, others @ ..] = heights;
+        let others = others.into_iter().filter(|height| *height >= LEAST_PX);
+        std::iter::once(first).chain(others).collect()
     }
 
     /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
@@ -178,6 +201,9 @@ impl ChainOptions {
             }
             _ if !self.max_pop.is_none_or(is_difference) => {
                 out_of_range("the difference that a switch may show must be above 0 and at most 2")
+            }
+            _ if !self.cost.are_in_range() => {
+                out_of_range("the weights of a cost must be 0 or more, and not all 0")
             }
             _ if !is_difference(self.max_difference) => {
                 out_of_range("the difference that a level may have must be above 0 and at most 2")

@@ -12,13 +12,14 @@ use secateur_raster::{OpenEngine, View, ViewSet};
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Error, Options, Preset, Progress, Target};
 
+use super::cards::CardSearch;
 use super::impostors::PlacedImpostor;
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture};
 use super::placed::{Place, Placed};
 use super::textures::end_of;
 use super::*;
-use crate::impostor::cards::Cards;
+use crate::impostor::cards::{Cards, Texels};
 use crate::impostor::{Choice, Impostor};
 use secateur_runtime::Screen;
 
@@ -39,7 +40,7 @@ fn engine() -> OpenEngine {
     OpenEngine::cpu()
 }
 
-/// Levels for distances, with whatever impostor is lighter.
+/// Levels for distances, with whatever impostor has fewer triangles.
 pub(super) fn options(distances: &[f64]) -> ChainOptions {
     let mut leaves = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
     leaves.audit = false;
@@ -56,6 +57,8 @@ pub(super) fn options(distances: &[f64]) -> ChainOptions {
         shadow_steps: 0,
         max_pop: None,
         textures: Textures::Fit,
+        cost: "draw=0,disk-kib=0,gpu-kib=0".parse().unwrap(),
+        impostor_texture_bytes: None,
         scene: None,
     }
 }
@@ -115,7 +118,7 @@ fn mesh(maker: &Maker<'_>, triangles: usize, height: f64) -> Placed {
 fn cards(maker: &Maker<'_>, count: usize, height: f64) -> PlacedImpostor {
     let cards = Cards::new(&maker.look.original.surfaces, count);
     let level = ImpostorLevel {
-        impostor: Impostor::cards(&cards, height, f64::INFINITY).unwrap(),
+        impostor: Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY)).unwrap(),
         mesh_triangles: 0,
         mesh_difference: 0.0,
         same_cost: None,
@@ -165,7 +168,10 @@ fn cards_whose_switch_shows_too_much_are_not_chosen() {
     let made = [mesh(&maker, 200, heights[0])];
     let found = |maker: &Maker<'_>| {
         let client = maker.client();
-        maker.cards(&made, &heights, &client, &mut go_on).unwrap()
+        let places = (&heights[..], 1..heights.len());
+        let mut search = CardSearch::new(maker);
+        let found = maker.cards(&made, places, &[], &mut search, &client, &mut go_on);
+        found.unwrap()
     };
     let pop_after_mesh = |cards: &PlacedImpostor| {
         pop(

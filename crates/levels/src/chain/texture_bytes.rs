@@ -38,7 +38,7 @@ pub fn texture_bytes(
 }
 
 /// The bytes of one texture.
-pub(super) fn bytes_of(texture: &Texture) -> u64 {
+pub(crate) fn bytes_of(texture: &Texture) -> u64 {
     let has_mips = texture.filters.mips != Mips::None;
     image_bytes([texture.width, texture.height], has_mips)
 }

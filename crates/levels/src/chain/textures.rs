@@ -9,6 +9,7 @@ use secateur_gltf::chain::LevelTexture;
 use secateur_model::{BoundingSphere, Mips, Surface};
 use secateur_raster::{View, ViewSet};
 
+use super::cards::FAR_PX;
 use super::fitted_textures::FittedTextures;
 use super::leaf_texture::{Make, Outline};
 use super::level_as_drawn::{LevelAsDrawn, WITHIN};
@@ -68,6 +69,15 @@ pub enum Textures {
 /// Where a level ends that begins at this height, and the next at that.
 pub(super) fn end_of(begin: f64, next: Option<f64>) -> f64 {
     next.unwrap_or((begin / 2.0).min(LAST_END_PX))
+}
+
+/// Which mips textures for this height are made for, the best first. They are smoother where they keep the coverage; of
+/// far plants texels are as large as pixels, and without mips they show what they were judged by.
+pub(super) fn mips_to_try(begin_px: f64) -> [Mips; 2] {
+    match begin_px <= FAR_PX {
+        true => [Mips::None, Mips::Blended],
+        false => [Mips::Blended, Mips::None],
+    }
 }
 
 /// Textures of a level, and what a client shows with them.
@@ -189,8 +199,7 @@ impl<'a> Client<'a> {
         let middle = (range[0] * range[1]).sqrt();
         for height in [range[0], middle] {
             let fits = FittedTextures::of(level, height / self.plant_height);
-            // Mips are smoother where they keep the coverage.
-            for mips in [Mips::Blended, Mips::None] {
+            for mips in mips_to_try(range[0]) {
                 let with = |outline: Outline| with_least_error(&fits, mips, outline, of);
                 let Some(tried) = with(Outline::Exact) else {
                     continue;

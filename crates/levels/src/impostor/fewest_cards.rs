@@ -6,7 +6,7 @@ use secateur_eval::{Difference, DifferenceJudge, Limits, ViewCount};
 use secateur_model::Surface;
 use secateur_simplify::{Error, Observer};
 
-use super::cards::Cards;
+use super::cards::{Cards, Texels};
 use super::{Impostor, poll};
 
 /// The fewest cards that are tried.
@@ -36,6 +36,15 @@ const HOPELESS: f64 = 1.2;
 
 /// The most pixels that a texel of cards may be long where they begin to be seen: longer ones look blurred.
 const COARSEST_PX: f64 = 2.0;
+
+/// The length of a texel in pixels that is tried once cards are found: the screen shows no finer ones.
+const COARSER_PX: f64 = 1.0;
+
+/// Cards are made darker or brighter in steps of this, as long as they look nearer.
+const BRIGHTER: f32 = 1.12;
+
+/// After so many steps it ends.
+const MOST_BRIGHTER: usize = 4;
 
 /// Where an atlas has no room for a number of cards, the number three steps below is tried: about half.
 const FEWER: usize = 3;
@@ -100,6 +109,33 @@ impl<'a> Seen<'a> {
         self.judged(impostor, self.pixels_high, ViewCount::All, no_limit)
     }
 
+    /// An impostor as bright as looks nearest to the plant: the mean of what leaves show is darker, or brighter, than
+    /// what shows with the mean of their normals.
+    fn as_bright(&self, impostor: Impostor) -> Impostor {
+        if self.pixels_high > SEARCH_PX {
+            return impostor;
+        }
+        let figure = |of: &Impostor| {
+            let seen = self.at_a_glance(of);
+            seen.difference
+        };
+        let (mut least, mut times, mut best) = (figure(&impostor), 1.0, impostor.clone());
+        for step in [1.0 / BRIGHTER, BRIGHTER] {
+            for _ in 0..MOST_BRIGHTER {
+                let tried = impostor.with_brightness(times * step);
+                let of_tried = figure(&tried);
+                if of_tried >= least {
+                    break;
+                }
+                (least, times, best) = (of_tried, times * step, tried);
+            }
+            if times < 1.0 {
+                break;
+            }
+        }
+        best
+    }
+
     /// Whether an impostor looks as much like the plant as it has to.
     pub fn is_within(&self, impostor: &Impostor) -> bool {
         let seen = self.judged(impostor, self.pixels_high, ViewCount::All, self.limits);
@@ -153,21 +189,37 @@ pub struct Search<'a> {
     sorted: BTreeMap<usize, Cards<'a, Surface>>,
     /// Cards for the pictures of a search, by their height in pixels and step.
     rough: BTreeMap<(u64, usize), Impostor>,
+    /// Bytes that the pictures of cards may take on the GPU.
+    most_bytes: u64,
 }
 
 impl<'a> Search<'a> {
-    /// A search of cards for what is drawn of a plant.
-    pub fn new(surfaces: &'a [Surface]) -> Self {
+    /// A search of cards for what is drawn of a plant, whose pictures take at most so many bytes on the GPU.
+    pub fn new(surfaces: &'a [Surface], most_bytes: u64) -> Self {
         Self {
             surfaces,
             sorted: BTreeMap::new(),
             rough: BTreeMap::new(),
+            most_bytes,
+        }
+    }
+
+    /// Lets the pictures of cards take at most so many bytes from now on.
+    pub fn bound(&mut self, most_bytes: u64) {
+        self.most_bytes = most_bytes;
+    }
+
+    fn texels(&self) -> Texels {
+        Texels {
+            most_bytes: self.most_bytes,
+            ..Texels::up_to(COARSEST_PX)
         }
     }
 
     /// Whether an atlas has room for any cards where the screen shows the plant at this height.
     pub fn has_room(&mut self, pixels_high: f64) -> bool {
-        self.sorted(number(0)).fit(pixels_high, COARSEST_PX)
+        let texels = self.texels();
+        self.sorted(number(0)).fit(pixels_high, texels)
     }
 
     /// The fewest cards, at most `most`, that are within the limits, with textures as fine as the place asks for,
@@ -207,12 +259,15 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         poll(observer)?;
+        let texels = self.texels();
         let cards = self.sorted(number(last));
-        let Some(fine) = Impostor::cards(cards, seen.pixels_high, COARSEST_PX) else {
+        let Some(fine) = Impostor::cards(cards, seen.pixels_high, texels) else {
             return Ok(None);
         };
         poll(observer)?;
-        let over = seen.difference(&finish(fine)).over(seen.limits);
+        let over = seen
+            .difference(&seen.as_bright(finish(fine)))
+            .over(seen.limits);
         if over > 1.0 {
             return Ok(None);
         }
@@ -225,10 +280,21 @@ impl<'a> Search<'a> {
             return Ok(None);
         };
         for step in (step..last).take(MORE).chain([last]) {
-            let found = self.finished(number(step), seen, COARSEST_PX, &finish, observer)?;
-            if let Some(found) = found.filter(|found| found.difference.over(seen.limits) <= 1.0) {
+            let found = self.finished(number(step), seen, texels, &finish, observer)?;
+            let Some(found) = found.filter(|found| found.difference.over(seen.limits) <= 1.0)
+            else {
+                continue;
+            };
+            if found.impostor.texel_px().is_none_or(|px| px >= COARSER_PX) {
                 return Ok(Some(found));
             }
+            let coarser = Texels {
+                finest_px: COARSER_PX,
+                ..texels
+            };
+            let coarser = self.finished(number(step), seen, coarser, &finish, observer)?;
+            let does = |coarser: &Found| coarser.difference.over(seen.limits) <= 1.0;
+            return Ok(Some(coarser.filter(does).unwrap_or(found)));
         }
         Ok(None)
     }
@@ -244,9 +310,10 @@ impl<'a> Search<'a> {
     ) -> Result<Option<usize>, Error> {
         for step in (0..all).rev().step_by(FEWER).chain([0]) {
             poll(observer)?;
+            let texels = self.texels();
             let cards = self.sorted(number(step));
             // Trunks have more cards than layers.
-            if cards.count() <= most && cards.fit(seen.pixels_high, COARSEST_PX) {
+            if cards.count() <= most && cards.fit(seen.pixels_high, texels) {
                 return Ok(Some(step));
             }
         }
@@ -283,8 +350,7 @@ impl<'a> Search<'a> {
         Ok(Some(enough.0))
     }
 
-    /// This number of cards with textures as fine as the place asks for and an atlas has room for, but not with texels of
-    /// more pixels than these; lit by their normals or flat, whichever looks nearer.
+    /// This number of cards with these texels; lit by their normals or flat, whichever looks nearer.
     ///
     /// # Errors
     /// [`Error::Stopped`] if the observer breaks it off.
@@ -292,17 +358,17 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         seen: &Seen<'_>,
-        coarsest_px: f64,
+        texels: Texels,
         finish: impl Fn(Impostor) -> Impostor,
         observer: &mut Observer<'_>,
     ) -> Result<Option<Found>, Error> {
         poll(observer)?;
         let cards = self.sorted(count);
-        let Some(baked) = Impostor::cards(cards, seen.pixels_high, coarsest_px) else {
+        let Some(baked) = Impostor::cards(cards, seen.pixels_high, texels) else {
             return Ok(None);
         };
         poll(observer)?;
-        let impostor = finish(baked);
+        let impostor = seen.as_bright(finish(baked));
         poll(observer)?;
         Ok(Some(seen.nearer_of_flat(impostor)))
     }
@@ -319,10 +385,11 @@ impl<'a> Search<'a> {
         let key = (pixels_high.to_bits(), step);
         if !self.rough.contains_key(&key) {
             let cards = self.sorted(number(step));
-            let Some(made) = Impostor::cards(cards, pixels_high, f64::INFINITY) else {
+            let Some(made) = Impostor::cards(cards, pixels_high, Texels::up_to(f64::INFINITY))
+            else {
                 return Ok(None);
             };
-            self.rough.insert(key, made);
+            self.rough.insert(key, seen.as_bright(made));
         }
         Ok(self.rough.get(&key))
     }

@@ -20,12 +20,14 @@ use std::borrow::Borrow;
 use std::sync::Arc;
 
 use glam::DVec3;
+use secateur_eval::{LINEAR_FROM_SRGB, srgb_byte};
 use secateur_model::{AlphaMode, Mips, Surface};
 use secateur_simplify::{Error, Observer, Progress};
 use serde_json::{Map, Value, json};
 
+use crate::chain::bytes_of;
 use atlas::{Atlas, BORDER, halved_normals};
-use cards::{Baked, Cards};
+use cards::{Baked, Cards, Texels};
 use crossed::Planes;
 use octahedral::{CELLS, FRAMES, Octahedral};
 
@@ -118,14 +120,14 @@ impl Impostor {
         })
     }
 
-    /// Cards for a height on the screen. Their texels are half a pixel long there, or as much longer as it takes for
-    /// one texture to hold them; `None` if that is more than `coarsest_px` pixels, or there is nothing to see.
+    /// Cards for a height on the screen. Their texels are as fine as may be and one texture has room for; `None` if
+    /// there is no room, or nothing to see.
     pub fn cards<S: Borrow<Surface> + Sync>(
         cards: &Cards<'_, S>,
         pixels_high: f64,
-        coarsest_px: f64,
+        texels: Texels,
     ) -> Option<Self> {
-        let Baked { surface, texel_px } = cards.baked(pixels_high, coarsest_px)?;
+        let Baked { surface, texel_px } = cards.baked(pixels_high, texels)?;
         let made = Self {
             surface,
             look: Look::Cards { texel_px },
@@ -156,6 +158,20 @@ impl Impostor {
         other
     }
 
+    /// This impostor with colours so many times as bright in linear light, as far as they can be.
+    pub fn with_brightness(&self, times: f32) -> Self {
+        let mut other = self.clone();
+        let material = Arc::make_mut(&mut other.surface.material);
+        if let Some(texture) = material.texture.as_mut() {
+            for (at, byte) in Arc::make_mut(texture).rgba.iter_mut().enumerate() {
+                if at % 4 < 3 {
+                    *byte = srgb_byte(LINEAR_FROM_SRGB[usize::from(*byte)] * times);
+                }
+            }
+        }
+        other
+    }
+
     /// This impostor, read with these mips.
     pub fn with_mips(&self, mips: Mips) -> Self {
         let mut other = self.clone();
@@ -171,6 +187,22 @@ impl Impostor {
             }
         }
         other
+    }
+
+    /// What its pictures take on the GPU, in bytes.
+    pub fn texture_bytes(&self) -> u64 {
+        let material = &self.surface.material;
+        let normals = material.finish.normal_map.as_ref().map(|map| &map.texture);
+        let textures = material.texture.iter().chain(normals);
+        textures.map(|texture| bytes_of(texture)).sum()
+    }
+
+    /// How many pixels a texel of cards is long where they begin; none of other impostors.
+    pub fn texel_px(&self) -> Option<f64> {
+        match self.look {
+            Look::Cards { texel_px } => Some(texel_px),
+            Look::Crossed(..) | Look::Octahedral(_) => None,
+        }
     }
 
     /// Whether only a sampler of its own draws it as it is meant.

@@ -100,6 +100,10 @@ class _LevelsOptions(_CommonOptions, total=False):
     max_pop: float
     """The largest difference that a switch may show."""
     impostor: Literal["none", "crossed", "cards", "octahedral", "auto"]
+    impostor_textures: str
+    """What textures of all impostors together may take on the GPU, such as ``4M``."""
+    cost: str
+    """What parts of a level count for, such as ``triangle=1,draw=50,disk-kib=0.02,gpu-kib=0.1``."""
     plant_height: float
     """How high the plant really is, in metres."""
     no_original: bool

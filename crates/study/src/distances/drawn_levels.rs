@@ -36,7 +36,7 @@ fn chain_options(wanted: Wanted, impostor: Choice, leaves: &Options) -> ChainOpt
         max_pop: None,
         // The judge sees how far meshes look from the plant, not what a client's mips make of them.
         textures: Textures::Keep,
-        scene: None,
+        ..ChainOptions::default()
     }
 }
 

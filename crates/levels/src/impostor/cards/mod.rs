@@ -21,11 +21,36 @@ use super::quads::Quads;
 use layers::{Facet, Layer, facets, layers};
 use packing::{Packed, packed};
 
-/// Texels of the atlas on a side, at most: colours and normals take 32 MiB then.
+/// Texels of the atlas on a side, at most.
 const MOST_ATLAS: u32 = 2048;
 
-/// The length of a texel in pixels where there is room: leaves that are thinner than a pixel are seen by finer ones.
-const FINEST_PX: f64 = 0.5;
+/// Bytes that a texel of the atlas takes with its mip maps and a normal map of half as many texels a side.
+const BYTES_A_TEXEL: f64 = 4.0 * (4.0 / 3.0) * 1.25;
+
+/// How fine the pictures of cards are, and what they may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texels {
+    /// The length of a texel in pixels where there is room.
+    pub finest_px: f64,
+    /// The largest length of a texel in pixels.
+    pub coarsest_px: f64,
+    /// Bytes of the pictures on the GPU, at most.
+    pub most_bytes: u64,
+}
+
+impl Texels {
+    /// Leaves that are thinner than a pixel are seen by texels of half a pixel.
+    pub const FINE_PX: f64 = 0.5;
+
+    /// Texels of half a pixel to this many, without a bound but that of the largest atlas.
+    pub fn up_to(coarsest_px: f64) -> Self {
+        Self {
+            finest_px: Self::FINE_PX,
+            coarsest_px,
+            most_bytes: u64::MAX,
+        }
+    }
+}
 
 /// What alpha is tested against, 0 to 1: cards that are seen from aside show less of thin leaves than there is.
 pub(super) const CUTOFF: f32 = 0.35;
@@ -105,23 +130,28 @@ impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
         self.cards.len()
     }
 
-    /// Whether one atlas holds cards for where the screen shows the plant at this height, with texels of at most so
-    /// many pixels.
-    pub fn fit(&self, pixels_high: f64, coarsest_px: f64) -> bool {
-        self.laid_out(pixels_high, coarsest_px).is_some()
+    /// Whether one atlas holds cards for where the screen shows the plant at this height.
+    pub fn fit(&self, pixels_high: f64, texels: Texels) -> bool {
+        self.laid_out(pixels_high, texels).is_some()
     }
 
-    /// How cards lie in an atlas with texels of half a pixel, or of as many pixels as it has room for.
-    fn laid_out(&self, pixels_high: f64, coarsest_px: f64) -> Option<LaidOut> {
+    /// How cards lie in an atlas with the finest texels that it has room for.
+    fn laid_out(&self, pixels_high: f64, texels: Texels) -> Option<LaidOut> {
         let pixel = self.height / pixels_high;
         if self.cards.is_empty() || !(pixel > 0.0 && pixel.is_finite()) {
             return None;
         }
-        let mut texel_px = FINEST_PX;
+        let is_small = |packed: &Packed| {
+            let [width, height] = packed.size.map(f64::from);
+            width * height * BYTES_A_TEXEL <= texels.most_bytes as f64
+        };
+        // A plant of two texels is none: where those have no room, none has.
+        let coarsest_px = texels.coarsest_px.min(2.0 * pixels_high.max(1.0));
+        let mut texel_px = texels.finest_px;
         while texel_px <= coarsest_px {
             let texel = pixel * texel_px;
             let sides: Vec<[u32; 2]> = self.cards.iter().map(|card| card.sides(texel)).collect();
-            if let Some(packed) = packed(&sides, MOST_ATLAS) {
+            if let Some(packed) = packed(&sides, MOST_ATLAS).filter(is_small) {
                 return Some(LaidOut {
                     packed,
                     sides,
@@ -134,15 +164,15 @@ impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
         None
     }
 
-    /// The cards with their pictures; none if texels would be longer than `coarsest_px` pixels where the screen
-    /// shows the plant at this height.
-    pub(super) fn baked(&self, pixels_high: f64, coarsest_px: f64) -> Option<Baked> {
+    /// The cards with their pictures where the screen shows the plant at this height; none if an atlas has no room for
+    /// them.
+    pub(super) fn baked(&self, pixels_high: f64, texels: Texels) -> Option<Baked> {
         let LaidOut {
             packed,
             sides,
             texel,
             texel_px,
-        } = self.laid_out(pixels_high, coarsest_px)?;
+        } = self.laid_out(pixels_high, texels)?;
         let baked: Vec<Vec<SeenTexel>> = (self.cards.par_iter().zip(&sides))
             .map(|(card, sides)| {
                 let parts = card.parts(self.surfaces);
@@ -343,8 +373,8 @@ mod tests {
         let surfaces = two();
         let cards = Cards::new(&surfaces, 2);
         assert_eq!(cards.count(), 2);
-        let Baked { surface, texel_px } = cards.baked(64.0, f64::INFINITY).unwrap();
-        assert_eq!(texel_px, FINEST_PX);
+        let Baked { surface, texel_px } = cards.baked(64.0, Texels::up_to(f64::INFINITY)).unwrap();
+        assert_eq!(texel_px, Texels::FINE_PX);
         assert_eq!(surface.triangles.len(), 4);
         let texture = surface.material.texture.as_ref().unwrap();
         for (card, quad) in surface.positions.chunks(4).enumerate() {
@@ -373,7 +403,9 @@ mod tests {
             Arc::make_mut(&mut surface.material).double_sided = false;
             surface.triangles = vec![corners];
             let surfaces = [surface];
-            let Baked { surface, .. } = Cards::new(&surfaces, 1).baked(64.0, 2.0).unwrap();
+            let Baked { surface, .. } = Cards::new(&surfaces, 1)
+                .baked(64.0, Texels::up_to(2.0))
+                .unwrap();
             let texture = surface.material.texture.as_ref().unwrap();
             let is_there = texture
                 .rgba
@@ -414,13 +446,19 @@ mod tests {
     fn texels_are_as_fine_as_an_atlas_has_room_for() {
         let surfaces = two();
         let cards = Cards::new(&surfaces, 2);
-        assert!(cards.fit(256.0, FINEST_PX) && !cards.fit(1e5, 2.0));
-        assert!(cards.baked(1e5, 2.0).is_none());
-        let Baked { surface, texel_px } = cards.baked(1e5, f64::INFINITY).unwrap();
+        assert!(
+            cards.fit(256.0, Texels::up_to(Texels::FINE_PX)) && !cards.fit(1e5, Texels::up_to(2.0))
+        );
+        assert!(cards.baked(1e5, Texels::up_to(2.0)).is_none());
+        let Baked { surface, texel_px } = cards.baked(1e5, Texels::up_to(f64::INFINITY)).unwrap();
         assert!(texel_px > 40.0, "{texel_px}");
         let texture = surface.material.texture.as_ref().unwrap();
         assert!(texture.width.max(texture.height) <= MOST_ATLAS);
         // Where there is nothing to see, there are no cards.
-        assert!(Cards::<Surface>::new(&[], 5).baked(64.0, 2.0).is_none());
+        assert!(
+            Cards::<Surface>::new(&[], 5)
+                .baked(64.0, Texels::up_to(2.0))
+                .is_none()
+        );
     }
 }

@@ -79,7 +79,7 @@ fn go_on(_: Progress) -> ControlFlow<()> {
 fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
     let surfaces = [crown()];
     let judge = judge(&surfaces);
-    let mut search = Search::new(&surfaces);
+    let mut search = Search::new(&surfaces, u64::MAX);
     let mut found = |difference: f64, most: usize| {
         let seen = seen(&judge, difference);
         let found = search.fewest(&seen, most, |made| made, &mut go_on);
@@ -101,7 +101,13 @@ fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
     let seen = seen(&judge, LIMITS[2]);
     let fewer = (few.unwrap() as f64 / 2.0 / STEP / STEP).round() as usize;
     let of_fewer = search
-        .finished(fewer, &seen, f64::INFINITY, |made| made, &mut go_on)
+        .finished(
+            fewer,
+            &seen,
+            Texels::up_to(f64::INFINITY),
+            |made| made,
+            &mut go_on,
+        )
         .unwrap()
         .unwrap();
     let over = of_fewer.difference.over(seen.limits);
@@ -115,7 +121,7 @@ fn a_search_stops_wherever_it_is_told_to() {
     let judge = judge(&surfaces);
     let seen = seen(&judge, LIMITS[1]);
     // What one run has made the next goes on from.
-    let mut search = Search::new(&surfaces);
+    let mut search = Search::new(&surfaces, u64::MAX);
     for last in 1.. {
         let before = search.sorted.len() + search.rough.len();
         let (mut asked, finished) = (0, Cell::new(0));
@@ -132,9 +138,9 @@ fn a_search_stops_wherever_it_is_told_to() {
         };
         let found = search.fewest(&seen, most(), finish, observer);
         if let Ok(found) = found {
-            // Eight numbers of cards, and three questions about each of those with fine textures.
+            // Eight numbers of cards, and three questions about each of those with textures of their own.
             assert!(found.is_some() && last > 10, "asked {asked} times");
-            assert_eq!(finished.get(), 2);
+            assert_eq!(finished.get(), 3);
             return;
         }
         assert!(matches!(found, Err(Error::Stopped)), "at question {last}");
@@ -151,7 +157,7 @@ fn the_fewest_cards_do_where_nothing_is_seen() {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let walls = Arc::new(walls(axes.into_iter().flat_map(|axis| [axis, -axis])));
     let judge = judge(&surfaces).in_scene(None, vec![walls]);
-    let mut search = Search::new(&surfaces);
+    let mut search = Search::new(&surfaces, u64::MAX);
     let found = search.fewest(&seen(&judge, 0.05), most(), |made| made, &mut go_on);
     let found = found.unwrap().unwrap();
     assert_eq!(found.difference, Difference::default());
@@ -164,7 +170,7 @@ fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
     let judge = judge(&surfaces);
     let seen = seen(&judge, LIMITS[1]);
     let cards = Cards::new(&surfaces, 60);
-    let impostor = Impostor::cards(&cards, 60.0, f64::INFINITY).unwrap();
+    let impostor = Impostor::cards(&cards, 60.0, Texels::up_to(f64::INFINITY)).unwrap();
     let over = |found: &Found| found.difference.over(seen.limits);
     let all = Found {
         difference: seen.difference(&impostor),

@@ -1,0 +1,87 @@
+//! Levels of few pixels: what stands there, and what it costs.
+
+use secateur_plant::Species;
+use secateur_raster::OpenEngine;
+
+use super::tests::{go_on, grown, options};
+use super::*;
+
+/// Heights of a plant that is far, in pixels.
+const FAR: [f64; 3] = [64.0, 32.0, 16.0];
+
+fn far_options() -> ChainOptions {
+    ChainOptions {
+        wanted: Wanted::Heights(FAR.to_vec()),
+        max_difference: 0.7,
+        original: true,
+        cost: CostWeights::default(),
+        ..options(&[])
+    }
+}
+
+fn impostors(options: &ChainOptions) -> Vec<ChainLevel> {
+    let tree = grown(Species::Oak, 120);
+    let made = chain(&tree, options, &OpenEngine::cpu(), &mut go_on).unwrap();
+    let is_impostor = |level: &ChainLevel| level.kind == LevelKind::Impostor;
+    made.levels.into_iter().filter(is_impostor).collect()
+}
+
+/// In a chain for heights, too, and with no more triangles than pixels that the plant covers.
+#[test]
+fn cards_stand_for_a_plant_of_few_pixels() {
+    let options = far_options();
+    let made = impostors(&options);
+    assert!(!made.is_empty());
+    let tree = grown(Species::Oak, 120);
+    let engine = OpenEngine::cpu();
+    let maker = Maker::new(&tree, &options, &engine).unwrap();
+    for level in &made {
+        assert!(FAR.contains(&level.pixels_high));
+        assert!(level.triangles as f64 <= maker.look.covered_px(level.pixels_high));
+        assert!(level.difference.over(options.limits()) <= 1.0);
+    }
+    let bytes: u64 = made.iter().map(|level| level.texture_bytes).sum();
+    assert!(bytes > 0 && bytes <= 1 << 20, "{bytes}");
+}
+
+#[test]
+fn impostors_keep_the_bound_of_their_textures() {
+    let bounded = |bytes| ChainOptions {
+        impostor_texture_bytes: Some(bytes),
+        ..far_options()
+    };
+    assert!(impostors(&bounded(1_000)).is_empty());
+    let most = 40_000;
+    let bytes = impostors(&bounded(most))
+        .iter()
+        .map(|level| level.texture_bytes)
+        .sum::<u64>();
+    assert!(bytes <= most, "{bytes}");
+}
+
+/// A further level of cards saves a third of what is dear; where only draws are, none does, as each is drawn at once.
+#[test]
+fn a_further_impostor_pays_by_what_is_dear() {
+    let dear = |cost: &str| {
+        let mut made = impostors(&ChainOptions {
+            cost: cost.parse().unwrap(),
+            ..far_options()
+        });
+        made.retain(|level| level.impostor.as_ref().unwrap().facts["layout"] == "cards");
+        made
+    };
+    let by_bytes = dear("triangle=0,draw=0,disk-kib=0,gpu-kib=1");
+    for pair in by_bytes.windows(2) {
+        let [before, after] = [0, 1].map(|k| pair[k].texture_bytes + 70 * pair[k].triangles);
+        assert!(3 * after <= 2 * before, "{after} after {before}");
+    }
+    assert_eq!(dear("triangle=0,draw=1,disk-kib=0,gpu-kib=0").len(), 1);
+}
+
+#[test]
+fn usual_heights_end_where_a_plant_is_a_block() {
+    let usual = ChainOptions::usual_heights_px;
+    assert_eq!(usual(1080.0), HEIGHTS_PX);
+    assert_eq!(usual(16.0), [16.0, 8.0]);
+    assert_eq!(usual(480.0).last(), Some(&(32.0 * 480.0 / 1080.0)));
+}
