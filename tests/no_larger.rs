@@ -39,7 +39,8 @@ fn instanced_crown() -> Vec<u8> {
         places.extend([wide * around.cos(), 2.0 + up, wide * around.sin()]);
         turns.extend([0.0, (0.5 * around).sin(), 0.0, (0.5 * around).cos()]);
     }
-    let (mut bin, starts) = packed(&[&card, &places, &turns]);
+    let sizes = [1.0; 3 * INSTANCES];
+    let (mut bin, starts) = packed(&[&card, &places, &turns, &sizes]);
     let corners: [u16; 12] = [0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4];
     let of_corners = bin.len();
     bin.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
@@ -52,7 +53,7 @@ fn instanced_crown() -> Vec<u8> {
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": "leaves", "mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {
-            "attributes": {"TRANSLATION": 1, "ROTATION": 2}}}}],
+            "attributes": {"TRANSLATION": 1, "ROTATION": 2, "SCALE": 4}}}}],
         "materials": [{"name": "leaf", "doubleSided": true,
             "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.5, 0.1, 1.0]}}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 3, "material": 0}]}],
@@ -61,47 +62,41 @@ fn instanced_crown() -> Vec<u8> {
                 "min": [-0.1, 0.0, 0.0], "max": [0.1, 0.3, 0.04]},
             {"bufferView": 1, "componentType": 5126, "count": INSTANCES, "type": "VEC3"},
             {"bufferView": 2, "componentType": 5126, "count": INSTANCES, "type": "VEC4"},
-            {"bufferView": 3, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+            {"bufferView": 3, "componentType": 5123, "count": 12, "type": "SCALAR"},
+            {"bufferView": 4, "componentType": 5126, "count": INSTANCES, "type": "VEC3"}],
         "bufferViews": [view(starts[0], 72), view(starts[1], 12 * INSTANCES),
-            view(starts[2], 16 * INSTANCES), view(of_corners, 24)],
+            view(starts[2], 16 * INSTANCES), view(of_corners, 24), view(starts[3], 12 * INSTANCES)],
         "buffers": [{"byteLength": bin.len()}],
     });
     joined(&root, &bin)
 }
 
-/// Instances that stay keep their mesh, whatever their sizes: they are drawn at once, and take a transform each.
+/// Instances that stay share a mesh, whatever their sizes: they are drawn at once, and take a transform each.
 #[test]
-fn half_of_an_instanced_crown_is_half_as_large_and_one_draw() {
+fn levels_of_an_instanced_crown_are_instanced() {
     let bench = Bench::new();
     let crown = instanced_crown();
     bench.put("crown.glb", &crown);
-    let half = [
-        "simplify",
-        "crown.glb",
-        "-o",
-        "half.glb",
-        "--triangles",
-        "0.5",
-    ];
-    bench.run(&half).succeeded();
-    let half = std::fs::read(bench.path("half.glb")).unwrap();
-    let root: Value = serde_json::from_slice(chunks(&half).0).unwrap();
-    let primitives = |mesh: &Value| mesh["primitives"].as_array().unwrap().len();
-    let meshes = root["meshes"].as_array().unwrap();
-    assert_eq!(meshes.iter().map(primitives).sum::<usize>(), 1, "{root}");
-    let places = &root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
-    let left = places["TRANSLATION"].as_u64().unwrap() as usize;
-    let left = root["accessors"][left]["count"].as_u64().unwrap() as usize;
-    assert!(
-        (INSTANCES * 2 / 5..=INSTANCES / 2).contains(&left),
-        "{left}"
-    );
-    assert!(
-        half.len() * 10 < crown.len() * 8,
-        "{} of {}",
-        half.len(),
-        crown.len()
-    );
+    for share in ["0.7", "0.5", "0.2"] {
+        let simplify = ["simplify", "crown.glb", "-o", "level.glb", "--overwrite"];
+        bench
+            .run(&[&simplify[..], &["--triangles", share]].concat())
+            .succeeded();
+        let level = std::fs::read(bench.path("level.glb")).unwrap();
+        let root: Value = serde_json::from_slice(chunks(&level).0).unwrap();
+        let primitives = |mesh: &Value| mesh["primitives"].as_array().unwrap().len();
+        let meshes = root["meshes"].as_array().unwrap();
+        assert_eq!(meshes.iter().map(primitives).sum::<usize>(), 1, "{root}");
+        let places = &root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"];
+        assert!(places.is_object(), "{share}: {root}");
+        // Names and bounds take a little more.
+        assert!(
+            level.len() < crown.len() + 256,
+            "{} of {}",
+            level.len(),
+            crown.len()
+        );
+    }
 }
 
 /// A trunk whose vertices lie interleaved, as glTF-Transform writes them, below a node that moves it.

@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use secateur_model::{Foliage, LeafId};
 
 use super::LossCurves;
+use crate::fill::is_met;
 
 /// For each leaf the number of triangles it may keep, at most `at_most` in all unless every
 /// leaf is at its least. Triangles go one by one where they save the most area: what the leaf
 /// loses without them, times its area. A few may stay over that no leaf can use. Leaves that are instances of one mesh
-/// have one number, and get more together.
+/// have one number, and get more together: where that leaves a tenth of the budget or more they have too many instead,
+/// so that some are to go.
 pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -> Vec<usize> {
     let leaves = || (0..foliage.leaves().len()).map(LeafId::from_index);
     let mut shares: Vec<usize> = leaves()
@@ -62,6 +64,22 @@ pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -
                 shares[leaf.index()] = to;
             }
             over -= added;
+        }
+    }
+    if !is_met(at_most, at_most.saturating_sub(over)) {
+        let next = |first: &LeafId| {
+            let all = curves.hull(*first).iter();
+            let more = all
+                .map(|point| point.triangles)
+                .find(|n| *n > shares[first.index()]);
+            more.map(|n| (*first, n))
+        };
+        let most = instances.iter().max_by_key(|(_, alike)| alike.len());
+        if let Some((first, to)) = most.and_then(|(first, _)| next(first)) {
+            for leaf in &instances[&first] {
+                over = over.saturating_sub(to - shares[leaf.index()]);
+                shares[leaf.index()] = to;
+            }
         }
     }
     // The rest goes to points off the hull, largest leaves first.

@@ -41,7 +41,8 @@ use sheets::Sheets;
 /// would become a spike.
 const MAX_LINEAR_SCALE: f64 = 3.0;
 
-/// Largest factor by which a coarser leaf reaches further from its centre than the leaf did. The largest triangle in an
+/// Largest factor by which a coarser leaf that lost more area than [`MAX_LINEAR_SCALE`] gives back reaches further from
+/// its centre than the leaf did. The largest triangle in an
 /// ellipse has the ellipse's area at 1.555 times its size; what would have to grow more is strips of a leaf that lost
 /// its width, and would hang in the air beside the plant.
 const MAX_REACH: f64 = 1.6;
@@ -199,7 +200,11 @@ fn in_place_of(
         reach(&plain, after.centre()),
     ];
     let within_reach = (MAX_REACH * reaches[0] / reaches[1]).max(1.0);
-    let linear_scale = linear_scale.min(MAX_LINEAR_SCALE).min(within_reach);
+    // A leaf that can have its area has it.
+    let linear_scale = match linear_scale <= MAX_LINEAR_SCALE {
+        true => linear_scale,
+        false => MAX_LINEAR_SCALE.min(within_reach),
+    };
     let placed = |corner: u32| NewCorner {
         place: Place::At(before.centre() + linear_scale * (position(corner) - after.centre())),
         like: corner,
