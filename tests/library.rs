@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use secateur::chain::{BadOptions, ChainError, Layout, LevelsOptions, Wanted};
 use secateur::plant::{GrowOptions, Species};
 use secateur::{
-    Error, LevelOptions, Memory, OpenEngine, Opening, Plant, Session, Target, Versioned, WoodMode,
-    judge,
+    Effort, Error, LevelOptions, Memory, OpenEngine, Opening, Plant, Session, Target, Versioned,
+    WoodMode, judge,
 };
 use serde_json::Value;
 
@@ -53,6 +53,54 @@ fn a_level_has_the_bytes_of_the_program() {
     }
 }
 
+/// A fast level is made of fewer pictures, and the report says so.
+#[test]
+fn an_effort_has_the_bytes_of_the_program() {
+    let bench = Bench::new();
+    let plant = Plant::open(bench.path("oak.glb")).unwrap();
+    let mut different = Vec::new();
+    for (effort, views) in [(Effort::Fast, 12), (Effort::Normal, 20), (Effort::Best, 20)] {
+        let flag = ["--effort", effort.name()];
+        let out = [
+            "-o",
+            "out.glb",
+            "--triangles",
+            "0.1",
+            "--report",
+            "out.json",
+        ];
+        let simplify = [&["simplify", "oak.glb"], &out[..], &flag].concat();
+        bench.run(&simplify).succeeded();
+        let report: Value = serde_json::from_slice(&bench.read("out.json")).unwrap();
+        assert_eq!(report["settings"]["effort"], effort.name());
+        assert_eq!(report["settings"]["view_count"], views);
+        let mut options = LevelOptions::triangles(0.1);
+        options.simplify.effort = effort;
+        let text = serde_json::to_string(&Versioned::new(options)).unwrap();
+        let options: Versioned<LevelOptions> = serde_json::from_str(&text).unwrap();
+        let level = plant.level(&options.options).unwrap();
+        assert!(
+            level.to_bytes().unwrap() == bench.read("out.glb"),
+            "{effort:?}"
+        );
+        let budget = report["triangles"]["original"].as_f64().unwrap() / 10.0;
+        let left = level.report().triangles as f64;
+        assert!(
+            (0.9 * budget..=budget + 1.0).contains(&left),
+            "{left} of {budget}"
+        );
+        different.push(level.difference.unwrap().difference);
+    }
+    // Best is chosen for larger pictures.
+    let [fast, normal, best] = different[..] else {
+        unreachable!("three efforts")
+    };
+    assert!(
+        fast <= 1.2 * normal && best <= 1.1 * normal,
+        "{different:?}"
+    );
+}
+
 /// Its textures are cut out: cutoffs and colours change with the level.
 #[test]
 fn a_tenth_of_a_real_oak_has_the_bytes_of_the_program() {
@@ -67,12 +115,32 @@ fn a_tenth_of_a_real_oak_has_the_bytes_of_the_program() {
 
 #[test]
 fn levels_have_the_bytes_of_the_program() {
+    for effort in [Effort::Normal, Effort::Fast] {
+        levels_of_both(effort);
+    }
+}
+
+fn levels_of_both(effort: Effort) {
     let bench = Bench::new();
-    bench
-        .run(&["lods", "oak.glb", "-o", "of-program"])
-        .succeeded();
+    let lods = ["lods", "oak.glb", "-o", "of-program", "--effort"];
+    let record = ["--report", "lods.json"];
+    let run = [&lods[..], &[effort.name()], &record].concat();
+    bench.run(&run).succeeded();
+    let report: Value = serde_json::from_slice(&bench.read("lods.json")).unwrap();
+    assert_eq!(report["effort"], effort.name());
     let plant = Plant::open(bench.path("oak.glb")).unwrap();
-    let levels = plant.levels(&LevelsOptions::default()).unwrap();
+    let mut options = LevelsOptions::default();
+    options.leaves.effort = effort;
+    let levels = plant.levels(&options).unwrap();
+    let within =
+        |level: &secateur::chain::LevelReport| level.difference.over(options.limits()) <= 1.0;
+    assert!(
+        levels
+            .chain
+            .levels
+            .iter()
+            .all(|level| within(&level.report))
+    );
     levels
         .write(bench.path("of-library"), Layout::Files)
         .unwrap();

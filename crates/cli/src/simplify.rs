@@ -154,6 +154,7 @@ fn write_options(args: &args::Simplify) -> WriteOptions {
 pub(crate) fn options(args: &args::Simplify) -> Result<Options, Failure> {
     let options = Options::with_preset(args.preset, args.target.target());
     Ok(Options {
+        effort: args.effort,
         method: method(args),
         engine: args.engine,
         views: match &args.views {

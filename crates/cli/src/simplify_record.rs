@@ -5,9 +5,9 @@ use std::path::Path;
 use schemars::JsonSchema;
 use secateur::chain::LevelReport;
 use secateur::{
-    Alpha, AreaTable, Engine, FieldOfView, Inspection, Judging, LeafTriangles, LevelParts, Needles,
-    Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, Vmi, WoodMode,
-    Written,
+    Alpha, AreaTable, Effort, Engine, FieldOfView, Inspection, Judging, LeafTriangles, LevelParts,
+    Needles, Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, Vmi,
+    WoodMode, Written,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -83,6 +83,7 @@ struct Settings {
     resolution: u32,
     resolution_reason: String,
     preset: Preset,
+    effort: Effort,
     target: Target,
     wood: WoodMode,
     #[schemars(with = "String")]
@@ -174,6 +175,7 @@ impl Simplifying<'_> {
             resolution: result.resolution,
             resolution_reason: result.resolution_reason.clone(),
             preset: options.preset,
+            effort: options.effort,
             target: options.target,
             wood: self.plant.wood_mode(),
             leaf_triangles: options.leaf_triangles,

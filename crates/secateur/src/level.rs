@@ -16,8 +16,8 @@ use secateur_simplify::whole::{
     Budget as TriangleBudget, Sharing, WholeLevel, WholePlant, WoodMode, simplify_keeping_wood,
 };
 use secateur_simplify::{
-    Amount, Error as SimplifyError, Observer, Options, Progress, Simplified, Target, Warning,
-    simplify_on, take_plant,
+    Amount, Error as SimplifyError, Observer, Options, Progress, Shared, Simplified, Target,
+    Warning, simplify_on, take_plant,
 };
 use web_time::Instant;
 
@@ -30,6 +30,9 @@ use crate::opened_plant::{Parts, Plant};
 /// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
 /// coarse so small is so at any size.
 const LOOKED_AT_PX: f64 = 128.0;
+
+/// The height at which the nearest of several ways to share triangles is chosen: that of `measure`.
+const CHOSEN_AT_PX: f64 = 540.0;
 
 /// What has to be said of a level.
 #[derive(Clone, Debug, PartialEq)]
@@ -258,7 +261,7 @@ impl Plant {
     }
 }
 
-/// A level of leaves and wood. Of a plant without leaves two ways are tried.
+/// A level of leaves and wood. Of a plant without leaves two ways are tried, of others as many as the effort has.
 fn whole_level(
     tree: &WholeTree,
     mode: WoodMode,
@@ -282,17 +285,36 @@ fn whole_level(
                 sharing: Sharing::Evenly,
             };
             let other = plant.level(evenly, options, engine, None, observer)?;
-            nearer_of(tree, level, other)
+            nearer_of(tree, [level, other], LOOKED_AT_PX)
         }
-        Target::Triangles(_) | Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level),
+        Target::Triangles(amount) => {
+            let triangles = amount.of(plant.triangle_count());
+            let mut nearest = level;
+            let mut shared = Shared::default();
+            for &sharing in options.effort.work().sharings_of_one.iter().skip(1) {
+                let budget = TriangleBudget { triangles, sharing };
+                let other = plant.level(budget, options, engine, Some(&mut shared), observer)?;
+                let of_leaves = other.leaves.lod.foliage(leaves).triangles().len();
+                let left = of_leaves + other.wood_triangles;
+                if options.check_met(left, plant.triangle_count()).is_ok() {
+                    nearest = nearer_of(tree, [nearest, other], CHOSEN_AT_PX)?;
+                }
+            }
+            Ok(nearest)
+        }
+        Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level),
     }
 }
 
-/// Of two levels the one that looks nearer to the tree.
-fn nearer_of(tree: &WholeTree, first: WholeLevel, second: WholeLevel) -> Result<WholeLevel, Error> {
+/// Of two levels the one that looks nearer to the tree, so many pixels high.
+fn nearer_of(
+    tree: &WholeTree,
+    [first, second]: [WholeLevel; 2],
+    pixels_high: f64,
+) -> Result<WholeLevel, Error> {
     let over = |level: &WholeLevel| -> Result<f64, Error> {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
-        Ok(difference_of(tree.items(), &lod)?.difference)
+        Ok(difference_of(tree.items(), &lod, pixels_high)?.difference)
     };
     Ok(match over(&second)? < over(&first)? {
         true => second,
@@ -394,7 +416,7 @@ impl LevelParts {
 
     /// Looks whether the level is the plant still.
     fn look(&mut self, tree: &Tree) {
-        match difference_of(tree, &self.lod) {
+        match difference_of(tree, &self.lod, LOOKED_AT_PX) {
             Ok(difference) => {
                 if difference.difference > Difference::ANOTHER_PLANT {
                     let warning = LevelWarning::AnotherPlant(difference.difference);
@@ -410,10 +432,10 @@ impl LevelParts {
     }
 }
 
-/// How far a level looks from its tree.
-fn difference_of(tree: &Tree, lod: &Lod) -> Result<Difference, Error> {
+/// How far a level looks from its tree, so many pixels high.
+fn difference_of(tree: &Tree, lod: &Lod, pixels_high: f64) -> Result<Difference, Error> {
     let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
     let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
     let judge = difference_judge(tree)?;
-    Ok(judge.difference(&level, LOOKED_AT_PX, ViewCount::Search))
+    Ok(judge.difference(&level, pixels_high, ViewCount::Search))
 }

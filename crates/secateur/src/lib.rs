@@ -74,7 +74,7 @@
 //! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`VertexAlpha`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
 //! | simplifying | [`simplify()`], [`Options`], [`Target`], [`Simplified`], [`Progress`], [`Warning`] |
-//! | the look or the information | [`Preset`] |
+//! | the look or the information; how much work | [`Preset`], [`Effort`] |
 //! | methods and their options | [`Method`], [`VdsOptions`], [`FsaOptions`], [`StochasticOptions`], [`MeshoptOptions`] |
 //! | one's own cameras | [`Views::Cameras`], [`read_cameras`], [`View`] |
 //! | a scene's cameras, and what hides leaves | [`Document::cameras`], [`scene_views`], [`Document::occluders`], [`Options::occluders`] |
@@ -176,9 +176,9 @@ pub use secateur_simplify::stochastic::StochasticOptions;
 pub use secateur_simplify::vds::{Reference, Resize, Ties, VdsError, VdsOptions};
 pub use secateur_simplify::whole::{WholeLevel, WholePlant, WoodMode, simplify_keeping_wood};
 pub use secateur_simplify::{
-    Alpha, Amount, Error as SimplifyError, FieldOfView, Fitting, LeafTriangles, Method, Needles,
-    Observer, Options, Passes, Preset, Progress, Resolution, Sides, Simplified, Stage, Stopped,
-    Target, Views, Warning, as_seen, observe, simplify, simplify_on, sphere_of,
+    Alpha, Amount, Effort, Error as SimplifyError, FieldOfView, Fitting, LeafTriangles, Method,
+    Needles, Observer, Options, Passes, Preset, Progress, Resolution, Sides, Simplified, Stage,
+    Stopped, Target, Views, Warning, as_seen, observe, simplify, simplify_on, sphere_of,
 };
 
 /// The vectors of this interface.

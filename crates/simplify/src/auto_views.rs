@@ -46,6 +46,12 @@ pub(crate) fn views_for(
             reason: Some(reason.to_owned()),
         })
     };
+    if let Some(views) = &options.effort.work().views {
+        return Ok(ChosenViews {
+            views: options.views.instead_of_auto(views),
+            reason: Some(format!("of effort {}", options.effort.name())),
+        });
+    }
     if options.method.vds().is_none() {
         return few("the method does not look");
     }

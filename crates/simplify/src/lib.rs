@@ -20,6 +20,7 @@ mod auto_views;
 pub mod by_branches;
 pub mod coarsen;
 mod edge_collapses;
+mod effort;
 mod error;
 mod fill;
 pub mod fit;
@@ -52,6 +53,7 @@ mod warning;
 pub mod whole;
 pub mod wood;
 
+pub use effort::{Effort, Work};
 pub use error::Error;
 pub use memory::take_plant;
 pub use method::Method;

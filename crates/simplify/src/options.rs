@@ -11,8 +11,8 @@ use crate::hanging_leaves::HeldBy;
 use crate::select::refuse;
 use crate::vds::ViewPlan;
 use crate::{
-    Alpha, Error, FieldOfView, Fitting, LeafTriangles, Method, Needles, Preset, Resolution, Sides,
-    Target, Views,
+    Alpha, Effort, Error, FieldOfView, Fitting, LeafTriangles, Method, Needles, Preset, Resolution,
+    Sides, Target, Views,
 };
 
 /// What a run is to do; [`Options::to`] has the defaults of the command line.
@@ -20,6 +20,9 @@ use crate::{
 pub struct Options {
     /// What the options began with; it says what [`Fitting::Auto`] is.
     pub preset: Preset,
+    /// How much work goes into what is left to the program.
+    #[serde(default)]
+    pub effort: Effort,
     /// How much is to be left, or how much may be lost.
     pub target: Target,
     /// How leaves are chosen, with the options of the method.
@@ -87,6 +90,7 @@ impl Options {
     pub fn with_preset(preset: Preset, target: Target) -> Self {
         Self {
             preset,
+            effort: Effort::default(),
             target,
             method: Method::Vds(preset.vds()),
             engine: Engine::default(),
@@ -110,7 +114,10 @@ impl Options {
     /// Whether a level is to show as much of the crown in what clients draw from afar as there is, by
     /// alpha cutoffs of its own: the look by VDS, where leaves grow as this preset has it and masks count.
     pub fn chooses_cutoffs(&self) -> bool {
-        self.is_for_the_look() && self.grows_as_its_preset_has_it() && self.alpha == Alpha::Mask
+        self.is_for_the_look()
+            && self.grows_as_its_preset_has_it()
+            && self.alpha == Alpha::Mask
+            && self.effort.work().fits
     }
 
     /// All sets of views that a run about a foliage with this bounding sphere looks from, one after
@@ -158,7 +165,7 @@ impl Options {
             Fitting::None => None,
             Fitting::Coverage => Some(Objective::Coverage),
             Fitting::Weight(weight) => Some(information(weight)),
-            Fitting::Auto if !self.grows_as_its_preset_has_it() => None,
+            Fitting::Auto if !self.grows_as_its_preset_has_it() || !self.effort.work().fits => None,
             Fitting::Auto => match self.preset {
                 Preset::Look => Some(Objective::Coverage),
                 Preset::Information => (!matches!(self.target, Target::MaxErrorPercent(_))

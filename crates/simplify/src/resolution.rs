@@ -14,14 +14,6 @@ use crate::shared::Shared;
 use crate::vds::VdsError;
 use crate::{Error, Options, Resolution};
 
-/// What [`Preset::Look`](crate::Preset::Look) takes for [`Resolution::Auto`], in pixels. On three trees with
-/// leaves so small that 512 are chosen for information (a grown oak and birch, a pine), at a tenth of the
-/// leaves, FLIP is .99, 1.03 and 1.02 of what it is there, in half of the time
-/// (`benches/judges.rs`).
-pub(crate) const LOOK_RESOLUTION: u32 = 256;
-
-pub(crate) const LOOK_RESOLUTION_REASON: &str = "256 pixels are what the look takes";
-
 /// Resolutions that are tried, in pixels, in order.
 pub const CANDIDATES: [u32; 3] = [256, 512, 1024];
 
@@ -76,7 +68,7 @@ pub fn choose(
     unreachable!("the largest candidate is always taken")
 }
 
-/// The resolution of a run, and why: that which is asked for, [`LOOK_RESOLUTION`] for the look, and else
+/// The resolution of a run, and why: that which is asked for, that of the effort for the look, and else
 /// [`choose`], or the least of [`CANDIDATES`] where there are too many views for the largest.
 pub(crate) fn resolution_for(
     foliage: &Foliage,
@@ -88,7 +80,8 @@ pub(crate) fn resolution_for(
     match options.resolution {
         Resolution::Pixels(n) => return Ok((n, "as asked".to_owned())),
         Resolution::Auto if options.is_for_the_look() => {
-            return Ok((LOOK_RESOLUTION, LOOK_RESOLUTION_REASON.to_owned()));
+            let px = options.effort.work().look_px;
+            return Ok((px, format!("{px} pixels are what the look takes")));
         }
         Resolution::Auto => {}
     }

@@ -26,15 +26,7 @@ use crate::{
     simplify_sharing, sphere_of,
 };
 
-/// Views of this many pixels a side say how much of each piece of wood is seen: enough for what
-/// shows at all at the heights at which coarse levels are seen.
-const SEEN_RESOLUTION: u32 = 256;
-
-/// Levels of wood are judged, and by information chosen, in views of this many pixels a side, where there
-/// are few enough views: with 256 FLIP was .0138 instead of .0127 on `ez_bush2` at a quarter of all triangles.
-const LEVEL_RESOLUTION: u32 = 512;
-
-/// [`LEVEL_RESOLUTION`] of plants without leaves, whose surfaces are large: with 512 half of the triangles of a crown of three balls
+/// Pixels a side of views in which levels of plants without leaves are judged. Their surfaces are large: with 512 half of the triangles of a crown of three balls
 /// have a difference of .35 at 400 pixels instead of .20, since all coarse levels are off by two pixels.
 const BARE_RESOLUTION: u32 = 256;
 
@@ -189,9 +181,10 @@ impl<'a> WholePlant<'a> {
             Some(occluded) => occluded,
             None => engine,
         };
+        let [seen_px, level_px] = options.effort.work().wood_px;
         let px = |foliage: &Foliage| -> Result<Vec<f64>, Error> {
             let all = Lod::original(foliage.leaves().len());
-            let areas = observe(foliage, &all, &views, SEEN_RESOLUTION, rasteriser)?;
+            let areas = observe(foliage, &all, &views, seen_px, rasteriser)?;
             let mut px = vec![0.0; foliage.leaves().len()];
             for row in areas.rows() {
                 for (sum, area_px) in px.iter_mut().zip(&row[1..]) {
@@ -215,7 +208,7 @@ impl<'a> WholePlant<'a> {
             .collect();
         let most = match leaves.leaves().is_empty() {
             true => BARE_RESOLUTION,
-            false => LEVEL_RESOLUTION,
+            false => level_px,
         };
         let resolution = level_resolution(most, views.len());
         let levels = match mode.decided() {

@@ -1,14 +1,25 @@
 //! What is asked for, as JSON: the options of `secateur simplify` and `secateur lods` that a page offers.
 
 use secateur::chain::{ImpostorChoice, LevelsOptions, Wanted};
-use secateur::{Amount, LevelOptions, Target};
+use secateur::{Amount, Effort, LevelOptions, Target};
 use serde::Deserialize;
+
+/// What a level is to be like: a [`LevelAmount`], and with `"effort"` how much work goes into it.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+pub struct LevelSettings {
+    /// How many triangles it has.
+    #[serde(flatten)]
+    pub amount: LevelAmount,
+    /// How much work goes into it: `fast`, `normal` or `best`.
+    #[serde(default)]
+    pub effort: Effort,
+}
 
 /// How many triangles a level has: `{"amount": "share", "value": 0.25}`, a share of all triangles from 0 to 1, or
 /// `{"amount": "triangles", "value": 5000}`.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(tag = "amount", content = "value", rename_all = "lowercase")]
-pub enum LevelSettings {
+pub enum LevelAmount {
     /// A share of all triangles, 0 to 1.
     Share(f64),
     /// A number of triangles.
@@ -39,6 +50,9 @@ pub struct ChainSettings {
     /// Whether it begins with the plant itself.
     #[serde(default = "yes")]
     pub original: bool,
+    /// How much work goes into the search: `fast`, `normal` or `best`.
+    #[serde(default)]
+    pub effort: Effort,
     /// Whether it may end in pictures of the plant, where it is for heights or distances.
     #[serde(default = "yes")]
     pub impostor: bool,
@@ -54,21 +68,23 @@ impl LevelSettings {
     /// # Errors
     /// A sentence where the text is no such JSON, or the share is outside 0 to 1.
     pub fn parse(json: &str) -> Result<Self, String> {
-        let settings = parsed(json)?;
-        match settings {
-            Self::Share(share) if !(0.0..=1.0).contains(&share) => {
+        let settings: Self = parsed(json)?;
+        match settings.amount {
+            LevelAmount::Share(share) if !(0.0..=1.0).contains(&share) => {
                 Err(format!("a share of triangles is from 0 to 1, not {share}"))
             }
-            Self::Share(_) | Self::Triangles(_) => Ok(settings),
+            LevelAmount::Share(_) | LevelAmount::Triangles(_) => Ok(settings),
         }
     }
 
     /// As the library has them.
     pub fn options(self) -> LevelOptions {
-        match self {
-            Self::Share(share) => LevelOptions::triangles(share),
-            Self::Triangles(count) => LevelOptions::to(Target::triangles(count)),
-        }
+        let mut options = match self.amount {
+            LevelAmount::Share(share) => LevelOptions::triangles(share),
+            LevelAmount::Triangles(count) => LevelOptions::to(Target::triangles(count)),
+        };
+        options.simplify.effort = self.effort;
+        options
     }
 }
 
@@ -83,7 +99,8 @@ impl ChainSettings {
 
     /// As the library has them.
     pub fn options(&self) -> LevelsOptions {
-        let usual = LevelsOptions::default();
+        let mut usual = LevelsOptions::default();
+        usual.leaves.effort = self.effort;
         let may_end_in_pictures = self.impostor && !matches!(self.wanted, WantedLevels::Shares(_));
         LevelsOptions {
             wanted: match &self.wanted {
@@ -124,6 +141,12 @@ mod tests {
         let far = chain(r#"{"levels": "distances", "values": [5, 20], "maxDifference": 0.5}"#);
         assert_eq!(far.wanted, Wanted::Distances(vec![5.0, 20.0]));
         assert_eq!(far.max_difference, 0.5);
+        assert_eq!(far.leaves.effort, Effort::Normal);
+        let fast = chain(r#"{"levels": "heights", "effort": "fast"}"#);
+        assert_eq!(fast.leaves.effort, Effort::Fast);
+        let best = r#"{"amount": "share", "value": 0.5, "effort": "best"}"#;
+        let best = LevelSettings::parse(best).unwrap().options();
+        assert_eq!(best.simplify.effort, Effort::Best);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use secateur::{Alpha, Engine, Memory, Sides};
+use secateur::{Alpha, Effort, Engine, Memory, Sides};
 
 use super::super::lods::EngineName;
 use super::super::names::{ChainPresetName, ChainWoodName};
@@ -107,6 +107,9 @@ pub(crate) struct Lods {
     /// What the leaves are simplified for.
     #[arg(long, value_enum, default_value_t = ChainPresetName::Look)]
     pub(crate) preset: ChainPresetName,
+    /// How much work goes into the search for levels.
+    #[arg(long, value_enum, default_value_t = Effort::Normal)]
+    pub(crate) effort: Effort,
     /// Where to rasterise; results are the same.
     #[arg(long, value_enum, default_value_t = Engine::Auto)]
     pub(crate) engine: Engine,

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use secateur::{
-    Alpha, ChainOptions, ColorChoice, CutoffChoice, Engine, FieldOfView, Fitting, FsaOptions,
-    LeafTriangles, MergeOptions, MeshoptMode, Needles, Preset, Reference, Resize, Resolution,
-    Sides, StochasticOptions, Target, Ties, WoodMode,
+    Alpha, ChainOptions, ColorChoice, CutoffChoice, Effort, Engine, FieldOfView, Fitting,
+    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, Preset, Reference, Resize,
+    Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
 };
 
 use super::super::names::MethodName;
@@ -73,6 +73,9 @@ pub(crate) struct Simplify {
     /// contradict the paper's.
     #[arg(long, value_enum, default_value_t = Preset::Look)]
     pub(crate) preset: Preset,
+    /// How much work goes into what other options leave to the program.
+    #[arg(long, value_enum, default_value_t = Effort::Normal)]
+    pub(crate) effort: Effort,
     /// Whether to change the sizes of the remaining leaves at the end until other views than those
     /// that chose them (your own cameras: the same ones) look like the original. coverage: each
     /// part of the crown gets as dense as it was. A weight W from 0 to 100: the outline and the

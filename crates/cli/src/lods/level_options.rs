@@ -18,6 +18,7 @@ pub(crate) fn options(args: &args::Lods) -> ChainOptions {
         alpha: args.alpha,
         sides: args.sides,
         engine: args.engine,
+        effort: args.effort,
         audit: usual.leaves.audit,
         shows_what_is_left: usual.leaves.shows_what_is_left,
         ..Options::with_preset(args.preset.into(), usual.leaves.target)

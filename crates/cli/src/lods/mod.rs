@@ -12,7 +12,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
+use secateur::{
+    Effort, ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode,
+};
 use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_levels::chain::Textures;
@@ -74,6 +76,7 @@ pub(crate) struct LodsRecord {
     /// The largest difference that a switch shows.
     largest_pop: Option<f64>,
     preset: Preset,
+    effort: Effort,
     /// Where leaves were drawn: `cpu` or `gpu`.
     engine: &'static str,
     /// The GPU and its driver; none on the CPU.
@@ -424,6 +427,7 @@ fn make(
             .filter_map(|level| level.pop)
             .reduce(f64::max),
         preset: options.leaves.preset,
+        effort: options.leaves.effort,
         engine: levels.engine,
         adapter: levels.adapter.clone(),
         levels: levels.placed(job.layout, &written),

@@ -59,13 +59,18 @@ impl ColorScale {
         }
     }
 
-    pub(super) fn of(&self, difference: f32) -> f32 {
-        let difference = power(difference, COLOR_EXPONENT);
-        if difference < self.end_of_small {
-            return difference * (MOST_OF_SMALL / self.end_of_small);
-        }
-        let beyond = (difference - self.end_of_small) / (self.largest - self.end_of_small);
-        MOST_OF_SMALL + beyond * (1.0 - MOST_OF_SMALL)
+    pub(super) fn of<const N: usize>(&self, differences: [f32; N]) -> [f32; N] {
+        differences.map(|difference| {
+            let difference = power(difference, COLOR_EXPONENT);
+            let small = difference * (MOST_OF_SMALL / self.end_of_small);
+            let beyond = (difference - self.end_of_small) / (self.largest - self.end_of_small);
+            let large = MOST_OF_SMALL + beyond * (1.0 - MOST_OF_SMALL);
+            if difference < self.end_of_small {
+                small
+            } else {
+                large
+            }
+        })
     }
 }
 
@@ -149,11 +154,13 @@ fn lab_roots(parts: [f32; 3]) -> [f32; 3] {
 
 /// A positive number to a power, within some millionths, in a fraction of the time of `f32::powf`, and with the same
 /// bits on every machine.
+#[inline]
 pub(super) fn power(base: f32, exponent: f32) -> f32 {
     exp2(exponent * log2(base))
 }
 
 /// The binary logarithm of a positive number.
+#[inline]
 fn log2(value: f32) -> f32 {
     const SIGNIFICAND: u32 = (1 << 23) - 1;
     /// The bits of the root of a half: significands are taken from it to twice that.
@@ -169,6 +176,7 @@ fn log2(value: f32) -> f32 {
 }
 
 /// 2 to a power of -126 to 127.
+#[inline]
 fn exp2(power: f32) -> f32 {
     let power = power.clamp(-126.0, 127.0);
     let whole = (power + 127.5) as i32 - 127;

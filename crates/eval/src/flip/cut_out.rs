@@ -134,11 +134,11 @@ impl CutOutFlip {
         self.before.iter().map(move |(grey, picture)| {
             assert_eq!(picture.size, other.size, "one size");
             let bare = bare(*grey, &colors);
-            let error = |k: &u32| {
+            let pair = |k: &u32| {
                 let other = other.pixel(*k as usize, *grey, &colors, bare);
-                scale.error(&picture.pixels[*k as usize], &other)
+                (picture.pixels[*k as usize], other)
             };
-            pixels.iter().map(error).collect()
+            scale.errors(pixels.iter().map(pair))
         })
     }
 }

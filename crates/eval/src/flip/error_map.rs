@@ -25,7 +25,11 @@ const MAGMA: [[u8; 3]; 9] = [
 pub(crate) fn error_map(original: &RgbaImage, other: &RgbaImage) -> RgbImage {
     let (width, height) = original.dimensions();
     let [a, b] = [original, other].map(FlipPicture::of);
-    let bytes: Vec<u8> = a.errors(&b).flat_map(|error| magma(error).0).collect();
+    let bytes: Vec<u8> = a
+        .errors(&b)
+        .into_iter()
+        .flat_map(|error| magma(error).0)
+        .collect();
     RgbImage::from_raw(width, height, bytes).expect("three bytes a pixel")
 }
 

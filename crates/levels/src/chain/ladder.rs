@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use secateur_simplify::Observer;
 use secateur_simplify::whole::{Budget, Sharing};
+use secateur_simplify::{Observer, Work};
 
 use super::cards::FAR_PX;
 use super::error::ChainError;
-use super::look::SEARCH_PX;
 use super::maker::{Made, Maker};
 use super::memory::MOST_TRIED;
 use super::placed::{Place, Placed};
@@ -49,20 +48,10 @@ const NEAR_FIRST: f64 = 0.85;
 /// The step that is tried first where nothing is known: a third of all triangles.
 const FIRST: usize = 51;
 
-/// The most levels that are made whole, with their textures, for one place.
-const MOST_PLACED: usize = 3;
-
 /// After so many guesses in one search the rest is halved: guesses may creep.
 const MOST_GUESSES: u32 = 4;
 
-/// How triangles are shared between leaves and wood. The first is tried first.
-const SHARINGS: [Sharing; 3] = [
-    Sharing::LeafMargin(0.15),
-    Sharing::LeafMargin(0.05),
-    Sharing::LeafMargin(0.3),
-];
-
-/// [`SHARINGS`] of plants without leaves.
+/// How triangles of plants without leaves may be shared. The first is tried first.
 const BARE_SHARINGS: [Sharing; 2] = [Sharing::Evenly, Sharing::ByNumber];
 
 /// Other sharings are tried this many steps further on: of 2 % each, they come to 12 % fewer triangles.
@@ -76,6 +65,7 @@ pub(super) struct Ladder<'a, 'm> {
     made: BTreeMap<(usize, usize), Made>,
     /// How triangles may be shared.
     sharings: &'static [Sharing],
+    work: Work,
     /// The place in `sharings` of how they are.
     sharing: usize,
     steps: usize,
@@ -90,17 +80,19 @@ impl<'a, 'm> Ladder<'a, 'm> {
         // Wood that stays as it is ends the ladder above it.
         let least = maker.least_triangles();
         let has_more = |step: &usize| triangles_of(*step, maker.all) > least;
+        let work = maker.options.leaves.effort.work();
         Self {
             maker,
             client,
             made: BTreeMap::new(),
             sharings: match maker.tree.leaves().leaves().is_empty() {
                 true => &BARE_SHARINGS,
-                false => &SHARINGS,
+                false => work.sharings,
             },
             sharing: 0,
             steps: (0..STEPS).take_while(has_more).count().max(1),
-            goals: Goals::default(),
+            goals: Goals::of(work.search_px),
+            work,
         }
     }
 
@@ -121,7 +113,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             // Whether any level pays is known from the finest that would.
             false => first,
         };
-        for _ in 0..MOST_PLACED {
+        for _ in 0..self.work.placed {
             let found = self.coarsest(heights, steps.clone(), guess, observer)?;
             let Some((step, in_search)) = found else {
                 break;
@@ -322,32 +314,34 @@ struct Goals {
     power: f64,
     /// Whether a place has told of it.
     is_power_known: bool,
+    /// How high a plant is at most in the pictures of a search, in pixels.
+    search_px: f64,
 }
 
-impl Default for Goals {
-    fn default() -> Self {
+impl Goals {
+    /// Before any place has told, for pictures of a search in which the plant is at most so many pixels high.
+    fn of(search_px: f64) -> Self {
         Self {
+            search_px,
             of_small: AIM,
             power: USUAL_POWER,
             is_power_known: false,
         }
     }
-}
 
-impl Goals {
     /// For a place at this height.
     fn at(&self, pixels_high: f64) -> f64 {
-        self.of_small * size_over_search(pixels_high).powf(-self.power)
+        self.of_small * self.size_over_search(pixels_high).powf(-self.power)
     }
 
     /// Whether that is not a guess.
     fn are_known(&self, pixels_high: f64) -> bool {
-        self.is_power_known || size_over_search(pixels_high) <= LARGE
+        self.is_power_known || self.size_over_search(pixels_high) <= LARGE
     }
 
     /// Takes in that a level differed `times` as much in its own pictures, this high in pixels, as in those of a search.
     fn learn(&mut self, pixels_high: f64, times: f64) {
-        let size = size_over_search(pixels_high);
+        let size = self.size_over_search(pixels_high);
         if size > LARGE {
             self.is_power_known = true;
             self.power = (times.ln() / size.ln()).clamp(0.0, 1.0);
@@ -355,11 +349,11 @@ impl Goals {
             self.of_small = AIM * size.powf(self.power) / times;
         }
     }
-}
 
-/// How many times as high as in the pictures of a search a plant is in a place's own; 1 where those are no larger.
-fn size_over_search(pixels_high: f64) -> f64 {
-    (pixels_high / SEARCH_PX).max(1.0)
+    /// How many times as high as in the pictures of a search a plant is in a place's own; 1 where those are no larger.
+    fn size_over_search(&self, pixels_high: f64) -> f64 {
+        (pixels_high / self.search_px).max(1.0)
+    }
 }
 
 /// The first step whose levels have at most this share of the triangles that a step has.

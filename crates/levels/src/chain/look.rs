@@ -22,10 +22,6 @@ use crate::impostor::Impostor;
 use crate::impostor::judge::Judge;
 use secateur_runtime::Screen;
 
-/// Levels are compared in pictures in which the plant is at most this many pixels high, and only what is found in
-/// those of its size: a picture of 1,024 pixels takes seven times as long.
-pub(super) const SEARCH_PX: f64 = 384.0;
-
 /// Leaves are judged in pictures of this many pixels a side.
 const LEAF_PICTURE_PX: u32 = 256;
 
@@ -64,6 +60,8 @@ pub(super) struct Look {
     judge_of_impostors: OnceCell<DifferenceJudge>,
     /// Of the surfaces of the original, which are wood.
     is_wood: Vec<bool>,
+    /// How high the plant is at most in the pictures of a search, in pixels.
+    search_px: f64,
     /// How much levels may differ.
     pub(super) limits: Limits,
     /// For FLIP over a frame and what clients draw: one set of some of the held-out views, or of the cameras of a
@@ -130,6 +128,7 @@ impl Look {
             judge,
             judge_of_impostors: OnceCell::new(),
             is_wood,
+            search_px: options.leaves.effort.work().search_px,
             limits: options.limits(),
             original,
             views: [ViewSet::new(cameras.clone().unwrap_or(views))],
@@ -145,7 +144,7 @@ impl Look {
 
     /// How many times the limits a level is, from few views and in pictures that are not large: to search by.
     pub(super) fn over_in_search(&self, drawn: &Drawn, pixels_high: f64) -> f64 {
-        let pixels_high = pixels_high.min(SEARCH_PX);
+        let pixels_high = pixels_high.min(self.search_px);
         let key = pixels_high.to_bits();
         if let Some(over) = drawn.overs.borrow().get(&key) {
             return *over;
@@ -157,7 +156,7 @@ impl Look {
 
     /// As [`Self::over_in_search`], of surfaces that are looked at once.
     pub(super) fn over_of_surfaces(&self, surfaces: &[Surface], pixels_high: f64) -> f64 {
-        let (px, count) = (pixels_high.min(SEARCH_PX), ViewCount::Search);
+        let (px, count) = (pixels_high.min(self.search_px), ViewCount::Search);
         let judge = || {
             self.judge
                 .difference_within(surfaces, px, count, self.limits)

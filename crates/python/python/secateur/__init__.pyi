@@ -52,6 +52,8 @@ class _CommonOptions(TypedDict, total=False):
     """From which sides leaves are seen."""
     engine: Literal["auto", "gpu", "cpu"]
     """Where to rasterise; results are the same, bit for bit."""
+    effort: Literal["fast", "normal", "best"]
+    """How much work goes into what other options leave to the program."""
     scene: _Path
     """A glTF scene whose cameras are looked from and whose meshes hide leaves."""
     occluder: _Path | Sequence[_Path]

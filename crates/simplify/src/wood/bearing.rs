@@ -6,7 +6,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use secateur_model::{Foliage, LeafId, LeafTriangle};
 
-use super::distance::{corners_of, distance_from};
+use super::distance::Shape;
 use super::levels::Level;
 use super::parts::Parts;
 use super::support::{Growing, bounds, growing_of_parts};
@@ -80,15 +80,11 @@ pub(super) fn bearing(wood: &Foliage, levels: &[&[Level]], leaves: &Foliage) -> 
         let all = wood.triangles_of(LeafId::from_index(piece));
         let shapes: Vec<_> = levels[piece]
             .iter()
-            .map(|level| corners_of(all, &level.triangles))
+            .map(|level| Shape::of_level(all, &level.triangles))
             .collect();
         let borne = |leaf: u32| {
             let points = points_of(leaves.triangles_of(LeafId::from_index(leaf as usize)));
-            let bears = |shape: &&Vec<[DVec3; 3]>| {
-                points
-                    .iter()
-                    .any(|p| distance_from(shape, *p) <= largest_gap)
-            };
+            let bears = |shape: &&Shape| points.iter().any(|p| shape.is_within(*p, largest_gap));
             Borne {
                 leaf,
                 coarsest: shapes.iter().take_while(bears).count() as u32,
@@ -115,34 +111,30 @@ pub(super) fn needs(parts: &Parts, levels: &[&[Level]]) -> Vec<Option<(usize, Ne
     let growing = growing_of_parts(parts);
     let gaps = growing.iter().flatten().map(|found| found.distance);
     let largest_gap = gaps.fold(0.0, f64::max) * (1.0 + SLACK);
-    let shapes: Vec<Vec<Vec<[DVec3; 3]>>> = (0..levels.len())
+    let shapes: Vec<Vec<Shape>> = (0..levels.len())
         .into_par_iter()
         .map(|piece| {
             let all = wood.triangles_of(LeafId::from_index(piece));
-            let shape = |level: &Level| corners_of(all, &level.triangles);
+            let shape = |level: &Level| Shape::of_level(all, &level.triangles);
             levels[piece].iter().map(shape).collect()
         })
         .collect();
     let of_piece = |piece: usize| {
         let Growing { on, at, .. } = growing[piece]?;
-        let whole = |piece: usize| -> Vec<[DVec3; 3]> {
-            let triangles = wood.triangles_of(LeafId::from_index(piece));
-            triangles.iter().map(|t| t.corners).collect()
-        };
+        let whole = |piece: usize| Shape::of(wood.triangles_of(LeafId::from_index(piece)));
         let bound = largest_gap.max(thickness(wood, LeafId::from_index(on)));
         let below = whole(on);
         let own = whole(piece);
         let mut known: Vec<(DVec3, Option<u32>)> = Vec::new();
         let mut needs = Needs::new();
         for shape in std::iter::once(&own).chain(&shapes[piece]) {
-            let corners = shape.as_flattened().iter();
-            let foot =
-                corners.min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
-            let foot = *foot.expect("a piece has triangles");
+            let foot = (shape.corners())
+                .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
+            let foot = foot.expect("a piece has triangles");
             let need = match known.iter().find(|(point, _)| *point == foot) {
                 Some((_, need)) => *need,
                 None => {
-                    let bears = |shape: &&Vec<[DVec3; 3]>| distance_from(shape, foot) <= bound;
+                    let bears = |shape: &&Shape| shape.is_within(foot, bound);
                     let finest = bears(&&below);
                     let coarsest = shapes[on].iter().take_while(bears).count() as u32;
                     let need = finest.then_some(coarsest);

@@ -8,31 +8,134 @@ use super::nearest::nearest;
 /// Largest number of corners of a piece of which the distance from a level is taken.
 const MOST_CORNERS: usize = 192;
 
+/// By how much a ball is larger than it must be, as a share of its radius: far more than rounding moves.
+const SLACK: f64 = 1e-9;
+
+/// And as a share of how far it is from the origin.
+const ROUNDING: f64 = 1e-12;
+
+/// The triangles of a level, each within a ball: what is far off is not looked at closely.
+pub(super) struct Shape(Vec<InBall>);
+
+struct InBall {
+    corners: [DVec3; 3],
+    middle: DVec3,
+    radius: f64,
+}
+
+impl Shape {
+    /// The whole of a piece.
+    pub(super) fn of(all: &[LeafTriangle]) -> Self {
+        Self::of_corners(all.iter().map(|t| t.corners))
+    }
+
+    /// A level of a piece, each triangle as three corners counted over all of the piece.
+    pub(super) fn of_level(all: &[LeafTriangle], level: &[[u32; 3]]) -> Self {
+        Self::of_corners(corners_of(all, level))
+    }
+
+    fn of_corners(triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
+        let in_ball = |corners: [DVec3; 3]| {
+            let middle = corners.into_iter().sum::<DVec3>() / 3.0;
+            let radius = corners.map(|corner| corner.distance(middle));
+            let radius = radius.into_iter().fold(0.0, f64::max);
+            InBall {
+                corners,
+                middle,
+                radius: radius * (1.0 + SLACK) + ROUNDING * middle.length(),
+            }
+        };
+        Self(triangles.map(in_ball).collect())
+    }
+
+    pub(super) fn corners(&self) -> impl Iterator<Item = DVec3> {
+        self.0.iter().flat_map(|triangle| triangle.corners)
+    }
+
+    /// The distance of a point from the nearest triangle, in world units.
+    pub(super) fn distance(&self, point: DVec3) -> f64 {
+        let mut least = f64::INFINITY;
+        for triangle in &self.0 {
+            if !triangle.is_beyond(point, least) {
+                least = least.min(triangle.distance(point));
+            }
+        }
+        least
+    }
+
+    /// Whether the point is no farther than this from a triangle, in world units.
+    pub(super) fn is_within(&self, point: DVec3, most: f64) -> bool {
+        let is_near = |t: &InBall| !t.is_beyond(point, most) && t.distance(point) <= most;
+        self.0.iter().any(is_near)
+    }
+}
+
+impl InBall {
+    /// Whether it is surely farther from a point than this.
+    fn is_beyond(&self, point: DVec3, distance: f64) -> bool {
+        let reach = (distance + self.radius) * (1.0 + SLACK) + ROUNDING * point.length();
+        self.middle.distance_squared(point) > reach * reach
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        nearest(self.corners, point).point.distance(point)
+    }
+}
+
+/// Where the corners of a level are.
+pub(super) fn corners_of(
+    all: &[LeafTriangle],
+    level: &[[u32; 3]],
+) -> impl Iterator<Item = [DVec3; 3]> {
+    let at = |corner: u32| all[corner as usize / 3].corners[corner as usize % 3];
+    level.iter().map(move |t| t.map(at))
+}
+
 /// The mean distance of corners of a piece from a level, in world units.
-pub(super) fn mean_distance(all: &[LeafTriangle], level: &[[u32; 3]]) -> f64 {
-    let level = corners_of(all, level);
+pub(super) fn mean_distance(all: &[LeafTriangle], level: &Shape) -> f64 {
     let step = (3 * all.len()).div_ceil(MOST_CORNERS);
     let samples = all.iter().flat_map(|t| t.corners).step_by(step);
     let (mut sum, mut count) = (0.0, 0);
     for corner in samples {
-        sum += distance_from(&level, corner);
+        sum += level.distance(corner);
         count += 1;
     }
     sum / f64::from(count)
 }
 
-/// The distance of a point from the nearest of some triangles, in world units.
-pub(super) fn distance_from(triangles: &[[DVec3; 3]], point: DVec3) -> f64 {
-    let to = |t: &[DVec3; 3]| nearest(*t, point).point.distance_squared(point);
-    triangles
-        .iter()
-        .map(to)
-        .fold(f64::INFINITY, f64::min)
-        .sqrt()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use secateur_model::Random;
 
-/// Where the corners of a level are.
-pub(super) fn corners_of(all: &[LeafTriangle], level: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
-    let at = |corner: u32| all[corner as usize / 3].corners[corner as usize % 3];
-    level.iter().map(|t| t.map(at)).collect()
+    /// A thousand triangles about a far place, against each looked at closely.
+    #[test]
+    fn balls_change_no_distance() {
+        let mut random = Random::new(7);
+        let origin = DVec3::new(5e6, -3e6, 2e6);
+        let mut at =
+            |size: f64| origin + DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
+        let all: Vec<LeafTriangle> = (0..1000)
+            .map(|_| {
+                let first = at(10.0);
+                LeafTriangle::plain([
+                    first,
+                    first + (at(1.0) - origin),
+                    first + (at(0.1) - origin),
+                ])
+            })
+            .collect();
+        let shape = Shape::of(&all);
+        for _ in 0..200 {
+            let point = at(15.0);
+            let each = all
+                .iter()
+                .map(|t| nearest(t.corners, point).point.distance(point));
+            let expected = each.fold(f64::INFINITY, f64::min);
+            assert_eq!(shape.distance(point), expected);
+            assert!(shape.is_within(point, expected));
+            assert!(!shape.is_within(point, expected * 0.999_999));
+        }
+        assert_eq!(Shape::of(&[]).distance(origin), f64::INFINITY);
+    }
 }

@@ -166,7 +166,7 @@ fn tubes_of(wood: &Foliage, piece: LeafId, is_joint: &dyn Fn(DVec3) -> bool) -> 
     let is_seen_from_both_sides = wood.leaf(piece).facing() == Facing::Both;
     let mut levels = tubes(triangles, is_seen_from_both_sides);
     levels.retain(|level| {
-        let corners = corners_of(triangles, level);
+        let corners: Vec<_> = corners_of(triangles, level).collect();
         let has: FxHashSet<[u64; 3]> = corners.as_flattened().iter().map(key).collect();
         joints.is_subset(&has)
     });

@@ -5,7 +5,7 @@ use secateur_model::{Foliage, LeafId, LeafTriangle};
 use secateur_raster::ViewSet;
 use secateur_raster::cpu::LeafFragments;
 
-use super::distance::{corners_of, distance_from, mean_distance};
+use super::distance::{Shape, mean_distance};
 use super::parts::of_corners;
 use super::thickness::thickness;
 
@@ -83,9 +83,9 @@ impl<'a> Original<'a> {
     /// most 1. Pixels alone take a tube for a strip where both have one outline.
     pub(super) fn loss(&mut self, left: &[[u32; 3]]) -> Loss {
         let all = self.wood.triangles_of(self.piece);
-        let off = mean_distance(all, left);
-        let shape = corners_of(all, left);
-        let ends_off = self.ends.map(|end| distance_from(&shape, end));
+        let shape = Shape::of_level(all, left);
+        let off = mean_distance(all, &shape);
+        let ends_off = self.ends.map(|end| shape.distance(end));
         let ends_off = ends_off[0].max(ends_off[1]);
         if self.pixels.is_empty() {
             // It may still bear leaves and twigs: the nearer, the better.
