@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::as_options::as_options;
-use crate::better_rivals::{beaten_as_drawn, lost_cases};
+use crate::better_rivals::{LISTED, beaten_as_drawn, lost_cases};
 use crate::columns::column;
 use crate::distances;
 use crate::format::percent;
@@ -13,6 +13,7 @@ use crate::fsa_time::fsa_time;
 use crate::paper::paper;
 use crate::published::{beside, nearest};
 use crate::report::Study;
+use crate::stability;
 use crate::table::Table;
 use crate::{Error, Point, Row, current_rows, lead, row_file, summarise, tree_itself};
 
@@ -138,11 +139,13 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             .next()
             .map(|(_, t)| typed(t)),
         "nearest" => nearest(&paper(), rows).map(typed),
+        "stability" => stability::by_method(rows).map(typed),
+        "stability-by-change" => stability::by_change(rows, &[LISTED]).map(typed),
         "walks" => distances::walks(rows),
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, flicker-of-methods, lead, subject, paper, nearest and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, flicker-of-methods, lead, subject, paper, nearest, stability, stability-by-change and walks"
             ));
         }
     };
