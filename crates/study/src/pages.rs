@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::as_options::as_options;
-use crate::better_rivals::{LISTED, beaten_as_drawn, lost_cases};
+use crate::better_rivals::{beaten_as_drawn, lost_cases};
 use crate::columns::column;
 use crate::distances;
 use crate::format::percent;
@@ -130,8 +130,6 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             (Some(_), None) => return Ok(Some("None.\n".to_owned())),
             (_, lost) => lost.map(typed),
         },
-        "in-a-frame" => tree_itself::in_a_frame(rows),
-        "flicker" => tree_itself::flicker(rows),
         "flicker-of-methods" => tree_itself::flicker_of_methods(rows).map(typed),
         "lead" => lead::lead(rows).map(typed),
         "paper" => beside(&paper(), rows)
@@ -139,13 +137,12 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             .next()
             .map(|(_, t)| typed(t)),
         "nearest" => nearest(&paper(), rows).map(typed),
-        "stability" => stability::by_method(rows).map(typed),
-        "stability-by-change" => stability::by_change(rows, &[LISTED]).map(typed),
+        "stability" => stability::by_method(&given).map(typed),
         "walks" => distances::walks(rows),
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, flicker-of-methods, lead, subject, paper, nearest, stability, stability-by-change and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, flicker-of-methods, lead, subject, paper, nearest, stability and walks"
             ));
         }
     };

@@ -155,7 +155,7 @@ fn at_distances(text: &mut String, rows: &[Row]) {
 }
 
 fn stability(text: &mut String, plain: &[Row]) {
-    let tables = [by_method(plain), by_change(plain, &[])];
+    let tables = [by_method(plain), by_change(plain)];
     if tables.iter().any(Option::is_some) {
         let _ = writeln!(text, "## Stability\n\n{WHAT_IS_SPREAD}\n");
     }

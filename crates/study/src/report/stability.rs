@@ -20,7 +20,7 @@ impl Page<'_> {
         }
         let tables = [
             by_method(self.rows),
-            by_change(self.rows, &[]),
+            by_change(self.rows),
             by_tree(self.rows),
         ];
         let _ = writeln!(
