@@ -22,6 +22,7 @@ mod glb;
 mod grow;
 mod help;
 mod independent_reader;
+mod level_of;
 mod library;
 mod lod;
 mod lods;

@@ -87,7 +87,7 @@ impl Failure {
                         | SimplifyError::TooDeep(_)
                         | SimplifyError::OutOfRange { .. }
                         | SimplifyError::NoSkeleton { .. }
-                )
+                ) | secateur::Error::Part { .. }
             );
             let has_no_skeleton = matches!(
                 error,

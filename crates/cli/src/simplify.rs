@@ -41,6 +41,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         vertex_alpha: args.vertex_alpha.vertex_alpha,
         wood: match args.wood {
             Some(wood) => wood,
+            None if !args.level_of.is_empty() => WoodMode::Auto,
             None => LevelOptions::usual_wood(options.target),
         },
         memory: args.memory.memory,
@@ -228,6 +229,7 @@ pub(crate) fn level_options(args: &args::Simplify, simplify: Options) -> LevelOp
         simplify,
         cutoffs: args.cutoffs.unwrap_or_default(),
         colors: args.colors.unwrap_or_default(),
+        level_of: args.level_of.clone(),
     }
 }
 

@@ -97,6 +97,8 @@ struct Settings {
     seed: u64,
     /// Selectors of foliage that were given.
     foliage: Vec<String>,
+    /// Levels of parts that were given, such as `material:bark=0.1`.
+    level_of: Vec<String>,
     #[serde(flatten)]
     surroundings: SurroundingsRecord,
     /// Options of the method, as the library spells them.
@@ -189,6 +191,7 @@ impl Simplifying<'_> {
             engine: options.engine,
             seed: args.stochastic.seed,
             foliage: args.foliage.foliage.iter().map(|s| s.to_string()).collect(),
+            level_of: args.level_of.iter().map(|l| l.to_string()).collect(),
             surroundings: args.scene.record(self.plant.surroundings()),
             of_method: of_method
                 .and_then(Value::as_object)

@@ -149,6 +149,7 @@ mod report;
 mod role_groups;
 mod roles;
 mod scene;
+mod selected;
 mod selector;
 mod shape_evidence;
 mod skeleton;

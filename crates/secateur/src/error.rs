@@ -32,6 +32,15 @@ pub enum Error {
     #[cfg(feature = "scene")]
     #[error(transparent)]
     Levels(ChainError),
+    /// Parts that have a level of their own can't be brought to it.
+    #[cfg(feature = "scene")]
+    #[error("the level of {parts}: {source}")]
+    Part {
+        /// What names the parts.
+        parts: secateur_gltf::Selector,
+        /// Why not.
+        source: secateur_simplify::Error,
+    },
     /// No page can be made of levels.
     #[cfg(feature = "scene")]
     #[error(transparent)]
@@ -57,7 +66,12 @@ impl Error {
 
     /// Whether an observer broke it off.
     pub fn is_stopped(&self) -> bool {
-        matches!(self, Self::Simplify(secateur_simplify::Error::Stopped))
+        match self {
+            Self::Simplify(error) => matches!(error, secateur_simplify::Error::Stopped),
+            #[cfg(feature = "scene")]
+            Self::Part { source, .. } => matches!(source, secateur_simplify::Error::Stopped),
+            _ => false,
+        }
     }
 }
 

@@ -29,12 +29,9 @@ impl Error {
                 Problem::Memory(_) | Problem::Write(WriteProblem::Io(_)) => ErrorKind::Machine,
                 _ => ErrorKind::Input,
             },
-            Self::Simplify(error) => match error {
-                SimplifyError::Memory(_) | SimplifyError::Gpu(_) => ErrorKind::Machine,
-                SimplifyError::Target(..) | SimplifyError::Setting(..) => ErrorKind::Usage,
-                SimplifyError::Stopped => ErrorKind::Interrupted,
-                _ => ErrorKind::Input,
-            },
+            Self::Simplify(error) => of_run(error),
+            #[cfg(feature = "scene")]
+            Self::Part { source, .. } => of_run(source),
             Self::Cameras(_) => ErrorKind::Input,
             Self::Threads(_) => ErrorKind::Machine,
             #[cfg(feature = "plant")]
@@ -49,5 +46,14 @@ impl Error {
             #[cfg(feature = "eval")]
             Self::Measure(_) => ErrorKind::Input,
         }
+    }
+}
+
+fn of_run(error: &SimplifyError) -> ErrorKind {
+    match error {
+        SimplifyError::Memory(_) | SimplifyError::Gpu(_) => ErrorKind::Machine,
+        SimplifyError::Target(..) | SimplifyError::Setting(..) => ErrorKind::Usage,
+        SimplifyError::Stopped => ErrorKind::Interrupted,
+        _ => ErrorKind::Input,
     }
 }

@@ -9,7 +9,7 @@ use secateur_gltf::{
 };
 use secateur_levels::chain::{LevelKind, LevelReport};
 use secateur_levels::{ChosenCutoffs, Dilated, choose_cutoffs, dilated_textures, material_changes};
-use secateur_model::{Budget, Lod, Memory, Surface};
+use secateur_model::{Budget, Foliage, Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
 use secateur_runtime::Screen;
 use secateur_simplify::whole::{
@@ -26,6 +26,7 @@ use crate::Session;
 use crate::judged::difference_judge;
 use crate::level_options::{ColorChoice, LevelOptions};
 use crate::opened_plant::{Parts, Plant};
+use crate::part_levels::{PartLevel, Parted};
 
 /// The height on the screen, in pixels, at which a level is looked at for whether it is the plant still: what is
 /// coarse so small is so at any size.
@@ -56,7 +57,8 @@ pub enum LevelWarning {
 pub struct LevelParts {
     /// How it was made: options with what plant, surroundings and session had of what they lacked.
     pub options: Options,
-    /// The run over the leaves.
+    /// The run over the leaves; where parts have levels of their own, over those of the part with the most, but all that
+    /// is left.
     pub simplified: Simplified,
     /// What is left of all that [`Plant::tree`] can change.
     pub lod: Lod,
@@ -200,7 +202,10 @@ impl Plant {
     ) -> Result<Level, Error> {
         let simplify = self.completed(session, &options.simplify)?;
         let engine = session.engine(simplify.engine)?;
-        let mut parts = self.simplified(simplify, &engine, observer)?;
+        let mut parts = match &options.level_of[..] {
+            [] => self.simplified(simplify, &engine, observer)?,
+            levels => self.parted(simplify, levels, &engine, observer)?,
+        };
         let tree = self.tree();
         parts.timed("cutoffs", observer, |parts| {
             parts.choose_cutoffs(tree, options);
@@ -258,6 +263,38 @@ impl Plant {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
         let wood_triangles = level.wood_triangles as u64;
         Ok(LevelParts::of(options, level.leaves, (lod, wood_triangles)))
+    }
+}
+
+impl Plant {
+    /// What is left where parts have levels of their own.
+    fn parted(
+        &self,
+        options: Options,
+        levels: &[PartLevel],
+        engine: &OpenEngine,
+        observer: &mut Observer<'_>,
+    ) -> Result<LevelParts, Error> {
+        let no_wood = Foliage::default();
+        let parted = Parted {
+            all: [
+                self.leaves(),
+                self.whole().map_or(&no_wood, WholeTree::wood),
+            ],
+            tree: self.tree(),
+            mode: self.wood_mode(),
+            options: &options,
+            engine,
+        };
+        let level = parted.level(levels, observer)?;
+        let left = match self.whole() {
+            Some(tree) => {
+                let lod = tree.joined(&level.leaves.lod, &level.wood);
+                (lod, level.wood_triangles as u64)
+            }
+            None => (level.leaves.lod.clone(), self.wood_triangle_count()),
+        };
+        Ok(LevelParts::of(options, level.leaves, left))
     }
 }
 

@@ -5,6 +5,8 @@ use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Options, Target};
 use serde::{Deserialize, Serialize};
 
+use crate::PartLevel;
+
 /// How a level is made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +20,10 @@ pub struct LevelOptions {
     /// Which colours clear texels of its textures have.
     #[serde(default)]
     pub colors: ColorChoice,
+    /// Parts that keep a share of their triangles of their own; the target is the rest's. Of parts that several name
+    /// the last counts. A plant whose wood is ignored has leaves alone to name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub level_of: Vec<PartLevel>,
 }
 
 /// Which alpha cutoffs a level has.
@@ -70,6 +76,7 @@ impl LevelOptions {
             simplify,
             cutoffs: CutoffChoice::default(),
             colors: ColorChoice::default(),
+            level_of: Vec::new(),
         }
     }
 

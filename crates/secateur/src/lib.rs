@@ -109,6 +109,8 @@ mod levels;
 #[cfg(feature = "scene")]
 mod opened_plant;
 #[cfg(feature = "scene")]
+mod part_levels;
+#[cfg(feature = "scene")]
 mod preview_page;
 mod scene;
 #[cfg(feature = "scene")]
@@ -131,6 +133,8 @@ pub use level_options::{ColorChoice, CutoffChoice, LevelOptions};
 pub use levels::{LevelPlace, Levels, PlacedLevel};
 #[cfg(feature = "scene")]
 pub use opened_plant::{Opening, Plant};
+#[cfg(feature = "scene")]
+pub use part_levels::{PartLevel, PartLevelError};
 pub use scene::scene_views;
 #[cfg(feature = "scene")]
 pub use secateur_gltf::chain::Layout;

@@ -128,6 +128,13 @@ pub const DRAWN_COLUMNS: [Column; 16] = [
     ),
 ];
 
+/// How high a plant is in the pictures whose [`Difference`](secateur_eval::Difference) rows have, in pixels.
+pub const DIFFERENCE_PX: u32 = 300;
+
+/// How far the whole plant looks from the original, as `lods` chooses levels. Rows that are older lack it.
+pub const DIFFERENCE_COLUMN: Column =
+    drawn("difference_300", "Difference at 300 px", Direction::Lower);
+
 /// Up to which width the program has pictures judged over frames if it is not told: of larger ones that takes
 /// longer than all else.
 pub const FRAMES_UP_TO_PX: u32 = 128;
@@ -146,7 +153,7 @@ const fn drawn(key: &'static str, title: &'static str, direction: Direction) -> 
 /// # Panics
 /// If there is none.
 pub(crate) fn column(key: &str) -> &'static Column {
-    let mut all = COLUMNS.iter().chain(&DRAWN_COLUMNS);
+    let mut all = (COLUMNS.iter().chain(&DRAWN_COLUMNS)).chain([&DIFFERENCE_COLUMN]);
     all.find(|column| column.key == key).expect("a metric")
 }
 

@@ -1,6 +1,6 @@
 //! Rows as CSV, for spreadsheets.
 
-use crate::{COLUMNS, Column, DRAWN_COLUMNS, Row, Values};
+use crate::{COLUMNS, Column, DIFFERENCE_COLUMN, DRAWN_COLUMNS, Row, Values};
 
 /// Rows as CSV: a line of names, a line each; no per-view values. Text that a spreadsheet would
 /// take for a formula has an apostrophe before it.
@@ -12,6 +12,15 @@ pub fn to_csv(rows: &[Row]) -> String {
         }
     }
     for column in DRAWN_COLUMNS {
+        text += &format!(",{}", column.key);
+    }
+    // Rows of before stay as they were written.
+    let with_difference: Vec<Column> = (rows.iter())
+        .any(|row| row.values.contains_key(DIFFERENCE_COLUMN.key))
+        .then_some(DIFFERENCE_COLUMN)
+        .into_iter()
+        .collect();
+    for column in &with_difference {
         text += &format!(",{}", column.key);
     }
     text += ",engine,adapter,version,commit,machine,command\n";
@@ -43,6 +52,11 @@ pub fn to_csv(rows: &[Row]) -> String {
             cells.extend(COLUMNS.iter().map(|column| cell(values, column)));
         }
         cells.extend(DRAWN_COLUMNS.map(|column| cell(&row.values, &column)));
+        cells.extend(
+            with_difference
+                .iter()
+                .map(|column| cell(&row.values, column)),
+        );
         cells.push(bare(&row.engine));
         cells.push(quoted(row.adapter.as_deref().unwrap_or("")));
         cells.extend([bare(&row.version), bare(&row.commit)]);

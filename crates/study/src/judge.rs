@@ -8,7 +8,8 @@ use image::{DynamicImage, ImageEncoder, RgbImage, RgbaImage};
 use secateur_eval::measure::Scores;
 use secateur_eval::pictures::{PictureScores, Pictures, flip_map};
 use secateur_eval::{
-    AsDrawn, AsDrawnMeasurement, Camera, JudgingViews, Original, RenderOptions, framing, render,
+    AsDrawn, AsDrawnMeasurement, Camera, DifferenceJudge, JudgingViews, Original, RenderOptions,
+    ViewCount, framing, render,
 };
 use secateur_gltf::{Cutoffs, Document, Tree};
 use secateur_levels::{
@@ -17,7 +18,9 @@ use secateur_levels::{
 use secateur_model::{Foliage, Lod, Surface};
 use secateur_simplify::sphere_of;
 
-use crate::columns::{DRAWN_WIDTHS_PX, values_as_drawn, values_of_original};
+use crate::columns::{
+    DIFFERENCE_COLUMN, DIFFERENCE_PX, DRAWN_WIDTHS_PX, values_as_drawn, values_of_original,
+};
 use crate::files::make_folder;
 use crate::job::StudyRun;
 use crate::scenes::views_from;
@@ -43,6 +46,7 @@ pub(crate) struct LevelJudge<'a> {
     host: &'a dyn Host,
     original: Original<'a>,
     pictures: Pictures,
+    difference: DifferenceJudge,
     /// For each of [`DRAWN_WIDTHS_PX`]; none where a paper's views judge.
     drawn: Vec<AsDrawn>,
     camera: Camera,
@@ -70,7 +74,9 @@ impl<'a> LevelJudge<'a> {
                 .map(|rig| views_from(rig, sphere, radii));
             judging.rigs = moved.collect();
         }
-        let surfaces: Vec<Surface> = tree.surfaces()?.into_iter().map(|(s, _)| s).collect();
+        let drawn = tree.surfaces()?;
+        let is_wood: Vec<bool> = drawn.iter().map(|(_, is_foliage)| !is_foliage).collect();
+        let surfaces: Vec<Surface> = drawn.into_iter().map(|(surface, _)| surface).collect();
         let camera = camera(&surfaces);
         let as_drawn = |width_px| {
             let drawn = AsDrawn::new(&surfaces, &judging.rigs[0], width_px);
@@ -93,6 +99,7 @@ impl<'a> LevelJudge<'a> {
             drawn,
             portrait: portrait(&surfaces, &camera),
             camera,
+            difference: DifferenceJudge::new(surfaces, &is_wood),
             original: Original::new(counted, judging)?,
         };
         for subfolder in ["pictures", "kept"] {
@@ -179,6 +186,10 @@ impl<'a> LevelJudge<'a> {
             picture: String::new(),
             difference: String::new(),
         };
+        let height_px = f64::from(DIFFERENCE_PX);
+        let looks = (self.difference).difference(&surfaces, height_px, ViewCount::All);
+        let key = DIFFERENCE_COLUMN.key.to_owned();
+        row.values.insert(key, Some(looks.difference));
         let drawn = self.drawn.iter().map(|drawn| drawn.measure(&surfaces));
         let drawn: Vec<AsDrawnMeasurement> = drawn.collect();
         row.values.extend(drawn.iter().flat_map(values_as_drawn));

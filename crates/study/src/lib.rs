@@ -54,6 +54,7 @@ mod run;
 mod scenes;
 mod shell;
 mod short_names;
+mod stability;
 mod subject;
 mod summary;
 mod survivor_bits;
@@ -66,7 +67,10 @@ mod whole;
 
 pub use case::{Case, LevelOf};
 pub use chart::chart;
-pub use columns::{COLUMNS, Column, DRAWN_COLUMNS, DRAWN_WIDTHS_PX, FRAMES_UP_TO_PX};
+pub use columns::{
+    COLUMNS, Column, DIFFERENCE_COLUMN, DIFFERENCE_PX, DRAWN_COLUMNS, DRAWN_WIDTHS_PX,
+    FRAMES_UP_TO_PX,
+};
 pub use csv::to_csv;
 pub use distances::{DistanceCase, SeenFrom};
 pub use draw::DrawnFiles;

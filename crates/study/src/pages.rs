@@ -13,6 +13,7 @@ use crate::fsa_time::fsa_time;
 use crate::paper::paper;
 use crate::published::{beside, nearest};
 use crate::report::Study;
+use crate::stability;
 use crate::table::Table;
 use crate::{Error, Point, Row, current_rows, lead, row_file, summarise, tree_itself};
 
@@ -129,8 +130,6 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             (Some(_), None) => return Ok(Some("None.\n".to_owned())),
             (_, lost) => lost.map(typed),
         },
-        "in-a-frame" => tree_itself::in_a_frame(rows),
-        "flicker" => tree_itself::flicker(rows),
         "flicker-of-methods" => tree_itself::flicker_of_methods(rows).map(typed),
         "lead" => lead::lead(rows).map(typed),
         "paper" => beside(&paper(), rows)
@@ -138,11 +137,12 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
             .next()
             .map(|(_, t)| typed(t)),
         "nearest" => nearest(&paper(), rows).map(typed),
+        "stability" => stability::by_method(&given).map(typed),
         "walks" => distances::walks(rows),
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, in-a-frame, flicker, flicker-of-methods, lead, subject, paper, nearest and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, flicker-of-methods, lead, subject, paper, nearest, stability and walks"
             ));
         }
     };

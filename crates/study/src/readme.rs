@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{COLUMNS, Row, Study, groups, held_out, overlap, spread, summarise, triangle_levels};
+use super::{COLUMNS, Row, Study, held_out, summarise, triangle_levels};
 use crate::better_rivals::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
 use crate::complete_cases::note_of;
 use crate::distances;
@@ -12,6 +12,7 @@ use crate::failure_case::{WHAT_IS_BETTER, overview};
 use crate::format::{duration, memory, number, percent, trees};
 use crate::published::beside;
 use crate::recommend::{WHAT_IS_LISTED, recommend};
+use crate::stability::{WHAT_IS_SPREAD, by_change, by_method, by_tree};
 use crate::table::{Table, markdown_escaped};
 use crate::whole::{WHAT_IS_COMPARED, tables};
 
@@ -154,38 +155,20 @@ fn at_distances(text: &mut String, rows: &[Row]) {
 }
 
 fn stability(text: &mut String, plain: &[Row]) {
-    let groups = groups(plain);
-    if groups.is_empty() {
-        return;
+    let tables = [by_method(plain), by_change(plain)];
+    if tables.iter().any(Option::is_some) {
+        let _ = writeln!(text, "## Stability\n\n{WHAT_IS_SPREAD}\n");
     }
-    let shown: Vec<_> = COLUMNS.iter().take(2).collect();
-    let mut head = vec!["tree", "method", "leaves", "runs", "shared leaves (least)"];
-    head.extend(shown.iter().map(|c| c.title));
-    let mut table = Table::new(&head);
-    for ((tree, method, setting, level), rows) in &groups {
-        let shared = overlap(rows).map_or(String::new(), |(mean, least)| {
-            format!("{mean:.3} ({least:.3})")
-        });
-        let mut cells = vec![
-            (*tree).to_owned(),
-            format!("{method} {setting}").trim_end().to_owned(),
-            percent(*level as f64 / 1e6),
-            rows.len().to_string(),
-            shared,
-        ];
-        cells.extend(shown.iter().map(|column| {
-            let found = spread(rows, column);
-            let [mean, deviation, worst] =
-                [found.mean, found.deviation, found.worst].map(|v| number(v, column));
-            format!("{mean} ± {deviation} ({worst})")
-        }));
-        table.push(cells);
+    for table in tables.into_iter().flatten() {
+        let _ = writeln!(text, "{}", table.markdown());
     }
-    let _ = writeln!(
-        text,
-        "## Stability: mean ± deviation (worst)\n\n{}",
-        table.markdown()
-    );
+    if let Some(table) = by_tree(plain) {
+        let _ = writeln!(
+            text,
+            "## Stability of each tree: mean ± deviation (worst)\n\n{}",
+            table.markdown()
+        );
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::{
     Alpha, ChainOptions, ColorChoice, CutoffChoice, Effort, Engine, FieldOfView, Fitting,
-    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, Preset, Reference, Resize,
+    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset, Reference, Resize,
     Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
 };
 
@@ -32,11 +32,16 @@ pub(crate) struct Simplify {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole
-    /// plant; else ignore].
+    /// plant, and with `--level-of`; else ignore].
     #[arg(long, value_enum)]
     pub(crate) wood: Option<WoodMode>,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    /// Parts that keep a share of their own triangles, named as for `--foliage`, wood too: such as
+    /// material:bark=0.1; can be given several times, and the last that names a part counts. The target is the
+    /// rest's.
+    #[arg(long, value_name = "SELECTOR=R", conflicts_with = "order")]
+    pub(crate) level_of: Vec<PartLevel>,
     #[command(flatten)]
     pub(crate) vertex_alpha: VertexAlphaArg,
     #[command(flatten)]

@@ -67,6 +67,7 @@ fn option_of_the_study(args: &args::Simplify, common: &args::Common) -> Option<&
         ("--scene", args.scene.scene.is_some()),
         ("--occluder", !args.scene.occluder.is_empty()),
         ("--foliage", !args.foliage.foliage.is_empty()),
+        ("--level-of", !args.level_of.is_empty()),
         ("--report", args.report.is_some()),
         ("--picture", args.picture.is_some()),
         ("--debug-images", args.debug_images.is_some()),

@@ -208,7 +208,7 @@ impl Look {
 
     /// How many pixels the plant covers where the screen shows it at this height.
     pub(super) fn covered_px(&self, pixels_high: f64) -> f64 {
-        let px = pixels_high.min(SEARCH_PX);
+        let px = pixels_high.min(self.search_px);
         self.judge.covered_px(px) * (pixels_high / px).powi(2)
     }
 

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::super::{COLUMNS, Row, groups, overlap, spread};
+use super::super::{Row, groups};
 use super::Page;
 use super::pictures::caption;
 use crate::chart::escaped;
-use crate::format::{number, percent};
+use crate::stability::{WHAT_IS_SPREAD, by_change, by_method, by_tree};
 
 /// The metric that decides which run was the worst.
 const MEASURE: &str = "vmi_error_percent";
@@ -18,33 +18,19 @@ impl Page<'_> {
         if groups.is_empty() {
             return;
         }
-        *html += "<h2>Stability</h2>\n<p>Mean and standard deviation over seeds and over changes that should not matter, the worst of them in brackets. Shared leaves: mean overlap (Jaccard) of the original leaves left with those of the method's first run, and the least.</p>\n<div class=\"wide\"><table><thead><tr><th>tree</th><th>method</th><th>leaves</th><th>runs</th><th>shared leaves</th>";
-        for column in COLUMNS.iter() {
-            let _ = write!(html, "<th>{}</th>", column.title);
-        }
-        *html += "</tr></thead><tbody>\n";
-        for ((tree, method, setting, level), rows) in &groups {
-            let shared = overlap(rows).map_or(String::new(), |(mean, least)| {
-                format!("{mean:.3} ({least:.3})")
-            });
-            let _ = write!(
-                html,
-                "<tr><td>{}</td><td>{} {}</td><td>{}</td><td>{}</td><td>{shared}</td>",
-                escaped(tree),
-                escaped(method),
-                escaped(setting),
-                percent(*level as f64 / 1e6),
-                rows.len()
-            );
-            for column in COLUMNS.iter() {
-                let found = spread(rows, column);
-                let [mean, deviation, worst] =
-                    [found.mean, found.deviation, found.worst].map(|v| number(v, column));
-                let _ = write!(html, "<td>{mean} ± {deviation} ({worst})</td>");
-            }
-            *html += "</tr>\n";
-        }
-        *html += "</tbody></table></div>\n";
+        let tables = [
+            by_method(self.rows),
+            by_change(self.rows),
+            by_tree(self.rows),
+        ];
+        let _ = writeln!(
+            html,
+            "<h2>Stability</h2>\n<p>{WHAT_IS_SPREAD} Of single trees the worst run's own value is in brackets.</p>"
+        );
+        tables
+            .iter()
+            .flatten()
+            .for_each(|table| *html += &table.html());
         self.worst_cases(html, groups.values());
     }
 

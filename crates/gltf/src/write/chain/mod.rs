@@ -52,11 +52,11 @@ use secateur_model::{Lod, Surface, Texture};
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Layout {
-    /// A file for each level: NAME_LOD0.glb, NAME_LOD1.glb, ...
+    /// A file for each level, as Unreal imports them: NAME_LOD0.glb, NAME_LOD1.glb, ...
     Files,
-    /// One file with a node for each level under one parent, as Unity and Unreal import it.
+    /// One file with a node for each level under one parent, as Godot, Unity, Bevy, Blender and web viewers load it.
     Siblings,
-    /// One file with the extension MSFT_lod, as Babylon.js reads it.
+    /// One file with the extension MSFT_lod, as UnityGLTF and glTFRuntime read it, and Babylon.js while it loads.
     ///
     /// The finest level is in the scene and names the others, which are not.
     Msft,
