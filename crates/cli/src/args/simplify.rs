@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::{
     Alpha, ChainOptions, ColorChoice, CutoffChoice, Effort, Engine, FieldOfView, Fitting,
-    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset, Reference, Resize,
-    Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
+    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset, Reference,
+    Resize, Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
 };
 
 use super::super::names::MethodName;
