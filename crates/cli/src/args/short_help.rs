@@ -8,7 +8,8 @@ use super::{Cli, OF_OTHERS, OF_RECORDS, OF_VDS};
 const OF_LABORATORY: [&str; 3] = [OF_VDS, OF_OTHERS, OF_RECORDS];
 
 /// Options that few people need, by their identifiers.
-const SELDOM: [&str; 19] = [
+const SELDOM: [&str; 20] = [
+    "keep_going",
     "alpha",
     "sides",
     "vertex_alpha",
