@@ -158,7 +158,8 @@ fn wood_of_few_sides_moves_with_its_joints_as_before() {
             assert!(distance < 0.05, "{wood}: {distance} from all vertices");
             assert!(now.distance(was) < 0.05, "{wood}: {now}, {was}");
         }
-        assert!(5 * own > left.len(), "{own} of {}", left.len());
+        // Flat strips of twigs have vertices of their own, moved like the others.
+        assert!(8 * own > left.len(), "{own} of {}", left.len());
     }
     crate::validator::assert_valid(&[bench.path("out.glb")]);
 }

@@ -227,10 +227,14 @@ impl Maker<'_> {
         let finish = |made| covering.of(made);
         let search = &mut search.cards;
         let (seen, most) = (self.seen(height), fewest_cards::most());
-        let fewest = search.fewest(&seen, most, finish, observer)?;
+        let mut fewest = search.fewest(&seen, most, finish, observer)?;
+        if fewest.is_none() {
+            // They stand there whatever their pictures take.
+            search.bound(u64::MAX);
+            fewest = search.fewest(&seen, most, finish, observer)?;
+        }
         let found = match fewest {
             Some(fewest) => Some(fewest),
-            // They stand there whatever they take.
             None => {
                 let texels = Texels::up_to(f64::INFINITY);
                 search.finished(most, &seen, texels, finish, observer)?
