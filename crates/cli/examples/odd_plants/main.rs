@@ -1,6 +1,6 @@
 //! Simplifies odd plants, and makes levels of them: each gives a plant or one sentence, and none a panic.
 //!
-//! cargo run --release -p secateur --example odd_plants -- COUNT [FIRST]
+//! cargo run --release -p secateur-cli --example odd_plants -- COUNT [FIRST]
 //!
 //! FIRST is the number of the first plant, by default 0; the same number is the same plant.
 
