@@ -9,7 +9,7 @@ pub enum WriteProblem {
     /// Neither .glb nor .gltf.
     #[error("cannot be written: its name must end in .glb or .gltf")]
     Extension,
-    /// No .usda.
+    /// Levels were asked for as USD, and the name of the file does not end in .usda.
     #[error("cannot be written: the name of USD levels must end in .usda")]
     NotUsda,
     /// The name can't be put into a URI.

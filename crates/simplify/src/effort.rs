@@ -57,7 +57,7 @@ impl Effort {
     }
 
     /// What it comes to.
-    pub const fn work(self) -> Work {
+    pub fn work(self) -> Work {
         match self {
             Self::Fast => Work {
                 views: Some(Views::Icosahedron),
@@ -81,10 +81,6 @@ impl Effort {
                 search_px: 384.0,
             },
             Self::Best => Work {
-                views: None,
-                look_px: 256,
-                wood_px: [256, 512],
-                fits: true,
                 sharings_of_one: &[
                     ByNumber,
                     LeafMargin(0.02),
@@ -104,6 +100,7 @@ impl Effort {
                 ],
                 placed: 6,
                 search_px: 768.0,
+                ..Self::Normal.work()
             },
         }
     }

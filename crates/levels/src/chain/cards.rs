@@ -76,7 +76,7 @@ impl Maker<'_> {
         self.options.cost.cost(parts)
     }
 
-    /// How many triangles an impostor has at most that costs no more than this: as many as without its pictures.
+    /// The most triangles that an impostor of this cost can have: those of one whose pictures cost nothing.
     fn triangles_for(&self, cost: f64) -> f64 {
         let cost_of = |triangles: usize| {
             let parts = LevelParts::before_writing(triangles, 1, 0);

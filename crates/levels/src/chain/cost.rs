@@ -17,11 +17,11 @@ const TEXTURES_IN_FILE: u64 = 4;
 /// What makes up the cost of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LevelParts {
-    /// Triangles.
+    /// Triangles that are drawn.
     pub triangles: u64,
     /// Primitives that are drawn.
     pub draws: u64,
-    /// Bytes on disk.
+    /// Bytes of its file, textures included.
     pub bytes: u64,
     /// Bytes of textures, vertices and indices on the GPU.
     pub gpu_bytes: u64,
@@ -44,13 +44,13 @@ impl LevelParts {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct CostWeights {
-    /// Of a triangle.
+    /// Weight of a triangle.
     pub triangle: f64,
-    /// Of a primitive that is drawn.
+    /// Weight of a primitive that is drawn.
     pub draw: f64,
-    /// Of a KiB on disk.
+    /// Weight of a KiB of its file.
     pub disk_kib: f64,
-    /// Of a KiB on the GPU.
+    /// Weight of a KiB on the GPU.
     pub gpu_kib: f64,
 }
 

@@ -1,10 +1,11 @@
 //! Levels of few pixels: what stands there, and what it costs.
 
-use secateur_plant::Species;
+use secateur_plant::{GrowOptions, Species};
 use secateur_raster::OpenEngine;
 
-use super::tests::{go_on, grown, options};
+use super::tests::{go_on, grown, grown_from, options};
 use super::*;
+use crate::impostor::Choice;
 
 /// Heights of a plant that is far, in pixels.
 const FAR: [f64; 3] = [64.0, 32.0, 16.0];
@@ -42,6 +43,25 @@ fn cards_stand_for_a_plant_of_few_pixels() {
     }
     let bytes: u64 = made.iter().map(|level| level.texture_bytes).sum();
     assert!(bytes > 0 && bytes <= 1 << 20, "{bytes}");
+}
+
+/// Without mip maps the leaves of this rowan's own texture are near enough, of which clients show a tenth.
+#[test]
+fn levels_of_few_pixels_do_not_fade_in_clients() {
+    let options = ChainOptions {
+        wanted: Wanted::Heights(HEIGHTS_PX[..6].to_vec()),
+        max_difference: 0.28,
+        impostor: Choice::None,
+        original: true,
+        ..options(&[])
+    };
+    let leaves = 400;
+    let rowan = grown_from(Species::Rowan, GrowOptions { leaves, seed: 2 });
+    let made = chain(&rowan, &options, &OpenEngine::cpu(), &mut go_on).unwrap();
+    let last = made.levels.last().unwrap();
+    assert_eq!(last.pixels_high, 32.0);
+    let shown = last.as_drawn.unwrap().begin.coverage_over_truth;
+    assert!((0.5..1.5).contains(&shown), "{shown}");
 }
 
 #[test]

@@ -30,7 +30,10 @@ fn oak() -> WholeTree {
 
 /// A grown plant of a species with this number of leaves.
 pub(super) fn grown(species: Species, leaves: u32) -> WholeTree {
-    let options = GrowOptions { leaves, seed: 5 };
+    grown_from(species, GrowOptions { leaves, seed: 5 })
+}
+
+pub(super) fn grown_from(species: Species, options: GrowOptions) -> WholeTree {
     let plant = plant_to_glb(&grow(species, &options).unwrap());
     let document = Document::from_bytes("grown.glb", plant, None).unwrap();
     document.into_whole_tree(&[]).unwrap()

@@ -93,8 +93,11 @@ pub(super) fn blender(levels: &EngineLevels, file: &str) -> String {
     let figures = levels.levels.iter();
     let figures =
         figures.map(|level| format!("    ({}, {}),", quoted(&level.node), number(level.begin_m)));
+    // The script imports nothing but what Blender has: what it shares with the extension is put into it.
+    let shared = include_str!("blender_import.py");
+    let (_, functions) = shared.split_once("import bpy\n").expect("its imports");
     filled(
-        include_str!("blender.py"),
+        &include_str!("blender.py").replace("@IMPORT@", functions.trim()),
         levels,
         file,
         &figures.collect::<Vec<_>>(),

@@ -24,7 +24,7 @@ pub(super) struct Looks {
     known: HashMap<String, String>,
     file_names: Vec<String>,
     file_of: HashMap<Vec<u8>, String>,
-    /// The materials.
+    /// The layer's text for all materials that were asked for so far.
     pub(super) text: String,
 }
 

@@ -220,7 +220,7 @@ fn push_mesh(
 
 /// What a layer has beside meshes and materials.
 struct Layer<'a> {
-    /// The root prim.
+    /// Name of the prim that holds all levels.
     root: &'a str,
     name: &'a str,
     pivot: DVec3,

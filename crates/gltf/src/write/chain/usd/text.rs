@@ -42,7 +42,7 @@ pub(super) fn asset(path: &str) -> String {
     }
 }
 
-/// Numbers in brackets.
+/// A tuple as USD's text has it, such as `(1, 2, 3)`.
 pub(super) fn tuple<const N: usize>(numbers: [f32; N]) -> String {
     let all: Vec<String> = numbers.iter().map(ToString::to_string).collect();
     format!("({})", all.join(", "))
