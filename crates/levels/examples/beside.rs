@@ -62,6 +62,7 @@ fn write(
     let (camera, size_px) = camera(&original, judge.size(), pixels_high, azimuth.to_radians());
     let options = RenderOptions {
         samples: 3,
+        turns_normals: true,
         shadows: false,
         ..RenderOptions::panel(size_px[0], size_px[1])
     };
