@@ -25,7 +25,7 @@ use super::progress_bar::RunProgress;
 use super::record::Record;
 use super::simplify::timed;
 use super::summary::grouped;
-use super::{interrupt, output, record};
+use super::{advice, interrupt, output, record};
 
 /// The levels, finest first, in per cent of all triangles.
 const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
@@ -96,7 +96,10 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         adapter: levels.adapter.clone(),
         order_sha256: made.coarsest_order_sha256(),
         seed: args.seed,
-        notes: made.notes.iter().chain(&written.notes).cloned().collect(),
+        notes: advice::sentences(&made.notes)
+            .into_iter()
+            .chain(written.notes.clone())
+            .collect(),
     };
     let record = Record::new("demo", record, &stages, total).to_value();
     let report = args.output.join("report.json");

@@ -9,7 +9,7 @@ use super::args;
 use super::failure::{Failure, to_name};
 use super::print::Printed;
 use super::record::Record;
-use super::{output, record, streams};
+use super::{advice, output, record, streams};
 
 /// Shows what is in a file; that the foliage can't be told is no failure.
 pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
@@ -21,7 +21,8 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;
-    let inspection = document.inspect(&args.foliage.foliage);
+    let mut inspection = document.inspect(&args.foliage.foliage);
+    inspection.warnings = advice::with_flags(&inspection.warnings);
     let mut pretty = inspection.to_string();
     if !inspection.candidates.is_empty() {
         let options = to_name(&inspection.candidates);

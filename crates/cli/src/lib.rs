@@ -1,5 +1,6 @@
 //! The program `secateur`: a command line in, an exit code out. Python's package runs it too.
 
+mod advice;
 mod args;
 mod batch;
 mod colors;

@@ -13,7 +13,7 @@ use super::print::Printed;
 use super::record::{Bytes, Counts, Record, bytes_of, shown};
 use super::simplify::{share, timed, warn_all};
 use super::summary::{columns, grouped};
-use super::{interrupt, order, output, record};
+use super::{advice, interrupt, order, output, record};
 
 /// A level along a removal order.
 #[derive(Serialize, JsonSchema)]
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
         Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
     })?;
     output::check_spares(tree.document(), &outputs)?;
-    warn_all(&tree.inspection().warnings);
+    warn_all(&advice::sentences(&tree.inspection().warnings));
     let model = timed(&mut stages, "order", || {
         order::read(args.order.as_deref(), &tree)
     })?;

@@ -23,7 +23,7 @@ use super::record::{self, Record};
 use super::simplify_record::Simplifying;
 use super::streams::Outlet;
 use super::summary::{columns, grouped, percent, size};
-use super::{colors, cutoffs, interrupt, machine, order, output, streams};
+use super::{advice, colors, cutoffs, interrupt, machine, order, output, streams};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -52,7 +52,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     })?;
     let tree = plant.tree();
     output::check_spares(tree.document(), &outputs)?;
-    let mut warnings = plant.inspection().warnings.clone();
+    let mut warnings = advice::sentences(&plant.inspection().warnings);
     warn_all(&warnings);
     interrupt::check()?;
 

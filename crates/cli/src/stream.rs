@@ -24,7 +24,7 @@ use super::progress_bar::RunProgress;
 use super::record::{Bytes, Counts, Record, bytes_of, shown_if};
 use super::simplify::{sentences, share, timed, warn_all};
 use super::summary::{columns, grouped, size};
-use super::{interrupt, order, output, record};
+use super::{advice, interrupt, order, output, record};
 
 /// Of the leaves, what the first piece has where nothing else is said.
 const FIRST_SHARE: f64 = 0.02;
@@ -119,7 +119,7 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
         Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
     })?;
     output::check_spares(tree.document(), &outputs)?;
-    warn_all(&tree.inspection().warnings);
+    warn_all(&advice::sentences(&tree.inspection().warnings));
     let not_sent = not_sent(tree.document().json());
     if !not_sent.is_empty() {
         let names = not_sent.join(", ");

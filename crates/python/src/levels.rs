@@ -38,7 +38,12 @@ impl PyLevels {
 
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.levels().chain.notes.clone()
+        self.levels()
+            .chain
+            .notes
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
     #[getter]

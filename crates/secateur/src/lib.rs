@@ -159,9 +159,9 @@ pub use secateur_gltf::{
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
     FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
-    Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy, RemovalOrder, Segment,
-    SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
+    Memory, Mips, NamedOption, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, Note,
+    OrderError, OverMemory, Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy,
+    RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

@@ -31,7 +31,7 @@ use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
 use super::streams::Outlet;
 use super::surroundings::SurroundingsRecord;
-use super::{demo, interrupt, log, output, picture, streams};
+use super::{advice, demo, interrupt, log, output, picture, streams};
 use engine::EngineLevels;
 pub(crate) use engine::EngineName;
 use finished::Finished;
@@ -347,7 +347,7 @@ fn make(
     let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
     let plant = opened(args, job)?.within(drawn);
     let mut stages = vec![("read", start.elapsed().as_secs_f64())];
-    let mut warnings = plant.inspection().warnings.clone();
+    let mut warnings = advice::sentences(&plant.inspection().warnings);
     super::simplify::warn_all(&warnings);
     interrupt::check()?;
     let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
@@ -390,7 +390,10 @@ fn make(
     stages.push(("write", writing.elapsed().as_secs_f64()));
     let seconds = start.elapsed().as_secs_f64();
     let original = levels.plant().report();
-    let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
+    let notes = record::notes(
+        &plant,
+        advice::sentences(&made.notes).iter().chain(&written.notes),
+    );
     let record = LodsRecord {
         input: job.tree.display().to_string(),
         name: job.name.clone(),

@@ -3,7 +3,7 @@
 use std::ops::{Deref, DerefMut};
 
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{Lod, RemovalOrder};
+use secateur_model::{Lod, Note, RemovalOrder};
 
 use super::level_report::{ImpostorReport, LevelReport};
 use crate::impostor::Impostor;
@@ -82,7 +82,7 @@ pub struct Chain {
     /// The levels, finest first; at most 8.
     pub levels: Vec<ChainLevel>,
     /// What was asked for and left out, and the like, a sentence each.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// How long it took, in seconds by stage: together all of the time.
     pub seconds: Vec<(&'static str, f64)>,
 }

@@ -86,9 +86,11 @@ pub fn chain(
         maker.ending(placed, impostors, &client, &mut notes, observer)
     })?;
     match (options.original, levels.len()) {
-        (true, MAX_LEVELS) => notes.push(format!(
-            "the plant itself is left out, as a chain has at most {MAX_LEVELS} levels; keep it before the first"
-        )),
+        (true, MAX_LEVELS) => {
+            let most = format!("as a chain has at most {MAX_LEVELS} levels");
+            let note = format!("the plant itself is left out, {most}; keep it before the first");
+            notes.push(note.into());
+        }
         (true, _) => levels.insert(0, maker.original()),
         (false, 0) => {
             return Err(ChainError::NoLighterLevel);
