@@ -4,13 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::{Document, LodModel, WriteOptions};
+use secateur::{Counts, Document, LodModel, WriteOptions};
 use serde::Serialize;
 
 use super::args::{self, LevelArgs};
 use super::failure::Failure;
 use super::print::Printed;
-use super::record::{Bytes, Counts, Record, bytes_of, shown};
+use super::record::{Bytes, Record, bytes_of, shown};
 use super::simplify::{share, timed, warn_all};
 use super::summary::{columns, grouped};
 use super::{advice, interrupt, order, output, record};

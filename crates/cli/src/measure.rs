@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    AllScores, AsDrawnMeasurement, Difference, Figures, GltfError, JudgeOptions, Judged, Opening,
-    Plant, Problem, Selector, WoodMode, judge_document,
+    AllScores, AsDrawnMeasurement, DifferenceAt, Differences, Figures, GltfError, JudgeOptions,
+    Judged, LevelWarning, Opening, Plant, Problem, Selector, WoodMode, judge_document,
 };
 use secateur_eval::measure::VMI_ERROR_PERCENT;
 use serde::Serialize;
@@ -32,11 +32,8 @@ pub(crate) struct MeasureRecord {
     leaves: OfBoth,
     /// Triangles of the whole plant.
     triangles: OfBoth,
-    /// The largest difference at the heights asked for.
-    difference: f64,
-    /// The largest `block_coverage` at these heights.
-    block_coverage: f64,
-    differences: Vec<DifferenceAt>,
+    #[serde(flatten)]
+    differences: Differences,
     /// What has to be said of the result, a sentence each.
     warnings: Vec<String>,
     /// What a client draws, if `--as-drawn` asks for it.
@@ -54,14 +51,6 @@ struct OfBoth {
     simplified: u64,
 }
 
-/// The difference that people see at a height on the screen.
-#[derive(Serialize, JsonSchema)]
-struct DifferenceAt {
-    pixels_high: f64,
-    #[serde(flatten)]
-    seen: Difference,
-}
-
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let start = Instant::now();
@@ -72,17 +61,8 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     interrupt::check()?;
     let figures = judged.figures().map_err(Failure::about(&args.original))?;
     interrupt::check()?;
-    let at = |pixels_high: &f64| DifferenceAt {
-        pixels_high: *pixels_high,
-        seen: judged.difference_at(*pixels_high),
-    };
-    let differences: Vec<DifferenceAt> = args.pixels_high.iter().map(at).collect();
-    let worst = |of: fn(&Difference) -> f64| {
-        let all = differences.iter().map(|at| of(&at.seen));
-        all.fold(0.0, f64::max)
-    };
-    let difference = worst(|seen| seen.difference);
-    let mut warnings = warning_of(difference);
+    let differences = judged.differences_at(&args.pixels_high);
+    let mut warnings = warning_of(differences.difference);
     warnings.extend(judged.misplaced().map(|misplaced| misplaced.to_string()));
     warn_all(&warnings);
     interrupt::check()?;
@@ -94,7 +74,13 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         original: plant.leaves().leaves().len() as u64,
         simplified: other.foliage().leaves().len() as u64,
     };
-    let pretty = pretty(&figures, &differences, drawn.as_ref(), args, &leaves);
+    let pretty = pretty(
+        &figures,
+        &differences.differences,
+        drawn.as_ref(),
+        args,
+        &leaves,
+    );
     let record = MeasureRecord {
         figures,
         original: args.original.display().to_string(),
@@ -104,8 +90,6 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             original: plant.triangle_count(),
             simplified: other.triangle_count(),
         },
-        difference,
-        block_coverage: worst(|seen| seen.block_coverage),
         differences,
         warnings,
         as_drawn: drawn,
@@ -152,19 +136,8 @@ fn judged(args: &args::Measure) -> Result<Judged, Failure> {
 
 /// A sentence where a result is another plant.
 pub(crate) fn warning_of(difference: f64) -> Vec<String> {
-    let is_another = difference > Difference::ANOTHER_PLANT;
-    is_another
-        .then(|| another_plant(difference))
-        .into_iter()
-        .collect()
-}
-
-/// That a result is another plant.
-pub(crate) fn another_plant(difference: f64) -> String {
-    let most = Difference::ANOTHER_PLANT;
-    format!(
-        "the result looks like another plant: its difference is {difference:.2}, where above {most} it is coarser than for backgrounds"
-    )
+    let warning = LevelWarning::of_difference(difference);
+    warning.iter().map(ToString::to_string).collect()
 }
 
 /// Metrics of the summary: name, key, and what they say.

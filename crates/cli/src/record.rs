@@ -49,14 +49,6 @@ struct Run {
     machine: machine::Machine,
 }
 
-/// A number before and after.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct Counts {
-    pub(crate) original: u64,
-    #[serde(rename = "final")]
-    pub(crate) left: u64,
-}
-
 /// The number of something in an original.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct OfOriginal {
@@ -70,15 +62,6 @@ pub(crate) struct Bytes {
     pub(crate) original: Option<u64>,
     #[serde(rename = "final")]
     pub(crate) written: u64,
-}
-
-impl Counts {
-    pub(crate) fn of(original: impl TryInto<u64>, left: impl TryInto<u64>) -> Self {
-        Self {
-            original: original.try_into().unwrap_or(u64::MAX),
-            left: left.try_into().unwrap_or(u64::MAX),
-        }
-    }
 }
 
 /// What is to be said of a plant, then these notes, each once.

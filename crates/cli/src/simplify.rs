@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use secateur::chain::LevelReport;
 use secateur::{
-    Error, Foliage, Level, LevelOptions, LevelParts, LevelWarning, Lod, MeshoptBorders,
+    Counts, Error, Foliage, Level, LevelOptions, LevelParts, LevelWarning, Lod, MeshoptBorders,
     MeshoptOptions, Method, Objective, Opening, Options, Plant, PreparedLod, Progress, Resolution,
     Simplified, StagedFiles, Stopped, VdsOptions, Views, Warning, WoodMode, WriteOptions, Written,
     read_cameras,
@@ -14,7 +13,6 @@ use secateur_raster::Scene;
 
 use super::args::{self, Common, MaxCoverage};
 use super::failure::Failure;
-use super::measure::another_plant;
 use super::names::MethodName;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
@@ -23,7 +21,7 @@ use super::record::{self, Record};
 use super::simplify_record::Simplifying;
 use super::streams::Outlet;
 use super::summary::{columns, grouped, percent, size};
-use super::{advice, colors, cutoffs, interrupt, machine, order, output, streams};
+use super::{advice, interrupt, machine, materials_in_words, order, output, streams};
 
 /// Reads, simplifies, writes, reports.
 pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Failure> {
@@ -60,13 +58,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let of_run = level.simplified.seconds.iter();
     stages.extend(of_run.map(|(stage, time)| (stage.name(), *time)));
     stages.extend_from_slice(&level.seconds);
-    let is_of_look = |warning: &&LevelWarning| {
-        matches!(
-            warning,
-            LevelWarning::AnotherPlant(_) | LevelWarning::LookUnknown(_)
-        )
-    };
-    let (of_look, of_level): (Vec<_>, Vec<_>) = level.warnings.iter().partition(is_of_look);
+    let (of_look, of_level): (Vec<_>, Vec<_>) =
+        (level.warnings.iter()).partition(|warning| warning.is_of_look());
     let [of_look, of_level] = [of_look, of_level]
         .map(|warnings| warnings.into_iter().map(sentence).collect::<Vec<String>>());
     warn_all(&of_level);
@@ -86,7 +79,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         None => None,
     };
     let (written, mut staged) = prepared.into_files();
-    let reports = [plant.report(), level.report()];
+    let (figures, views_that_judge) = (level.record(), level.views_that_judge());
     let level = level.into_parts();
     let result = &level.simplified;
     if let (Some(path), Some(picture)) = (&args.picture, picture) {
@@ -103,7 +96,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         input: &args.tree,
         plant: &plant,
         level: &level,
-        reports,
+        record: figures,
+        views_that_judge,
         written: &written,
         warnings: &warnings,
     };
@@ -266,15 +260,11 @@ pub(crate) fn timed<T>(
 fn sentence(warning: &LevelWarning) -> String {
     match warning {
         LevelWarning::Run(warning) => sentence_of_run(warning),
-        LevelWarning::CutoffsStay(why) => {
-            format!("alpha cutoffs stay as they are, since the result can't be drawn: {why}")
-        }
-        LevelWarning::TexturesStay(why) => format!("leaf textures stay as they are: {why}"),
         LevelWarning::NoOtherColors => "--colors dilate changes no texture: mip maps of leaf textures that are cut out, if there are any, mix in hardly any other colours".to_owned(),
-        LevelWarning::AnotherPlant(difference) => another_plant(*difference),
-        LevelWarning::LookUnknown(why) => {
-            format!("whether the result looks like the plant is not known: {why}")
-        }
+        LevelWarning::CutoffsStay(_)
+        | LevelWarning::TexturesStay(_)
+        | LevelWarning::AnotherPlant(_)
+        | LevelWarning::LookUnknown(_) => warning.to_string(),
     }
 }
 
@@ -383,7 +373,7 @@ fn fitted_to(objective: Objective) -> String {
 
 /// Whether `measure` looks from elsewhere than what drove the run.
 fn who_judges(run: &Simplifying<'_>) -> String {
-    match run.driving_views_that_judge() {
+    match run.views_that_judge {
         0 => "`secateur measure` judges by others".to_owned(),
         count => {
             format!("`secateur measure` judges by {count} of them too, which flatters the result")
@@ -394,13 +384,12 @@ fn who_judges(run: &Simplifying<'_>) -> String {
 fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String {
     let (result, written): (&Simplified, &Written) = (&run.level.simplified, run.written);
     let row = |cells: [String; 4]| cells.to_vec();
-    let line = |name: &str, before: u64, after: u64| {
-        let share = share(after as usize, before as usize);
-        row([name.to_owned(), grouped(before), grouped(after), share])
+    let numbers = |name: &str, of: Counts| {
+        let share = share(of.left as usize, of.original as usize);
+        let [before, after] = [of.original, of.left].map(grouped);
+        row([name.to_owned(), before, after, share])
     };
-    let plant = run.plant;
-    let [before, after] = &run.reports;
-    let numbers = |name: &str, of: fn(&LevelReport) -> u64| line(name, of(before), of(after));
+    let (plant, figures) = (run.plant, &run.record);
     let mut rows = vec![
         row([
             String::new(),
@@ -408,10 +397,10 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
             "result".into(),
             String::new(),
         ]),
-        numbers("leaves", |of| of.leaves),
-        numbers("triangles", |of| of.triangles),
-        numbers("of leaves", |of| of.foliage_triangles),
-        numbers("of wood", |of| of.wood_triangles),
+        numbers("leaves", figures.leaves),
+        numbers("triangles", figures.triangles),
+        numbers("of leaves", figures.foliage_triangles),
+        numbers("of wood", figures.wood_triangles),
     ];
     if let Some(before) = record::bytes_of(run.input) {
         let share = share(written.bytes as usize, before as usize);
@@ -448,11 +437,11 @@ fn pretty(run: &Simplifying<'_>, args: &args::Simplify, seconds: f64) -> String 
     {
         say("sizes", fitted_to(objective));
     }
-    if let Some(chosen) = &run.level.cutoffs {
-        say("cutoffs", cutoffs::in_words(chosen));
+    if let Some(chosen) = &figures.cutoffs {
+        say("cutoffs", materials_in_words::cutoffs(chosen));
     }
-    if !run.level.colors.is_empty() {
-        say("colours", colors::in_words(&run.level.colors));
+    if let Some(chosen) = &figures.colors {
+        say("colours", materials_in_words::colors(chosen));
     }
     if has_leaves && let Some(lost) = result.driving_error_percent() {
         say(

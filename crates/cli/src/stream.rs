@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    ChainOptions, Document, LodModel, Memory, Method, OpenEngine, Options, SimplifyError,
+    ChainOptions, Counts, Document, LodModel, Memory, Method, OpenEngine, Options, SimplifyError,
     StagedFiles, Target, Tree, simplify_on, surfaces_to_glb,
 };
 use secateur_gltf::{Detail, read_within};
@@ -21,7 +21,7 @@ use super::failure::Failure;
 use super::left_out_of_stream::not_sent;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::{Bytes, Counts, Record, bytes_of, shown_if};
+use super::record::{Bytes, Record, bytes_of, shown_if};
 use super::simplify::{sentences, share, timed, warn_all};
 use super::summary::{columns, grouped, size};
 use super::{advice, interrupt, order, output, record};

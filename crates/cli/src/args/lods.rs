@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use secateur::engines::EngineName;
 use secateur::{Alpha, Effort, Engine, Memory, Sides};
 
-use super::super::lods::EngineName;
 use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
 use secateur_eval::Limits;

@@ -5,6 +5,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use secateur::engines::EngineName;
 use secateur_gltf::chain::{Layout, check_name};
 use secateur_levels::chain::MAX_LEVELS;
 
@@ -12,7 +13,6 @@ use super::super::args;
 use super::super::failure::Failure;
 use super::super::output;
 use super::super::streams::is_stream;
-use super::engine::EngineName;
 use super::finished::Finished;
 
 /// A tree to be done, and where its levels go.

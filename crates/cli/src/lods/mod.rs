@@ -1,7 +1,6 @@
 //! `secateur lods`: the chain of levels that an engine loads.
 
 mod dry_run;
-mod engine;
 mod finished;
 mod job;
 mod level_options;
@@ -12,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use schemars::JsonSchema;
+use secateur::engines::EngineName;
 use secateur::{
     Effort, ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode,
 };
@@ -19,7 +19,6 @@ use secateur_gltf::chain::Layout;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_levels::chain::Textures;
 use secateur_model::{AlphaMode, Surface};
-use secateur_runtime::Screen;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -32,8 +31,6 @@ use super::record::{self, OfOriginal, Record, shown, shown_if};
 use super::streams::Outlet;
 use super::surroundings::SurroundingsRecord;
 use super::{advice, demo, interrupt, log, output, picture, streams};
-use engine::EngineLevels;
-pub(crate) use engine::EngineName;
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{check_free, check_outputs, jobs, outputs};
@@ -375,7 +372,7 @@ fn make(
     let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
     if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
-        stage_companion(&mut staged, engine, job, (&levels, options.screen), file)?;
+        stage_companion(&mut staged, engine, job, &levels, file)?;
         written.files.push(file.clone());
     }
     if let Some(file) = &args.preview {
@@ -449,7 +446,7 @@ fn stage_companion(
     staged: &mut StagedFiles,
     engine: EngineName,
     job: &Job<'_>,
-    (levels, screen): (&Levels, Screen),
+    levels: &Levels,
     file: &Path,
 ) -> Result<(), Failure> {
     if let Some(folder) = file
@@ -460,8 +457,7 @@ fn stage_companion(
         made.map_err(|e| Failure::of_file(folder, "cannot be made", &e))?;
     }
     let of_levels = job.place.file_name().unwrap_or_default().to_string_lossy();
-    let levels = EngineLevels::of(levels, screen.field_of_view_degrees);
-    match engine.text(&levels, &of_levels) {
+    match levels.engine_file(engine, &of_levels) {
         Some(text) => output::stage(staged, file, text.as_bytes()),
         None => Ok(()),
     }
