@@ -9,7 +9,6 @@ mod demo;
 mod escape;
 mod failure;
 mod grow;
-mod grow_lod;
 mod in_words;
 mod inspect;
 mod interrupt;

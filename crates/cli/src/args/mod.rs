@@ -19,7 +19,7 @@ use secateur_simplify::option_numbers::{from_zero, number, share};
 use super::schema::RecordName;
 
 pub(crate) use batch::{Batch, BatchCollect, BatchRun, Completions};
-pub(crate) use grow::{Grow, LodMethod};
+pub(crate) use grow::Grow;
 pub(crate) use lod::{LevelArgs, Lod};
 pub(crate) use lods::Lods;
 pub(crate) use short_help::command;
