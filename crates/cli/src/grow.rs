@@ -1,24 +1,23 @@
 //! Runs `secateur grow`: grows a plant from a species or a rule file and writes it.
 
 use std::path::Path;
-use std::time::Instant;
 
 use glam::DVec3;
 use schemars::JsonSchema;
-use secateur::{GrownPlant, StagedFiles, plant_into_glb};
+use secateur::{GrownPlant, plant_into_glb};
 use secateur_plant::{BranchLevel, BranchLevelOptions, BranchMethod, RuleSource, RuleSourceError};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::args::{self, Common, Format};
 use super::failure::Failure;
+use super::interrupt;
 use super::names::text;
+use super::output::{self, Outputs};
 use super::picture::{self, Exhibit};
 use super::print::Printed;
-use super::record::Record;
-use super::simplify::timed;
 use super::summary::{grouped, size};
-use super::{interrupt, output, record};
+use super::work::Work;
 
 /// A plant that was grown.
 #[derive(Serialize, JsonSchema)]
@@ -84,12 +83,16 @@ struct Size {
 
 /// Grows a plant, writes it, and reports what it is.
 pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
-    let start = Instant::now();
-    check_outputs(args)?;
-    let mut stages = Vec::new();
+    let mut work = Work::on("grow");
+    let input = Path::new(&args.species);
+    Outputs::beside([input])
+        .and(&args.output, output::check_glb)?
+        .maybe(args.report.as_ref(), output::check_file)?
+        .maybe(args.picture.as_ref(), output::check_picture)?
+        .distinct()?;
     let source = RuleSource::named(&args.species)?;
     let name = source.name();
-    let (plant, lod) = timed(&mut stages, "grow", || {
+    let (plant, lod) = work.timed("grow", |_| {
         tracing::info!("growing {name}");
         grown(&source, args)
     })?;
@@ -98,23 +101,20 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     let triangles = [&plant.leaves, &plant.wood].map(|surface| surface.triangles.len());
     let title = plant.name.clone();
     interrupt::writing()?;
-    // All files are written before the first appears: what fails leaves nothing.
-    let mut staged = StagedFiles::new();
     if let Some(path) = &args.picture {
-        timed(&mut stages, "picture", || {
+        work.timed("picture", |files| {
             let sheet = picture::sheet(&[exhibit(&plant)])?;
-            output::stage(&mut staged, path, &sheet)
+            output::stage(files, path, &sheet)
         })?;
     }
-    let bytes = timed(&mut stages, "write", || {
+    let bytes = work.timed("write", |files| {
         tracing::info!("writing {}", args.output.display());
         let glb = plant_into_glb(plant);
-        output::stage(&mut staged, &args.output, &glb)?;
+        output::stage(files, &args.output, &glb)?;
         Ok(glb)
     })?;
     // A second for a large file, so only where someone will see it.
     let is_recorded = args.report.is_some() || common.format != Format::Pretty;
-    let total = start.elapsed().as_secs_f64();
     let record = GrowRecord {
         species: name.to_owned(),
         output: args.output.display().to_string(),
@@ -133,10 +133,8 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         seed: args.seed,
         lod: lod.as_ref().map(GrownLodRecord::from),
     };
-    let record = Record::new("grow", record, &stages, total).to_value();
-    record::stage(&mut staged, args.report.as_deref(), &record)?;
-    staged.commit()?;
-    let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
+    let (record, _) = work.record(record);
+    let growing = work.stages.iter().filter(|(stage, _)| *stage != "picture");
     let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
     let of_lod = lod.as_ref().map_or_else(String::new, called);
     let pretty = format!(
@@ -151,6 +149,7 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         args.output.display(),
         size(bytes.len() as u64),
     );
+    work.finish(args.report.as_deref(), &record)?;
     Ok(Printed::single(pretty, record))
 }
 
@@ -183,21 +182,6 @@ fn called(level: &BranchLevel) -> String {
         BranchMethod::Chain => format!("{level} of {levels} levels of its chain of "),
         BranchMethod::Merge => format!("level {level} of {levels} by merging of "),
     }
-}
-
-fn check_outputs(args: &args::Grow) -> Result<(), Failure> {
-    let inputs = [Path::new(&args.species)];
-    output::check_glb(&args.output, &inputs)?;
-    let mut outputs = vec![args.output.as_path()];
-    if let Some(file) = &args.report {
-        output::check_file(file, &inputs)?;
-        outputs.push(file);
-    }
-    if let Some(file) = &args.picture {
-        output::check_picture(file, &inputs)?;
-        outputs.push(file);
-    }
-    output::check_distinct(&outputs)
 }
 
 impl From<RuleSourceError> for Failure {

@@ -4,7 +4,6 @@ mod advice;
 mod args;
 mod batch;
 mod completions;
-mod contradiction;
 mod demo;
 mod escape;
 mod failure;
@@ -12,12 +11,10 @@ mod grow;
 mod in_words;
 mod inspect;
 mod interrupt;
-mod left_out_of_stream;
 mod lod;
 mod lods;
 mod log;
 mod machine;
-mod materials_in_words;
 mod measure;
 mod names;
 mod order;
@@ -28,12 +25,12 @@ mod progress_bar;
 mod record;
 mod schema;
 mod simplify;
-mod simplify_record;
 mod stream;
 mod streams;
 mod study;
 mod summary;
 mod surroundings;
+mod work;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -102,7 +99,7 @@ fn arguments() -> Vec<OsString> {
 /// What the parser can't see: options that are right alone, and wrong beside each other.
 fn without_contradiction(cli: Cli) -> Result<Cli, clap::Error> {
     let sentence = match &cli.command {
-        Command::Simplify(args) => contradiction::contradiction(args),
+        Command::Simplify(args) => simplify::contradiction(args),
         _ => None,
     };
     match sentence {

@@ -1,24 +1,23 @@
 //! Runs `secateur measure`: judges a simplified tree against its original.
 
 use std::path::Path;
-use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    AllScores, AsDrawnMeasurement, DifferenceAt, Differences, Figures, GltfError, JudgeOptions,
-    Judged, LevelWarning, Opening, Plant, Problem, Selector, WoodMode, judge_document,
+    AllScores, AsDrawnMeasurement, DifferenceAt, Differences, Figures, JudgeOptions, Judged,
+    LevelWarning, Opening, Problem, Selector, WoodMode, judge_document,
 };
 use secateur_eval::measure::VMI_ERROR_PERCENT;
 use serde::Serialize;
 
+use super::advice::warn_all;
 use super::args;
 use super::failure::Failure;
 use super::names::text;
 use super::print::Printed;
-use super::record::Record;
-use super::simplify::warn_all;
 use super::summary::grouped;
-use super::{interrupt, output, record, streams};
+use super::work::Work;
+use super::{interrupt, output, streams};
 
 /// How a simplified tree compares with its original.
 #[derive(Serialize, JsonSchema)]
@@ -53,7 +52,7 @@ struct OfBoth {
 
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
-    let start = Instant::now();
+    let work = Work::on("measure");
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
@@ -68,7 +67,6 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     interrupt::check()?;
     let drawn = args.as_drawn.map(|width_px| judged.as_drawn(width_px));
     let drawn = drawn.transpose().map_err(Failure::about(&args.original))?;
-    let total = start.elapsed().as_secs_f64();
     let (plant, other) = (judged.plant(), judged.other());
     let leaves = OfBoth {
         original: plant.leaves().leaves().len() as u64,
@@ -97,31 +95,24 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         sides: text(args.sides),
         judged_by: text(args.views),
     };
-    let record = Record::new("measure", record, &[], total).to_value();
-    record::write(args.report.as_deref(), &record)?;
+    let (record, _) = work.record(record);
+    work.finish(args.report.as_deref(), &record)?;
     Ok(Printed::single(pretty, record))
 }
 
 /// Both trees, side by side.
 fn judged(args: &args::Measure) -> Result<Judged, Failure> {
-    let original = |foliage: &[Selector]| -> Result<Result<Plant, GltfError>, Failure> {
-        let opening = Opening {
-            foliage: foliage.to_vec(),
-            vertex_alpha: args.vertex_alpha.vertex_alpha,
-            wood: WoodMode::Ignore,
-            memory: args.memory.memory,
-        };
-        streams::opened(&args.original, &opening)
-    };
-    let original = match original(&args.foliage.foliage)? {
+    let usual = args.plant.opening(WoodMode::Ignore);
+    let original = match streams::opened(&args.original, &usual)? {
         Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
-            original(&[Selector::All])??
+            let foliage = vec![Selector::All];
+            streams::plant(&args.original, &Opening { foliage, ..usual })?
         }
         other => other?,
     };
     let left = original.tree().memory_left();
     let simplified = streams::document(&args.simplified, left)?;
-    let simplified = simplified.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
+    let simplified = simplified.with_vertex_alpha(args.plant.vertex_alpha());
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     for document in [original.tree().document(), &simplified] {
         output::check_spares(document, &outputs)?;
@@ -219,18 +210,32 @@ fn pretty(
             &what,
         ));
     }
-    if let Some(drawn) = drawn {
-        let at = format!("as clients draw it {} pixels wide", drawn.width_px);
-        let without = drawn.original_without_mips;
-        let mut row = |name: &str, value: String, what: String| {
-            lines.push(line(name, [value, String::new()], &what));
-        };
-        let original = |with: String, without: String| {
-            format!("the original itself: {with}, without mip maps {without}")
-        };
-        let four = |value: f64| format!("{value:.4}");
-        let one = |value: f64| format!("{value:.1}");
-        row(
+    let drawn = drawn.map(of_clients).unwrap_or_default();
+    lines.extend(
+        drawn
+            .into_iter()
+            .map(|(name, value, what)| line(name, [value, String::new()], &what)),
+    );
+    format!(
+        "{} against {}, from {views}\n{}",
+        args.simplified.display(),
+        args.original.display(),
+        lines.concat()
+    )
+}
+
+/// What a client draws: name, value, and what it says beside the original's own.
+fn of_clients(drawn: &AsDrawnMeasurement) -> Vec<(&'static str, String, String)> {
+    let at = format!("as clients draw it {} pixels wide", drawn.width_px);
+    let without = drawn.original_without_mips;
+    let four = |value: f64| format!("{value:.4}");
+    let one = |value: f64| format!("{value:.1}");
+    let original = |with: String, without: String| {
+        format!("the original itself: {with}, without mip maps {without}")
+    };
+    let frames = drawn.over_frames.zip(drawn.original_over_frames);
+    let mut rows = vec![
+        (
             "drawn coverage",
             four(drawn.coverage_over_truth),
             format!(
@@ -240,27 +245,26 @@ fn pretty(
                     four(without.coverage_over_truth)
                 )
             ),
-        );
-        row(
+        ),
+        (
             "drawn IoU",
             four(drawn.truth_iou),
             format!(
                 "overlap {at} with what the original truly covers, 1 is best; {}",
                 original(four(drawn.original_truth_iou), four(without.truth_iou))
             ),
+        ),
+    ];
+    rows.extend(frames.map(|(own, original)| {
+        let what = format!(
+            "the same in the mean of {} frames, as temporal anti-aliasing shows it; the original itself: {}",
+            own.frames,
+            four(original.truth_iou)
         );
-        if let (Some(own), Some(original)) = (drawn.over_frames, drawn.original_over_frames) {
-            row(
-                "IoU, frames",
-                four(own.truth_iou),
-                format!(
-                    "the same in the mean of {} frames, as temporal anti-aliasing shows it; the original itself: {}",
-                    own.frames,
-                    four(original.truth_iou)
-                ),
-            );
-        }
-        row(
+        ("IoU, frames", four(own.truth_iou), what)
+    }));
+    rows.extend([
+        (
             "specks",
             one(drawn.specks_per_view),
             format!(
@@ -270,40 +274,29 @@ fn pretty(
                     one(without.specks_per_view)
                 )
             ),
-        );
-        row(
+        ),
+        (
             "drawn FLIP",
             four(drawn.flip_mean),
             format!(
                 "visible difference {at} from the truth; {}",
                 original(four(drawn.original_flip_mean), four(without.flip_mean))
             ),
+        ),
+    ]);
+    if let Some((own, original)) = frames {
+        let flip = format!(
+            "the same in the mean of {} frames; the original itself: {}",
+            own.frames,
+            four(original.flip_mean)
         );
-        if let (Some(own), Some(original)) = (drawn.over_frames, drawn.original_over_frames) {
-            row(
-                "FLIP, frames",
-                four(own.flip_mean),
-                format!(
-                    "the same in the mean of {} frames; the original itself: {}",
-                    own.frames,
-                    four(original.flip_mean)
-                ),
-            );
-            row(
-                "flicker",
-                four(own.flicker),
-                format!(
-                    "pixels that one frame shows and another does not, over those truly covered; the original itself: {}, without mip maps {}",
-                    four(original.flicker),
-                    four(original.truth_flicker)
-                ),
-            );
-        }
+        let flicker = format!(
+            "pixels that one frame shows and another does not, over those truly covered; the original itself: {}, without mip maps {}",
+            four(original.flicker),
+            four(original.truth_flicker)
+        );
+        rows.push(("FLIP, frames", four(own.flip_mean), flip));
+        rows.push(("flicker", four(own.flicker), flicker));
     }
-    format!(
-        "{} against {}, from {views}\n{}",
-        args.simplified.display(),
-        args.original.display(),
-        lines.concat()
-    )
+    rows
 }

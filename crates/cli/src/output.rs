@@ -10,6 +10,51 @@ use secateur::{Document, StagedFiles, WriteOptions};
 
 use super::failure::Failure;
 
+/// Outputs of a command, each of which can be written as far as can be told before.
+pub(crate) struct Outputs<'a> {
+    inputs: Vec<&'a Path>,
+    places: Vec<&'a Path>,
+}
+
+impl<'a> Outputs<'a> {
+    /// No output yet; none may be one of these inputs.
+    pub(crate) fn beside(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
+        Self {
+            inputs: inputs.into_iter().collect(),
+            places: Vec::new(),
+        }
+    }
+
+    /// A file that this check lets pass.
+    pub(crate) fn and(
+        mut self,
+        path: &'a Path,
+        check: impl FnOnce(&Path, &[&Path]) -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        check(path, &self.inputs)?;
+        self.places.push(path);
+        Ok(self)
+    }
+
+    /// A file that may be asked for.
+    pub(crate) fn maybe(
+        self,
+        path: Option<&'a PathBuf>,
+        check: impl FnOnce(&Path, &[&Path]) -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        match path {
+            Some(path) => self.and(path, check),
+            None => Ok(self),
+        }
+    }
+
+    /// All of them, no two of which are one file.
+    pub(crate) fn distinct(self) -> Result<Vec<&'a Path>, Failure> {
+        check_distinct(&self.places)?;
+        Ok(self.places)
+    }
+}
+
 /// Refuses an output tree that could not be written at the end.
 pub(crate) fn check_tree(
     path: &Path,

@@ -12,16 +12,15 @@ use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::engines::EngineName;
-use secateur::{
-    Effort, ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode,
-};
-use secateur_gltf::chain::Layout;
+use secateur::{Effort, ErrorKind, Levels, PlacedLevel, Plant, Preset, Surroundings, WoodMode};
+use secateur_gltf::chain::{Layout, WrittenChain};
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
-use secateur_levels::chain::Textures;
+use secateur_levels::chain::{ChainOptions, Textures};
 use secateur_model::{AlphaMode, Surface};
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::advice::warn_all;
 use super::args::{self, Common};
 use super::failure::Failure;
 use super::measure::warning_of;
@@ -30,6 +29,7 @@ use super::progress_bar::RunProgress;
 use super::record::{self, OfOriginal, Record, shown, shown_if};
 use super::streams::Outlet;
 use super::surroundings::SurroundingsRecord;
+use super::work::Work;
 use super::{advice, demo, interrupt, log, output, picture, streams};
 use finished::Finished;
 pub(crate) use job::Job;
@@ -173,7 +173,7 @@ fn run_into_files(args: &args::Lods, common: &Common, outlet: &Outlet) -> Result
     options(args).check().map_err(secateur::Error::from)?;
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
-    let surroundings = args.scene.read(args.memory.memory, &outputs)?;
+    let surroundings = args.scene.read(args.plant.memory(), &outputs)?;
     if args.dry_run {
         return dry_run::told(args, &jobs);
     }
@@ -293,7 +293,7 @@ pub(crate) fn made_of_first(
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
     options(args).check().map_err(secateur::Error::from)?;
-    let surroundings = args.scene.read(args.memory.memory, &[])?;
+    let surroundings = args.scene.read(args.plant.memory(), &[])?;
     let Some(job) = jobs.first() else {
         return Err(Failure::usage("no tree was named"));
     };
@@ -311,12 +311,7 @@ pub(crate) fn made_of_first(
 /// The tree of a job, if a chain can be made of it.
 fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     tracing::info!("reading {}", job.tree.display());
-    let opening = Opening {
-        foliage: args.foliage.foliage.clone(),
-        vertex_alpha: args.vertex_alpha.vertex_alpha,
-        memory: args.memory.memory,
-        ..Opening::default()
-    };
+    let opening = args.plant.opening(WoodMode::Auto);
     let plant = streams::plant(job.tree, &opening)?;
     let document = plant.tree().document();
     let outputs = outputs(args, job);
@@ -340,56 +335,33 @@ fn make(
     picture: Option<&Path>,
     start: Instant,
 ) -> Result<(Done, StagedFiles), Failure> {
-    let options = options(args);
-    let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
+    let mut work = Work::since("lods", start);
+    let drawn = args.scene.drawn(surroundings, args.plant.memory())?;
     let plant = opened(args, job)?.within(drawn);
-    let mut stages = vec![("read", start.elapsed().as_secs_f64())];
+    work.stages.push(("read", start.elapsed().as_secs_f64()));
     let mut warnings = advice::sentences(&plant.inspection().warnings);
-    super::simplify::warn_all(&warnings);
+    warn_all(&warnings);
     interrupt::check()?;
-    let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
-    let levels = plant
-        .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure::of_plant(job.tree, error))?
-        .named(&job.name);
-    drop(progress_bar);
-    let made = &levels.chain;
-    stages.extend_from_slice(&made.seconds);
-    let writing = Instant::now();
-    let differences = made.levels.iter().map(|level| level.difference.difference);
+    let options = options(args);
+    let levels = levels_of(&plant, &options, job, common)?;
+    work.stages.extend_from_slice(&levels.chain.seconds);
+    let differences = levels.chain.levels.iter();
+    let differences = differences.map(|level| level.difference.difference);
     let of_levels = warning_of(differences.fold(0.0, f64::max));
-    super::simplify::warn_all(&of_levels);
+    warn_all(&of_levels);
     warnings.extend(of_levels);
-
-    let mut staged = StagedFiles::new();
-    if job.place != args.output {
-        let made = staged.make_folder(&args.output);
-        made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
-    }
-    let how = WriteOptions::default()
-        .overwrite(may_overwrite)
-        .compress(args.compress);
-    let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
-    staged.append(files);
-    if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
-        stage_companion(&mut staged, engine, job, &levels, file)?;
-        written.files.push(file.clone());
-    }
-    if let Some(file) = &args.preview {
-        let page = levels.preview_html();
-        let page = page.map_err(|error| Failure::of_plant(job.tree, error))?;
-        output::stage(&mut staged, file, page.as_bytes())?;
-    }
-    if let Some(file) = picture {
-        let strip = picture::strip(&demo::exhibits(levels.tree(), made)?)?;
-        output::stage(&mut staged, file, &strip)?;
-    }
-    stages.push(("write", writing.elapsed().as_secs_f64()));
-    let seconds = start.elapsed().as_secs_f64();
-    let original = levels.plant().report();
+    let written = work.timed("write", |files| {
+        let how = WriteOptions::default()
+            .overwrite(may_overwrite)
+            .compress(args.compress);
+        stage_all(files, args, job, &levels, how, picture)
+    })?;
+    let original = plant.report();
     let notes = record::notes(
         &plant,
-        advice::sentences(&made.notes).iter().chain(&written.notes),
+        advice::sentences(&levels.chain.notes)
+            .iter()
+            .chain(&written.notes),
     );
     let record = LodsRecord {
         input: job.tree.display().to_string(),
@@ -398,18 +370,10 @@ fn make(
         files: shown(&written.files),
         bytes: written.bytes,
         preview: shown_if(args.preview.as_deref()),
-        leaves: OfOriginal {
-            original: original.leaves,
-        },
-        triangles: OfOriginal {
-            original: original.triangles,
-        },
-        foliage_triangles: OfOriginal {
-            original: original.foliage_triangles,
-        },
-        wood_triangles: OfOriginal {
-            original: original.wood_triangles,
-        },
+        leaves: original.leaves.into(),
+        triangles: original.triangles.into(),
+        foliage_triangles: original.foliage_triangles.into(),
+        wood_triangles: original.wood_triangles.into(),
         surroundings: args.scene.record(surroundings),
         screen: ScreenRecord {
             height_px: options.screen.height_px,
@@ -421,24 +385,64 @@ fn make(
         max_pop: options.max_pop,
         wood: options.wood.decided(),
         textures: options.textures,
-        largest_pop: made
-            .levels
-            .iter()
-            .filter_map(|level| level.pop)
-            .reduce(f64::max),
+        largest_pop: levels.chain.largest_pop(),
         preset: options.leaves.preset,
         effort: options.leaves.effort,
         engine: levels.engine,
         adapter: levels.adapter.clone(),
         levels: levels.placed(job.layout, &written),
-        order_sha256: made.coarsest_order_sha256(),
+        order_sha256: levels.chain.coarsest_order_sha256(),
         notes: notes.clone(),
         warnings,
         kept: false,
     };
-    let record = Record::new("lods", record, &stages, seconds).to_value();
-    let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
-    Ok((Done { record, pretty }, staged))
+    let (record, seconds) = work.record(record);
+    let made = (&levels.chain, &written);
+    let pretty = pretty(&original, job, args, made, &notes, seconds);
+    Ok((Done { record, pretty }, work.files))
+}
+
+fn levels_of(
+    plant: &Plant,
+    options: &ChainOptions,
+    job: &Job<'_>,
+    common: &Common,
+) -> Result<Levels, Failure> {
+    let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
+    let levels = plant.levels_watched(options, &mut |progress| progress_bar.show(progress));
+    let levels = levels.map_err(|error| Failure::of_plant(job.tree, error))?;
+    Ok(levels.named(&job.name))
+}
+
+/// Writes levels and all that lies beside them under temporary names.
+fn stage_all(
+    staged: &mut StagedFiles,
+    args: &args::Lods,
+    job: &Job<'_>,
+    levels: &Levels,
+    how: WriteOptions,
+    picture: Option<&Path>,
+) -> Result<WrittenChain, Failure> {
+    if job.place != args.output {
+        let made = staged.make_folder(&args.output);
+        made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
+    }
+    let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
+    staged.append(files);
+    if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
+        stage_companion(staged, engine, job, levels, file)?;
+        written.files.push(file.clone());
+    }
+    if let Some(file) = &args.preview {
+        let page = levels.preview_html();
+        let page = page.map_err(|error| Failure::of_plant(job.tree, error))?;
+        output::stage(staged, file, page.as_bytes())?;
+    }
+    if let Some(file) = picture {
+        let strip = picture::strip(&demo::exhibits(levels.tree(), &levels.chain)?)?;
+        output::stage(staged, file, &strip)?;
+    }
+    Ok(written)
 }
 
 /// Writes what an engine needs beside the levels.

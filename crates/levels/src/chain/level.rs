@@ -88,6 +88,12 @@ pub struct Chain {
 }
 
 impl Chain {
+    /// The largest difference that a switch shows; none where there is none.
+    pub fn largest_pop(&self) -> Option<f64> {
+        let pops = self.levels.iter().filter_map(|level| level.pop);
+        pops.reduce(f64::max)
+    }
+
     /// SHA-256 of all that was done to the leaves of the coarsest level that has any; none where no level does.
     pub fn coarsest_order_sha256(&self) -> Option<String> {
         let orders = self.levels.iter().rev();

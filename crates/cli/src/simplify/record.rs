@@ -11,9 +11,9 @@ use secateur::{
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::args;
-use super::record::{self, Bytes, bytes_of, shown};
-use super::surroundings::SurroundingsRecord;
+use super::super::args;
+use super::super::record::{self, Bytes, bytes_of, shown};
+use super::super::surroundings::SurroundingsRecord;
 
 /// A plant and a level of it.
 #[derive(Serialize, JsonSchema)]
