@@ -172,7 +172,7 @@ impl Subject {
     pub(crate) fn levels(&self) -> &'static [f64] {
         match self.origin {
             Origin::Scene(_) => &SCENE_LEVELS,
-            _ => &LEVELS,
+            Origin::ByOthers | Origin::Grown(_) => &LEVELS,
         }
     }
 
@@ -181,7 +181,7 @@ impl Subject {
     pub(crate) fn selectors<'s>(&self, of_user: &'s [Selector]) -> &'s [Selector] {
         match self.origin {
             Origin::ByOthers => of_user,
-            _ => &[],
+            Origin::Scene(_) | Origin::Grown(_) => &[],
         }
     }
 

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::StagedFiles;
+use secateur_model::hex;
 use secateur_study::{file_sha256, tree_sha256};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -147,8 +148,4 @@ pub(super) fn noted(
     output::stage_derived(&mut all, &place, format!("{text}\n").as_bytes())?;
     all.append(files);
     Ok(all)
-}
-
-fn hex(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
