@@ -33,23 +33,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     let outputs = check_outputs(args)?;
     let outlet = Outlet::of(&args.output)?;
     let options = options(args)?;
-    let surroundings = work.timed("scene", |_| args.scene.read(args.memory.memory, &outputs))?;
-    let opening = Opening {
-        foliage: args.foliage.foliage.clone(),
-        vertex_alpha: args.vertex_alpha.vertex_alpha,
-        wood: match args.wood {
-            Some(wood) => wood,
-            None if !args.level_of.is_empty() => WoodMode::Auto,
-            None => LevelOptions::usual_wood(options.target),
-        },
-        memory: args.memory.memory,
-    };
-    let mut plant = work.timed("load", |_| {
-        tracing::info!("reading {}", args.tree.display());
-        Ok(streams::plant(&args.tree, &opening)?.within(surroundings))
-    })?;
-    let tree = plant.tree();
-    output::check_spares(tree.document(), &outputs)?;
+    let mut plant = opened(args, &options, &outputs, &mut work)?;
     let mut warnings = advice::sentences(&plant.inspection().warnings);
     warn_all(&warnings);
     interrupt::check()?;
@@ -59,14 +43,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     work.stages
         .extend(of_run.map(|(stage, time)| (stage.name(), *time)));
     work.stages.extend_from_slice(&level.seconds);
-    let (of_look, of_level): (Vec<_>, Vec<_>) =
-        (level.warnings.iter()).partition(|warning| warning.is_of_look());
-    let [of_look, of_level] = [of_look, of_level].map(|warnings| {
-        warnings
-            .into_iter()
-            .map(advice::of_level)
-            .collect::<Vec<String>>()
-    });
+    let [of_look, of_level] = warnings_of(&level);
     warn_all(&of_level);
     warnings.extend(of_level);
     warnings.extend(of_look.iter().cloned());
@@ -89,14 +66,8 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         output::stage(&mut work.files, path, &picture)?;
     }
     if let Some(path) = &args.order {
-        let order = result.passes.in_one_order();
-        order::stage(
-            &mut work.files,
-            path,
-            order,
-            &mut plant,
-            write_options(args),
-        )?;
+        let (order, how) = (result.passes.in_one_order(), write_options(args));
+        order::stage(&mut work.files, path, order, &mut plant, how)?;
     }
     if let Some(folder) = &args.debug_images {
         stage_debug_images(&mut work.files, folder, &level.options, &plant, result)?;
@@ -116,6 +87,42 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     outlet.send()?;
     warn_all(&of_look);
     Ok(Printed::single(pretty(&run, args, total), record))
+}
+
+/// The plant, with what stands about it.
+fn opened(
+    args: &args::Simplify,
+    options: &Options,
+    outputs: &[&Path],
+    work: &mut Work,
+) -> Result<Plant, Failure> {
+    let surroundings = work.timed("scene", |_| args.scene.read(args.memory.memory, outputs))?;
+    let opening = Opening {
+        foliage: args.foliage.foliage.clone(),
+        vertex_alpha: args.vertex_alpha.vertex_alpha,
+        wood: match args.wood {
+            Some(wood) => wood,
+            None if !args.level_of.is_empty() => WoodMode::Auto,
+            None => LevelOptions::usual_wood(options.target),
+        },
+        memory: args.memory.memory,
+    };
+    let plant = work.timed("load", |_| {
+        tracing::info!("reading {}", args.tree.display());
+        Ok(streams::plant(&args.tree, &opening)?.within(surroundings))
+    })?;
+    output::check_spares(plant.tree().document(), outputs)?;
+    Ok(plant)
+}
+
+/// What has to be said of a level: of how it looks, and the rest.
+fn warnings_of(level: &Level) -> [Vec<String>; 2] {
+    let of = |is_of_look: bool| {
+        let warnings = level.warnings.iter();
+        let warnings = warnings.filter(|warning| warning.is_of_look() == is_of_look);
+        warnings.map(advice::of_level).collect()
+    };
+    [of(true), of(false)]
 }
 
 /// The outputs, none of which is known to be in the way of another file.
