@@ -1,5 +1,6 @@
 //! Which levels a chain has: those that are asked for, or what heights on the screen need.
 
+use secateur_model::{NamedOption, Note};
 use secateur_simplify::{Amount, Observer, Progress};
 
 use super::cards::{CardSearch, FAR_PX};
@@ -8,7 +9,7 @@ use super::impostors::PlacedImpostor;
 use super::ladder::{Ladder, step_of_share};
 use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, LEAST_PX, Wanted};
-use super::placed::{Place, Placed};
+use super::placed::{LEAST_SHOWN, Place, Placed};
 use super::textures::{Client, end_of};
 use crate::impostor::Choice;
 
@@ -29,8 +30,8 @@ pub(super) fn no_level(place: &str) -> String {
 
 /// Notes of which those of places without a level for the same reason are one: `135 pixels` after `270 pixels` makes
 /// `270 and 135 pixels`.
-pub(super) fn join_places(notes: Vec<String>) -> Vec<String> {
-    let mut joined: Vec<String> = Vec::new();
+pub(super) fn join_places(notes: Vec<Note>) -> Vec<Note> {
+    let mut joined: Vec<Note> = Vec::new();
     let parts = |note: &str| {
         let (place, reason) = note.strip_prefix(NO_LEVEL)?.split_once(':')?;
         Some((place.to_owned(), reason.to_owned()))
@@ -43,7 +44,7 @@ pub(super) fn join_places(notes: Vec<String>) -> Vec<String> {
                 let earlier = places.strip_suffix(unit).unwrap_or(&places).trim_end();
                 let earlier = earlier.replace(" and ", ", ");
                 joined.pop();
-                joined.push(no_level(&format!("{earlier} and {place}")) + &reason);
+                joined.push((no_level(&format!("{earlier} and {place}")) + &reason).into());
             }
             (_, _) => joined.push(note),
         }
@@ -56,7 +57,7 @@ pub(super) fn asked(
     maker: &Maker<'_>,
     amounts: &[Amount],
     client: &Client<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
     observer: &mut Observer<'_>,
 ) -> Result<Vec<Placed>, ChainError> {
     let mut placed: Vec<Placed> = Vec::new();
@@ -72,20 +73,24 @@ pub(super) fn asked(
             });
         }
         if is_no_less(&level, placed.last(), maker) {
-            notes.push(format!(
+            let note = format!(
                 "a level of {} triangles is left out: it would be as large as the one before",
                 level.triangles()
-            ));
+            );
+            notes.push(note.into());
             continue;
         }
         let below = placed.last().map_or(f64::INFINITY, Placed::begins);
         let (triangles, is_first) = (level.triangles(), placed.is_empty());
         match placed_below(maker, (level, below), is_first, client, observer)? {
             Some(found) => placed.push(found),
-            None => notes.push(format!(
-                "a level of {triangles} triangles is left out: even {LEAST_PX} pixels high it differs by more than {}; ask for more triangles, or raise `--max-difference`",
-                maker.options.max_difference
-            )),
+            None => {
+                let note = format!(
+                    "a level of {triangles} triangles is left out: even {LEAST_PX} pixels high it differs by more than {}; ask for more triangles, or raise ",
+                    maker.options.max_difference
+                );
+                notes.push(Note::from(note).naming(NamedOption::MaxDifference(None)));
+            }
         }
     }
     Ok(placed)
@@ -126,13 +131,14 @@ fn placed_below(
 }
 
 /// For each place the fewest triangles within the limits, but for places that would save too little, and for the
-/// last where an impostor stands there whatever a mesh would look like; and the cards that stand from the first place on
+/// last where an impostor stands there whatever a mesh would look like. Where the leaves of the level before fade in
+/// clients, one that saves less stands, too. And the cards that stand from the first place on
 /// that is far and at which some do.
 pub(super) fn lightest(
     maker: &Maker<'_>,
     cards: &mut CardSearch<'_>,
     client: &Client<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
     observer: &mut Observer<'_>,
 ) -> Result<(Vec<Placed>, Vec<PlacedImpostor>), ChainError> {
     let mut places = maker.heights();
@@ -153,13 +159,18 @@ pub(super) fn lightest(
     // From here on it is not known that there are no cards.
     let mut may_have_cards = 0;
     let mut place = 0;
+    let far_cards_at =
+        |found: &[(usize, usize, Placed)], place, cards: &mut _, observer: &mut _| {
+            let meshes: Vec<Placed> = found.iter().map(|(.., mesh)| mesh.clone()).collect();
+            maker.far_cards(&meshes, (&heights, place), cards, client, observer)
+        };
     while place < places.len() {
         let [done, of] = [place, places.len()];
         Progress::Level { done, of }.tell(observer)?;
         let height = heights[place];
-        if maker.options.impostor == Choice::Auto && height <= FAR_PX && place >= may_have_cards {
-            let meshes: Vec<Placed> = found.iter().map(|(.., mesh)| mesh.clone()).collect();
-            far = maker.far_cards(&meshes, (&heights, place), cards, client, observer)?;
+        let is_far = maker.options.impostor == Choice::Auto && height <= FAR_PX;
+        if is_far && place >= may_have_cards {
+            far = far_cards_at(&found, place, cards, observer)?;
             if !far.is_empty() {
                 break;
             }
@@ -167,6 +178,12 @@ pub(super) fn lightest(
         }
         let end_px = end_of(height, heights.get(place + 1).copied());
         let before = found.last();
+        let before_fades = before
+            .is_some_and(|(.., before)| maker.shown_down_to(before, end_px, client) < LEAST_SHOWN);
+        let most_of_before = match before_fades {
+            true => 1.0,
+            false => most_of_before,
+        };
         let first = step_of_share(most_of_before, before.map_or(0, |(step, ..)| *step));
         let start = (first, before.is_none());
         let at = [&[height], &serves[place][..]].concat();
@@ -190,7 +207,15 @@ pub(super) fn lightest(
                     (from, level) = (*before, earlier);
                     found.pop();
                 }
+                let is_dense = level.triangles() as f64 > maker.look.covered_px(height);
                 found.push((step, from, level));
+                if is_far && from == place && is_dense {
+                    far = far_cards_at(&found, place, cards, observer)?;
+                    if !far.is_empty() {
+                        found.pop();
+                        break;
+                    }
+                }
             }
             // What stands before it must do there too, or is sought again so that it does.
             (None, Some((_, from, level)))
@@ -218,7 +243,7 @@ fn note_places_without_level(
     found: &[(usize, usize, Placed)],
     maker: &Maker<'_>,
     most_of_before: f64,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
 ) {
     for (k, (_, place)) in places.iter().enumerate() {
         if found.iter().any(|(_, at, _)| *at == k) {
@@ -229,11 +254,12 @@ fn note_places_without_level(
             Some((.., level)) => ("the level before", level.triangles()),
             None => ("the plant itself", maker.all),
         };
-        notes.push(format!(
+        let note = format!(
             "{} {before} of {of_before} triangles serves there, since what is within the difference saves less than {:.0} %",
             no_level(place),
             100.0 * (1.0 - most_of_before)
-        ));
+        );
+        notes.push(note.into());
     }
 }
 
@@ -243,9 +269,9 @@ mod tests {
 
     #[test]
     fn places_without_a_level_for_one_reason_are_one_note() {
-        let note = |place: &str, why: &str| format!("{} {why}", no_level(place));
+        let note = |place: &str, why: &str| Note::from(format!("{} {why}", no_level(place)));
         let notes = vec![
-            "the plant is 99 units high: as it is".to_owned(),
+            "the plant is 99 units high: as it is".into(),
             note("1080 pixels", "the plant serves: it is light"),
             note("540 pixels", "the plant serves: it is light"),
             note("270 pixels", "the plant serves: it is light"),
