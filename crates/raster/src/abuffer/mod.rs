@@ -137,6 +137,19 @@ impl ABuffer {
         (size_of_val(&self.arena[..]) + size_of_val(self.leaf_pixels.all())) as u64
     }
 
+    /// Whether a leaf is among the first two of no pixel: without it, all pixels show what they did.
+    pub fn is_hidden(&self, leaf: u32) -> bool {
+        let mut pixels = self.leaf_pixels.of(leaf).iter();
+        pixels.all(|pixel| !self.front_two(*pixel).contains(&leaf))
+    }
+
+    /// Takes a leaf away for good that is [hidden](Self::is_hidden).
+    pub fn remove_hidden(&mut self, leaf: u32) {
+        debug_assert!(self.is_hidden(leaf));
+        self.is_there[leaf as usize] = false;
+        self.leaf_pixels.clear(leaf);
+    }
+
     /// Takes a leaf away for good.
     pub fn remove(&mut self, leaf: u32, mut changed: impl FnMut(u32, FrontTwo, FrontTwo)) {
         self.is_there[leaf as usize] = false;

@@ -149,3 +149,25 @@ proptest! {
         a_buffer.undo(&mut undo, |_, _, _| panic!("taken back twice"));
     }
 }
+
+/// The third of three leaves behind each other is hidden: without it pixels show the same, now and when others go.
+#[test]
+fn a_hidden_leaf_goes_unseen() {
+    let mut lists = Lists(vec![BTreeSet::new(); PIXELS]);
+    for leaf in 1..4 {
+        lists.put(leaf, &[Some(10 * leaf), Some(10 * leaf), None, None]);
+    }
+    lists.put(2, &[Some(20), None, None, None]);
+    lists.put(4, &[None; PIXELS]);
+    let mut a_buffer = lists.a_buffer(4);
+    // In the second pixel the third leaf is right behind the first, and the fourth is nowhere.
+    let hidden = [1, 2, 3, 4].map(|leaf| a_buffer.is_hidden(leaf));
+    assert_eq!(hidden, [false, false, false, true]);
+    a_buffer.replace(3, &[(0, 30)], |_, _, _| {});
+    assert!(a_buffer.is_hidden(3));
+    a_buffer.remove_hidden(3);
+    assert_eq!(a_buffer.front_two(0), [1, 2]);
+    let mut told = Vec::new();
+    a_buffer.remove(1, |pixel, before, after| told.push((pixel, before, after)));
+    assert_eq!(told, [(0, [1, 2], [2, 0]), (1, [1, 0], [0, 0])]);
+}

@@ -261,6 +261,16 @@ impl Sight<'_> {
         edge.total
     }
 
+    /// View and pixels that a leaf would hand to the background, if that is in one view and all that it has an effect on.
+    #[inline]
+    pub(super) fn only_reveal(&self, leaf: u32) -> Option<(u32, u32)> {
+        let edge = self.edges.to_background(leaf)?;
+        let mut reveals = edge.reveals.iter();
+        let only = reveals.next().filter(|_| reveals.next().is_none())?;
+        let is_all = self.deltas.row(leaf).iter().all(|delta| *delta == 0);
+        is_all.then_some(only)
+    }
+
     /// Asks for the memory that [`prefetch`](Self::prefetch) of a leaf will need.
     #[inline(always)]
     pub(super) fn prefetch_place(&self, leaf: u32) {

@@ -191,6 +191,18 @@ impl<'a> FastRun<'a> {
         may.map_err(VdsError::from_raster)
     }
 
+    /// Tells how far the run is, and hears whether it may go on.
+    fn show_progress(&mut self) -> Result<(), VdsError> {
+        let progress = Progress {
+            steps: self.order.len(),
+            steps_at_most: self.steps_at_most,
+        };
+        match (self.progress)(progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(VdsError::Cancelled),
+        }
+    }
+
     /// Takes down a step.
     fn record(&mut self, pruned: Found, grown: &[Growth]) {
         self.order.push(leaf_id(pruned.leaf), grown);

@@ -21,6 +21,8 @@ use super::view_slice::ViewSlice;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Finds {
     pub cheapest: Found,
+    /// The cheapest leaf that has an effect on what views show, if none without costs less.
+    pub cheapest_with_effect: Found,
     /// The largest cost; MIN if nobody asked.
     pub largest: i64,
 }
@@ -28,6 +30,7 @@ pub(super) struct Finds {
 impl Finds {
     pub(super) const NONE: Self = Self {
         cheapest: Found::NONE,
+        cheapest_with_effect: Found::NONE,
         largest: i64::MIN,
     };
 
@@ -35,6 +38,7 @@ impl Finds {
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             cheapest: self.cheapest.min(other.cheapest),
+            cheapest_with_effect: self.cheapest_with_effect.min(other.cheapest_with_effect),
             largest: self.largest.max(other.largest),
         }
     }
@@ -118,7 +122,7 @@ impl<'t> Shard<'t> {
             (own, leaves.len()),
             rank_of,
             pixels_per_view,
-            &deviations,
+            (has_deviations, &deviations),
         );
         Self {
             counts,
@@ -197,10 +201,21 @@ impl<'t> Shard<'t> {
         };
         self.candidates.rebuild_if_stale(sight);
         self.finds.cheapest = self.candidates.cheapest(sight, limits);
+        self.finds.cheapest_with_effect = self.candidates.cheapest_with_effect();
         self.finds.largest = match wants_largest {
             true => self.candidates.largest_cost(sight, limits),
             false => i64::MIN,
         };
+    }
+
+    /// The first of this shard's leaves without effect.
+    pub(super) fn first_without_effect(&self) -> Option<Found> {
+        self.candidates.first_without_effect()
+    }
+
+    /// Takes away a leaf of any shard that no pixel shows.
+    pub(super) fn forget(&mut self, leaf: u32) {
+        self.candidates.remove(leaf);
     }
 
     /// P times the change of VMI over all views if a leaf of this shard went.
@@ -229,7 +244,11 @@ impl<'t> Shard<'t> {
             edges: &self.edges,
             deltas: &self.deltas,
         };
-        let (cheapest, largest) = self.candidates.exhaustively(sight);
-        Finds { cheapest, largest }
+        let (cheapest, cheapest_with_effect, largest) = self.candidates.exhaustively(sight);
+        Finds {
+            cheapest,
+            cheapest_with_effect,
+            largest,
+        }
     }
 }

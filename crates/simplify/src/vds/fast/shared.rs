@@ -1,12 +1,12 @@
 //! What the threads of a step share, and the two jobs that they do together: editing
 //! pixels, then following the edit and searching.
 
-use std::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard};
+use std::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use secateur_model::{Foliage, Growth};
 use secateur_raster::ViewSet;
 
-use super::candidates::Limits;
+use super::candidates::{Found, Limits};
 use super::counts::Counts;
 use super::shard::{Finds, Shard};
 use super::spin_pool::SpinPool;
@@ -129,6 +129,14 @@ impl<'a> Shared<'a> {
         see(shard.counts())
     }
 
+    /// The leaves without effect, for the leader alone.
+    pub(super) fn without_effect(&self) -> WithoutEffect<'_, 'a> {
+        WithoutEffect {
+            slices: self.slices.iter().map(|p| p.write().expect(HELD)).collect(),
+            shards: (0..self.shards.len()).map(|k| self.shard(k)).collect(),
+        }
+    }
+
     /// What all shards found.
     pub(super) fn finds(&self) -> Finds {
         let finds = (0..self.shards.len()).map(|k| self.shard(k).finds);
@@ -147,5 +155,34 @@ impl<'a> Shared<'a> {
     pub(super) fn covered_px_without(&self, leaf: u32) -> u64 {
         let shard = self.shard(self.split.shard(leaf));
         shard.counts().covered_px() - u64::from(shard.background_px(leaf))
+    }
+}
+
+/// Leaves without effect, as they are taken away between two rounds.
+pub(super) struct WithoutEffect<'s, 'a> {
+    slices: Vec<RwLockWriteGuard<'s, ViewSlice>>,
+    shards: Vec<MutexGuard<'s, Shard<'a>>>,
+}
+
+impl WithoutEffect<'_, '_> {
+    /// The first of all shards, with its cost.
+    pub(super) fn first(&self) -> Option<Found> {
+        let shards = self.shards.iter();
+        shards
+            .filter_map(|shard| shard.first_without_effect())
+            .min()
+    }
+
+    /// Whether a leaf is among the first two of no pixel.
+    pub(super) fn is_hidden(&self, leaf: u32) -> bool {
+        self.slices.iter().all(|slice| slice.is_hidden(leaf))
+    }
+
+    /// Takes a hidden leaf away: nothing else changes.
+    pub(super) fn remove_hidden(&mut self, leaf: u32) {
+        self.slices
+            .iter_mut()
+            .for_each(|slice| slice.remove_hidden(leaf));
+        self.shards.iter_mut().for_each(|shard| shard.forget(leaf));
     }
 }

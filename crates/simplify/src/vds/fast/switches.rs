@@ -43,6 +43,10 @@ mechanisms! {
     RowsOfAll = "rows for all leaves",
     /// Leaves whose deltas are all zero wait outside the blocks.
     ZeroLeavesWait = "leaves without effect wait outside",
+    /// Leaves that hand as many pixels of one view to the background, and change nothing else, have one cost.
+    AlikeTogether = "leaves alike have one cost",
+    /// Leaves that no pixel shows go one after the other without a search for each.
+    HiddenTogether = "hidden leaves go together",
     /// The two cheapest leaves of the last step are evaluated first.
     SeedCheapest = "last cheapest leaves first",
     /// The dearest leaf of the last step is evaluated first.

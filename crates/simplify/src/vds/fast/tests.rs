@@ -41,6 +41,12 @@ fn assert_every_pick_is_the_cheapest(
     for step in 0..leaf_count as usize - job.target.fewest_leaves(&crown) {
         let (finds, expected) = view_set_loop.step_and_exhaustively(&mut run);
         assert_eq!(finds.cheapest, expected.cheapest, "step {step}");
+        // What is asked where leaves without effect go, one after the other.
+        let with_effect = expected.cheapest_with_effect;
+        match with_effect.cost == expected.cheapest.cost {
+            true => assert_eq!(finds.cheapest_with_effect, with_effect, "step {step}"),
+            false => assert!(finds.cheapest_with_effect >= with_effect, "step {step}"),
+        }
         if job.options.resize.needs_largest_cost() {
             assert_eq!(finds.largest, expected.largest, "step {step}");
         }

@@ -10,9 +10,10 @@ use super::shard::{Finds, Shard};
 use super::shared::{Job, Shared};
 use super::spin_pool::SpinPool;
 use super::split::Split;
+use super::switches::{Mechanism, is_on};
 use super::view_slice::ViewSlice;
 use super::{Ended, FastRun, leaf_id};
-use crate::vds::outcome::{Progress, VdsError};
+use crate::vds::outcome::VdsError;
 use crate::vds::resize::{Pruned, Sights, covered_px, growths};
 use crate::vds::{Reference, Resize, VdsOptions};
 use crate::vmi::{Vmi, error_percent};
@@ -115,8 +116,21 @@ impl<'a> ViewSetLoop<'a> {
             |part| shared.do_part(part),
             || {
                 while left > leaves {
-                    let finds = lead.pick(run.options, shared, pool);
-                    let grown = lead.grow(run, shared, finds);
+                    let mut finds = lead.pick(run.options, shared, pool);
+                    let share = lead.share(run, shared, finds);
+                    // Other views than the last step's may show an error that is too large already.
+                    let is_over =
+                        || lead.error_is_over(run.max_error_percent, shared, vmi_original);
+                    if share == 0.0 && is_on(Mechanism::HiddenTogether) && !is_over() {
+                        let (gone, next) = lead.take_hidden(run, shared, finds, left - leaves)?;
+                        left -= gone;
+                        match next {
+                            Some(next) => finds.cheapest = next,
+                            None if gone > 0 => continue,
+                            None => {}
+                        }
+                    }
+                    let grown = lead.grow(run, finds.cheapest, share);
                     lead.apply(shared, pool, finds.cheapest.leaf, &grown);
                     if lead.error_is_over(run.max_error_percent, shared, vmi_original) {
                         return Ok(Ended::BeyondMaxError);
@@ -126,13 +140,7 @@ impl<'a> ViewSetLoop<'a> {
                     if !grown.is_empty() && left.is_multiple_of(STEPS_A_CHECK) {
                         run.may_lists_take(views, shared.list_bytes())?;
                     }
-                    let progress = Progress {
-                        steps: run.order.len(),
-                        steps_at_most: run.steps_at_most,
-                    };
-                    if (run.progress)(progress).is_break() {
-                        return Err(VdsError::Cancelled);
-                    }
+                    run.show_progress()?;
                 }
                 Ok(Ended::AtLeafCount)
             },
@@ -154,7 +162,8 @@ impl<'a> ViewSetLoop<'a> {
         let shards = shared.shards.iter();
         let expected = shards.map(|shard| shard.lock().unwrap().exhaustively());
         let expected = expected.fold(Finds::NONE, Finds::and);
-        let grown = lead.grow(run, shared, finds);
+        let share = lead.share(run, shared, finds);
+        let grown = lead.grow(run, finds.cheapest, share);
         lead.apply(shared, pool, finds.cheapest.leaf, &grown);
         run.record(finds.cheapest, &grown);
         (finds, expected)
@@ -174,8 +183,8 @@ impl Lead {
         finds
     }
 
-    /// The leaves that fill the gap of the cheapest, and how large they become.
-    fn grow(&mut self, run: &FastRun<'_>, shared: &Shared<'_>, finds: Finds) -> Vec<Growth> {
+    /// The share of the cheapest leaf's area that others take over.
+    fn share(&self, run: &FastRun<'_>, shared: &Shared<'_>, finds: Finds) -> f64 {
         let leaf = leaf_id(finds.cheapest.leaf);
         let deviation = match run.options.resize {
             Resize::Deficit => shared.deviation_without(finds.cheapest.leaf),
@@ -190,7 +199,37 @@ impl Lead {
                 None => 0,
             },
         };
-        let share = run.options.share(pruned, self.sights, || finds.largest);
+        run.options.share(pruned, self.sights, || finds.largest)
+    }
+
+    /// Takes away up to `at_most` leaves that are among the first two of no pixel, each as long as it is the cheapest;
+    /// no other leaf grows for them. As views show the same without them, costs stay what they are, and one search does
+    /// for all. How many went, and the one that is the cheapest then, if that is known.
+    fn take_hidden(
+        &mut self,
+        run: &mut FastRun<'_>,
+        shared: &Shared<'_>,
+        finds: Finds,
+        at_most: usize,
+    ) -> Result<(usize, Option<Found>), VdsError> {
+        let mut without_effect = shared.without_effect();
+        for gone in 0..at_most {
+            let first = without_effect.first();
+            let first = first.filter(|found| *found < finds.cheapest_with_effect);
+            let Some(found) = first.filter(|found| without_effect.is_hidden(found.leaf)) else {
+                return Ok((gone, first));
+            };
+            without_effect.remove_hidden(found.leaf);
+            self.neighbours.remove(leaf_id(found.leaf));
+            run.record(found, &[]);
+            run.show_progress()?;
+        }
+        Ok((at_most, None))
+    }
+
+    /// The leaves that fill the gap of one that goes, and how large they become.
+    fn grow(&mut self, run: &FastRun<'_>, pruned: Found, share: f64) -> Vec<Growth> {
+        let leaf = leaf_id(pruned.leaf);
         self.neighbours.remove(leaf);
         if share == 0.0 {
             return Vec::new();

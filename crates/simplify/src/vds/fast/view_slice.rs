@@ -91,6 +91,16 @@ impl ViewSlice {
         }
     }
 
+    /// Whether a leaf is among the first two of no pixel.
+    pub(super) fn is_hidden(&self, leaf: u32) -> bool {
+        self.a_buffer.is_hidden(leaf)
+    }
+
+    /// Takes a leaf away that is [hidden](Self::is_hidden).
+    pub(super) fn remove_hidden(&mut self, leaf: u32) {
+        self.a_buffer.remove_hidden(leaf);
+    }
+
     /// What changed, by view over all slices.
     pub(super) fn events(&self) -> &[Event] {
         self.events.all()

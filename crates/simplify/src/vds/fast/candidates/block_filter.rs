@@ -86,6 +86,20 @@ impl BlockFilter {
         filter
     }
 
+    /// One block more.
+    pub(super) fn push(&mut self, bounds: Bounds) {
+        self.count += 1;
+        if self.count > self.solid.len() {
+            let room = self.count.next_multiple_of(TOGETHER);
+            for list in [&mut self.solid, &mut self.open, &mut self.n] {
+                list.resize(room, f32::INFINITY);
+            }
+            self.largest_px.resize(room, 0);
+            self.epochs.resize(room, bounds.epoch);
+        }
+        self.set(self.count - 1, bounds);
+    }
+
     #[inline(always)]
     pub(super) fn set(&mut self, index: usize, bounds: Bounds) {
         self.solid[index] = bounds.solid;

@@ -6,10 +6,11 @@ use secateur_raster::prefetch::prefetch;
 use super::super::changes::Change;
 use super::super::deltas::Sight;
 use super::super::switches::{Mechanism, is_on};
-use super::blocks::{Figures, NO_FIRST};
+use super::blocks::{Block, Figures, NO_FIRST};
 use super::epochs::along_signs;
 use super::excess::{LANES, Lanes};
-use super::{Candidates, NOWHERE};
+use super::widths::Width;
+use super::{Candidates, FIRST_GROUP, NOWHERE, WAITING};
 
 /// What is known of a block's leaves beside their deltas.
 #[derive(Clone)]
@@ -23,7 +24,7 @@ pub(super) struct BlockLanes {
     /// Drift of the background where it is revealed, when the leaf was read.
     pub drift: Lanes,
     /// What the deltas of each sum to with the block's signs, exactly, if it
-    /// is solid.
+    /// is solid; without signs where costs do not depend on deviations.
     pub along: [i64; LANES],
 }
 
@@ -41,19 +42,38 @@ impl Candidates {
     /// Takes a leaf of any shard out for good.
     pub(in super::super) fn remove(&mut self, leaf: u32) {
         self.all_left -= 1;
-        if self.place_of[leaf as usize] == NOWHERE {
-            return;
-        }
-        self.leave(leaf);
-        self.place_of[leaf as usize] = NOWHERE;
-        let rank = self.rank_of[leaf as usize];
-        self.without_effect.remove(&(rank, leaf));
+        self.move_to(leaf, NOWHERE);
     }
 
-    pub(super) fn leave(&mut self, leaf: u32) {
-        let place = self.place_of[leaf as usize] as usize;
-        let (block, lane) = (place / LANES, place % LANES);
-        if self.lanes[block].leaves[lane] == 0 {
+    /// Gives a leaf a place outside the blocks, instead of its own.
+    pub(super) fn move_to(&mut self, leaf: u32, place: u32) {
+        let before = std::mem::replace(&mut self.place_of[leaf as usize], place);
+        if before == place {
+            return;
+        }
+        self.has_moved_out |= place != NOWHERE;
+        let ranked = (self.rank_of[leaf as usize], leaf);
+        match before {
+            NOWHERE => {}
+            WAITING => {
+                self.without_effect.remove(&ranked);
+            }
+            group if group >= FIRST_GROUP => self.alike.remove(group, ranked),
+            lane => self.leave(lane),
+        }
+        match place {
+            NOWHERE => {}
+            WAITING => {
+                self.without_effect.insert(ranked);
+            }
+            group => self.alike.insert(group, ranked),
+        }
+    }
+
+    fn leave(&mut self, place: u32) {
+        let (block, lane) = (place as usize / LANES, place as usize % LANES);
+        let leaf = self.lanes[block].leaves[lane];
+        if leaf == 0 {
             return;
         }
         let lanes = &mut self.lanes[block];
@@ -94,7 +114,7 @@ impl Candidates {
         }
         let Some(leaf) = leaf else { return };
         let place = self.place_of[leaf as usize];
-        if place != NOWHERE {
+        if place < FIRST_GROUP {
             let block = place as usize / LANES;
             prefetch(&self.blocks, block);
             prefetch(&self.blocks, block + 1);
@@ -107,8 +127,10 @@ impl Candidates {
     /// block's bounds give way, and the deltas are read when they do not suffice.
     pub(in super::super) fn note(&mut self, sight: Sight<'_>, leaf: u32, change: Change) {
         let place = self.place_of[leaf as usize];
-        if place == NOWHERE {
-            return;
+        match place {
+            NOWHERE => return,
+            outside if outside >= FIRST_GROUP => return self.enter(sight, leaf),
+            _ => {}
         }
         let (index, lane) = (place as usize / LANES, place as usize % LANES);
         let block = &mut self.blocks[index];
@@ -145,21 +167,16 @@ impl Candidates {
 
     /// Puts a leaf where its deltas say.
     pub(super) fn enter(&mut self, sight: Sight<'_>, leaf: u32) {
-        let place = self.place_of[leaf as usize] as usize;
-        let rank = self.rank_of[leaf as usize];
-        let (index, lane) = (place / LANES, place % LANES);
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-        if is_on(Mechanism::ZeroLeavesWait)
-            && background_px == 0
-            && self.row.iter().all(|d| *d == 0)
-        {
-            self.leave(leaf);
-            self.without_effect.insert((rank, leaf));
-            return;
+        if let Some(place) = self.place_outside(sight, leaf, background_px) {
+            return self.move_to(leaf, place);
         }
-        if self.lanes[index].leaves[lane] == 0 {
-            self.without_effect.remove(&(rank, leaf));
+        if self.place_of[leaf as usize] >= FIRST_GROUP {
+            self.move_to(leaf, NOWHERE);
+            self.add_place(leaf);
         }
+        let place = self.place_of[leaf as usize] as usize;
+        let (index, lane) = (place / LANES, place % LANES);
         let rise = sight.counts.background_rise(background_px);
         let block = &mut self.blocks[index];
         let epoch = usize::from(block.epoch);
@@ -180,7 +197,7 @@ impl Candidates {
             along += if *e < 0 { -d } else { d };
         }
         let figures = Figures {
-            along: along as f32,
+            along: if self.has_deviations { along } else { n } as f32,
             excess: excess as f32,
             n: n as f32,
             magnitude: magnitude as f32,
@@ -196,8 +213,45 @@ impl Candidates {
         lanes.background_px[lane] = background_px;
         self.write_row((index, lane));
         if is_on(Mechanism::ExactFirst) {
-            let along_now = along_signs(&self.row, &self.deviations);
-            self.note_sum((index, lane), leaf, along_now);
+            self.note_sum((index, lane), leaf, self.along_now());
+        }
+    }
+
+    /// The place of the leaf that was just read, if it is outside the blocks.
+    pub(super) fn place_outside(
+        &self,
+        sight: Sight<'_>,
+        leaf: u32,
+        background_px: u32,
+    ) -> Option<u32> {
+        match self.is_without_effect(background_px) {
+            true => Some(WAITING),
+            false => self.place_of_alike(sight, leaf),
+        }
+    }
+
+    /// Gives a leaf the place after the last, in a block that may be new.
+    fn add_place(&mut self, leaf: u32) {
+        self.place_of[leaf as usize] = self.order.len() as u32;
+        self.order.push(leaf);
+        if self.order.len() <= self.blocks.len() * LANES {
+            return;
+        }
+        let empty = Block::empty(self.epochs.current(), self.signs);
+        self.filter.push(empty.bounds());
+        self.tops.push(empty.top());
+        self.lanes.push(BlockLanes::EMPTY);
+        self.blocks.push(empty);
+        let views = self.blocks.len() * self.view_count;
+        self.deltas.resize(views, Lanes::ZERO);
+        self.widths.resize(views, Width::ZERO);
+    }
+
+    /// The excess of the solid leaf that was just read, if no delta is larger than the deviation of its view; exactly.
+    pub(super) fn along_now(&self) -> i64 {
+        match self.has_deviations {
+            true => along_signs(&self.row, &self.deviations),
+            false => self.row.iter().map(|d| d.abs()).sum(),
         }
     }
 
@@ -208,7 +262,7 @@ impl Candidates {
             let leaf = self.lanes[index].leaves[lane];
             if leaf != 0 && self.lanes[index].background_px[lane] == 0 {
                 sight.deltas_but_rise(leaf, &mut self.row);
-                self.lanes[index].along[lane] = along_signs(&self.row, &self.deviations);
+                self.lanes[index].along[lane] = self.along_now();
             }
         }
         self.blocks[index].signs = self.signs;

@@ -7,7 +7,6 @@ use super::super::deltas::Sight;
 use super::super::switches::{Mechanism, is_on};
 use super::Candidates;
 use super::drift::{drift_now, drift_then};
-use super::epochs::along_signs;
 use super::excess::{Beside, Excesses, LANES, Lanes, excesses};
 
 impl Candidates {
@@ -46,7 +45,12 @@ impl Candidates {
             solid: &solid,
         };
         let (rows, widths) = (&self.deltas[views.clone()], &mut self.widths[views]);
-        let found = excesses(rows, beside, &self.views, widths);
+        let mut found = excesses(rows, beside, &self.views, widths);
+        if !self.has_deviations {
+            // Better bounds, as an excess is `n`.
+            (found.least_along_solid, found.least_along_open) =
+                (found.least_solid, found.least_open);
+        }
         let block = &mut self.blocks[index];
         let epoch = self.epochs.current();
         block.renew(epoch, &found, largest_px, self.rounding);
@@ -91,19 +95,12 @@ impl Candidates {
 
     fn read_again(&mut self, sight: Sight<'_>, (index, lane): (usize, usize), leaf: u32) {
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
-        if is_on(Mechanism::ZeroLeavesWait)
-            && background_px == 0
-            && self.row.iter().all(|d| *d == 0)
-        {
-            self.leave(leaf);
-            self.without_effect
-                .insert((self.rank_of[leaf as usize], leaf));
-            return;
+        if let Some(place) = self.place_outside(sight, leaf, background_px) {
+            return self.move_to(leaf, place);
         }
         self.write_row((index, lane));
         if is_on(Mechanism::ExactFirst) {
-            let along_now = along_signs(&self.row, &self.deviations);
-            self.note_sum((index, lane), leaf, along_now);
+            self.note_sum((index, lane), leaf, self.along_now());
         }
     }
 

@@ -67,6 +67,8 @@ pub(super) struct Excesses {
     pub least: f32,
     /// The least of leaves that would hand pixels to the background.
     pub least_open: f32,
+    /// The least of the others.
+    pub least_solid: f32,
     pub largest: f32,
     /// Likewise the least of `sum g d`, g the signs of D, of leaves that would hand
     /// nothing to the background.
@@ -169,6 +171,7 @@ fn plainly(
             least_solid
         },
         least_open,
+        least_solid,
         largest: at_most.largest(),
         least_along_open: along_open.least(),
         least_along_solid: along_solid.least(),

@@ -33,8 +33,10 @@
 //! found ([`Limits`]).
 //!
 //! A leaf whose deltas are all zero costs `sum |D|`. Those wait, ordered by
-//! rank, outside the blocks: mostly leaves that no view sees.
+//! rank, outside the blocks: mostly leaves that no view sees. Of a million leaves they are most, and
+//! no step looks at them.
 
+mod alike;
 mod block_filter;
 mod block_lanes;
 mod blocks;
@@ -54,6 +56,7 @@ use super::changes::BackgroundDrift;
 use super::counts::Counts;
 use super::deltas::Sight;
 use super::switches::{Mechanism, is_on};
+use alike::Alike;
 use block_filter::BlockFilter;
 use block_lanes::BlockLanes;
 use blocks::{Block, Top};
@@ -64,7 +67,12 @@ use widths::Width;
 
 pub(super) use limits::Limits;
 
+/// The place of a leaf that is gone, or of another shard.
 const NOWHERE: u32 = u32::MAX;
+/// The place of a leaf without effect.
+const WAITING: u32 = u32::MAX - 1;
+/// The places of leaves [alike](alike) begin here, one for each group; below are those in blocks.
+const FIRST_GROUP: u32 = u32::MAX - (1 << 16);
 /// Steps without a change of sign after which exact sums are worth their time.
 const STEADY: u32 = 32;
 /// Pixels for which a step knows beforehand how the logarithm of the
@@ -92,6 +100,7 @@ pub(super) struct Candidates {
     rank_of: Arc<[u32]>,
     /// By rank, then leaf number: leaves whose deltas are all zero.
     without_effect: BTreeSet<(u32, u32)>,
+    alike: Alike,
     blocks: Vec<Block>,
     /// By block, what is looked at first.
     filter: BlockFilter,
@@ -102,16 +111,21 @@ pub(super) struct Candidates {
     deltas: Vec<Lanes>,
     /// How wide they are, likewise, but with that.
     widths: Vec<Width>,
-    /// Leaves keep their place, `LANES` to a block, until the next rebuild.
+    /// Leaves keep their place, `LANES` to a block, until the next rebuild; those outside the blocks have places that
+    /// say why.
     place_of: Vec<u32>,
-    /// The leaves that were left at the last rebuild.
+    /// By place, the leaf that got it: those with an effect at the last rebuild, then those that got one since.
     order: Vec<u32>,
+    /// How many places there were at the last rebuild.
+    places_at_rebuild: usize,
     /// The leaves that are left to all shards, now and at the last rebuild: all
     /// rebuild in the same step, so that none waits for another.
     all_left: usize,
     all_at_rebuild: usize,
 
     epochs: Epochs,
+    /// Whether costs depend on deviations: without, a cost is `n`.
+    has_deviations: bool,
     /// The current deviations; zeros where costs do not depend on them.
     deviations: Vec<i64>,
     deviation_sum: i64,
@@ -132,6 +146,10 @@ pub(super) struct Candidates {
     last_largest: u32,
     /// The leaves of the two least costs of the last step.
     seeds: [u32; 2],
+    /// Whether a leaf has left the blocks, but not for good, since that was last asked.
+    has_moved_out: bool,
+    /// The cheapest leaf with an effect that the search has come across.
+    cheapest_with_effect: Found,
     row: Vec<i64>,
 }
 
@@ -144,7 +162,7 @@ impl Candidates {
         (leaves, all_left): (Vec<u32>, usize),
         rank_of: Arc<[u32]>,
         pixels_per_view: usize,
-        deviations: &[i64],
+        (has_deviations, deviations): (bool, &[i64]),
     ) -> Self {
         let views = sight.counts.view_count();
         let mut candidates = Self {
@@ -152,6 +170,7 @@ impl Candidates {
             place_of: vec![NOWHERE; rank_of.len()],
             rank_of,
             without_effect: BTreeSet::new(),
+            alike: Alike::none(views),
             blocks: Vec::new(),
             filter: BlockFilter::default(),
             tops: Vec::new(),
@@ -161,6 +180,8 @@ impl Candidates {
             all_left,
             all_at_rebuild: all_left,
             order: leaves,
+            places_at_rebuild: 0,
+            has_deviations,
             epochs: Epochs::new(deviations, sight.counts.background_drift()),
             deviations: deviations.to_vec(),
             deviation_sum: 0,
@@ -175,6 +196,8 @@ impl Candidates {
             rounding: Rounding::new(views, pixels_per_view),
             last_largest: 0,
             seeds: [0; 2],
+            has_moved_out: false,
+            cheapest_with_effect: Found::NONE,
             row: vec![0; views],
         };
         candidates.note_step(sight.counts, deviations);
@@ -183,7 +206,6 @@ impl Candidates {
     }
 
     fn build(&mut self, sight: Sight<'_>) {
-        self.without_effect.clear();
         self.all_at_rebuild = self.all_left;
         // Not there together with the new ones: of a million leaves they take 200 MB.
         self.tops = Vec::new();
@@ -192,13 +214,27 @@ impl Candidates {
         self.deltas = Vec::new();
         self.widths = Vec::new();
         let order = std::mem::take(&mut self.order);
-        let mut keyed: Vec<u64> = (0u32..)
-            .zip(&order)
-            .map(|(at, &leaf)| {
-                prefetch_ahead(sight, &order[at as usize..]);
-                u64::from(self.key(sight, leaf)) << 32 | u64::from(at)
-            })
-            .collect();
+        let mut waiting = Vec::new();
+        let mut keyed: Vec<u64> = Vec::new();
+        for (at, &leaf) in (0u32..).zip(&order) {
+            prefetch_ahead(sight, &order[at as usize..]);
+            match self.key(sight, leaf) {
+                Ok(key) => keyed.push(u64::from(key) << 32 | u64::from(at)),
+                Err(WAITING) => {
+                    self.place_of[leaf as usize] = WAITING;
+                    waiting.push((self.rank_of[leaf as usize], leaf));
+                }
+                Err(group) => {
+                    // Its block is no more.
+                    self.place_of[leaf as usize] = NOWHERE;
+                    self.move_to(leaf, group);
+                }
+            }
+        }
+        match self.without_effect.is_empty() {
+            true => self.without_effect = waiting.into_iter().collect(),
+            false => self.without_effect.extend(waiting),
+        }
         keyed.sort_unstable();
         let order: Vec<u32> = keyed
             .iter()
@@ -214,6 +250,7 @@ impl Candidates {
         self.blocks = vec![empty; block_count];
         self.deltas = vec![Lanes::ZERO; block_count * self.view_count];
         self.widths = vec![Width::ZERO; block_count * self.view_count];
+        self.places_at_rebuild = order.len();
         for (place, &leaf) in order.iter().enumerate() {
             self.place_of[leaf as usize] = place as u32;
         }
@@ -225,12 +262,15 @@ impl Candidates {
     }
 
     /// Who need not be looked at last; by n to within a quarter; by what would go
-    /// to the background. Among those, neighbours stay together.
-    fn key(&mut self, sight: Sight<'_>, leaf: u32) -> u32 {
-        if !is_on(Mechanism::SortedBlocks) {
-            return 0;
-        }
+    /// to the background. Among those, neighbours stay together. For a leaf outside the blocks its place there.
+    fn key(&mut self, sight: Sight<'_>, leaf: u32) -> Result<u32, u32> {
         let background_px = sight.deltas_but_rise(leaf, &mut self.row);
+        if let Some(place) = self.place_outside(sight, leaf, background_px) {
+            return Err(place);
+        }
+        if !is_on(Mechanism::SortedBlocks) {
+            return Ok(0);
+        }
         let rise = sight.counts.background_rise(background_px);
         let deltas = self.row.iter().zip(sight.counts.areas(0));
         let n: u64 = deltas
@@ -240,7 +280,12 @@ impl Candidates {
         // The quarter is below 8.
         let quarter = (n >> (exponent - 2)) as u32;
         let by_size = u32::from(n == 0) << 6 | exponent;
-        (by_size << 3 | quarter) << 5 | background_px.min(16)
+        Ok((by_size << 3 | quarter) << 5 | background_px.min(16))
+    }
+
+    /// Whether the leaf that was just read has no effect, and waits outside the blocks.
+    fn is_without_effect(&self, background_px: u32) -> bool {
+        is_on(Mechanism::ZeroLeavesWait) && background_px == 0 && self.row.iter().all(|d| *d == 0)
     }
 
     /// Begins a step: `deviations` are those that costs are measured with.
@@ -275,9 +320,17 @@ impl Candidates {
     pub(super) fn rebuild_if_stale(&mut self, sight: Sight<'_>) {
         let has_jumped = sight.counts.background_jumps() != self.background_jumps;
         self.background_jumps = sight.counts.background_jumps();
-        let gone = self.all_at_rebuild - self.all_left;
-        if has_jumped || gone > self.all_at_rebuild / 8 + 4 * LANES && is_on(Mechanism::Rebuild) {
-            self.order.retain(|l| self.place_of[*l as usize] != NOWHERE);
+        let are_many = |changed: usize, of: usize| changed > of / 8 + 4 * LANES;
+        let has_changed = are_many(self.all_at_rebuild - self.all_left, self.all_at_rebuild)
+            || are_many(
+                self.order.len() - self.places_at_rebuild,
+                self.places_at_rebuild,
+            );
+        if has_jumped || has_changed && is_on(Mechanism::Rebuild) {
+            let order = std::mem::take(&mut self.order);
+            let is_there = |(place, leaf): &(u32, u32)| self.place_of[*leaf as usize] == *place;
+            let order = (0..).zip(order).filter(is_there).map(|(_, leaf)| leaf);
+            self.order = order.collect();
             self.build(sight);
         } else {
             // Their epoch is forgotten now.

@@ -3,11 +3,13 @@
 
 use super::super::deltas::Sight;
 use super::super::switches::{Mechanism, is_on};
+#[cfg(test)]
+use super::WAITING;
 use super::drift::{drift_now, drift_then};
 use super::epochs::Now;
 use super::excess::{Excesses, LANES};
 use super::limits::Limits;
-use super::{Candidates, Found, NOWHERE, STEADY};
+use super::{Candidates, FIRST_GROUP, Found, NOWHERE, STEADY};
 
 /// Tops that are looked at together.
 const TOPS_AT_ONCE: usize = 32;
@@ -35,10 +37,11 @@ impl Candidates {
     pub(in super::super) fn cheapest(&mut self, sight: Sight<'_>, limits: &Limits) -> Found {
         let mut best = Found::NONE;
         let mut runner_up = best;
-        self.consider_without_effect(&mut best, &mut runner_up);
+        self.cheapest_with_effect = Found::NONE;
+        self.consider_outside(sight, &mut best, &mut runner_up);
         // Mostly near the least.
         for leaf in self.seeds {
-            if is_on(Mechanism::SeedCheapest) && self.place_of[leaf as usize] != NOWHERE {
+            if is_on(Mechanism::SeedCheapest) && self.place_of[leaf as usize] < FIRST_GROUP {
                 self.consider(sight, leaf, &mut best, &mut runner_up);
             }
         }
@@ -74,7 +77,9 @@ impl Candidates {
             let (along, rank, leaf) = self.blocks[index].first;
             if leaf != 0 {
                 let cost = self.deviation_sum + along;
-                rank_in(Found { cost, rank, leaf }, best, runner_up);
+                let found = Found { cost, rank, leaf };
+                self.cheapest_with_effect = self.cheapest_with_effect.min(found);
+                rank_in(found, best, runner_up);
             }
             limit = self.least_excess(*best, limits);
             if is_on(Mechanism::ExactFirstAsBound)
@@ -115,20 +120,40 @@ impl Candidates {
         let block = &self.blocks[index];
         is_on(Mechanism::ExactFirst)
             && block.signs == self.signs
-            && block.widest * (1.0 + 1e-6) < self.least_deviation
+            && (!self.has_deviations || block.widest * (1.0 + 1e-6) < self.least_deviation)
     }
 
-    fn consider_without_effect(&self, best: &mut Found, runner_up: &mut Found) {
-        if let Some(&(rank, leaf)) = self.without_effect.first() {
-            let cost = self.deviation_sum;
-            rank_in(Found { cost, rank, leaf }, best, runner_up);
+    /// The leaves outside the blocks.
+    fn consider_outside(&mut self, sight: Sight<'_>, best: &mut Found, runner_up: &mut Found) {
+        if let Some(found) = self.first_without_effect() {
+            rank_in(found, best, runner_up);
         }
+        let mut cheapest = self.cheapest_with_effect;
+        for found in self.first_alike(sight) {
+            cheapest = cheapest.min(found);
+            rank_in(found, best, runner_up);
+        }
+        self.cheapest_with_effect = cheapest;
+    }
+
+    /// The first leaf without effect, with its cost.
+    pub(in super::super) fn first_without_effect(&self) -> Option<Found> {
+        let &(rank, leaf) = self.without_effect.first()?;
+        let cost = self.deviation_sum;
+        Some(Found { cost, rank, leaf })
+    }
+
+    /// The cheapest leaf with an effect that the last search found: of all, if no leaf without effect costs less.
+    pub(in super::super) fn cheapest_with_effect(&self) -> Found {
+        self.cheapest_with_effect
     }
 
     fn consider(&mut self, sight: Sight<'_>, leaf: u32, best: &mut Found, runner_up: &mut Found) {
         let cost = self.cost(sight, leaf);
         let rank = self.rank_of[leaf as usize];
-        rank_in(Found { cost, rank, leaf }, best, runner_up);
+        let found = Found { cost, rank, leaf };
+        self.cheapest_with_effect = self.cheapest_with_effect.min(found);
+        rank_in(found, best, runner_up);
     }
 
     fn scan_for_cheapest(
@@ -143,7 +168,9 @@ impl Candidates {
         if self.outdate_stale(index, &found, self.least_excess(*best, limits)) {
             found = self.evaluate(sight, index);
         }
-        self.consider_without_effect(best, runner_up);
+        if std::mem::take(&mut self.has_moved_out) {
+            self.consider_outside(sight, best, runner_up);
+        }
         if is_on(Mechanism::ExactFirst)
             && self.blocks[index].signs != self.signs
             && (self.signs_age >= STEADY || !is_on(Mechanism::ExactFirstWhenSteady))
@@ -181,9 +208,9 @@ impl Candidates {
         block.outdated != 0
     }
 
-    /// The least cost with its leaf, and the largest, by looking at every leaf.
+    /// The cheapest leaf, the cheapest that does not wait, and the largest cost, by looking at every leaf.
     #[cfg(test)]
-    pub(in super::super) fn exhaustively(&mut self, sight: Sight<'_>) -> (Found, i64) {
+    pub(in super::super) fn exhaustively(&mut self, sight: Sight<'_>) -> (Found, Found, i64) {
         let left =
             (1..self.place_of.len() as u32).filter(|l| self.place_of[*l as usize] != NOWHERE);
         let left: Vec<u32> = left.collect();
@@ -193,8 +220,12 @@ impl Candidates {
             leaf,
         });
         let found: Vec<Found> = found.collect();
+        let waits = |found: &&Found| self.place_of[found.leaf as usize] == WAITING;
+        let with_effect = found.iter().filter(|found| !waits(found)).min();
+        let with_effect = with_effect.copied().unwrap_or(Found::NONE);
         let largest = found.iter().map(|f| f.cost).max().unwrap_or(i64::MIN);
-        (found.into_iter().min().unwrap_or(Found::NONE), largest)
+        let cheapest = found.iter().min().copied().unwrap_or(Found::NONE);
+        (cheapest, with_effect, largest)
     }
 
     /// The largest cost of a leaf that is left; if all of them cost less than a
@@ -203,6 +234,9 @@ impl Candidates {
         let mut best = (i64::MIN, 0);
         if !self.without_effect.is_empty() {
             best.0 = self.deviation_sum;
+        }
+        for found in self.first_alike(sight) {
+            best = best.max((found.cost, found.leaf));
         }
         // Mostly the same leaf as in the step before.
         if is_on(Mechanism::SeedDearest) && self.place_of[self.last_largest as usize] != NOWHERE {
@@ -234,10 +268,12 @@ impl Candidates {
         if best.1 != 0 {
             self.last_largest = best.1;
         }
+        // Some may have been found out only now.
+        let alike = self.first_alike(sight).map(|found| found.cost).max();
+        let largest = best.0.max(alike.unwrap_or(i64::MIN));
         match self.without_effect.is_empty() {
-            // Some of them may have been found out only now.
-            false => best.0.max(self.deviation_sum),
-            true => best.0,
+            false => largest.max(self.deviation_sum),
+            true => largest,
         }
     }
 
