@@ -27,7 +27,7 @@ pub use compare::{JudgedStand, StandDifference};
 const SAMPLES: u32 = 4;
 
 /// Rows of pixels in a strip: what is held of samples at a time.
-const STRIP_ROWS: u32 = 64;
+const STRIP_ROWS: u32 = 192;
 
 /// A camera whose picture may be wider than high.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,6 +135,24 @@ impl StandCamera {
         ViewAxes::looking(self.forward, self.up)
     }
 
+    /// This camera in a plant's own space, where that is turned about the y axis alone: it sees the same there, the sun
+    /// too, and no vertex has to be moved.
+    fn in_space_of(&self, world_from_own: DMat4) -> Option<Self> {
+        let (scale, rotation, _) = world_from_own.to_scale_rotation_translation();
+        let is_even = scale.x > 0.0 && scale.abs_diff_eq(DVec3::splat(scale.x), 1e-9 * scale.x);
+        let stands = (rotation * DVec3::Y).abs_diff_eq(DVec3::Y, 1e-9);
+        let again = DMat4::from_scale_rotation_translation(scale, rotation, DVec3::ZERO);
+        let is_plain =
+            DMat3::from_mat4(again).abs_diff_eq(DMat3::from_mat4(world_from_own), 1e-9 * scale.x);
+        (is_even && stands && is_plain).then(|| Self {
+            eye: world_from_own.inverse().transform_point3(self.eye),
+            forward: rotation.inverse() * self.forward,
+            up: rotation.inverse() * self.up,
+            near: self.near / scale.x,
+            ..*self
+        })
+    }
+
     /// Width and height of its picture in pixels.
     pub fn size(&self, height_px: u32) -> [u32; 2] {
         let width = (f64::from(height_px) * self.aspect)
@@ -205,6 +223,36 @@ impl StandPicture {
     }
 }
 
+/// The order in which pixels of a square of 4 x 4 go over to the next level.
+const DITHER: [[u32; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
+
+impl StandPicture {
+    /// This picture with a share, 0 to 1, of its pixels those of another by the same camera: a dithered cross-fade, as
+    /// clients have it.
+    ///
+    /// # Panics
+    /// If the pictures are of other sizes.
+    pub fn dithered(&self, next: &Self, share: f64) -> Self {
+        assert_eq!(
+            self.image.dimensions(),
+            next.image.dimensions(),
+            "one camera"
+        );
+        let mut mixed = self.clone();
+        let width = self.image.width();
+        for (x, y, pixel) in mixed.image.enumerate_pixels_mut() {
+            let rank = DITHER[(y % 4) as usize][(x % 4) as usize];
+            if (f64::from(rank) + 0.5) / 16.0 < share {
+                let k = (y * width + x) as usize;
+                *pixel = *next.image.get_pixel(x, y);
+                mixed.shown[k] = next.shown[k];
+                mixed.coverage[k] = next.coverage[k];
+            }
+        }
+        mixed
+    }
+}
+
 /// Places by the distance of their middles: of what is hidden little is then drawn.
 fn nearest_first(places: &[StandPlace<'_>], camera: &StandCamera) -> Vec<u32> {
     let distance = |place: &StandPlace<'_>| {
@@ -269,13 +317,21 @@ impl<'a> Strip<'a> {
         if is_hidden {
             return;
         }
-        let lens = self.camera.lens(
-            self.height_px,
-            [left, top + self.first_row],
-            [right - left, bottom - top],
-        );
+        let corner = [left, top + self.first_row];
+        let size = [right - left, bottom - top];
+        let draw = |camera: &StandCamera, surfaces: &[Surface]| {
+            let lens = camera.lens(self.height_px, corner, size);
+            let alpha = AlphaFrom::masks(masks);
+            (visibility(surfaces, &lens, Culling::Material, alpha), lens)
+        };
+        if let Some(camera) = self.camera.in_space_of(place.world_from_own) {
+            let (seen, lens) = draw(&camera, &place.kind.surfaces);
+            let lighting = Lighting::new::<Surface>(&[], camera.axes(), false);
+            let surfaces = &place.kind.surfaces;
+            return self.shade(number, [left, top], surfaces, &seen, (&lens, &lighting));
+        }
         let surfaces = place.kind.placed(place.world_from_own);
-        let seen = visibility(&surfaces, &lens, Culling::Material, AlphaFrom::masks(masks));
+        let (seen, lens) = draw(self.camera, &surfaces);
         self.shade(number, [left, top], &surfaces, &seen, (&lens, lighting));
     }
 
@@ -402,5 +458,112 @@ impl<'a> Strip<'a> {
             pixels.coverage.push(covered as f32 / all);
         }
         pixels
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DQuat;
+    use secateur_model::{AlphaMode, Finish, Material};
+
+    use super::*;
+
+    /// A square of side 2 about the origin, across z, seen from both sides.
+    fn square() -> StandKind {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let material = Material {
+            name: String::new(),
+            base_color: [0.2, 0.4, 0.1, 1.0],
+            texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: true,
+            finish: Finish::default(),
+        };
+        StandKind::new(vec![Surface {
+            positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).into(),
+            normals: vec![Vec3::Z; 4],
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material: Arc::new(material),
+        }])
+    }
+
+    /// From (0, 0, 4), 90 degrees high and twice as wide.
+    fn camera() -> StandCamera {
+        StandCamera {
+            eye: DVec3::Z * 4.0,
+            forward: DVec3::NEG_Z,
+            up: DVec3::Y,
+            tan_half_fov_y: 1.0,
+            aspect: 2.0,
+            near: 0.01,
+        }
+    }
+
+    fn at(kind: &StandKind, world_from_own: DMat4) -> StandPlace<'_> {
+        StandPlace {
+            kind,
+            world_from_own,
+        }
+    }
+
+    /// 400 pixels show 8 m at that distance: a square of 2 m is 100 x 100 of them, one twice as far off a quarter. It
+    /// stands behind and to the left; the third is hidden by the first, the fourth stands behind the camera.
+    #[test]
+    fn what_is_seen_of_each_place_is_counted() {
+        let kind = square();
+        let at = |x: f64, z: f64| at(&kind, DMat4::from_translation(DVec3::new(x, 0.0, z)));
+        let places = [at(0.0, 0.0), at(-5.0, -4.0), at(0.0, -4.0), at(0.0, 9.0)];
+        let picture = StandPicture::of(&places, &camera(), 400);
+        assert_eq!(picture.image.dimensions(), (800, 400));
+        assert_eq!(picture.seen_px, [10_000.0, 2_500.0, 0.0, 0.0]);
+        let judge = JudgedStand::new(picture);
+        assert_eq!(judge.difference(&judge.picture).flip_mean, 0.0);
+        // Without the second its own pixels differ, and those alone.
+        let nothing = StandKind::new(Vec::new());
+        let second = StandPlace {
+            kind: &nothing,
+            ..places[1]
+        };
+        let without = [places[0], second, places[2], places[3]];
+        let found = judge.difference(&StandPicture::of(&without, &camera(), 400));
+        assert!(
+            found.flip_px[1] > 250.0 && found.flip_px[0] < 1.0,
+            "{found:?}"
+        );
+        assert!(found.flip_mean > 0.0 && found.difference > 0.1);
+    }
+
+    /// A plant that is turned about y is drawn in its own space, one that leans in the world's: the same picture as that
+    /// of its vertices moved there.
+    #[test]
+    fn a_place_is_drawn_as_its_moved_vertices() {
+        let kind = square();
+        let lean = DQuat::from_rotation_x(0.5);
+        for rotation in [DQuat::from_rotation_y(0.7), lean] {
+            let scale = DVec3::splat(1.5);
+            let place = DMat4::from_scale_rotation_translation(scale, rotation, DVec3::X);
+            let moved = StandKind::new(kind.placed(place));
+            let [one, other] = [at(&kind, place), at(&moved, DMat4::IDENTITY)]
+                .map(|place| StandPicture::of(&[place], &camera(), 100));
+            assert_eq!(one.seen_px, other.seen_px);
+            let pairs = one.image.iter().zip(other.image.iter());
+            assert!(pairs.into_iter().all(|(a, b)| a.abs_diff(*b) <= 1));
+        }
+    }
+
+    #[test]
+    fn a_dithered_picture_has_a_share_of_the_next() {
+        let kind = square();
+        let shown = [at(&kind, DMat4::IDENTITY)];
+        let [full, empty] = [&shown[..], &[]].map(|places| StandPicture::of(places, &camera(), 64));
+        let covered = |picture: &StandPicture| picture.coverage.iter().sum::<f32>();
+        assert_eq!(covered(&full.dithered(&empty, 0.25)), 0.75 * covered(&full));
+        assert_eq!(full.dithered(&empty, 1.0).image, empty.image);
+        assert_eq!(full.dithered(&empty, 0.0).image, full.image);
     }
 }

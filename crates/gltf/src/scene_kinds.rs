@@ -1,7 +1,7 @@
 //! The kinds of things in a scene, and where each stands.
 //!
-//! A thing is a node with a mesh, with all that hangs on it, or a node of several meshes whose like occurs more than
-//! once. Things are of one kind where they are the same but for their own transform: the same meshes, at the same
+//! A thing is a node with a mesh, with all that hangs on it; or a node of several meshes, where its like occurs more than
+//! once or its children are meshes without a place of their own. Things are of one kind where they are the same but for their own transform: the same meshes, at the same
 //! places below. Each instance of EXT_mesh_gpu_instancing is a thing.
 
 use std::collections::{HashMap, HashSet};
@@ -71,7 +71,8 @@ impl Document {
             }
             let json = property::entry(&self.root, "nodes", node.index)?;
             let (likeness, has_mesh) = likenesses[&node.index];
-            let is_thing = json.get("mesh").is_some() || has_mesh && times[&likeness] > 1;
+            let is_one = times[&likeness] > 1 || self.is_of_parts(json);
+            let is_thing = json.get("mesh").is_some() || has_mesh && is_one;
             if !is_thing {
                 continue;
             }
@@ -138,6 +139,23 @@ impl Document {
             found.insert(node.index, (likeness, has_mesh));
         }
         Ok(found)
+    }
+
+    /// Whether all children of a node are meshes that stand where it does.
+    fn is_of_parts(&self, node: &Value) -> bool {
+        let children = node.get("children").and_then(Value::as_array);
+        let is_part = |child: &Value| {
+            let child = child
+                .as_u64()
+                .and_then(|k| self.root["nodes"].get(k as usize));
+            child.is_some_and(|child| {
+                let has_place = OF_PLACE
+                    .iter()
+                    .any(|key| *key != "name" && child.get(*key).is_some());
+                child.get("mesh").is_some() && !has_place && child.pointer(INSTANCING).is_none()
+            })
+        };
+        children.is_some_and(|all| all.iter().all(is_part))
     }
 
     fn kind_name(&self, node: usize) -> String {
@@ -233,6 +251,14 @@ mod tests {
             json!([0, 3]),
         );
         assert_eq!(found, [("oak".to_owned(), 2), ("rock".to_owned(), 1)]);
+    }
+
+    #[test]
+    fn meshes_in_one_place_are_one_thing() {
+        let part = json!({ "mesh": 0 });
+        let tree = json!({ "name": "tree", "children": [1, 2] });
+        let found = kinds(json!([tree, part, { "mesh": 1 }]), json!([0]));
+        assert_eq!(found, [("tree".to_owned(), 1)]);
     }
 
     /// A trunk and a crown below one node: two such nodes are two of a kind, a third whose crown sits higher is another.

@@ -14,6 +14,7 @@ use secateur_levels::chain::ChainOptions as LevelsOptions;
 use crate::Plant;
 
 pub use kinds::{KindLevel, KindLevels};
+pub use read::drawn;
 pub use rounds::{CameraFigures, StandLevels};
 pub use written::StandFigures;
 

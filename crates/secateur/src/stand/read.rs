@@ -255,7 +255,10 @@ impl PlantKind {
 }
 
 /// What is drawn of a file.
-pub(super) fn drawn(document: &Document) -> Result<StandKind, GltfError> {
+///
+/// # Errors
+/// [`GltfError`] if it can't be read.
+pub fn drawn(document: &Document) -> Result<StandKind, GltfError> {
     let drawn = document.drawn_scene(Detail::Color)?.into_iter();
     Ok(StandKind::new(drawn.map(|drawn| drawn.surface).collect()))
 }

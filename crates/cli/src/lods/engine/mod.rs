@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use secateur::Levels;
 use secateur_gltf::chain::Layout;
+use secateur_levels::chain::BlendBand;
 
 /// The engine that levels are for: it chooses the layout, and what is written beside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
@@ -36,8 +37,8 @@ pub(super) struct EngineLevel {
     node: String,
     /// From how far off it is used, in metres.
     begin_m: f64,
-    /// From how far off the next one is.
-    end_m: Option<f64>,
+    /// Where it blends into the next one; none for the last.
+    blend: Option<BlendBand>,
     /// The least share of the screen's height at which it is drawn.
     coverage: f64,
 }
@@ -50,9 +51,6 @@ pub(super) struct EngineLevels {
     diameter_over_extent: f64,
     field_of_view_degrees: f64,
 }
-
-/// How wide the band is in which a level fades into the next, as a share of their distance.
-const FADE: f64 = 0.1;
 
 impl EngineName {
     /// How levels lie in files.
@@ -106,7 +104,7 @@ impl EngineLevels {
         let of = |k: usize| EngineLevel {
             node: levels.node(k),
             begin_m: reports[k].distance,
-            end_m: reports.get(k + 1).map(|next| next.distance),
+            blend: reports[k].blend,
             coverage: reports[k].screen_coverage,
         };
         Self {
