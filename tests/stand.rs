@@ -4,6 +4,7 @@ use secateur::{Detail, Document};
 use serde_json::{Value, json};
 
 use crate::program::{Bench, oak};
+use crate::schema::checked;
 
 /// 60 plants of two kinds in ten rows that go away from the camera, and a wall that hides the last rows.
 fn list() -> Value {
@@ -82,6 +83,7 @@ fn a_stand_is_as_light_as_its_cameras_let_it_be() {
     let stand = ["stand", "scene.json", "-o", "out", "--max-flip", "0.02"];
     bench.run(&[&stand[..], &FAST].concat()).succeeded();
     let record = bench.json("out/stand.json");
+    checked(&bench, "stand", &record);
     let number = |of: &str| record.pointer(of).and_then(Value::as_f64).unwrap();
     assert_eq!(number("/before/plants"), 60.0);
     // What the wall hides from both cameras is not there: five rows.
