@@ -21,7 +21,11 @@ fn far_options() -> ChainOptions {
 }
 
 fn impostors(options: &ChainOptions) -> Vec<ChainLevel> {
-    let tree = grown(Species::Oak, 120);
+    impostors_of(120, options)
+}
+
+fn impostors_of(leaves: u32, options: &ChainOptions) -> Vec<ChainLevel> {
+    let tree = grown(Species::Oak, leaves);
     let made = chain(&tree, options, &OpenEngine::cpu(), &mut go_on).unwrap();
     let is_impostor = |level: &ChainLevel| level.kind == LevelKind::Impostor;
     made.levels.into_iter().filter(is_impostor).collect()
@@ -43,6 +47,24 @@ fn cards_stand_for_a_plant_of_few_pixels() {
     }
     let bytes: u64 = made.iter().map(|level| level.texture_bytes).sum();
     assert!(bytes > 0 && bytes <= 1 << 20, "{bytes}");
+}
+
+/// Leaves hide that cards are torn: without them people tell it at a difference that would do for a mesh.
+#[test]
+fn cards_of_a_plant_without_leaves_to_speak_of_look_nearer() {
+    let options = ChainOptions {
+        max_difference: 0.45,
+        ..far_options()
+    };
+    let farthest = |leaves| {
+        let made = impostors_of(leaves, &options);
+        let differences = made.iter().map(|level| level.difference.difference);
+        differences.fold(0.0, f64::max)
+    };
+    let for_surfaces = options.max_difference * 0.18 / 0.28;
+    let [of_many, of_few] = [120, 40].map(farthest);
+    assert!(of_many > for_surfaces, "{of_many}");
+    assert!(of_few <= for_surfaces, "{of_few}");
 }
 
 /// Without mip maps the leaves of this rowan's own texture are near enough, of which clients show a tenth.

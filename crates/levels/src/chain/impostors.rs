@@ -193,7 +193,7 @@ impl Maker<'_> {
         let of_planes = difference.difference;
         let triangles = impostor.surface.triangles.len();
         let is_lighter = self.cost_of_impostor(&impostor) < self.cost_beside(mesh);
-        let is_near = difference.over(self.look.limits) <= 1.0;
+        let is_near = difference.over(self.look.limits_of_impostors) <= 1.0;
         let mut same_cost = None;
         if triangles < mesh_triangles
             && (is_near && is_lighter || choice != Choice::Auto)
@@ -251,7 +251,7 @@ impl Maker<'_> {
         let original = &self.look.original.surfaces;
         let fewest = Impostor::crossed(original, Planes::ALL[0], self.look.of_height(height))?;
         let found = seen.at_a_glance(&fewest);
-        (found.over(self.look.limits) > HOPELESS).then_some(found.difference)
+        (found.over(self.look.limits_of_impostors) > HOPELESS).then_some(found.difference)
     }
 
     /// The triangles of a mesh, or of the plant itself where no mesh stands.
@@ -273,7 +273,8 @@ impl Maker<'_> {
 
     /// What cards and planes are held against where the screen shows the plant at this height.
     pub(super) fn seen(&self, height: f64) -> Seen<'_> {
-        Seen::new(self.look.judge_of_impostors(), height, self.look.limits)
+        let limits = self.look.limits_of_impostors;
+        Seen::new(self.look.judge_of_impostors(), height, limits)
     }
 
     /// An impostor as a level of the chain, seen over a range of heights.

@@ -8,7 +8,7 @@ use super::impostors::PlacedImpostor;
 use super::ladder::{Ladder, step_of_share};
 use super::maker::{Made, Maker};
 use super::options::{HEIGHTS_PX, LEAST_PX, Wanted};
-use super::placed::{Place, Placed};
+use super::placed::{LEAST_SHOWN, Place, Placed};
 use super::textures::{Client, end_of};
 use crate::impostor::Choice;
 
@@ -126,7 +126,8 @@ fn placed_below(
 }
 
 /// For each place the fewest triangles within the limits, but for places that would save too little, and for the
-/// last where an impostor stands there whatever a mesh would look like; and the cards that stand from the first place on
+/// last where an impostor stands there whatever a mesh would look like. Where the leaves of the level before fade in
+/// clients, one that saves less stands, too. And the cards that stand from the first place on
 /// that is far and at which some do.
 pub(super) fn lightest(
     maker: &Maker<'_>,
@@ -167,6 +168,12 @@ pub(super) fn lightest(
         }
         let end_px = end_of(height, heights.get(place + 1).copied());
         let before = found.last();
+        let before_fades = before
+            .is_some_and(|(.., before)| maker.shown_down_to(before, end_px, client) < LEAST_SHOWN);
+        let most_of_before = match before_fades {
+            true => 1.0,
+            false => most_of_before,
+        };
         let first = step_of_share(most_of_before, before.map_or(0, |(step, ..)| *step));
         let start = (first, before.is_none());
         let at = [&[height], &serves[place][..]].concat();

@@ -34,6 +34,23 @@ const VIEW_STEP: usize = 8;
 /// Every how many of these its leaves are judged from: three.
 const LEAF_VIEW_STEP: usize = 2;
 
+/// A plant of fewer leaves, or none, is looked at as surfaces, not as a texture of leaves.
+const FEW_LEAVES: usize = 50;
+
+/// What of the limits cards may use where a plant is surfaces: torn ones are told at once. With the default this is
+/// the difference that cannot be told, .18.
+const SHARE_FOR_SURFACES: f64 = 0.18 / 0.28;
+
+fn limits_of_impostors(limits: Limits, leaf_count: usize) -> Limits {
+    match leaf_count < FEW_LEAVES {
+        true => Limits {
+            difference: SHARE_FOR_SURFACES * limits.difference,
+            block_coverage: SHARE_FOR_SURFACES * limits.block_coverage,
+        },
+        false => limits,
+    }
+}
+
 /// What a level looks like, and how far that is from the original.
 #[derive(Clone)]
 pub(super) struct Drawn {
@@ -64,6 +81,8 @@ pub(super) struct Look {
     search_px: f64,
     /// How much levels may differ.
     pub(super) limits: Limits,
+    /// How much cards and planes may.
+    pub(super) limits_of_impostors: Limits,
     /// For FLIP over a frame and what clients draw: one set of some of the held-out views, or of the cameras of a
     /// scene, each as narrow as holds the plant.
     pub(super) views: [ViewSet; 1],
@@ -130,6 +149,7 @@ impl Look {
             is_wood,
             search_px: options.leaves.effort.work().search_px,
             limits: options.limits(),
+            limits_of_impostors: limits_of_impostors(options.limits(), leaves.leaves().len()),
             original,
             views: [ViewSet::new(cameras.clone().unwrap_or(views))],
             cameras,

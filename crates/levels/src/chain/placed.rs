@@ -1,6 +1,6 @@
 //! A level where it stands in a chain: with its textures, and judged as it is put down.
 
-use secateur_eval::Difference;
+use secateur_eval::{Difference, Shown};
 use secateur_model::Surface;
 use secateur_simplify::{Observer, Progress};
 
@@ -57,7 +57,11 @@ impl Place {
 
 /// Where clients show less than this share of what there is, textures of the plant are no way out: `ez_bush2` 16 pixels
 /// high would be there by a judge without mip maps, and .09 of it in clients.
-const LEAST_SHOWN: f64 = 0.5;
+pub(super) const LEAST_SHOWN: f64 = 0.5;
+
+/// Texels along a pixel that are tried, without mip maps, where those of about a pixel look too coarse and the plant's
+/// own fade.
+const TEXELS_A_PIXEL: [f64; 2] = [2.0, 4.0];
 
 /// A level with the textures that it has at a place.
 struct Dressed {
@@ -100,11 +104,22 @@ impl Maker<'_> {
         let mut surfaces = retextured(level, &chosen.textures);
         if !chosen.keeps_textures {
             let kept = self.look.over_in_search(&made.drawn, range[0]);
-            let own = self.look.over_of_surfaces(&surfaces, range[0]);
-            if own > kept.max(place.goal) {
+            let most = kept.max(place.goal);
+            let is_beyond =
+                |surfaces: &[Surface]| self.look.over_of_surfaces(surfaces, range[0]) > most;
+            if is_beyond(&surfaces) {
                 let as_it_was = client.kept(level, range);
-                let shown = as_it_was.as_drawn.begin.coverage_over_truth;
-                if place.is_first || shown >= LEAST_SHOWN {
+                let fades = |shown: &Shown| shown.coverage_over_truth < LEAST_SHOWN;
+                let finer = TEXELS_A_PIXEL
+                    .iter()
+                    .filter(|_| fades(&as_it_was.as_drawn.end));
+                let own = finer
+                    .filter_map(|texels| client.fitted_without_mips(level, range, *texels))
+                    .map(|own| (retextured(level, &own.textures), own))
+                    .find(|(own, _)| !is_beyond(own));
+                if let Some((own_surfaces, own)) = own {
+                    (surfaces, chosen) = (own_surfaces, own);
+                } else if place.is_first || !fades(&as_it_was.as_drawn.begin) {
                     chosen = as_it_was;
                     surfaces = retextured(level, &chosen.textures);
                 }
@@ -115,6 +130,15 @@ impl Maker<'_> {
             chosen,
             surfaces,
         })
+    }
+
+    /// The share of what there is that a client shows of a level where it ends, if it ends at this height in pixels.
+    pub(super) fn shown_down_to(&self, placed: &Placed, end: f64, client: &Client<'_>) -> f64 {
+        let surfaces = retextured(&placed.made.drawn.level, &placed.chosen.textures);
+        let as_drawn = self.look.clock.time(ChainStage::Textures, || {
+            client.as_drawn(&surfaces, [placed.begins(), end])
+        });
+        as_drawn.end.coverage_over_truth
     }
 
     /// A level for a range that ends elsewhere, if it is within the limits there too.

@@ -169,14 +169,7 @@ impl<'a> Client<'a> {
         wanted: Textures,
         is_first: bool,
     ) -> Chosen {
-        let of = |textures: Vec<LevelTexture>| {
-            let surfaces = retextured(level, &textures);
-            Chosen {
-                as_drawn: self.as_drawn(&surfaces, range),
-                textures,
-                keeps_textures: false,
-            }
-        };
+        let of = |textures| self.with_textures(level, textures, range);
         // Colours of clear texels change nothing of what is covered.
         let kept = |textures| Chosen {
             as_drawn: self.as_drawn(&level.surfaces, range),
@@ -228,6 +221,33 @@ impl<'a> Client<'a> {
         kept.filter(is_better)
             .or(best)
             .expect("a first level was looked at as it is")
+    }
+
+    fn with_textures(
+        &self,
+        level: &LevelSurfaces,
+        textures: Vec<LevelTexture>,
+        range: [f64; 2],
+    ) -> Chosen {
+        let surfaces = retextured(level, &textures);
+        Chosen {
+            as_drawn: self.as_drawn(&surfaces, range),
+            textures,
+            keeps_textures: false,
+        }
+    }
+
+    /// A level with textures of so many texels along a pixel where it begins, which show what they show there at any
+    /// distance; none where it has none to make.
+    pub(super) fn fitted_without_mips(
+        &self,
+        level: &LevelSurfaces,
+        range: [f64; 2],
+        texels_a_pixel: f64,
+    ) -> Option<Chosen> {
+        let fits = FittedTextures::of(level, texels_a_pixel * range[0] / self.plant_height);
+        let of = |textures| self.with_textures(level, textures, range);
+        with_least_error(&fits, Mips::None, Outline::Exact, of)
     }
 
     /// A level with the textures of the tree, but for the colours of clear texels.
