@@ -20,20 +20,34 @@ import tempfile
 SPACING = 6.0
 JITTER = 0.45
 
+# How high the plants are in metres, in the order of their names.
+HEIGHTS_M = [2, 12, 6, 10, 14]
+
+def height(file):
+    """The height of a plant in the units of its file."""
+    data = file.read_bytes()
+    root = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    primitives = [primitive for mesh in root["meshes"] for primitive in mesh["primitives"]]
+    bounds = [root["accessors"][primitive["attributes"]["POSITION"]] for primitive in primitives]
+    return max(box["max"][1] for box in bounds) - min(box["min"][1] for box in bounds)
+
+
 def stand(folder, count):
     chance = random.Random(7)
     files = sorted(folder.glob("*.glb"))[:5]
     side = round(count**0.5 + 0.4999)
     plants = [{"file": str(file.resolve()), "places": []} for file in files]
+    units = [metres / height(file) for file, metres in zip(files, HEIGHTS_M)]
     for k in range(count):
         x, z = k % side, k // side
         off = [chance.uniform(-JITTER, JITTER) for _ in range(2)]
+        kind = chance.randrange(len(plants))
         place = {
             "position": [SPACING * (x + off[0] - side / 2), 0, SPACING * (z + off[1] - side / 2)],
             "turn_degrees": chance.uniform(0, 360),
-            "scale": chance.uniform(0.8, 1.25),
+            "scale": units[kind] * chance.uniform(0.8, 1.25),
         }
-        plants[chance.randrange(len(plants))]["places"].append(place)
+        plants[kind]["places"].append(place)
     half = SPACING * side / 2
     cameras = {
         "at the edge": [[0, 2, half + 12], [0, 4, 0]],

@@ -5,10 +5,13 @@ use secateur_levels::stand::{
     LevelThere, cheapest_within_error, error_a_pixel, nearest_within_cost,
 };
 
-use super::{KindLevels, PlantPlace};
+use super::{KindLevels, PlantPlace, StandOptions};
 
 /// How far one picture may set a place's errors right: further off, it is chance.
 const SET_RIGHT: [f64; 2] = [0.25, 4.0];
+
+/// A difference is about so many times the mean FLIP over plants.
+const OF_MEAN: f64 = 1.75;
 
 /// A place that cameras see.
 #[derive(Clone, Debug)]
@@ -52,7 +55,37 @@ impl SeenPlace {
     }
 }
 
+impl StandOptions {
+    /// Whether pictures have a limit.
+    pub(super) fn has_limit(&self) -> bool {
+        self.max_difference.is_some() || self.max_flip.is_some()
+    }
+}
+
 impl Choice<'_> {
+    /// What is sought before any picture is drawn.
+    pub(super) fn first_sought(&self, options: &StandOptions) -> Sought {
+        let seen = self.seen.iter().flat_map(|place| &place.seen);
+        let covered: f64 = seen.map(|(px, _)| px).sum();
+        let of_difference = options.max_difference;
+        let of_difference = of_difference.map(|most| most / OF_MEAN * covered / self.all_px);
+        let limits = options.max_flip.into_iter().chain(of_difference);
+        match (limits.reduce(f64::min), options.triangles) {
+            (Some(most), _) => Sought::WithinError(most),
+            (None, Some(triangles)) => Sought::WithinTriangles(triangles),
+            (None, None) => Sought::WithinError(0.0),
+        }
+    }
+
+    /// Triangles of all plants of a choice.
+    pub(super) fn triangles(&self, chosen: &[usize]) -> u64 {
+        let level = |(seen, level): (&SeenPlace, &usize)| {
+            let kind = self.places[seen.place].kind;
+            self.kinds[kind].levels[*level].parts.triangles
+        };
+        self.seen.iter().zip(chosen).map(level).sum()
+    }
+
     /// The mean error that a level of a place is taken to add to the pictures.
     fn error(&self, seen: &SeenPlace, level: usize) -> f64 {
         let kind = self.places[seen.place].kind;

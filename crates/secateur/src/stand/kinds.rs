@@ -1,6 +1,6 @@
 //! The levels of each kind, for the heights at which its plants are seen.
 
-use secateur_eval::StandKind;
+use secateur_eval::{Difference, StandKind};
 use secateur_gltf::Document;
 use secateur_gltf::chain::Layout;
 use secateur_levels::chain::{LevelKind, LevelParts, LevelReport, Wanted};
@@ -12,6 +12,14 @@ use crate::{Error, Session};
 
 /// The most heights that a kind has levels for: with the plant itself as many as a chain may have.
 const MOST_HEIGHTS: usize = 7;
+
+/// The difference that levels may have alone at the height that they are made for: whether it is seen, pictures of the
+/// stand say. Coarser ones are other plants.
+const MOST_DIFFERENCE: f64 = Difference::ANOTHER_PLANT;
+
+/// The first level is made for so many times the largest height: so there are finer ones than that difference for the
+/// nearest plants too.
+const FIRST: f64 = 2.0;
 
 /// The least height that a level is made for, in pixels.
 const LEAST_PX: f64 = 8.0;
@@ -72,6 +80,7 @@ impl PlantKind {
         let mut of_kind = options.levels.clone();
         of_kind.wanted = Wanted::Heights(heights(largest_px, least_px, of_kind.screen.height_px));
         of_kind.original = true;
+        of_kind.max_difference = MOST_DIFFERENCE;
         let levels = self.plant.levels_on(session, &of_kind, observer)?;
         let levels = levels.named(self.name.clone());
         let written = levels.to_bytes(Layout::Files)?;
@@ -108,9 +117,9 @@ impl PlantKind {
     }
 }
 
-/// From the largest height on each half of the one before, to the least one.
+/// From twice the largest height on each half of the one before, to the least one.
 fn heights(largest_px: f64, least_px: f64, screen_px: f64) -> Vec<f64> {
-    let first = largest_px.clamp(LEAST_PX, screen_px.max(LEAST_PX));
+    let first = (FIRST * largest_px).clamp(LEAST_PX, screen_px.max(LEAST_PX));
     let halves = (0..MOST_HEIGHTS as i32).map(|k| first / 2f64.powi(k));
     let least = least_px.max(LEAST_PX);
     let mut heights: Vec<f64> = halves.take_while(|px| *px > least).collect();
@@ -127,7 +136,7 @@ mod tests {
 
     #[test]
     fn heights_go_from_the_largest_plant_to_the_smallest() {
-        assert_eq!(heights(100.0, 30.0, 1080.0), [100.0, 50.0, 30.0]);
+        assert_eq!(heights(100.0, 30.0, 1080.0), [200.0, 100.0, 50.0, 30.0]);
         assert_eq!(heights(f64::INFINITY, 900.0, 1080.0), [1080.0, 900.0]);
         assert_eq!(heights(2.0, 1.0, 1080.0), [8.0]);
         assert_eq!(heights(1000.0, 1.0, 1080.0).len(), 7);

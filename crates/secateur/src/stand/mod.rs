@@ -2,6 +2,7 @@
 
 mod choice;
 mod kinds;
+mod pictures;
 mod read;
 mod rounds;
 mod written;

@@ -1,8 +1,6 @@
 //! The levels of a stand: chosen, drawn, set right by what the pictures show, and chosen again.
 
-use secateur_eval::{
-    JudgedStand, StandCamera, StandDifference, StandKind, StandPicture, StandPlace,
-};
+use secateur_eval::{JudgedStand, StandDifference, StandKind, StandPicture};
 use secateur_levels::chain::BadOptions;
 use secateur_simplify::Observer;
 
@@ -60,6 +58,16 @@ struct Drawn {
     /// How many times the limits the worst picture is; by its FLIP where there are none.
     over: f64,
     cost: f64,
+}
+
+impl Drawn {
+    /// The cheaper one of two within the limits, else the one that is nearer to the plants.
+    fn is_better_than(&self, other: &Self, has_limit: bool) -> bool {
+        match (self.over <= 1.0, other.over <= 1.0) {
+            (true, true) if has_limit => self.cost < other.cost,
+            _ => self.over < other.over,
+        }
+    }
 }
 
 impl Stand {
@@ -161,46 +169,21 @@ impl Stand {
         (truths, height_px): (&[JudgedStand], u32),
         notes: &mut Vec<String>,
     ) -> Result<Drawn, Error> {
-        let has_limit = options.max_difference.is_some() || options.max_flip.is_some();
-        let covered: f64 = choice
-            .seen
-            .iter()
-            .flat_map(|s| &s.seen)
-            .map(|(px, _)| px)
-            .sum();
-        let of_difference = options
-            .max_difference
-            .map(|most| most / 1.75 * covered / choice.all_px);
-        let first = options
-            .max_flip
-            .into_iter()
-            .chain(of_difference)
-            .fold(f64::INFINITY, f64::min);
-        let mut sought = match (has_limit, options.triangles) {
-            (false, Some(triangles)) => Sought::WithinTriangles(triangles),
-            (false, None) => Sought::WithinError(0.0),
-            (true, _) => Sought::WithinError(first),
-        };
+        let has_limit = options.has_limit();
+        let mut sought = choice.first_sought(options);
+        let mut is_too_dear = false;
         let mut best: Option<Drawn> = None;
         for _ in 0..ROUNDS {
             if let Some(most) = options.gpu_bytes {
                 choice.fit_gpu_bytes(most, sought);
             }
             let mut chosen = choice.levels(sought);
-            let triangles = |chosen: &[usize]| -> u64 {
-                let level = |(seen, k): (&SeenPlace, &usize)| {
-                    choice.kinds[self.places[seen.place].kind].levels[*k]
-                        .parts
-                        .triangles
-                };
-                choice.seen.iter().zip(chosen).map(level).sum()
-            };
-            if let Some(most) = options.triangles.filter(|most| triangles(&chosen) > *most) {
+            if let Some(most) = options
+                .triangles
+                .filter(|most| choice.triangles(&chosen) > *most)
+            {
                 chosen = choice.levels(Sought::WithinTriangles(most));
-                if triangles(&chosen) > most {
-                    let least = triangles(&chosen);
-                    notes.push(format!("the lightest levels of all plants have {least} triangles, more than the {most} asked for"));
-                }
+                is_too_dear = choice.triangles(&chosen) > most;
             }
             if best.as_ref().is_some_and(|best| best.chosen == chosen) {
                 break;
@@ -208,18 +191,15 @@ impl Stand {
             let drawn = self.drawn(choice, chosen, options, (truths, height_px))?;
             let flip_px = flip_px(&drawn.differences);
             choice.set_right(&drawn.chosen, &flip_px);
-            if let (Sought::WithinError(_), true) = (sought, drawn.over > 0.0) {
+            if has_limit && drawn.over > 0.0 {
                 sought =
                     Sought::WithinError(AIMED_BELOW * choice.error_of(&drawn.chosen) / drawn.over);
             }
             let is_done = (NEAR_ENOUGH..=1.0).contains(&drawn.over) && has_limit;
-            let is_better =
-                best.as_ref()
-                    .is_none_or(|best| match (drawn.over <= 1.0, best.over <= 1.0) {
-                        (true, true) if has_limit => drawn.cost < best.cost,
-                        _ => drawn.over < best.over,
-                    });
-            if is_better {
+            if best
+                .as_ref()
+                .is_none_or(|best| drawn.is_better_than(best, has_limit))
+            {
                 best = Some(drawn);
             }
             if is_done {
@@ -227,6 +207,12 @@ impl Stand {
             }
         }
         let best = best.expect("at least one round");
+        if is_too_dear {
+            notes.push(
+                "the lightest levels of all plants have more triangles than were asked for"
+                    .to_owned(),
+            );
+        }
         if !has_limit || best.over <= 1.0 {
             return Ok(best);
         }
@@ -287,74 +273,6 @@ impl Stand {
             pictures,
             differences,
         })
-    }
-
-    /// What a camera sees of the stand, with each place as this kind, or without it.
-    fn picture(
-        &self,
-        kinds: &[Option<&StandKind>],
-        camera: &StandCamera,
-        height_px: u32,
-    ) -> StandPicture {
-        let nothing = StandKind::new(Vec::new());
-        let mut all = Vec::new();
-        for (place, kind) in self.places.iter().zip(kinds) {
-            all.push(StandPlace {
-                kind: kind.unwrap_or(&nothing),
-                world_from_own: place.world_from_own,
-            });
-        }
-        for (kind, places) in &self.obstacles {
-            all.extend(places.iter().map(|matrix| StandPlace {
-                kind,
-                world_from_own: *matrix,
-            }));
-        }
-        StandPicture::of(&all, camera, height_px)
-    }
-
-    /// By place and camera, how many pixels show it, and how many pixels high it is.
-    fn seen(&self, truths: &[JudgedStand], height_px: u32) -> Vec<Vec<(f64, f64)>> {
-        let of_place = |(number, place): (usize, &super::PlantPlace)| {
-            let kind = &self.kinds[place.kind].drawn;
-            let scale = place.world_from_own.determinant().abs().cbrt();
-            let middle = place.world_from_own.transform_point3(kind.middle());
-            let pairs = self.cameras.iter().zip(truths);
-            let of_camera = |(camera, truth): (&StandCamera, &JudgedStand)| {
-                let high = camera.pixels_high(scale * kind.size(), middle, height_px);
-                (truth.picture.seen_px[number], high)
-            };
-            pairs.map(of_camera).collect()
-        };
-        self.places.iter().enumerate().map(of_place).collect()
-    }
-
-    fn kind_levels(
-        &self,
-        seen: &[Vec<(f64, f64)>],
-        options: &StandOptions,
-        session: &Session,
-        observer: &mut Observer<'_>,
-    ) -> Result<Vec<KindLevels>, Error> {
-        let mut all = Vec::new();
-        for (number, kind) in self.kinds.iter().enumerate() {
-            let places = self
-                .places
-                .iter()
-                .zip(seen)
-                .filter(|(place, _)| place.kind == number);
-            let seen = places
-                .flat_map(|(_, seen)| seen)
-                .filter(|(px, _)| *px > 0.0);
-            let range = seen.fold([0.0f64, f64::INFINITY], |[most, least], (_, high)| {
-                [most.max(*high), least.min(*high)]
-            });
-            all.push(match range[0] > 0.0 {
-                true => kind.levels(range, options, session, observer)?,
-                false => kind.as_it_is()?,
-            });
-        }
-        Ok(all)
     }
 }
 
