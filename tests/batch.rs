@@ -4,7 +4,13 @@ use serde_json::Value;
 
 use crate::program::{Bench, Ran};
 
-const OPTIONS: [&str; 4] = ["--levels", "0.5,0.2", "--no-original", "--impostor=none"];
+const OPTIONS: [&str; 5] = [
+    "--levels",
+    "0.5,0.2",
+    "--no-original",
+    "--impostor=none",
+    "--effort=fast",
+];
 
 /// Three plants, the last of which is none, and a plan for them.
 fn planned() -> (Bench, Vec<String>) {

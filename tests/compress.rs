@@ -3,18 +3,19 @@
 use std::path::PathBuf;
 
 use secateur::chain::{ImpostorChoice, Wanted};
-use secateur::{Amount, Document, Layout, LevelsOptions, Plant, WriteOptions};
+use secateur::{Amount, Document, Effort, Layout, LevelsOptions, Plant, WriteOptions};
 
 use crate::program::{Bench, shared_tree};
 use crate::validator::assert_valid;
 
 /// Levels of a plant in a file each, and the same files compressed.
 fn both_ways(bench: &Bench, plant: &Plant) -> [Vec<PathBuf>; 2] {
-    let options = LevelsOptions {
+    let mut options = LevelsOptions {
         wanted: Wanted::Triangles(vec![Amount::Share(0.3), Amount::Share(0.12)]),
         impostor: ImpostorChoice::None,
         ..LevelsOptions::default()
     };
+    options.leaves.effort = Effort::Fast;
     let levels = plant.levels(&options).unwrap().named("plant");
     [false, true].map(|compress| {
         let folder = bench.path(if compress { "small" } else { "plain" });

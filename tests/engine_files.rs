@@ -11,7 +11,13 @@ use crate::program::Bench;
 fn levels_for(engine: &str) -> (Bench, Vec<Value>) {
     let bench = Bench::new();
     let lods = ["lods", "oak.glb", "-o", "out", "--levels", "0.5,0.2"];
-    let more = ["--impostor=none", "--format", "json", "--for", engine];
+    let more = [
+        "--impostor=none",
+        "--effort=fast",
+        "--format=json",
+        "--for",
+        engine,
+    ];
     let ran = bench.run(&[&lods[..], &more].concat()).succeeded();
     let record: Value = serde_json::from_str(&ran.stdout).unwrap();
     let files = record["files"].as_array().unwrap().iter();

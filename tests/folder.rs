@@ -147,6 +147,7 @@ fn a_folder_of_all_kinds_gets_its_levels_in_one_call() {
     put("pine", &grown(Species::Pine));
     put("maple", &grown(Species::Maple));
     let how = [
+        "--effort=fast",
         "--levels",
         "0.5",
         "--no-original",

@@ -48,6 +48,7 @@ fn another_reader_finds_the_levels_of_every_layout() {
     let lods = [
         "lods",
         "oak.glb",
+        "--effort=fast",
         "--levels",
         "0.5,0.2",
         "--report",

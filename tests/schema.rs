@@ -276,6 +276,7 @@ fn records_of_levels_are_what_their_schema_says() {
     let bench = Bench::new();
     std::fs::copy(bench.path("oak.glb"), bench.path("ash.glb")).unwrap();
     let more = [
+        "--effort=fast",
         "--levels",
         "0.3",
         "--impostor",

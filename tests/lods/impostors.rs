@@ -25,6 +25,7 @@ fn crossed_planes_end_a_chain_in_every_layout() {
         let lods = [
             "lods",
             "oak.glb",
+            "--effort=fast",
             "-o",
             output,
             "--layout",

@@ -13,6 +13,7 @@ fn shadows_are_cast_by_coarser_levels() {
         let lods = [
             "lods",
             "oak.glb",
+            "--effort=fast",
             "-o",
             "s.glb",
             "--no-original",
@@ -48,6 +49,7 @@ fn what_a_switch_shows_is_measured_and_bounded() {
         let lods = [
             "lods",
             "oak.glb",
+            "--effort=fast",
             "-o",
             "c",
             "--no-original",

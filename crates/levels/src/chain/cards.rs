@@ -93,7 +93,8 @@ impl Maker<'_> {
     /// Cards from the first of some of these heights on at which some are within the difference, there and at all that
     /// follow, save a third of the cost of the mesh there and cost no more than the lightest; and fewer of them from
     /// each that follows where that saves a third again. Their normals have half as many texels a side where these do
-    /// as well. Where the plant is far, they have no more triangles than it covers pixels.
+    /// as well. Where the plant is far, they have no more triangles than it covers pixels, if no mesh that begins there has
+    /// more.
     pub(super) fn cards(
         &self,
         placed: &[Placed],
@@ -121,7 +122,10 @@ impl Maker<'_> {
             };
             let mut most_triangles = self.triangles_for(most_cost);
             if *height <= FAR_PX {
-                most_triangles = most_triangles.min(self.look.covered_px(*height));
+                let covered = self.look.covered_px(*height);
+                let of_mesh = placed.iter().find(|mesh| mesh.begins() == *height);
+                let of_mesh = of_mesh.map_or(0.0, |mesh| mesh.triangles() as f64);
+                most_triangles = most_triangles.min(covered.max(of_mesh));
             }
             let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
@@ -236,7 +240,7 @@ impl Maker<'_> {
         let found = match fewest {
             Some(fewest) => Some(fewest),
             None => {
-                let texels = Texels::up_to(f64::INFINITY);
+                let texels = Texels::up_to(f64::INFINITY, height);
                 search.finished(most, &seen, texels, finish, observer)?
             }
         };

@@ -154,13 +154,18 @@ pub(super) fn lightest(
     // From here on it is not known that there are no cards.
     let mut may_have_cards = 0;
     let mut place = 0;
+    let far_cards_at =
+        |found: &[(usize, usize, Placed)], place, cards: &mut _, observer: &mut _| {
+            let meshes: Vec<Placed> = found.iter().map(|(.., mesh)| mesh.clone()).collect();
+            maker.far_cards(&meshes, (&heights, place), cards, client, observer)
+        };
     while place < places.len() {
         let [done, of] = [place, places.len()];
         Progress::Level { done, of }.tell(observer)?;
         let height = heights[place];
-        if maker.options.impostor == Choice::Auto && height <= FAR_PX && place >= may_have_cards {
-            let meshes: Vec<Placed> = found.iter().map(|(.., mesh)| mesh.clone()).collect();
-            far = maker.far_cards(&meshes, (&heights, place), cards, client, observer)?;
+        let is_far = maker.options.impostor == Choice::Auto && height <= FAR_PX;
+        if is_far && place >= may_have_cards {
+            far = far_cards_at(&found, place, cards, observer)?;
             if !far.is_empty() {
                 break;
             }
@@ -197,7 +202,15 @@ pub(super) fn lightest(
                     (from, level) = (*before, earlier);
                     found.pop();
                 }
+                let is_dense = level.triangles() as f64 > maker.look.covered_px(height);
                 found.push((step, from, level));
+                if is_far && from == place && is_dense {
+                    far = far_cards_at(&found, place, cards, observer)?;
+                    if !far.is_empty() {
+                        found.pop();
+                        break;
+                    }
+                }
             }
             // What stands before it must do there too, or is sought again so that it does.
             (None, Some((_, from, level)))

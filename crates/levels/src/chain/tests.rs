@@ -121,7 +121,7 @@ fn mesh(maker: &Maker<'_>, triangles: usize, height: f64) -> Placed {
 fn cards(maker: &Maker<'_>, count: usize, height: f64) -> PlacedImpostor {
     let cards = Cards::new(&maker.look.original.surfaces, count);
     let level = ImpostorLevel {
-        impostor: Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY)).unwrap(),
+        impostor: Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY, height)).unwrap(),
         mesh_triangles: 0,
         mesh_difference: 0.0,
         same_cost: None,

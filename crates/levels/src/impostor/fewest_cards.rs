@@ -37,8 +37,8 @@ const HOPELESS: f64 = 1.2;
 /// The most pixels that a texel of cards may be long where they begin to be seen: longer ones look blurred.
 const COARSEST_PX: f64 = 2.0;
 
-/// The length of a texel in pixels that is tried once cards are found: the screen shows no finer ones.
-const COARSER_PX: f64 = 1.0;
+/// Lengths of a texel in pixels that are tried once cards are found, until one does: the screen shows no finer ones.
+const COARSER_PX: [f64; 2] = [1.0, 0.5];
 
 /// Cards are made darker or brighter in steps of this, as long as they look nearer.
 const BRIGHTER: f32 = 1.12;
@@ -209,16 +209,16 @@ impl<'a> Search<'a> {
         self.most_bytes = most_bytes;
     }
 
-    fn texels(&self) -> Texels {
+    fn texels(&self, pixels_high: f64) -> Texels {
         Texels {
             most_bytes: self.most_bytes,
-            ..Texels::up_to(COARSEST_PX)
+            ..Texels::up_to(COARSEST_PX, pixels_high)
         }
     }
 
     /// Whether an atlas has room for any cards where the screen shows the plant at this height.
     pub fn has_room(&mut self, pixels_high: f64) -> bool {
-        let texels = self.texels();
+        let texels = self.texels(pixels_high);
         self.sorted(number(0)).fit(pixels_high, texels)
     }
 
@@ -259,7 +259,7 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         poll(observer)?;
-        let texels = self.texels();
+        let texels = self.texels(seen.pixels_high);
         let cards = self.sorted(number(last));
         let Some(fine) = Impostor::cards(cards, seen.pixels_high, texels) else {
             return Ok(None);
@@ -285,16 +285,21 @@ impl<'a> Search<'a> {
             else {
                 continue;
             };
-            if found.impostor.texel_px().is_none_or(|px| px >= COARSER_PX) {
-                return Ok(Some(found));
+            for finest_px in COARSER_PX {
+                if found.impostor.texel_px().is_none_or(|px| px >= finest_px) {
+                    break;
+                }
+                let coarser = Texels {
+                    finest_px,
+                    ..texels
+                };
+                let coarser = self.finished(number(step), seen, coarser, &finish, observer)?;
+                let does = |coarser: &Found| coarser.difference.over(seen.limits) <= 1.0;
+                if coarser.as_ref().is_some_and(does) {
+                    return Ok(coarser);
+                }
             }
-            let coarser = Texels {
-                finest_px: COARSER_PX,
-                ..texels
-            };
-            let coarser = self.finished(number(step), seen, coarser, &finish, observer)?;
-            let does = |coarser: &Found| coarser.difference.over(seen.limits) <= 1.0;
-            return Ok(Some(coarser.filter(does).unwrap_or(found)));
+            return Ok(Some(found));
         }
         Ok(None)
     }
@@ -310,7 +315,7 @@ impl<'a> Search<'a> {
     ) -> Result<Option<usize>, Error> {
         for step in (0..all).rev().step_by(FEWER).chain([0]) {
             poll(observer)?;
-            let texels = self.texels();
+            let texels = self.texels(seen.pixels_high);
             let cards = self.sorted(number(step));
             // Trunks have more cards than layers.
             if cards.count() <= most && cards.fit(seen.pixels_high, texels) {
@@ -385,8 +390,11 @@ impl<'a> Search<'a> {
         let key = (pixels_high.to_bits(), step);
         if !self.rough.contains_key(&key) {
             let cards = self.sorted(number(step));
-            let Some(made) = Impostor::cards(cards, pixels_high, Texels::up_to(f64::INFINITY))
-            else {
+            let Some(made) = Impostor::cards(
+                cards,
+                pixels_high,
+                Texels::up_to(f64::INFINITY, pixels_high),
+            ) else {
                 return Ok(None);
             };
             self.rough.insert(key, seen.as_bright(made));

@@ -39,13 +39,20 @@ pub struct Texels {
 }
 
 impl Texels {
-    /// Leaves that are thinner than a pixel are seen by texels of half a pixel.
-    pub const FINE_PX: f64 = 0.5;
+    /// Leaves that are thinner than a pixel are seen by texels of half a pixel; where the plant is hardly more than a
+    /// few pixels, by those of a quarter, which cost next to nothing.
+    fn finest_px(pixels_high: f64) -> f64 {
+        match pixels_high <= 16.0 {
+            true => 0.25,
+            false => 0.5,
+        }
+    }
 
-    /// Texels of half a pixel to this many, without a bound but that of the largest atlas.
-    pub fn up_to(coarsest_px: f64) -> Self {
+    /// The finest texels for where the screen shows the plant so many pixels high, to those of `coarsest_px`, without a
+    /// bound but that of the largest atlas.
+    pub fn up_to(coarsest_px: f64, pixels_high: f64) -> Self {
         Self {
-            finest_px: Self::FINE_PX,
+            finest_px: Self::finest_px(pixels_high),
             coarsest_px,
             most_bytes: u64::MAX,
         }
@@ -373,8 +380,10 @@ mod tests {
         let surfaces = two();
         let cards = Cards::new(&surfaces, 2);
         assert_eq!(cards.count(), 2);
-        let Baked { surface, texel_px } = cards.baked(64.0, Texels::up_to(f64::INFINITY)).unwrap();
-        assert_eq!(texel_px, Texels::FINE_PX);
+        let Baked { surface, texel_px } = cards
+            .baked(64.0, Texels::up_to(f64::INFINITY, 64.0))
+            .unwrap();
+        assert_eq!(texel_px, 0.5);
         assert_eq!(surface.triangles.len(), 4);
         let texture = surface.material.texture.as_ref().unwrap();
         for (card, quad) in surface.positions.chunks(4).enumerate() {
@@ -404,7 +413,7 @@ mod tests {
             surface.triangles = vec![corners];
             let surfaces = [surface];
             let Baked { surface, .. } = Cards::new(&surfaces, 1)
-                .baked(64.0, Texels::up_to(2.0))
+                .baked(64.0, Texels::up_to(2.0, 64.0))
                 .unwrap();
             let texture = surface.material.texture.as_ref().unwrap();
             let is_there = texture
@@ -447,17 +456,18 @@ mod tests {
         let surfaces = two();
         let cards = Cards::new(&surfaces, 2);
         assert!(
-            cards.fit(256.0, Texels::up_to(Texels::FINE_PX)) && !cards.fit(1e5, Texels::up_to(2.0))
+            cards.fit(256.0, Texels::up_to(0.5, 256.0)) && !cards.fit(1e5, Texels::up_to(2.0, 1e5))
         );
-        assert!(cards.baked(1e5, Texels::up_to(2.0)).is_none());
-        let Baked { surface, texel_px } = cards.baked(1e5, Texels::up_to(f64::INFINITY)).unwrap();
+        assert!(cards.baked(1e5, Texels::up_to(2.0, 1e5)).is_none());
+        let Baked { surface, texel_px } =
+            cards.baked(1e5, Texels::up_to(f64::INFINITY, 1e5)).unwrap();
         assert!(texel_px > 40.0, "{texel_px}");
         let texture = surface.material.texture.as_ref().unwrap();
         assert!(texture.width.max(texture.height) <= MOST_ATLAS);
         // Where there is nothing to see, there are no cards.
         assert!(
             Cards::<Surface>::new(&[], 5)
-                .baked(64.0, Texels::up_to(2.0))
+                .baked(64.0, Texels::up_to(2.0, 64.0))
                 .is_none()
         );
     }

@@ -104,7 +104,7 @@ fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
         .finished(
             fewer,
             &seen,
-            Texels::up_to(f64::INFINITY),
+            Texels::up_to(f64::INFINITY, 60.0),
             |made| made,
             &mut go_on,
         )
@@ -170,7 +170,7 @@ fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
     let judge = judge(&surfaces);
     let seen = seen(&judge, LIMITS[1]);
     let cards = Cards::new(&surfaces, 60);
-    let impostor = Impostor::cards(&cards, 60.0, Texels::up_to(f64::INFINITY)).unwrap();
+    let impostor = Impostor::cards(&cards, 60.0, Texels::up_to(f64::INFINITY, 60.0)).unwrap();
     let over = |found: &Found| found.difference.over(seen.limits);
     let all = Found {
         difference: seen.difference(&impostor),
