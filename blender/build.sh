@@ -18,7 +18,7 @@ folder=$target/blender/extension
 rm -rf "$folder"
 mkdir -p "$folder/wheels"
 cp "$wheel" "$folder/wheels/"
-cp blender/extension/__init__.py LICENSE crates/cli/src/lods/engine/blender_import.py "$folder/"
+cp blender/extension/__init__.py LICENSE crates/secateur/src/engines/blender_import.py "$folder/"
 sed "s/@PLATFORM@/$platform/" blender/extension/blender_manifest.toml > "$folder/blender_manifest.toml"
 archive=$target/blender/secateur-$version-$platform.zip
 rm -f "$archive"

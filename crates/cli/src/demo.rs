@@ -1,12 +1,10 @@
 //! `secateur demo`: what a newcomer sees first.
 
 use std::path::Path;
-use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    Amount, LevelPlace, Levels, Opening, PlacedLevel, Plant, Preset, StagedFiles, WriteOptions,
-    plant_to_glb,
+    Amount, LevelPlace, Levels, Opening, PlacedLevel, Plant, Preset, WriteOptions, plant_to_glb,
 };
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::{Layout, WrittenChain};
@@ -22,24 +20,22 @@ use super::lods;
 use super::picture::{self, Exhibit};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::Record;
-use super::simplify::timed;
 use super::summary::grouped;
-use super::{interrupt, output, record};
+use super::work::Work;
+use super::{advice, interrupt, output};
 
 /// The levels, finest first, in per cent of all triangles.
 const LEVELS_PERCENT: [u32; 3] = [50, 25, 10];
 
 /// Grows an oak, makes a chain of it, and shows what became of it: on a sheet and on a page.
 pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure> {
-    let start = Instant::now();
+    let mut work = Work::on("demo");
     output::check_folder(&args.output)?;
-    let mut stages = Vec::new();
     let growing = GrowOptions {
         leaves: args.leaves,
         seed: args.seed,
     };
-    let plant = timed(&mut stages, "grow", || {
+    let plant = work.timed("grow", |_| {
         grow(Species::Oak, &growing).map_err(|e| Failure::input(e.to_string()))
     })?;
     let glb = plant_to_glb(&plant);
@@ -54,36 +50,33 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
 
     let options = chain_options(args);
     let progress_bar = RunProgress::new(common, "demo");
-    let levels = timed(&mut stages, "levels", || {
+    let levels = work.timed("levels", |_| {
         Ok(opened.levels_watched(&options, &mut |p| progress_bar.show(p))?)
     })?;
     drop(progress_bar);
     let (tree, made) = (levels.tree(), &levels.chain);
 
     interrupt::writing()?;
-    // All files are written before the first appears: what fails leaves nothing.
-    let mut staged = StagedFiles::new();
-    let folder = staged.make_folder(&args.output);
+    let folder = work.files.make_folder(&args.output);
     folder.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
-    output::stage_derived(&mut staged, &original, &glb)?;
-    let (written, files) = timed(&mut stages, "write", || {
+    output::stage_derived(&mut work.files, &original, &glb)?;
+    let written = work.timed("write", |files| {
         let how = WriteOptions::default().overwrite(true);
-        Ok(levels
-            .prepare(&args.output, Layout::Files, how)?
-            .into_files())
+        let prepared = levels.prepare(&args.output, Layout::Files, how)?;
+        let (written, own) = prepared.into_files();
+        files.append(own);
+        Ok(written)
     })?;
-    staged.append(files);
     let sheet = args.output.join("contact-sheet.png");
-    timed(&mut stages, "picture", || {
+    work.timed("picture", |files| {
         let exhibits = exhibits(tree, made)?;
-        output::stage_derived(&mut staged, &sheet, &picture::sheet(&exhibits)?)
+        output::stage_derived(files, &sheet, &picture::sheet(&exhibits)?)
     })?;
     let page_file = args.output.join("preview.html");
-    timed(&mut stages, "preview", || {
+    work.timed("preview", |files| {
         let page = levels.preview_html()?;
-        output::stage_derived(&mut staged, &page_file, page.as_bytes())
+        output::stage_derived(files, &page_file, page.as_bytes())
     })?;
-    let total = start.elapsed().as_secs_f64();
     let levels_made = rows(&levels, &written, (&original, glb.len()));
     let rows = levels_made.iter().map(|level| json!(level)).collect();
     let record = DemoRecord {
@@ -96,13 +89,15 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
         adapter: levels.adapter.clone(),
         order_sha256: made.coarsest_order_sha256(),
         seed: args.seed,
-        notes: made.notes.iter().chain(&written.notes).cloned().collect(),
+        notes: advice::sentences(&made.notes)
+            .into_iter()
+            .chain(written.notes.clone())
+            .collect(),
     };
-    let record = Record::new("demo", record, &stages, total).to_value();
+    let (record, total) = work.record(record);
     let report = args.output.join("report.json");
-    record::stage(&mut staged, Some(&report), &record)?;
+    work.finish(Some(&report), &record)?;
     let pretty = pretty(&levels, &sheet, total);
-    staged.commit()?;
     Ok(Printed {
         rows,
         ..Printed::single(pretty, record)

@@ -1,29 +1,23 @@
 //! Runs `secateur grow`: grows a plant from a species or a rule file and writes it.
 
-use std::borrow::Cow;
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::path::Path;
 
 use glam::DVec3;
 use schemars::JsonSchema;
-use secateur::{GrownPlant, StagedFiles, plant_into_glb};
-use secateur_plant::{
-    GrowError, Rules, Species, UnknownSpecies, grow_rules, plant_of, rules_skeleton,
-};
+use secateur::{GrownPlant, plant_into_glb};
+use secateur_plant::{BranchLevel, BranchLevelOptions, BranchMethod, RuleSource, RuleSourceError};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::args::{self, Common, Format};
 use super::failure::Failure;
-use super::grow_lod::GrownLodRecord;
+use super::interrupt;
+use super::names::text;
+use super::output::{self, Outputs};
 use super::picture::{self, Exhibit};
 use super::print::Printed;
-use super::record::Record;
-use super::simplify::timed;
 use super::summary::{grouped, size};
-use super::{grow_lod, interrupt, output, record};
+use super::work::Work;
 
 /// A plant that was grown.
 #[derive(Serialize, JsonSchema)]
@@ -43,6 +37,35 @@ pub(crate) struct GrowRecord {
     lod: Option<GrownLodRecord>,
 }
 
+/// A level of detail by the plant's own branches.
+#[derive(Serialize, JsonSchema)]
+struct GrownLodRecord {
+    /// `chain` or `merge`.
+    method: String,
+    /// The number of the level, from 1.
+    level: usize,
+    /// How many there are.
+    levels: usize,
+    /// merge: the thinnest stick that is left as it was, in metres, if any is.
+    threshold: Option<f64>,
+    /// merge: sticks that others stand for.
+    sticks_replaced: Option<usize>,
+    leaves_original: usize,
+}
+
+impl From<&BranchLevel> for GrownLodRecord {
+    fn from(level: &BranchLevel) -> Self {
+        Self {
+            method: text(level.method),
+            level: level.level,
+            levels: level.levels,
+            threshold: level.threshold_m,
+            sticks_replaced: level.sticks_replaced,
+            leaves_original: level.leaves_original,
+        }
+    }
+}
+
 /// Triangles of a plant.
 #[derive(Serialize, JsonSchema)]
 struct SurfaceTriangles {
@@ -60,12 +83,16 @@ struct Size {
 
 /// Grows a plant, writes it, and reports what it is.
 pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
-    let start = Instant::now();
-    check_outputs(args)?;
-    let mut stages = Vec::new();
-    let source = RuleSource::of(args)?;
-    let name = &source.name;
-    let (plant, lod) = timed(&mut stages, "grow", || {
+    let mut work = Work::on("grow");
+    let input = Path::new(&args.species);
+    Outputs::beside([input])
+        .and(&args.output, output::check_glb)?
+        .maybe(args.report.as_ref(), output::check_file)?
+        .maybe(args.picture.as_ref(), output::check_picture)?
+        .distinct()?;
+    let source = RuleSource::named(&args.species)?;
+    let name = source.name();
+    let (plant, lod) = work.timed("grow", |_| {
         tracing::info!("growing {name}");
         grown(&source, args)
     })?;
@@ -74,25 +101,22 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
     let triangles = [&plant.leaves, &plant.wood].map(|surface| surface.triangles.len());
     let title = plant.name.clone();
     interrupt::writing()?;
-    // All files are written before the first appears: what fails leaves nothing.
-    let mut staged = StagedFiles::new();
     if let Some(path) = &args.picture {
-        timed(&mut stages, "picture", || {
+        work.timed("picture", |files| {
             let sheet = picture::sheet(&[exhibit(&plant)])?;
-            output::stage(&mut staged, path, &sheet)
+            output::stage(files, path, &sheet)
         })?;
     }
-    let bytes = timed(&mut stages, "write", || {
+    let bytes = work.timed("write", |files| {
         tracing::info!("writing {}", args.output.display());
         let glb = plant_into_glb(plant);
-        output::stage(&mut staged, &args.output, &glb)?;
+        output::stage(files, &args.output, &glb)?;
         Ok(glb)
     })?;
     // A second for a large file, so only where someone will see it.
     let is_recorded = args.report.is_some() || common.format != Format::Pretty;
-    let total = start.elapsed().as_secs_f64();
     let record = GrowRecord {
-        species: name.clone(),
+        species: name.to_owned(),
         output: args.output.display().to_string(),
         bytes: bytes.len(),
         sha256: is_recorded.then(|| sha256(&bytes)),
@@ -107,14 +131,12 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
             z: size_m.z,
         },
         seed: args.seed,
-        lod: lod.as_ref().map(|(_, record)| record.clone()),
+        lod: lod.as_ref().map(GrownLodRecord::from),
     };
-    let record = Record::new("grow", record, &stages, total).to_value();
-    record::stage(&mut staged, args.report.as_deref(), &record)?;
-    staged.commit()?;
-    let growing = stages.iter().filter(|(stage, _)| *stage != "picture");
+    let (record, _) = work.record(record);
+    let growing = work.stages.iter().filter(|(stage, _)| *stage != "picture");
     let seconds: f64 = growing.map(|(_, seconds)| seconds).sum();
-    let of_lod = lod.map_or_else(String::new, |(name, _)| format!("{name} of "));
+    let of_lod = lod.as_ref().map_or_else(String::new, called);
     let pretty = format!(
         "{of_lod}{} with {} leaves, {:.1} m high, grown and written in {seconds:.2} s\n  \
          triangles  {} of leaves, {} of wood\n  \
@@ -127,104 +149,48 @@ pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure
         args.output.display(),
         size(bytes.len() as u64),
     );
+    work.finish(args.report.as_deref(), &record)?;
     Ok(Printed::single(pretty, record))
 }
 
-/// What a level of detail is called, and its record.
-type Lod = (String, GrownLodRecord);
-
-fn grown(source: &RuleSource, args: &args::Grow) -> Result<(GrownPlant, Option<Lod>), Failure> {
-    let (rules, name) = (&*source.rules, &*source.name);
-    let (leaves, seed) = (args.leaves, args.seed);
+fn grown(
+    source: &RuleSource,
+    args: &args::Grow,
+) -> Result<(GrownPlant, Option<BranchLevel>), Failure> {
     let Some(amount) = args.lod else {
-        let plant = grow_rules(rules, name, leaves, seed);
-        return Ok((plant.map_err(|e| source.failure(e))?, None));
+        return Ok((source.grow(args.leaves, args.seed)?, None));
     };
-    let skeleton = rules_skeleton(rules, name, leaves, seed).map_err(|e| source.failure(e))?;
-    let level = grow_lod::level(name, &skeleton, amount, args)?;
-    let plant = plant_of(level.skeleton, rules, name, seed).map_err(|e| source.failure(e))?;
-    Ok((plant, Some((level.name, level.record))))
+    let options = BranchLevelOptions {
+        amount,
+        method: args.lod_method,
+        scheme: args.scheme.clone(),
+        cluster_size: args.cluster_size,
+    };
+    let (plant, level) = source.grow_level(args.leaves, args.seed, &options)?;
+    Ok((plant, Some(level)))
 }
 
-fn check_outputs(args: &args::Grow) -> Result<(), Failure> {
-    let inputs = [Path::new(&args.species)];
-    output::check_glb(&args.output, &inputs)?;
-    let mut outputs = vec![args.output.as_path()];
-    if let Some(file) = &args.report {
-        output::check_file(file, &inputs)?;
-        outputs.push(file);
+/// What a level of detail is called.
+fn called(level: &BranchLevel) -> String {
+    let BranchLevel {
+        level,
+        levels,
+        method,
+        ..
+    } = level;
+    match method {
+        BranchMethod::Chain => format!("{level} of {levels} levels of its chain of "),
+        BranchMethod::Merge => format!("level {level} of {levels} by merging of "),
     }
-    if let Some(file) = &args.picture {
-        output::check_picture(file, &inputs)?;
-        outputs.push(file);
-    }
-    output::check_distinct(&outputs)
 }
 
-/// Rules and what they are called.
-struct RuleSource {
-    name: String,
-    rules: Cow<'static, Rules>,
-    /// The user's own file.
-    file: Option<PathBuf>,
-}
-
-impl RuleSource {
-    /// A species, or else a file: what ends in .lsys or has a folder in its name.
-    fn of(args: &args::Grow) -> Result<Self, Failure> {
-        let path = Path::new(&args.species);
-        let is_file =
-            path.extension().is_some_and(|e| e == "lsys") || path.components().count() > 1;
-        if !is_file {
-            let species: Species = args.species.parse().map_err(|e: UnknownSpecies| {
-                Failure::input(format!("{e}; a rule file of your own ends in .lsys"))
-            })?;
-            return Ok(Self {
-                name: species.name().to_owned(),
-                rules: Cow::Borrowed(species.rules()),
-                file: None,
-            });
-        }
-        let text = read_text(path)?;
-        let rules = Rules::parse(&text)
-            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        Ok(Self {
-            name: name.into_owned(),
-            rules: Cow::Owned(rules),
-            file: Some(path.to_owned()),
-        })
-    }
-
-    fn failure(&self, error: GrowError) -> Failure {
-        match (&self.file, error) {
-            (Some(path), GrowError::Rules { source, .. }) => {
-                Failure::input(format!("{}: {source}", path.display()))
-            }
-            (_, error) => Failure::input(error.to_string()),
+impl From<RuleSourceError> for Failure {
+    fn from(error: RuleSourceError) -> Self {
+        match &error {
+            RuleSourceError::Read { file, source } => Self::of_file(file, "cannot be read", source),
+            _ => Self::input(error.to_string()),
         }
     }
-}
-
-/// The text of a rule file, of which no more is read than can be one.
-fn read_text(path: &Path) -> Result<String, Failure> {
-    let read = || {
-        let mut bytes = Vec::new();
-        let file = File::open(path)?;
-        file.take(Rules::MAX_BYTES as u64 + 1)
-            .read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    let bytes = read().map_err(|e: std::io::Error| Failure::of_file(path, "cannot be read", &e))?;
-    if bytes.len() > Rules::MAX_BYTES {
-        let most = Rules::MAX_BYTES;
-        return Err(Failure::input(format!(
-            "{}: a rule file has at most {most} bytes",
-            path.display()
-        )));
-    }
-    String::from_utf8(bytes)
-        .map_err(|_| Failure::input(format!("{}: the rules are not UTF-8 text", path.display())))
 }
 
 fn exhibit(plant: &GrownPlant) -> Exhibit {

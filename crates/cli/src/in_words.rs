@@ -63,7 +63,7 @@ impl LevelRequest {
             Command::Simplify(args) => args,
             other => unreachable!("simplify was asked for, not {other:?}"),
         };
-        if let Some(sentence) = super::contradiction::contradiction(&args) {
+        if let Some(sentence) = simplify::contradiction(&args) {
             return Err(usage(sentence));
         }
         let simplify = simplify::options(&args)?;

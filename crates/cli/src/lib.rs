@@ -1,20 +1,16 @@
 //! The program `secateur`: a command line in, an exit code out. Python's package runs it too.
 
+mod advice;
 mod args;
 mod batch;
-mod colors;
 mod completions;
-mod contradiction;
-mod cutoffs;
 mod demo;
 mod escape;
 mod failure;
 mod grow;
-mod grow_lod;
 mod in_words;
 mod inspect;
 mod interrupt;
-mod left_out_of_stream;
 mod lod;
 mod lods;
 mod log;
@@ -26,17 +22,16 @@ mod output;
 mod picture;
 mod print;
 mod progress_bar;
-mod progress_share;
 mod record;
 mod schema;
 mod simplify;
-mod simplify_record;
 mod stand;
 mod stream;
 mod streams;
 mod study;
 mod summary;
 mod surroundings;
+mod work;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -105,7 +100,7 @@ fn arguments() -> Vec<OsString> {
 /// What the parser can't see: options that are right alone, and wrong beside each other.
 fn without_contradiction(cli: Cli) -> Result<Cli, clap::Error> {
     let sentence = match &cli.command {
-        Command::Simplify(args) => contradiction::contradiction(args),
+        Command::Simplify(args) => simplify::contradiction(args),
         _ => None,
     };
     match sentence {

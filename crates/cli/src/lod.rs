@@ -1,19 +1,20 @@
 //! Runs `secateur lod`: takes any level out of a removal order that was kept.
 
-use std::path::Path;
-use std::time::Instant;
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use secateur::{Document, LodModel, WriteOptions};
+use secateur::{Counts, Document, LodModel, WriteOptions};
 use serde::Serialize;
 
+use super::advice::warn_all;
 use super::args::{self, LevelArgs};
 use super::failure::Failure;
+use super::output::{self, Outputs};
 use super::print::Printed;
-use super::record::{Bytes, Counts, Record, bytes_of, shown};
-use super::simplify::{share, timed, warn_all};
-use super::summary::{columns, grouped};
-use super::{interrupt, order, output, record};
+use super::record::{Bytes, bytes_of, shown};
+use super::summary::{columns, counts_row, grouped};
+use super::work::Work;
+use super::{advice, interrupt, order};
 
 /// A level along a removal order.
 #[derive(Serialize, JsonSchema)]
@@ -40,40 +41,35 @@ pub(crate) struct LodRecord {
 
 /// Reads a tree and an order, writes one level.
 pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
-    let start = Instant::now();
+    let mut work = Work::on("lod");
     let write_options = WriteOptions::default().overwrite(args.overwrite);
-    let mut inputs = vec![args.tree.as_path()];
-    inputs.extend(args.order.as_deref());
-    output::check_tree(&args.output, &inputs, write_options)?;
-    let mut outputs: Vec<&Path> = vec![&args.output];
-    if let Some(file) = &args.report {
-        output::check_file(file, &inputs)?;
-        outputs.push(file);
-    }
-    output::check_distinct(&outputs)?;
-
-    let mut stages = Vec::new();
-    let tree = timed(&mut stages, "load", || {
+    let inputs = std::iter::once(&args.tree).chain(&args.order);
+    let outputs = Outputs::beside(inputs.map(PathBuf::as_path))
+        .and(&args.output, |path, inputs| {
+            output::check_tree(path, inputs, write_options)
+        })?
+        .maybe(args.report.as_ref(), output::check_file)?
+        .distinct()?;
+    let tree = work.timed("load", |_| {
         let document = interrupt::reading(|| Document::open(&args.tree))?;
         let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
-        Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
+        Ok(document.into_tree(&args.foliage.foliage)?)
     })?;
     output::check_spares(tree.document(), &outputs)?;
-    warn_all(&tree.inspection().warnings);
-    let model = timed(&mut stages, "order", || {
-        order::read(args.order.as_deref(), &tree)
-    })?;
+    warn_all(&advice::sentences(&tree.inspection().warnings));
+    let model = work.timed("order", |_| order::read(args.order.as_deref(), &tree))?;
     let steps = steps(&model, args.level).map_err(|why| {
         let of = args.order.as_ref().unwrap_or(&args.tree);
         Failure::input(format!("{}: {why}", of.display()))
     })?;
     let lod = model.lod_after(steps);
     interrupt::writing()?;
-    let prepared = timed(&mut stages, "write", || {
-        tree.prepare_lod(&lod, &args.output, write_options)
-            .map_err(Failure::from)
+    let written = work.timed("write", |files| {
+        let prepared = tree.prepare_lod(&lod, &args.output, write_options)?;
+        let (written, own) = prepared.into_files();
+        files.append(own);
+        Ok(written)
     })?;
-    let (written, mut staged) = prepared.into_files();
 
     let mut prefix = model.order().clone();
     prefix.truncate(steps);
@@ -91,33 +87,30 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
         steps: Counts::of(model.order().len(), steps),
         order_sha256: prefix.sha256(),
         max_area_scale: lod.max_area_scale(),
-        notes: written.notes.clone(),
+        notes: written.notes,
     };
-    let total = start.elapsed().as_secs_f64();
-    let record = Record::new("lod", record, &stages, total).to_value();
-    record::stage(&mut staged, args.report.as_deref(), &record)?;
-    staged.commit()?;
+    let pretty = pretty(args, &record);
+    let (record, _) = work.record(record);
+    work.finish(args.report.as_deref(), &record)?;
+    Ok(Printed::single(pretty, record))
+}
 
-    let mut text = format!("{} -> {}\n", args.tree.display(), args.output.display());
-    let row = |name: &str, before: u64, after: u64| {
-        let share = share(after as usize, before as usize);
-        vec![name.to_owned(), grouped(before), grouped(after), share]
-    };
-    text += &columns(&[
+fn pretty(args: &args::Lod, level: &LodRecord) -> String {
+    let table = columns(&[
         ["", "original", "level", ""].map(str::to_owned).to_vec(),
-        row(
-            "leaves",
-            model.most_leaves() as u64,
-            lod.leaf_count() as u64,
-        ),
-        row("triangles", tree.triangle_count(), written.triangles),
+        counts_row("leaves", level.leaves),
+        counts_row("triangles", level.triangles),
     ]);
-    let (made, all) = (grouped(steps as u64), grouped(model.order().len() as u64));
-    text += &format!("  steps      {made} of the order's {all}\n");
-    for note in &written.notes {
+    let [made, all] = [level.steps.left, level.steps.original].map(grouped);
+    let mut text = format!(
+        "{} -> {}\n{table}  steps      {made} of the order's {all}\n",
+        args.tree.display(),
+        args.output.display()
+    );
+    for note in &level.notes {
         text += &format!("  note       {note}\n");
     }
-    Ok(Printed::single(text, record))
+    text
 }
 
 /// How many steps lead to the level that is asked for, or why none does.

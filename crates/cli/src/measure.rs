@@ -1,24 +1,23 @@
 //! Runs `secateur measure`: judges a simplified tree against its original.
 
 use std::path::Path;
-use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    AllScores, AsDrawnMeasurement, Difference, Figures, GltfError, JudgeOptions, Judged, Opening,
-    Plant, Problem, Selector, WoodMode, judge_document,
+    AllScores, AsDrawnMeasurement, DifferenceAt, Differences, Figures, JudgeOptions, Judged,
+    LevelWarning, Opening, Problem, Selector, WoodMode, judge_document,
 };
 use secateur_eval::measure::VMI_ERROR_PERCENT;
 use serde::Serialize;
 
+use super::advice::warn_all;
 use super::args;
 use super::failure::Failure;
 use super::names::text;
 use super::print::Printed;
-use super::record::Record;
-use super::simplify::warn_all;
 use super::summary::grouped;
-use super::{interrupt, output, record, streams};
+use super::work::Work;
+use super::{interrupt, output, streams};
 
 /// How a simplified tree compares with its original.
 #[derive(Serialize, JsonSchema)]
@@ -32,11 +31,8 @@ pub(crate) struct MeasureRecord {
     leaves: OfBoth,
     /// Triangles of the whole plant.
     triangles: OfBoth,
-    /// The largest difference at the heights asked for.
-    difference: f64,
-    /// The largest `block_coverage` at these heights.
-    block_coverage: f64,
-    differences: Vec<DifferenceAt>,
+    #[serde(flatten)]
+    differences: Differences,
     /// What has to be said of the result, a sentence each.
     warnings: Vec<String>,
     /// What a client draws, if `--as-drawn` asks for it.
@@ -54,17 +50,9 @@ struct OfBoth {
     simplified: u64,
 }
 
-/// The difference that people see at a height on the screen.
-#[derive(Serialize, JsonSchema)]
-struct DifferenceAt {
-    pixels_high: f64,
-    #[serde(flatten)]
-    seen: Difference,
-}
-
 /// Compares two trees from the held-out views.
 pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
-    let start = Instant::now();
+    let work = Work::on("measure");
     if let Some(report) = &args.report {
         output::check_file(report, &[&args.original, &args.simplified])?;
     }
@@ -72,29 +60,25 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     interrupt::check()?;
     let figures = judged.figures().map_err(Failure::about(&args.original))?;
     interrupt::check()?;
-    let at = |pixels_high: &f64| DifferenceAt {
-        pixels_high: *pixels_high,
-        seen: judged.difference_at(*pixels_high),
-    };
-    let differences: Vec<DifferenceAt> = args.pixels_high.iter().map(at).collect();
-    let worst = |of: fn(&Difference) -> f64| {
-        let all = differences.iter().map(|at| of(&at.seen));
-        all.fold(0.0, f64::max)
-    };
-    let difference = worst(|seen| seen.difference);
-    let mut warnings = warning_of(difference);
+    let differences = judged.differences_at(&args.pixels_high);
+    let mut warnings = warning_of(differences.difference);
     warnings.extend(judged.misplaced().map(|misplaced| misplaced.to_string()));
     warn_all(&warnings);
     interrupt::check()?;
     let drawn = args.as_drawn.map(|width_px| judged.as_drawn(width_px));
     let drawn = drawn.transpose().map_err(Failure::about(&args.original))?;
-    let total = start.elapsed().as_secs_f64();
     let (plant, other) = (judged.plant(), judged.other());
     let leaves = OfBoth {
         original: plant.leaves().leaves().len() as u64,
         simplified: other.foliage().leaves().len() as u64,
     };
-    let pretty = pretty(&figures, &differences, drawn.as_ref(), args, &leaves);
+    let pretty = pretty(
+        &figures,
+        &differences.differences,
+        drawn.as_ref(),
+        args,
+        &leaves,
+    );
     let record = MeasureRecord {
         figures,
         original: args.original.display().to_string(),
@@ -104,8 +88,6 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
             original: plant.triangle_count(),
             simplified: other.triangle_count(),
         },
-        difference,
-        block_coverage: worst(|seen| seen.block_coverage),
         differences,
         warnings,
         as_drawn: drawn,
@@ -113,31 +95,24 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
         sides: text(args.sides),
         judged_by: text(args.views),
     };
-    let record = Record::new("measure", record, &[], total).to_value();
-    record::write(args.report.as_deref(), &record)?;
+    let (record, _) = work.record(record);
+    work.finish(args.report.as_deref(), &record)?;
     Ok(Printed::single(pretty, record))
 }
 
 /// Both trees, side by side.
 fn judged(args: &args::Measure) -> Result<Judged, Failure> {
-    let original = |foliage: &[Selector]| -> Result<Result<Plant, GltfError>, Failure> {
-        let opening = Opening {
-            foliage: foliage.to_vec(),
-            vertex_alpha: args.vertex_alpha.vertex_alpha,
-            wood: WoodMode::Ignore,
-            memory: args.memory.memory,
-        };
-        streams::opened(&args.original, &opening)
-    };
-    let original = match original(&args.foliage.foliage)? {
+    let usual = args.plant.opening(WoodMode::Ignore);
+    let original = match streams::opened(&args.original, &usual)? {
         Err(error) if matches!(error.problem(), Problem::NoFoliage { .. }) => {
-            original(&[Selector::All])??
+            let foliage = vec![Selector::All];
+            streams::plant(&args.original, &Opening { foliage, ..usual })?
         }
         other => other?,
     };
     let left = original.tree().memory_left();
     let simplified = streams::document(&args.simplified, left)?;
-    let simplified = simplified.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
+    let simplified = simplified.with_vertex_alpha(args.plant.vertex_alpha());
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     for document in [original.tree().document(), &simplified] {
         output::check_spares(document, &outputs)?;
@@ -152,19 +127,8 @@ fn judged(args: &args::Measure) -> Result<Judged, Failure> {
 
 /// A sentence where a result is another plant.
 pub(crate) fn warning_of(difference: f64) -> Vec<String> {
-    let is_another = difference > Difference::ANOTHER_PLANT;
-    is_another
-        .then(|| another_plant(difference))
-        .into_iter()
-        .collect()
-}
-
-/// That a result is another plant.
-pub(crate) fn another_plant(difference: f64) -> String {
-    let most = Difference::ANOTHER_PLANT;
-    format!(
-        "the result looks like another plant: its difference is {difference:.2}, where above {most} it is coarser than for backgrounds"
-    )
+    let warning = LevelWarning::of_difference(difference);
+    warning.iter().map(ToString::to_string).collect()
 }
 
 /// Metrics of the summary: name, key, and what they say.
@@ -246,18 +210,32 @@ fn pretty(
             &what,
         ));
     }
-    if let Some(drawn) = drawn {
-        let at = format!("as clients draw it {} pixels wide", drawn.width_px);
-        let without = drawn.original_without_mips;
-        let mut row = |name: &str, value: String, what: String| {
-            lines.push(line(name, [value, String::new()], &what));
-        };
-        let original = |with: String, without: String| {
-            format!("the original itself: {with}, without mip maps {without}")
-        };
-        let four = |value: f64| format!("{value:.4}");
-        let one = |value: f64| format!("{value:.1}");
-        row(
+    let drawn = drawn.map(of_clients).unwrap_or_default();
+    lines.extend(
+        drawn
+            .into_iter()
+            .map(|(name, value, what)| line(name, [value, String::new()], &what)),
+    );
+    format!(
+        "{} against {}, from {views}\n{}",
+        args.simplified.display(),
+        args.original.display(),
+        lines.concat()
+    )
+}
+
+/// What a client draws: name, value, and what it says beside the original's own.
+fn of_clients(drawn: &AsDrawnMeasurement) -> Vec<(&'static str, String, String)> {
+    let at = format!("as clients draw it {} pixels wide", drawn.width_px);
+    let without = drawn.original_without_mips;
+    let four = |value: f64| format!("{value:.4}");
+    let one = |value: f64| format!("{value:.1}");
+    let original = |with: String, without: String| {
+        format!("the original itself: {with}, without mip maps {without}")
+    };
+    let frames = drawn.over_frames.zip(drawn.original_over_frames);
+    let mut rows = vec![
+        (
             "drawn coverage",
             four(drawn.coverage_over_truth),
             format!(
@@ -267,27 +245,26 @@ fn pretty(
                     four(without.coverage_over_truth)
                 )
             ),
-        );
-        row(
+        ),
+        (
             "drawn IoU",
             four(drawn.truth_iou),
             format!(
                 "overlap {at} with what the original truly covers, 1 is best; {}",
                 original(four(drawn.original_truth_iou), four(without.truth_iou))
             ),
+        ),
+    ];
+    rows.extend(frames.map(|(own, original)| {
+        let what = format!(
+            "the same in the mean of {} frames, as temporal anti-aliasing shows it; the original itself: {}",
+            own.frames,
+            four(original.truth_iou)
         );
-        if let (Some(own), Some(original)) = (drawn.over_frames, drawn.original_over_frames) {
-            row(
-                "IoU, frames",
-                four(own.truth_iou),
-                format!(
-                    "the same in the mean of {} frames, as temporal anti-aliasing shows it; the original itself: {}",
-                    own.frames,
-                    four(original.truth_iou)
-                ),
-            );
-        }
-        row(
+        ("IoU, frames", four(own.truth_iou), what)
+    }));
+    rows.extend([
+        (
             "specks",
             one(drawn.specks_per_view),
             format!(
@@ -297,40 +274,29 @@ fn pretty(
                     one(without.specks_per_view)
                 )
             ),
-        );
-        row(
+        ),
+        (
             "drawn FLIP",
             four(drawn.flip_mean),
             format!(
                 "visible difference {at} from the truth; {}",
                 original(four(drawn.original_flip_mean), four(without.flip_mean))
             ),
+        ),
+    ]);
+    if let Some((own, original)) = frames {
+        let flip = format!(
+            "the same in the mean of {} frames; the original itself: {}",
+            own.frames,
+            four(original.flip_mean)
         );
-        if let (Some(own), Some(original)) = (drawn.over_frames, drawn.original_over_frames) {
-            row(
-                "FLIP, frames",
-                four(own.flip_mean),
-                format!(
-                    "the same in the mean of {} frames; the original itself: {}",
-                    own.frames,
-                    four(original.flip_mean)
-                ),
-            );
-            row(
-                "flicker",
-                four(own.flicker),
-                format!(
-                    "pixels that one frame shows and another does not, over those truly covered; the original itself: {}, without mip maps {}",
-                    four(original.flicker),
-                    four(original.truth_flicker)
-                ),
-            );
-        }
+        let flicker = format!(
+            "pixels that one frame shows and another does not, over those truly covered; the original itself: {}, without mip maps {}",
+            four(original.flicker),
+            four(original.truth_flicker)
+        );
+        rows.push(("FLIP, frames", four(own.flip_mean), flip));
+        rows.push(("flicker", four(own.flicker), flicker));
     }
-    format!(
-        "{} against {}, from {views}\n{}",
-        args.simplified.display(),
-        args.original.display(),
-        lines.concat()
-    )
+    rows
 }

@@ -1,24 +1,18 @@
 //! Removal orders in files of their own, and in the extras of trees.
 
-use std::ffi::OsStr;
 use std::path::Path;
 
 use secateur::{Lod, LodModel, Memory, Plant, RemovalOrder, StagedFiles, Tree, WriteOptions};
-use secateur_gltf::read_within;
+use secateur_gltf::{is_gltf_name, read_within};
 use secateur_runtime::order_file::{self, OrderFileError};
 
 use super::failure::Failure;
 use super::output;
 
-/// Whether an order is asked for in the extras of a tree.
-fn is_tree(path: &Path) -> bool {
-    let extension = path.extension().and_then(OsStr::to_str);
-    extension.is_some_and(|e| ["glb", "gltf"].contains(&e.to_ascii_lowercase().as_str()))
-}
-
-/// Refuses a place for an order that could not be written at the end.
+/// Refuses a place for an order that could not be written at the end. Into a tree, as its name says, an order goes as
+/// extras.
 pub(crate) fn check(path: &Path, inputs: &[&Path], options: WriteOptions) -> Result<(), Failure> {
-    match is_tree(path) {
+    match is_gltf_name(path) {
         true => output::check_tree(path, inputs, options),
         false => output::check_file(path, inputs),
     }
@@ -36,7 +30,7 @@ pub(crate) fn stage(
     let leaves = plant.leaves();
     let model = LodModel::new(order, leaves)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-    if !is_tree(path) {
+    if !is_gltf_name(path) {
         return output::stage(staged, path, &order_file::write_order(&model, leaves));
     }
     let text = order_file::order_to_base64(&model, leaves);

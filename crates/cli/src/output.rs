@@ -1,14 +1,59 @@
 //! Output files: whether they can be written, found out before the work; and
 //! written whole or not at all.
 
-use std::ffi::OsStr;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use secateur::{Document, StagedFiles, WriteOptions};
+use secateur_gltf::{has_extension, is_gltf_name};
 
 use super::failure::Failure;
+
+/// Outputs of a command, each of which can be written as far as can be told before.
+pub(crate) struct Outputs<'a> {
+    inputs: Vec<&'a Path>,
+    places: Vec<&'a Path>,
+}
+
+impl<'a> Outputs<'a> {
+    /// No output yet; none may be one of these inputs.
+    pub(crate) fn beside(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
+        Self {
+            inputs: inputs.into_iter().collect(),
+            places: Vec::new(),
+        }
+    }
+
+    /// A file that this check lets pass.
+    pub(crate) fn and(
+        mut self,
+        path: &'a Path,
+        check: impl FnOnce(&Path, &[&Path]) -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        check(path, &self.inputs)?;
+        self.places.push(path);
+        Ok(self)
+    }
+
+    /// A file that may be asked for.
+    pub(crate) fn maybe(
+        self,
+        path: Option<&'a PathBuf>,
+        check: impl FnOnce(&Path, &[&Path]) -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        match path {
+            Some(path) => self.and(path, check),
+            None => Ok(self),
+        }
+    }
+
+    /// All of them, no two of which are one file.
+    pub(crate) fn distinct(self) -> Result<Vec<&'a Path>, Failure> {
+        check_distinct(&self.places)?;
+        Ok(self.places)
+    }
+}
 
 /// Refuses an output tree that could not be written at the end.
 pub(crate) fn check_tree(
@@ -16,8 +61,7 @@ pub(crate) fn check_tree(
     inputs: &[&Path],
     options: WriteOptions,
 ) -> Result<(), Failure> {
-    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
-    if !["glb", "gltf"].contains(&extension.to_ascii_lowercase().as_str()) {
+    if !is_gltf_name(path) {
         return refuse(path, "its name must end in .glb or .gltf");
     }
     check_file(path, inputs)?;
@@ -26,8 +70,7 @@ pub(crate) fn check_tree(
 
 /// Refuses an output that could not be written as a single file at the end.
 pub(crate) fn check_glb(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
-    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
-    if !extension.eq_ignore_ascii_case("glb") {
+    if !has_extension(path, &["glb"]) {
         return refuse(path, "its name must end in .glb");
     }
     check_file(path, inputs)
@@ -35,8 +78,7 @@ pub(crate) fn check_glb(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
 
 /// Refuses a picture that could not be written at the end.
 pub(crate) fn check_picture(path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
-    let extension = path.extension().unwrap_or_default();
-    if !extension.eq_ignore_ascii_case("png") {
+    if !has_extension(path, &["png"]) {
         return refuse(path, "pictures are PNG: its name must end in .png");
     }
     check_file(path, inputs)
@@ -128,10 +170,7 @@ fn files_of(path: &Path) -> Vec<PathBuf> {
     };
     let path = place.as_path();
     let mut files = vec![path.to_owned()];
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("gltf"))
-    {
+    if has_extension(path, &["gltf"]) {
         files.push(path.with_extension("bin"));
     }
     files

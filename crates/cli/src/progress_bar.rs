@@ -9,12 +9,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use secateur::Progress;
+use secateur::{Progress, ProgressShare};
 
 use super::args::Common;
 use super::escape::escaped;
 use super::interrupt;
-use super::progress_share::Share;
 
 /// The time between two lines, and before the first.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
@@ -24,7 +23,7 @@ const LENGTH: u64 = 1000;
 
 /// Shows the progress of a run; nothing with `--quiet`.
 pub(crate) struct RunProgress {
-    share: Arc<Mutex<Share>>,
+    share: Arc<Mutex<ProgressShare>>,
     shown: Shown,
 }
 
@@ -45,8 +44,8 @@ impl RunProgress {
         }
     }
 
-    fn with(shown: impl FnOnce(&Arc<Mutex<Share>>) -> Shown) -> Self {
-        let share = Arc::new(Mutex::new(Share::new()));
+    fn with(shown: impl FnOnce(&Arc<Mutex<ProgressShare>>) -> Shown) -> Self {
+        let share = Arc::new(Mutex::new(ProgressShare::default()));
         Self {
             shown: shown(&share),
             share,
@@ -99,12 +98,12 @@ fn bar(name: &str) -> ProgressBar {
         bar.set_style(style);
     }
     bar.set_prefix(escaped(name));
-    bar.set_message(Share::new().doing());
+    bar.set_message(ProgressShare::default().doing());
     bar.enable_steady_tick(Duration::from_millis(500));
     bar
 }
 
-fn locked(share: &Mutex<Share>) -> MutexGuard<'_, Share> {
+fn locked(share: &Mutex<ProgressShare>) -> MutexGuard<'_, ProgressShare> {
     // A share is whole after each step.
     share.lock().unwrap_or_else(PoisonError::into_inner)
 }

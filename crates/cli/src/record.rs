@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use schemars::JsonSchema;
-use secateur::{Plant, StagedFiles};
+use secateur::Plant;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::failure::{Failure, to_name};
+use super::failure::to_name;
 use super::machine;
-use super::output;
 
 /// Version of the shape of records. It changes where a key goes or gets another meaning.
 pub(crate) const SCHEMA_VERSION: u32 = 1;
@@ -49,18 +48,16 @@ struct Run {
     machine: machine::Machine,
 }
 
-/// A number before and after.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct Counts {
-    pub(crate) original: u64,
-    #[serde(rename = "final")]
-    pub(crate) left: u64,
-}
-
 /// The number of something in an original.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct OfOriginal {
-    pub(crate) original: u64,
+    original: u64,
+}
+
+impl From<u64> for OfOriginal {
+    fn from(original: u64) -> Self {
+        Self { original }
+    }
 }
 
 /// The size of files before and after.
@@ -70,15 +67,6 @@ pub(crate) struct Bytes {
     pub(crate) original: Option<u64>,
     #[serde(rename = "final")]
     pub(crate) written: u64,
-}
-
-impl Counts {
-    pub(crate) fn of(original: impl TryInto<u64>, left: impl TryInto<u64>) -> Self {
-        Self {
-            original: original.try_into().unwrap_or(u64::MAX),
-            left: left.try_into().unwrap_or(u64::MAX),
-        }
-    }
 }
 
 /// What is to be said of a plant, then these notes, each once.
@@ -151,23 +139,4 @@ pub(crate) fn shown_if(path: Option<&Path>) -> Option<String> {
 /// The size of a file, where it can be told.
 pub(crate) fn bytes_of(path: &Path) -> Option<u64> {
     std::fs::metadata(path).map(|m| m.len()).ok()
-}
-
-/// Writes a record, where one is asked for, that appears with the others of `staged`.
-pub(crate) fn stage(
-    staged: &mut StagedFiles,
-    path: Option<&Path>,
-    record: &Value,
-) -> Result<(), Failure> {
-    match path {
-        Some(path) => output::stage(staged, path, format!("{record:#}\n").as_bytes()),
-        None => Ok(()),
-    }
-}
-
-/// Writes a record where one is asked for.
-pub(crate) fn write(path: Option<&Path>, record: &Value) -> Result<(), Failure> {
-    let mut staged = StagedFiles::new();
-    stage(&mut staged, path, record)?;
-    Ok(staged.commit()?)
 }

@@ -18,7 +18,7 @@ use super::measure::MeasureRecord;
 use super::names::text;
 use super::print::{Printed, Records};
 use super::record::Record;
-use super::simplify_record::SimplifyRecord;
+use super::simplify::SimplifyRecord;
 use super::stand::StandRecord;
 use super::stream::{StreamReadRecord, StreamRecord};
 use super::study::StudyRecord;

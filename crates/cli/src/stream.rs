@@ -2,29 +2,29 @@
 
 use std::fs::File;
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
 use schemars::JsonSchema;
 use secateur::{
-    ChainOptions, Document, LodModel, Memory, Method, OpenEngine, Options, SimplifyError,
-    StagedFiles, Target, Tree, simplify_on, surfaces_to_glb,
+    ChainOptions, Counts, Document, LodModel, Memory, Method, OpenEngine, Options, SimplifyError,
+    Target, Tree, simplify_on, surfaces_to_glb,
 };
 use secateur_gltf::{Detail, read_within};
-use secateur_pages::stream::{Piece, Stream, read_stream, stream_page, write_stream};
+use secateur_pages::stream::{Piece, Stream, not_sent, read_stream, stream_page, write_stream};
 use serde::Serialize;
 use serde_json::json;
 
+use super::advice::warn_all;
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::left_out_of_stream::not_sent;
+use super::output::{self, Outputs};
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::{Bytes, Counts, Record, bytes_of, shown_if};
-use super::simplify::{sentences, share, timed, warn_all};
-use super::summary::{columns, grouped, size};
-use super::{interrupt, order, output, record};
+use super::record::{Bytes, bytes_of, shown_if};
+use super::summary::{columns, grouped, share, size};
+use super::work::Work;
+use super::{advice, interrupt, order};
 
 /// Of the leaves, what the first piece has where nothing else is said.
 const FIRST_SHARE: f64 = 0.02;
@@ -100,26 +100,21 @@ pub(crate) fn run(args: &args::Stream, common: &Common) -> Result<Printed, Failu
 }
 
 fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
-    let start = Instant::now();
-    let mut inputs = vec![args.input.as_path()];
-    inputs.extend(args.coarsest.order.as_deref());
-    let mut outputs = vec![args.output.as_path()];
-    outputs.extend(args.preview.as_deref());
-    outputs.extend(args.report.as_deref());
-    for path in &outputs {
-        output::check_file(path, &inputs)?;
-    }
-    output::check_distinct(&outputs)?;
-
-    let mut stages = Vec::new();
-    let tree = timed(&mut stages, "load", || {
-        let memory = args.memory.memory;
+    let mut work = Work::on("stream");
+    let inputs = std::iter::once(&args.input).chain(&args.coarsest.order);
+    let outputs = Outputs::beside(inputs.map(PathBuf::as_path))
+        .and(&args.output, output::check_file)?
+        .maybe(args.preview.as_ref(), output::check_file)?
+        .maybe(args.report.as_ref(), output::check_file)?
+        .distinct()?;
+    let tree = work.timed("load", |_| {
+        let memory = args.plant.memory();
         let document = interrupt::reading(|| Document::open_within(&args.input, memory))?;
-        let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
-        Ok::<_, Failure>(document.into_tree(&args.foliage.foliage)?)
+        let document = document.with_vertex_alpha(args.plant.vertex_alpha());
+        Ok(document.into_tree(args.plant.selectors())?)
     })?;
     output::check_spares(tree.document(), &outputs)?;
-    warn_all(&tree.inspection().warnings);
+    warn_all(&advice::sentences(&tree.inspection().warnings));
     let not_sent = not_sent(tree.document().json());
     if !not_sent.is_empty() {
         let names = not_sent.join(", ");
@@ -129,24 +124,20 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
         );
     }
     interrupt::check()?;
-    let model = timed(&mut stages, "order", || model(args, common, &tree))?;
-    let surfaces = timed(&mut stages, "surfaces", || {
-        let surfaces = tree.leaf_surfaces(Detail::Full);
-        surfaces.map_err(Failure::from)
-    })?;
+    let model = work.timed("order", |_| model(args, common, &tree))?;
+    let surfaces = work.timed("surfaces", |_| Ok(tree.leaf_surfaces(Detail::Full)?))?;
     interrupt::writing()?;
     let name = args.input.file_stem().unwrap_or_default().to_string_lossy();
-    let stream = timed(&mut stages, "stream", || {
+    let stream = work.timed("stream", |_| {
         write_stream(&name, &surfaces, tree.foliage(), &model)
             .map_err(|error| Failure::input(format!("{}: {error}", args.input.display())))
     })?;
-    let mut staged = StagedFiles::new();
-    output::stage(&mut staged, &args.output, &stream.bytes)?;
+    output::stage(&mut work.files, &args.output, &stream.bytes)?;
     if let Some(page) = &args.preview {
         let beside = is_beside(page, &args.output).then(|| args.output.file_name());
         let beside = beside.flatten().map(|name| name.to_string_lossy());
         let html = stream_page(&name, &stream, beside.as_deref());
-        output::stage(&mut staged, page, html.as_bytes())?;
+        output::stage(&mut work.files, page, html.as_bytes())?;
     }
     let first = stream.pieces[0];
     let record = StreamRecord {
@@ -169,10 +160,8 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
         not_sent,
         order_sha256: model.order().sha256(),
     };
-    let total = start.elapsed().as_secs_f64();
-    let record = Record::new("stream", record, &stages, total).to_value();
-    record::stage(&mut staged, args.report.as_deref(), &record)?;
-    staged.commit()?;
+    let (record, _) = work.record(record);
+    work.finish(args.report.as_deref(), &record)?;
     let rows = stream.pieces.iter().map(|piece| json!(piece)).collect();
     Ok(Printed {
         pretty: pretty(args, &tree, &stream),
@@ -221,7 +210,7 @@ fn model(args: &args::Stream, common: &Common, tree: &Tree) -> Result<LodModel, 
     });
     let result = result.map_err(Failure::about(&args.input))?;
     drop(progress_bar);
-    warn_all(&sentences(&result));
+    warn_all(&advice::of_all_of_run(&result));
     let model = LodModel::new(result.passes.in_one_order(), tree.foliage());
     model.map_err(|error| Failure::input(format!("{}: {error}", args.input.display())))
 }
@@ -254,7 +243,7 @@ fn pretty(args: &args::Stream, tree: &Tree, stream: &Stream) -> String {
             size(piece.bytes),
             grouped(piece.leaves.into()),
             grouped(piece.triangles),
-            share(piece.bytes as usize, all as usize),
+            share(piece.bytes, all),
         ]);
     }
     text += &columns(&rows);
@@ -274,29 +263,23 @@ fn pretty(args: &args::Stream, tree: &Tree, stream: &Stream) -> String {
 }
 
 fn read(args: &args::Stream) -> Result<Printed, Failure> {
-    let start = Instant::now();
-    let inputs = [args.input.as_path()];
-    output::check_glb(&args.output, &inputs)?;
-    let mut outputs = vec![args.output.as_path()];
-    if let Some(report) = &args.report {
-        output::check_file(report, &inputs)?;
-        outputs.push(report);
-    }
-    output::check_distinct(&outputs)?;
-    let mut stages = Vec::new();
-    let memory = args.memory.memory;
-    let bytes = timed(&mut stages, "load", || {
+    let mut work = Work::on("stream");
+    Outputs::beside([args.input.as_path()])
+        .and(&args.output, output::check_glb)?
+        .maybe(args.report.as_ref(), output::check_file)?
+        .distinct()?;
+    let memory = args.plant.memory();
+    let bytes = work.timed("load", |_| {
         interrupt::reading(|| first_bytes(&args.input, args.bytes, memory))
     })?;
-    let (plant, used) = timed(&mut stages, "read", || {
+    let (plant, used) = work.timed("read", |_| {
         read_stream(&bytes)
             .map_err(|error| Failure::input(format!("{}: {error}", args.input.display())))
     })?;
     interrupt::writing()?;
-    let mut staged = StagedFiles::new();
-    let glb = timed(&mut stages, "write", || {
+    let glb = work.timed("write", |files| {
         let glb = surfaces_to_glb(plant.name(), &plant.surfaces());
-        output::stage(&mut staged, &args.output, &glb)?;
+        output::stage(files, &args.output, &glb)?;
         Ok(glb)
     })?;
     let [leaves, of_leaves] = plant.leaves();
@@ -321,10 +304,8 @@ fn read(args: &args::Stream) -> Result<Printed, Failure> {
         order_sha256: plant.order_sha256().to_owned(),
         is_whole: plant.is_whole(),
     };
-    let total = start.elapsed().as_secs_f64();
-    let record = Record::new("stream", record, &stages, total).to_value();
-    record::stage(&mut staged, args.report.as_deref(), &record)?;
-    staged.commit()?;
+    let (record, _) = work.record(record);
+    work.finish(args.report.as_deref(), &record)?;
     let text = format!(
         "{} -> {}\n  read       {} of {} pieces, {}\n  leaves     {} of {}\n  triangles  {} of {}\n",
         args.input.display(),

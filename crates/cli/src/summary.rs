@@ -1,5 +1,7 @@
 //! Formats numbers and tables for people.
 
+use secateur::Counts;
+
 /// Groups digits by three: 20160 becomes "20,160".
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
@@ -28,6 +30,22 @@ pub(crate) fn percent(percent: f64) -> String {
         p if p == 0.0 || p >= 10.0 => format!("{p:.1} %"),
         p => format!("{p:.2} %"),
     }
+}
+
+/// "10 %" of the leaves.
+pub(crate) fn share(kept: u64, count: u64) -> String {
+    let share = 100.0 * kept as f64 / count.max(1) as f64;
+    match share {
+        s if (s - s.round()).abs() < 0.05 => format!("{s:.0} %"),
+        s => format!("{s:.1} %"),
+    }
+}
+
+/// A row of a number before and after, and the share that is left.
+pub(crate) fn counts_row(name: &str, counts: Counts) -> Vec<String> {
+    let [before, after] = [counts.original, counts.left].map(grouped);
+    let share = share(counts.left, counts.original);
+    vec![name.to_owned(), before, after, share]
 }
 
 /// Rows of cells as aligned columns: the first to the left, others to the right.

@@ -20,7 +20,7 @@ use super::tree::LeafSource;
 use super::vertex_alpha::{self, VertexAlphas};
 use super::write::check_references;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
-use secateur_model::{Budget, Facing, Foliage, Leaf, LeafId, LeafTriangle};
+use secateur_model::{Budget, Facing, Foliage, Leaf, LeafId, LeafTriangle, Note};
 
 /// The most triangles of leaves, every instance counted: two gibibytes.
 const MAX_LEAF_TRIANGLES: u64 = 16 << 20;
@@ -173,7 +173,8 @@ impl Document {
         let levels_inside = self.levels_inside()?;
         inspection.notes.extend(self.note_of_levels(&levels_inside));
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
-        inspection.warnings.extend(pictures.warnings());
+        let of_pictures = pictures.warnings().into_iter().map(Note::from);
+        inspection.warnings.extend(of_pictures);
         let hidden = match self.vertex_alpha_counts {
             Some(_) => Vec::new(),
             None => self.hidden_by_vertices(&survey)?,
@@ -227,7 +228,7 @@ impl Document {
         (survey, parts): (&Survey, &[Part]),
         role: Role,
         pictures: &mut Pictures<'_>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Note>,
     ) -> Result<FoundLeaves, Fault> {
         check_size((survey, parts), role, &mut pictures.budget)?;
         let alpha_counts = self.vertex_alpha_counts(survey)?;
@@ -282,7 +283,7 @@ impl Document {
         group: &Group,
         cutouts: &mut Cutouts,
         pictures: &mut Pictures<'_>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Note>,
     ) -> Result<Skin, Fault> {
         let Some(texture) = group.look.texture else {
             let cutout = cutouts.index(&group.look, pictures)?;
@@ -294,11 +295,11 @@ impl Document {
         };
         let uvs = self.texture_coordinates(group.mesh, group.primitive, texture.uv_set)?;
         let Some(uvs) = uvs else {
-            warnings.push(format!(
-                "{}: has no TEXCOORD_{} for its texture; its leaves are taken for opaque",
-                self.primitive_place(group.mesh, group.primitive),
-                texture.uv_set
-            ));
+            let place = self.primitive_place(group.mesh, group.primitive);
+            let set = texture.uv_set;
+            let opaque = "its leaves are taken for opaque";
+            warnings
+                .push(format!("{place}: has no TEXCOORD_{set} for its texture; {opaque}").into());
             return Ok(Skin {
                 uvs: Vec::new(),
                 cutout: None,

@@ -1,5 +1,7 @@
 //! What has to be said of parts that could be something else.
 
+use secateur_model::{NamedOption, Note};
+
 use super::choice::Verdict;
 use super::parts::Part;
 use super::roles::Role;
@@ -8,7 +10,7 @@ use super::{Document, Selector, property, shape_evidence};
 
 impl Document {
     /// A sentence for each primitive that looks like leaves and wood in one and is taken for one or the other.
-    pub(crate) fn warnings_of_mixed(&self, survey: &Survey, parts: &[Part]) -> Vec<String> {
+    pub(crate) fn warnings_of_mixed(&self, survey: &Survey, parts: &[Part]) -> Vec<Note> {
         let mut are_leaves = vec![false; survey.groups.len()];
         let mut are_split = vec![false; survey.groups.len()];
         for (part, group) in parts.iter().zip(&survey.group_of_part) {
@@ -31,7 +33,7 @@ impl Document {
                 )
             })
         });
-        mixed.collect()
+        mixed.map(Note::from).collect()
     }
 
     /// What of primitives is read otherwise than one may think, or could be something else; a sentence for all that
@@ -41,7 +43,7 @@ impl Document {
         survey: &Survey,
         verdicts: &[Verdict],
         selectors: &[Selector],
-    ) -> Vec<String> {
+    ) -> Vec<Note> {
         let mut about: Vec<(Oddity, Vec<String>)> = Vec::new();
         for (group, verdict) in survey.groups.iter().zip(verdicts) {
             let is_skinned = |&node: &usize| self.root["nodes"][node].get("skin").is_some();
@@ -93,7 +95,7 @@ enum Oddity {
 
 impl Oddity {
     /// A sentence about the primitives at these places, at least one.
-    fn of(self, places: &[String]) -> String {
+    fn of(self, places: &[String]) -> Note {
         let (one, several) = match self {
             Self::Skinned => (
                 "is skinned; its bind pose is read",
@@ -105,21 +107,23 @@ impl Oddity {
             ),
             Self::NoTriangles => ("has no triangles", "have no triangles"),
             Self::Unclear => (
-                "could be foliage, is left as wood; to choose it use `--foliage`",
-                "could be foliage, are left as wood; to choose them use `--foliage`",
+                "could be foliage, is left as wood; to choose it use ",
+                "could be foliage, are left as wood; to choose them use ",
             ),
             Self::FoliageForWantOfOther => (
-                "is taken for foliage since its texture is cut out and nothing else looks like leaves; to choose others use `--foliage`",
-                "are taken for foliage since their textures are cut out and nothing else looks like leaves; to choose others use `--foliage`",
+                "is taken for foliage since its texture is cut out and nothing else looks like leaves; to choose others use ",
+                "are taken for foliage since their textures are cut out and nothing else looks like leaves; to choose others use ",
             ),
         };
-        if let [place] = places {
-            return format!("{place}: {one}");
-        }
         let named = places[..places.len().min(MOST_NAMED)].join(", ");
-        match places.len() - places.len().min(MOST_NAMED) {
+        let note = Note::from(match places.len() - places.len().min(MOST_NAMED) {
+            0 if places.len() == 1 => format!("{named}: {one}"),
             0 => format!("{named}: {several}"),
             more => format!("{named} and {more} more: {several}"),
+        });
+        match self {
+            Self::Unclear | Self::FoliageForWantOfOther => note.naming(NamedOption::Foliage),
+            Self::Skinned | Self::MorphTargets | Self::NoTriangles => note,
         }
     }
 }

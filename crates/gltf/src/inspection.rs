@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use secateur_model::Note;
+use serde::{Serialize, Serializer};
 
 use super::evidence::Reason;
 
@@ -29,11 +30,18 @@ pub struct Inspection {
     /// What is not the plant, one sentence each.
     pub notes: Vec<String>,
     /// What was passed over, one sentence each.
-    pub warnings: Vec<String>,
+    #[serde(serialize_with = "as_texts")]
+    #[cfg_attr(feature = "cli", schemars(with = "Vec<String>"))]
+    pub warnings: Vec<Note>,
     /// Selectors that would name leaves, where none were found.
     pub candidates: Vec<String>,
     /// Why there is no foliage, in one sentence.
     pub problem: Option<String>,
+}
+
+/// Notes as their texts.
+fn as_texts<S: Serializer>(notes: &[Note], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(notes.iter().map(|note| &**note))
 }
 
 /// What a primitive was taken for.

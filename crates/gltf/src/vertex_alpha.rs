@@ -6,6 +6,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use secateur_model::{NamedOption, Note};
+
 use super::Document;
 use super::cutouts::cutoff;
 use super::error::Fault;
@@ -122,8 +124,10 @@ impl VertexAlphas {
 }
 
 /// The warning where the alpha of vertices is ignored.
-pub(crate) fn warning(place: &str) -> String {
-    format!(
-        "{place}: the alpha of its COLOR_0 would hide most of it and is ignored, as if it were wind data (`--vertex-alpha keep` counts it); engines that follow glTF hide it"
-    )
+pub(crate) fn warning(place: &str) -> Note {
+    Note::from(format!(
+        "{place}: the alpha of its COLOR_0 would hide most of it and is ignored, as if it were wind data ("
+    ))
+    .naming(NamedOption::KeepVertexAlpha)
+    .then(" counts it); engines that follow glTF hide it")
 }

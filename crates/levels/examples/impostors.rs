@@ -58,7 +58,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         for count in CARDS {
             let start = Instant::now();
             let cards = Cards::new(&surfaces, count);
-            if let Some(made) = Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY)) {
+            if let Some(made) =
+                Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY, height))
+            {
                 let name = format!("cards-{}", cards.count());
                 all.push((name, start.elapsed().as_secs_f64(), made));
             }

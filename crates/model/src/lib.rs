@@ -10,6 +10,7 @@
 //! - [`Surface`]: textured triangles, what a tree looks like; [`Plant`]: a grown
 //!   plant made of two of them, its [`PlantSkeleton`], and what its parts hang on ([`Hold`]).
 //! - [`Memory`]: how much memory a run may take; [`Budget`]: what is left of it.
+//! - [`Note`]: a sentence about a plant, with the options that it speaks of.
 //! - [`Random`]: numbers drawn by lot, the same on every machine.
 //!
 //! Nothing here knows a file format, a view, an image or a method.
@@ -26,6 +27,7 @@ mod lod;
 mod lod_model;
 mod memory;
 mod new_leaf;
+mod note;
 mod order_error;
 mod plant;
 mod principal_axes;
@@ -44,6 +46,7 @@ pub use lod::Lod;
 pub use lod_model::{LodModel, UniformLevel};
 pub use memory::{Budget, Memory, OverMemory, Remedy};
 pub use new_leaf::{CornerRef, NewCorner, NewLeaf, Place};
+pub use note::{NamedOption, Note};
 pub use order_error::OrderError;
 pub use plant::Plant;
 pub use principal_axes::{moment, principal_axes};

@@ -34,31 +34,6 @@ pub enum Record {
     Leaf(u32, LeafPose),
 }
 
-/// Why a chain cannot be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ChainError {
-    /// SAVE before any segment.
-    #[error("record {record} of the chain saves a state before there is one")]
-    NothingToSave {
-        /// Its place, from 0.
-        record: usize,
-    },
-    /// RESTORE of what was never saved.
-    #[error("record {record} of the chain restores a state that was not saved")]
-    NotSaved {
-        /// Its place, from 0.
-        record: usize,
-    },
-    /// A segment that cannot be: not finite, a negative radius, or sides
-    /// outside 3 to 64; or a leaf that is not finite or has a negative size.
-    #[error("record {record} of the chain has a number out of range")]
-    OutOfRange {
-        /// Its place, from 0.
-        record: usize,
-    },
-}
-
 /// A plant as a row of branches, longest first, of which every prefix is a plant (Lluch et al.
 /// 2010).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -113,26 +88,23 @@ impl Chain {
     /// Never: a chain that was made from a skeleton can be drawn.
     pub fn skeleton(&self, levels: usize) -> Skeleton {
         let records = self.prefix(levels);
-        let mut interpreter = Interpreter::with_room_for(records);
+        let mut turtle = Turtle::with_room_for(records);
         for record in records {
-            interpreter.obey(record).expect("a chain can be drawn");
+            turtle.obey(record);
         }
-        interpreter.into_skeleton()
+        turtle.skeleton
     }
 }
 
 /// Draws a chain record by record: after each there is a plant.
-#[derive(Clone, Debug, Default)]
-pub struct Interpreter {
+#[derive(Default)]
+struct Turtle {
     skeleton: Skeleton,
-    leaf_numbers: Vec<u32>,
     at: Option<SegmentIndex>,
     saved: HashMap<SegmentIndex, SegmentIndex>,
-    levels: usize,
-    obeyed: usize,
 }
 
-impl Interpreter {
+impl Turtle {
     /// Growing while it draws would cost a large level more a record than a small
     /// one.
     fn with_room_for(records: &[Record]) -> Self {
@@ -145,30 +117,22 @@ impl Interpreter {
                 segments: Vec::with_capacity(segments),
                 leaves: Vec::with_capacity(leaves),
             },
-            leaf_numbers: Vec::with_capacity(leaves),
+            at: None,
             saved: HashMap::with_capacity(saves),
-            ..Self::default()
         }
     }
 
-    /// Draws one record more.
-    ///
-    /// # Errors
-    /// [`ChainError`]; the plant stays as it was.
-    pub fn obey(&mut self, record: &Record) -> Result<(), ChainError> {
-        let place = self.obeyed;
+    /// Draws one record more of a chain that [`write_records`] made: it saves where a segment ends, and restores what
+    /// it saved.
+    fn obey(&mut self, record: &Record) {
         match *record {
-            Record::Level => self.levels += 1,
+            Record::Level => {}
             Record::Save(id) => {
-                let at = self.at.ok_or(ChainError::NothingToSave { record: place })?;
+                let at = self.at.expect("a segment was drawn");
                 self.saved.insert(id, at);
             }
-            Record::Restore(id) => {
-                let at = self.saved.get(&id).copied();
-                self.at = Some(at.ok_or(ChainError::NotSaved { record: place })?);
-            }
+            Record::Restore(id) => self.at = Some(self.saved[&id]),
             Record::Segment(segment) => {
-                check(segment_is_sound(&segment), place)?;
                 let index = SegmentIndex::from_index(self.skeleton.segments.len());
                 self.skeleton.segments.push(Segment {
                     parent: self.at,
@@ -177,59 +141,12 @@ impl Interpreter {
                 });
                 self.at = Some(index);
             }
-            Record::Leaf(number, pose) => {
-                check(leaf_is_sound(&pose), place)?;
-                self.leaf_numbers.push(number);
-                self.skeleton.leaves.push(LeafPose {
-                    segment: self.at,
-                    ..pose
-                });
-            }
+            Record::Leaf(_, pose) => self.skeleton.leaves.push(LeafPose {
+                segment: self.at,
+                ..pose
+            }),
         }
-        self.obeyed += 1;
-        Ok(())
     }
-
-    /// What has been drawn so far: a whole plant at any time.
-    pub fn skeleton(&self) -> &Skeleton {
-        &self.skeleton
-    }
-
-    /// What has been drawn.
-    pub fn into_skeleton(self) -> Skeleton {
-        self.skeleton
-    }
-
-    /// For each leaf drawn its number in the original skeleton, from 0.
-    pub fn leaf_numbers(&self) -> &[u32] {
-        &self.leaf_numbers
-    }
-
-    /// How many levels have begun.
-    pub fn levels(&self) -> usize {
-        self.levels
-    }
-}
-
-fn check(is_sound: bool, record: usize) -> Result<(), ChainError> {
-    is_sound
-        .then_some(())
-        .ok_or(ChainError::OutOfRange { record })
-}
-
-fn segment_is_sound(segment: &Segment) -> bool {
-    let radius = |r: f64| r.is_finite() && r >= 0.0;
-    segment.start.is_finite()
-        && segment.end.is_finite()
-        && radius(segment.start_radius_m)
-        && radius(segment.end_radius_m)
-        && (3..=64).contains(&segment.sides)
-}
-
-fn leaf_is_sound(pose: &LeafPose) -> bool {
-    let finite = pose.base.is_finite() && pose.along.is_finite() && pose.facing.is_finite();
-    let size = |m: f64| m.is_finite() && m >= 0.0;
-    finite && size(pose.length_m) && size(pose.width_m)
 }
 
 fn write_records(skeleton: &Skeleton, branches: &Branches, paths: Vec<Vec<BranchIndex>>) -> Chain {

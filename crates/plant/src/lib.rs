@@ -8,9 +8,9 @@
 //!   [`grow_rules`] does the same with one's own rules.
 //! - [`Rules`]: a rule file, read; [`language`] says what can be in it, and
 //!   [`Species::text`] gives examples.
+//! - [`RuleSource`]: a species or a rule file by its name; plants of it, and levels of them by their branches.
 //! - [`draw`]: the turtle, from a derived [`Word`] to a [`Skeleton`].
-//! - [`Branches`], [`Chain`]: branches by what they matter, every prefix a plant;
-//!   [`write_chain`] and [`read_chain`] stream it.
+//! - [`Branches`], [`Chain`]: branches by what they matter, every prefix a plant.
 //! - [`merge_levels`]: sticks and leaf clusters merged, levels of a whole plant.
 //! - [`chain_order`], [`merge_order`]: the same two as orders in which any foliage
 //!   with a skeleton loses its leaves.
@@ -36,11 +36,11 @@
 extern crate alloc;
 
 mod bark_texture;
+mod branch_level;
 mod branches;
 mod chain;
 mod chain_order;
 mod chain_paths;
-mod chain_stream;
 mod depth;
 mod derive;
 mod ellipsoid_crown;
@@ -51,15 +51,16 @@ mod leaf_surface;
 mod leaf_texture;
 mod merge;
 mod outline;
+mod rule_source;
 mod skeleton;
 mod species;
 mod turtle;
 mod wood;
 
+pub use branch_level::{BranchAmount, BranchLevel, BranchLevelOptions, BranchMethod};
 pub use branches::{Branch, BranchIndex, Branches, Metric};
-pub use chain::{Chain, ChainError, Interpreter, Record};
+pub use chain::{Chain, Record};
 pub use chain_order::chain_order;
-pub use chain_stream::{StreamError, read_chain, write_chain};
 pub use depth::{MAX_DEPTH, TooDeep, check_depth};
 pub use derive::Word;
 pub use ellipsoid_crown::{EllipsoidCrown, ellipsoid_crown};
@@ -71,6 +72,7 @@ pub use merge::{
     ClusterSize, MergedLevel, Scheme, SchemeError, height_over_radius, merge_at, merge_levels,
     merge_order,
 };
+pub use rule_source::{RuleSource, RuleSourceError};
 pub use secateur_model::{PlantSkeleton, Random, Segment, SegmentIndex};
 pub use skeleton::{LeafKind, LeafPose, Skeleton};
 pub use species::{Species, UnknownSpecies};

@@ -41,19 +41,10 @@ fn document(other: &Bound<'_, PyAny>) -> PyResult<Document> {
 fn judged(plant: &Plant, other: Document, pixels_high: &[f64]) -> Result<Value, Error> {
     let judged = judge_document(plant, other, &JudgeOptions::default())?;
     let mut record = json!(judged.figures()?);
-    let at = |px: &f64| {
-        let mut seen = json!(judged.difference_at(*px));
-        seen["pixels_high"] = json!(px);
-        seen
-    };
-    let differences: Vec<Value> = pixels_high.iter().map(at).collect();
-    let worst = |key: &str| {
-        let all = differences.iter().filter_map(|seen| seen[key].as_f64());
-        all.fold(0.0, f64::max)
-    };
-    record["difference"] = json!(worst("difference"));
-    record["block_coverage"] = json!(worst("block_coverage"));
-    record["differences"] = json!(differences);
+    let differences = json!(judged.differences_at(pixels_high));
+    for (key, value) in differences.as_object().into_iter().flatten() {
+        record[key] = value.clone();
+    }
     let misplaced = judged.misplaced();
     let warnings = misplaced.iter().map(ToString::to_string);
     record["warnings"] = warnings.collect::<Vec<String>>().into();

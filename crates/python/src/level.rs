@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use secateur::{AreaTable, Level, LevelOptions, Plant, Vmi, WriteOptions};
+use secateur::{AreaTable, Level, LevelOptions, Plant, WriteOptions};
 use serde_json::{Value, json};
 
 use crate::observation::{Look, PyObservation, observed};
@@ -37,27 +37,11 @@ impl PyLevel {
 
     /// Its figures by the keys of the program's reports.
     fn record(&self) -> Value {
-        let (plant, level) = (self.plant(), self.level());
-        let run = &level.simplified;
-        let leaves = plant.leaves();
-        let foliage_left = run.lod.foliage(leaves).triangles().len() as u64;
-        let counts = |original: u64, left: u64| json!({ "original": original, "final": left });
-        json!({
-            "leaves": counts(leaves.leaves().len() as u64, run.lod.leaf_count() as u64),
-            "triangles": counts(plant.triangle_count(), foliage_left + level.wood_triangles),
-            "foliage_triangles": counts(leaves.triangles().len() as u64, foliage_left),
-            "wood_triangles": counts(plant.wood_triangle_count(), level.wood_triangles),
-            "engine": run.engine,
-            "adapter": run.adapter,
-            "order_sha256": run.passes.in_one_order().sha256(),
-            "areas_sha256": run.areas.as_ref().map(AreaTable::sha256),
-            "max_area_scale": run.passes.max_area_scale(),
-            "vmi_bits": run.vmi_final.as_ref().map(Vmi::bits),
-            "vmi_bits_original": run.vmi_original.bits(),
-            "driving_vmi_error_percent": run.driving_error_percent(),
-            "resolution": run.resolution,
-            "difference": level.difference,
-        })
+        let level = self.level();
+        let mut record = json!(level.record());
+        record["resolution"] = level.simplified.resolution.into();
+        record["difference"] = json!(level.difference);
+        record
     }
 }
 

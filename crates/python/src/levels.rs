@@ -1,11 +1,11 @@
 //! `secateur.Levels`: all levels of a plant that an engine loads.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use secateur::chain::{Layout, LevelsOptions};
-use secateur::{Levels, Plant, WriteOptions};
+use secateur::{Levels, Plant, WriteOptions, has_extension, is_gltf_name};
 use serde_json::json;
 
 use crate::watch::Watch;
@@ -38,7 +38,12 @@ impl PyLevels {
 
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.levels().chain.notes.clone()
+        self.levels()
+            .chain
+            .notes
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
     #[getter]
@@ -69,7 +74,7 @@ impl PyLevels {
     ) -> PyResult<Vec<PathBuf>> {
         let layout = match layout {
             Some(layout) => layout_of(layout)?,
-            None if has_extension(&path, &["glb", "gltf"]) => Layout::Siblings,
+            None if is_gltf_name(&path) => Layout::Siblings,
             None if has_extension(&path, &["usda"]) => Layout::Usd,
             None => Layout::Files,
         };
@@ -100,10 +105,4 @@ fn layout_of(name: &str) -> PyResult<Layout> {
             "the layout `{name}` is none of files, siblings, msft, usd"
         ))),
     }
-}
-
-/// Whether a path is one of a file of these kinds.
-fn has_extension(path: &Path, all: &[&str]) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str());
-    extension.is_some_and(|e| all.contains(&e.to_ascii_lowercase().as_str()))
 }

@@ -97,6 +97,25 @@ impl Judged {
         self.difference.difference(&self.shown, pixels_high, all)
     }
 
+    /// How far the other looks from the plant at each of these heights, and the largest of them; see
+    /// [`difference_at`](Self::difference_at).
+    pub fn differences_at(&self, pixels_high: &[f64]) -> Differences {
+        let at = |pixels_high: &f64| DifferenceAt {
+            pixels_high: *pixels_high,
+            seen: self.difference_at(*pixels_high),
+        };
+        let differences: Vec<DifferenceAt> = pixels_high.iter().map(at).collect();
+        let worst = |of: fn(&Difference) -> f64| {
+            let all = differences.iter().map(|at| of(&at.seen));
+            all.fold(0.0, f64::max)
+        };
+        Differences {
+            difference: worst(|seen| seen.difference),
+            block_coverage: worst(|seen| seen.block_coverage),
+            differences,
+        }
+    }
+
     /// The figures of `secateur measure`: of leaves counted in images, and of shaded pictures of all. Takes seconds.
     ///
     /// # Errors
@@ -156,6 +175,29 @@ impl Judged {
         let is_misplaced = (found.other_size - found.size).abs() > most || found.moved > most;
         is_misplaced.then_some(found)
     }
+}
+
+/// The differences that people see at some heights on the screen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Differences {
+    /// The largest difference at the heights asked for.
+    pub difference: f64,
+    /// The largest `block_coverage` at these heights.
+    pub block_coverage: f64,
+    /// The difference at each height.
+    pub differences: Vec<DifferenceAt>,
+}
+
+/// The difference that people see at a height on the screen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct DifferenceAt {
+    /// How many pixels high the screen shows the plant.
+    pub pixels_high: f64,
+    /// The difference there.
+    #[serde(flatten)]
+    pub seen: Difference,
 }
 
 /// Two files that do not hold the same plant. Prints as a sentence.

@@ -17,7 +17,7 @@ use secateur_simplify::whole::{
 };
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Shared, Simplified, Target,
-    Warning, simplify_on, take_plant,
+    simplify_on, take_plant,
 };
 use web_time::Instant;
 
@@ -25,6 +25,7 @@ use crate::Error;
 use crate::Session;
 use crate::judged::difference_judge;
 use crate::level_options::{ColorChoice, LevelOptions};
+use crate::level_warning::LevelWarning;
 use crate::opened_plant::{Parts, Plant};
 use crate::part_levels::{PartLevel, Parted};
 
@@ -34,23 +35,6 @@ const LOOKED_AT_PX: f64 = 128.0;
 
 /// The height at which the nearest of several ways to share triangles is chosen: that of `measure`.
 const CHOSEN_AT_PX: f64 = 540.0;
-
-/// What has to be said of a level.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LevelWarning {
-    /// What the run over the leaves warns of.
-    Run(Warning),
-    /// Cutoffs stay as they are, since the level can't be drawn: why.
-    CutoffsStay(String),
-    /// Textures stay as they are, since one can't be read: why.
-    TexturesStay(String),
-    /// Other colours were asked for, and no texture gets any.
-    NoOtherColors,
-    /// The level is another plant: its difference.
-    AnotherPlant(f64),
-    /// Whether it looks like the plant is not known: why.
-    LookUnknown(String),
-}
 
 /// All that makes up a level.
 #[derive(Clone, Debug)]
@@ -455,10 +439,8 @@ impl LevelParts {
     fn look(&mut self, tree: &Tree) {
         match difference_of(tree, &self.lod, LOOKED_AT_PX) {
             Ok(difference) => {
-                if difference.difference > Difference::ANOTHER_PLANT {
-                    let warning = LevelWarning::AnotherPlant(difference.difference);
-                    self.warnings.push(warning);
-                }
+                let warning = LevelWarning::of_difference(difference.difference);
+                self.warnings.extend(warning);
                 self.difference = Some(difference);
             }
             Err(error) => {

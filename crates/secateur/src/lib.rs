@@ -97,6 +97,10 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "scene")]
+mod cutoffs_record;
+#[cfg(feature = "scene")]
+pub mod engines;
 mod error;
 mod error_kind;
 #[cfg(feature = "scene")]
@@ -106,6 +110,10 @@ mod level;
 #[cfg(feature = "scene")]
 mod level_options;
 #[cfg(feature = "scene")]
+mod level_record;
+#[cfg(feature = "scene")]
+mod level_warning;
+#[cfg(feature = "scene")]
 mod levels;
 #[cfg(feature = "scene")]
 mod opened_plant;
@@ -113,6 +121,7 @@ mod opened_plant;
 mod part_levels;
 #[cfg(feature = "scene")]
 mod preview_page;
+mod progress_share;
 mod scene;
 #[cfg(feature = "scene")]
 mod session;
@@ -122,22 +131,30 @@ pub mod stand;
 mod surroundings;
 mod versioned;
 
+#[cfg(feature = "scene")]
+pub use cutoffs_record::{CutoffsRecord, RaisedRecord, ShownRecord};
 pub use error::Error;
 pub use error_kind::ErrorKind;
 #[cfg(feature = "scene")]
 pub use judged::{
-    AllScores, Figures, JudgeOptions, Judged, Misplaced, SetFigures, judge, judge_document,
+    AllScores, DifferenceAt, Differences, Figures, JudgeOptions, Judged, Misplaced, SetFigures,
+    judge, judge_document,
 };
 #[cfg(feature = "scene")]
-pub use level::{Level, LevelParts, LevelWarning};
+pub use level::{Level, LevelParts};
 #[cfg(feature = "scene")]
 pub use level_options::{ColorChoice, CutoffChoice, LevelOptions};
+#[cfg(feature = "scene")]
+pub use level_record::{ColorRecord, Counts, LevelRecord};
+#[cfg(feature = "scene")]
+pub use level_warning::LevelWarning;
 #[cfg(feature = "scene")]
 pub use levels::{LevelPlace, Levels, PlacedLevel};
 #[cfg(feature = "scene")]
 pub use opened_plant::{Opening, Plant};
 #[cfg(feature = "scene")]
 pub use part_levels::{PartLevel, PartLevelError};
+pub use progress_share::ProgressShare;
 pub use scene::scene_views;
 #[cfg(feature = "scene")]
 pub use secateur_gltf::chain::Layout;
@@ -157,14 +174,14 @@ pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, Inspection, LeafSurface,
     PreparedLod, PrimitiveReport, Problem, Reason, SceneCamera, Selector, SelectorError, Spread,
     StagedFiles, TakenFor, Tree, VertexAlpha, WholeTree, WriteOptions, WriteProblem, Written,
-    plant_into_glb, plant_to_glb, surfaces_to_glb,
+    has_extension, is_gltf_name, plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,
     FoliageError, Forest, Growth, Heirs, Hold, Leaf, LeafId, LeafTriangle, Lod, LodModel, Material,
-    Memory, Mips, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, OrderError, OverMemory,
-    Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy, RemovalOrder, Segment,
-    SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
+    Memory, Mips, NamedOption, NewCorner, NewLeaf, NoHeirs, Node, NodeIndex, NormalMap, Note,
+    OrderError, OverMemory, Place, Plant as GrownPlant, PlantHolds, PlantSkeleton, Remedy,
+    RemovalOrder, Segment, SegmentIndex, SkeletonError, Step, Surface, Texture, UniformLevel, Wrap,
 };
 pub use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 pub use secateur_raster::{

@@ -61,7 +61,9 @@ impl Method {
     pub fn vds(&self) -> Option<&VdsOptions> {
         match self {
             Self::Vds(options) | Self::VdsReference(options) => Some(options),
-            _ => None,
+            Self::Fsa(_) | Self::Stochastic(_) | Self::Meshopt(_) => None,
+            #[cfg(feature = "plant")]
+            Self::Chain(_) | Self::Merge(_) => None,
         }
     }
 
@@ -69,7 +71,9 @@ impl Method {
     pub fn vds_mut(&mut self) -> Option<&mut VdsOptions> {
         match self {
             Self::Vds(options) | Self::VdsReference(options) => Some(options),
-            _ => None,
+            Self::Fsa(_) | Self::Stochastic(_) | Self::Meshopt(_) => None,
+            #[cfg(feature = "plant")]
+            Self::Chain(_) | Self::Merge(_) => None,
         }
     }
 
@@ -78,7 +82,11 @@ impl Method {
         match self {
             #[cfg(feature = "plant")]
             Self::Chain(_) | Self::Merge(_) => true,
-            _ => false,
+            Self::Vds(_)
+            | Self::VdsReference(_)
+            | Self::Fsa(_)
+            | Self::Stochastic(_)
+            | Self::Meshopt(_) => false,
         }
     }
 

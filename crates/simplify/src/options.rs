@@ -173,7 +173,11 @@ impl Options {
                     && self.resolution == Resolution::Auto)
                     .then_some(information(INFORMATION_OUTLINE_WEIGHT)),
                 // The paper fits nothing.
-                _ => None,
+                Preset::Paper
+                | Preset::PaperNormalised
+                | Preset::PaperFull
+                | Preset::PaperDeficit
+                | Preset::PaperNone => None,
             },
         }
     }

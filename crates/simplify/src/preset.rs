@@ -109,7 +109,11 @@ impl Preset {
         match self {
             Self::Look => Views::Auto,
             Self::Information => Views::Turning,
-            _ => Views::Dodecahedron,
+            Self::Paper
+            | Self::PaperNormalised
+            | Self::PaperFull
+            | Self::PaperDeficit
+            | Self::PaperNone => Views::Dodecahedron,
         }
     }
 
@@ -154,7 +158,12 @@ impl Preset {
     pub fn needles(self) -> Needles {
         match self {
             Self::Look => Needles::Widen,
-            _ => Needles::Scale,
+            Self::Information
+            | Self::Paper
+            | Self::PaperNormalised
+            | Self::PaperFull
+            | Self::PaperDeficit
+            | Self::PaperNone => Needles::Scale,
         }
     }
 }

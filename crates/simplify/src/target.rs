@@ -78,7 +78,7 @@ impl Target {
             Self::MaxErrorPercent(percent) if percent.is_nan() || percent < 0.0 => {
                 refused(format!("{percent} % error"), "a number from 0 upwards")
             }
-            _ => Ok(()),
+            Self::Leaves(_) | Self::Triangles(_) | Self::MaxErrorPercent(_) => Ok(()),
         }
     }
 

@@ -102,7 +102,16 @@ impl Views {
         match self {
             Self::Cameras(_) => true,
             Self::Turned { views, .. } => views.are_cameras(),
-            _ => false,
+            Self::Auto
+            | Self::Dodecahedron
+            | Self::Icosahedron
+            | Self::Both
+            | Self::Dodecahedra
+            | Self::Turning
+            | Self::Geodesic
+            | Self::Cube
+            | Self::Octahedron
+            | Self::Variable => false,
         }
     }
 
@@ -111,7 +120,16 @@ impl Views {
         match self {
             Self::Auto => true,
             Self::Turned { views, .. } => views.are_auto(),
-            _ => false,
+            Self::Cameras(_)
+            | Self::Dodecahedron
+            | Self::Icosahedron
+            | Self::Both
+            | Self::Dodecahedra
+            | Self::Turning
+            | Self::Geodesic
+            | Self::Cube
+            | Self::Octahedron
+            | Self::Variable => false,
         }
     }
 

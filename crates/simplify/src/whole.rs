@@ -213,7 +213,9 @@ impl<'a> WholePlant<'a> {
         let resolution = level_resolution(most, views.len());
         let levels = match mode.decided() {
             WoodMode::Vmi => Wood::by_information(parts, &weights, &views, resolution, rasteriser)?,
-            _ => Wood::by_geometry(parts, &weights, &views, resolution),
+            WoodMode::Auto | WoodMode::Geometry | WoodMode::Keep | WoodMode::Ignore => {
+                Wood::by_geometry(parts, &weights, &views, resolution)
+            }
         };
         let of_leaves = &seen[..leaves.leaves().len()];
         Ok(Self {

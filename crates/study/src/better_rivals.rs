@@ -3,6 +3,7 @@
 
 use crate::columns::column;
 use crate::format::{number, percent};
+use crate::row_fit::RowFit;
 use crate::table::Table;
 use crate::{Column, Row, Values};
 
@@ -56,7 +57,10 @@ fn is_vds(row: &Row) -> bool {
 }
 
 fn is_unfitted(row: &Row) -> bool {
-    !row.setting.contains("fit=")
+    match row.fit() {
+        RowFit::Unsaid | RowFit::None => true,
+        RowFit::Fitted => false,
+    }
 }
 
 /// The rows that are compared: of leaves of trees as they are, judged as drawn too, by views that

@@ -21,49 +21,7 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
         flags.push(TRIANGLES.to_owned());
     }
     flags.differing("preset", options.preset, Preset::default());
-    match &options.method {
-        Method::Vds(own) | Method::VdsReference(own) => flags.of_vds(own, options.preset.vds()),
-        Method::Fsa(own) => {
-            let usual = FsaOptions::default();
-            flags.number(
-                "distance-weight",
-                own.distance_weight,
-                usual.distance_weight,
-            );
-            flags.number(
-                "planarity-weight",
-                own.planarity_weight,
-                usual.planarity_weight,
-            );
-            flags.differing("corners", own.corners, usual.corners);
-            flags.differing("hausdorff", own.hausdorff, usual.hausdorff);
-        }
-        Method::Stochastic(own) => {
-            let usual = StochasticOptions::default();
-            if own.seed != usual.seed {
-                flags.push(format!("seed {}", own.seed));
-            }
-            flags.number("area-weight", own.area_weight, usual.area_weight);
-        }
-        Method::Meshopt(MeshoptOptions { mode, borders }) => {
-            flags.differing("meshopt-mode", *mode, Mode::default());
-            match borders {
-                Borders::Stay => {}
-                Borders::PreserveArea => flags.push("preserve-area".to_owned()),
-                Borders::Dilate => flags.push("dilate-borders".to_owned()),
-            }
-        }
-        Method::Chain(own) if own.branch_metric != Metric::default() => {
-            flags.push(format!(
-                "branch-metric {}",
-                name_of_metric(own.branch_metric)
-            ));
-        }
-        Method::Merge(own) if own.cluster_size == ClusterSize::Area => {
-            flags.push("cluster-size area".to_owned());
-        }
-        _ => {}
-    }
+    flags.of_method(&options.method, options.preset);
     if options.leaf_triangles != options.preset.leaf_triangles() {
         flags.push(format!("leaf-triangles {}", options.leaf_triangles));
     }
@@ -107,6 +65,53 @@ struct Flags(Vec<String>);
 impl Flags {
     fn push(&mut self, flag: String) {
         self.0.push(flag);
+    }
+
+    /// What differs in the method's own options.
+    fn of_method(&mut self, method: &Method, preset: Preset) {
+        match method {
+            Method::Vds(own) | Method::VdsReference(own) => self.of_vds(own, preset.vds()),
+            Method::Fsa(own) => {
+                let usual = FsaOptions::default();
+                self.number(
+                    "distance-weight",
+                    own.distance_weight,
+                    usual.distance_weight,
+                );
+                self.number(
+                    "planarity-weight",
+                    own.planarity_weight,
+                    usual.planarity_weight,
+                );
+                self.differing("corners", own.corners, usual.corners);
+                self.differing("hausdorff", own.hausdorff, usual.hausdorff);
+            }
+            Method::Stochastic(own) => {
+                let usual = StochasticOptions::default();
+                if own.seed != usual.seed {
+                    self.push(format!("seed {}", own.seed));
+                }
+                self.number("area-weight", own.area_weight, usual.area_weight);
+            }
+            Method::Meshopt(MeshoptOptions { mode, borders }) => {
+                self.differing("meshopt-mode", *mode, Mode::default());
+                match borders {
+                    Borders::Stay => {}
+                    Borders::PreserveArea => self.push("preserve-area".to_owned()),
+                    Borders::Dilate => self.push("dilate-borders".to_owned()),
+                }
+            }
+            Method::Chain(own) if own.branch_metric != Metric::default() => {
+                self.push(format!(
+                    "branch-metric {}",
+                    name_of_metric(own.branch_metric)
+                ));
+            }
+            Method::Merge(own) if own.cluster_size == ClusterSize::Area => {
+                self.push("cluster-size area".to_owned());
+            }
+            _ => {}
+        }
     }
 
     /// A value of a list of names.

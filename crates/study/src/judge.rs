@@ -122,14 +122,7 @@ impl<'a> LevelJudge<'a> {
                 self.original.measure(&solid.of(&left))
             }
         };
-        let cutoffs = match ran.chooses_cutoffs {
-            true => {
-                let chosen = choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?;
-                with_material_changes(self.tree, &ran.lod, chosen)?
-            }
-            false => Cutoffs::default(),
-        };
-        let surfaces = surfaces_of(self.tree, self.path, &ran.lod, &cutoffs)?;
+        let surfaces = self.surfaces(ran)?;
         let judging = self.original.judging();
         let pictured = self
             .pictures
@@ -137,12 +130,6 @@ impl<'a> LevelJudge<'a> {
         let centre = sphere_of(foliage)?.centre;
         let judges_too = |set| judging.views_that_judge(set, centre) > 0;
         let (kept_overlap, overlap_with) = self.overlap(run, ran)?;
-        let joined = |counted: &Scores, pictured: &PictureScores| {
-            let finite = |value: f64| value.is_finite().then_some(value);
-            let counted = counted.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
-            let pictured = pictured.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
-            counted.chain(pictured).collect::<Values>()
-        };
         let left = ran.lod.foliage(foliage);
         let provenance = self.host.provenance();
         let mut row = Row {
@@ -210,6 +197,18 @@ impl<'a> LevelJudge<'a> {
         files[1].write(difference, self.folder, self.host)?;
         [row.picture, row.difference] = files.map(|file| file.path);
         Ok(row)
+    }
+
+    /// What is drawn of a level.
+    fn surfaces(&self, ran: &Ran) -> Result<Vec<Surface>, Error> {
+        let cutoffs = match ran.chooses_cutoffs {
+            true => {
+                let chosen = choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?;
+                with_material_changes(self.tree, &ran.lod, chosen)?
+            }
+            false => Cutoffs::default(),
+        };
+        surfaces_of(self.tree, self.path, &ran.lod, &cutoffs)
     }
 
     /// The overlap of a level's survivors with those of the reference run, and the label of that
@@ -349,6 +348,14 @@ pub(crate) fn file_name(stem: &str, label: &str, seed: u64, level: f64) -> Strin
     };
     let label: String = label.chars().map(plain).collect();
     format!("{stem}-{label}-{seed}-{level}")
+}
+
+/// Scores of leaves and of pictures by their keys; those that are not finite have no value.
+fn joined(counted: &Scores, pictured: &PictureScores) -> Values {
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let counted = counted.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
+    let pictured = pictured.iter().map(|(m, v)| (m.key.to_owned(), finite(v)));
+    counted.chain(pictured).collect()
 }
 
 #[cfg(test)]

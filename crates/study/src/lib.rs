@@ -49,6 +49,7 @@ mod readme;
 mod recommend;
 mod report;
 mod row_file;
+mod row_fit;
 mod rows;
 mod run;
 mod scenes;

@@ -48,81 +48,25 @@ enum Origin {
 /// # Errors
 /// [`Error`] if there is nothing to study, or two trees have one name.
 pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
-    let mut subjects = Vec::new();
-    // Where nothing else is asked for, the paper's plan alone is judged as the paper judges.
-    let views_or = |of_plan| options.views.unwrap_or(of_plan);
-    let (of_user, leaves_of_user) = match options.cases.is_empty() && options.plans == [Plan::Paper]
-    {
-        true => (JudgingViews::Icosahedron, JudgedLeaves::Solid),
-        false => (JudgingViews::HeldOut, JudgedLeaves::AsInFile),
-    };
     let has = |plan: Plan| options.cases.is_empty() && options.plans.contains(&plan);
-    let cases_of = |knows_branches| match options.cases.is_empty() {
-        true => plan::cases(&options.plans, knows_branches),
-        false => plan::each_once(options.cases.iter().cloned()),
-    };
     if has(Plan::Scene) {
         distances::check(options)?;
     }
-    let (cases, with_branches) = (cases_of(false), cases_of(true));
-    let has_other = has(Plan::Whole) || has(Plan::Scene);
-    if cases.is_empty() && !has_other && !options.trees.is_empty() {
-        return Err(Error::Refused(
-            "no plan for trees of one's own was asked for: add methods, speed, stability, paper, whole or scene to --plan".to_owned(),
-        ));
-    }
-    for path in &options.trees {
-        let name = path.file_stem().unwrap_or(path.as_os_str());
-        subjects.push(Subject {
-            name: name.to_string_lossy().into_owned(),
-            path: path.clone(),
-            cases: match knows_branches(path, &options.selectors, options.memory) {
-                true => with_branches.clone(),
-                false => cases.clone(),
-            },
-            judged_by: views_or(of_user),
-            judged_leaves: leaves_of_user,
-            judged_from_radii: None,
-            is_seen_whole: has(Plan::Whole),
-            is_seen_from_distances: has(Plan::Scene),
-            origin: Origin::ByOthers,
-        });
-    }
+    let mut subjects = of_user(options)?;
     let folder = options.folder.join("trees");
+    let views_or = |of_plan| options.views.unwrap_or(of_plan);
     if has(Plan::Failures) {
-        for scene in &SCENES {
-            let path = folder.join(format!("{}.glb", scene.name));
-            subjects.push(Subject {
-                name: scene.name.to_owned(),
-                cases: (scene.cases)(&cameras_beside(&path)),
-                path,
-                judged_by: views_or(JudgingViews::HeldOut),
-                judged_leaves: JudgedLeaves::AsInFile,
-                judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
-                is_seen_whole: false,
-                is_seen_from_distances: false,
-                origin: Origin::Scene(scene),
-            });
-        }
+        let judged_by = views_or(JudgingViews::HeldOut);
+        subjects.extend(
+            SCENES
+                .iter()
+                .map(|scene| of_scene(scene, &folder, judged_by)),
+        );
     }
     if has(Plan::Paper) {
-        for model in &paper::MODELS {
-            let mut cases = paper::cases();
-            if model.is_of_fig_5() {
-                cases.extend(paper::fewer_views());
-            }
-            subjects.push(Subject {
-                path: folder.join(format!("{}.glb", model.tree())),
-                name: model.tree(),
-                cases,
-                judged_by: views_or(JudgingViews::Icosahedron),
-                judged_leaves: JudgedLeaves::Solid,
-                judged_from_radii: None,
-                is_seen_whole: false,
-                is_seen_from_distances: false,
-                origin: Origin::Grown(model),
-            });
-        }
+        let judged_by = views_or(JudgingViews::Icosahedron);
+        let models = paper::MODELS.iter();
+        subjects.extend(models.map(|model| of_model(model, &folder, judged_by)));
     }
     if subjects.is_empty() {
         return Err(Error::Refused(
@@ -138,6 +82,82 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
     }
     subjects.retain(|s| options.only.is_empty() || options.only.contains(&s.name));
     Ok(subjects)
+}
+
+/// The user's own trees.
+fn of_user(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
+    let has = |plan: Plan| options.cases.is_empty() && options.plans.contains(&plan);
+    // Where nothing else is asked for, the paper's plan alone is judged as the paper judges.
+    let is_papers = options.cases.is_empty() && options.plans == [Plan::Paper];
+    let (judged_by, judged_leaves) = match is_papers {
+        true => (JudgingViews::Icosahedron, JudgedLeaves::Solid),
+        false => (JudgingViews::HeldOut, JudgedLeaves::AsInFile),
+    };
+    let cases_of = |knows_branches| match options.cases.is_empty() {
+        true => plan::cases(&options.plans, knows_branches),
+        false => plan::each_once(options.cases.iter().cloned()),
+    };
+    let (cases, with_branches) = (cases_of(false), cases_of(true));
+    let has_other = has(Plan::Whole) || has(Plan::Scene);
+    if cases.is_empty() && !has_other && !options.trees.is_empty() {
+        return Err(Error::Refused(
+            "no plan for trees of one's own was asked for: add methods, speed, stability, paper, whole or scene to --plan".to_owned(),
+        ));
+    }
+    let subject = |path: &PathBuf| Subject {
+        name: path
+            .file_stem()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy()
+            .into_owned(),
+        path: path.clone(),
+        cases: match knows_branches(path, &options.selectors, options.memory) {
+            true => with_branches.clone(),
+            false => cases.clone(),
+        },
+        judged_by: options.views.unwrap_or(judged_by),
+        judged_leaves,
+        judged_from_radii: None,
+        is_seen_whole: has(Plan::Whole),
+        is_seen_from_distances: has(Plan::Scene),
+        origin: Origin::ByOthers,
+    };
+    Ok(options.trees.iter().map(subject).collect())
+}
+
+/// A scene on which methods fail.
+fn of_scene(scene: &'static FailureScene, folder: &Path, judged_by: JudgingViews) -> Subject {
+    let path = folder.join(format!("{}.glb", scene.name));
+    Subject {
+        name: scene.name.to_owned(),
+        cases: (scene.cases)(&cameras_beside(&path)),
+        path,
+        judged_by,
+        judged_leaves: JudgedLeaves::AsInFile,
+        judged_from_radii: Some(scene.judged_from_radii).filter(|radii| *radii != 3.0),
+        is_seen_whole: false,
+        is_seen_from_distances: false,
+        origin: Origin::Scene(scene),
+    }
+}
+
+/// A plant such as those of the paper.
+fn of_model(model: &'static Model, folder: &Path, judged_by: JudgingViews) -> Subject {
+    let mut cases = paper::cases();
+    if model.is_of_fig_5() {
+        cases.extend(paper::fewer_views());
+    }
+    Subject {
+        path: folder.join(format!("{}.glb", model.tree())),
+        name: model.tree(),
+        cases,
+        judged_by,
+        judged_leaves: JudgedLeaves::Solid,
+        judged_from_radii: None,
+        is_seen_whole: false,
+        is_seen_from_distances: false,
+        origin: Origin::Grown(model),
+    }
 }
 
 /// Whether a tree has a sound skeleton. What else may be wrong with it is said by
@@ -172,7 +192,7 @@ impl Subject {
     pub(crate) fn levels(&self) -> &'static [f64] {
         match self.origin {
             Origin::Scene(_) => &SCENE_LEVELS,
-            _ => &LEVELS,
+            Origin::ByOthers | Origin::Grown(_) => &LEVELS,
         }
     }
 
@@ -181,7 +201,7 @@ impl Subject {
     pub(crate) fn selectors<'s>(&self, of_user: &'s [Selector]) -> &'s [Selector] {
         match self.origin {
             Origin::ByOthers => of_user,
-            _ => &[],
+            Origin::Scene(_) | Origin::Grown(_) => &[],
         }
     }
 

@@ -70,43 +70,21 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
             false => usize::MAX,
         })
         .collect();
-    let mut reached: Vec<Option<Reached>> = vec![None; levels.len()];
-    let mut end = None;
-    let mut fitting: Option<(Instant, Instant)> = None;
-    let mut begun = Instant::now();
+    let mut watch = Watch::new(&steps, host);
     host.forget_peak_rss();
     let engine = OpenEngine::open(changed.options.engine).map_err(SimplifyError::from)?;
     let result = simplify_on(
         &engine,
         &changed.foliage,
         &changed.options,
-        &mut |progress| {
-            match progress {
-                Progress::Stage(Stage::Select) => begun = Instant::now(),
-                // All that comes after is no part of the method.
-                Progress::Stage(Stage::Observe) => end = Some(Reached::now(begun, host)),
-                Progress::Stage(Stage::Fit) => {
-                    end.get_or_insert_with(|| Reached::now(begun, host));
-                    fitting = Some((Instant::now(), Instant::now()));
-                }
-                Progress::Step { .. } if fitting.is_some() => {
-                    fitting = fitting.map(|(from, _)| (from, Instant::now()));
-                }
-                Progress::Step { done, .. } => {
-                    for (at, steps) in reached.iter_mut().zip(&steps) {
-                        if done == *steps {
-                            *at = Some(Reached::now(begun, host));
-                        }
-                    }
-                }
-                _ => {}
-            }
-            match host.is_stop_asked() {
-                false => ControlFlow::Continue(()),
-                true => ControlFlow::Break(()),
-            }
-        },
+        &mut |progress| watch.see(progress),
     )?;
+    let Watch {
+        reached,
+        end,
+        fitting,
+        ..
+    } = watch;
     let order = changed.order_of_tree(&result.passes.in_one_order());
     let of_stage = |name: Stage| {
         let stage = result.seconds.iter().find(|(stage, _)| *stage == name);
@@ -148,6 +126,60 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
     };
     let levels = levels.iter().zip(steps.iter().zip(reached));
     Ok(levels.map(ran).collect())
+}
+
+/// What a run's progress says of time and memory.
+struct Watch<'a> {
+    host: &'a dyn Host,
+    /// After how many steps each level is reached.
+    steps: &'a [usize],
+    begun: Instant,
+    reached: Vec<Option<Reached>>,
+    /// Where the method ended.
+    end: Option<Reached>,
+    /// From when to when sizes were fitted.
+    fitting: Option<(Instant, Instant)>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(steps: &'a [usize], host: &'a dyn Host) -> Self {
+        Self {
+            host,
+            steps,
+            begun: Instant::now(),
+            reached: vec![None; steps.len()],
+            end: None,
+            fitting: None,
+        }
+    }
+
+    fn see(&mut self, progress: Progress) -> ControlFlow<()> {
+        let (begun, host) = (self.begun, self.host);
+        match progress {
+            Progress::Stage(Stage::Select) => self.begun = Instant::now(),
+            // All that comes after is no part of the method.
+            Progress::Stage(Stage::Observe) => self.end = Some(Reached::now(begun, host)),
+            Progress::Stage(Stage::Fit) => {
+                self.end.get_or_insert_with(|| Reached::now(begun, host));
+                self.fitting = Some((Instant::now(), Instant::now()));
+            }
+            Progress::Step { done, .. } => match &mut self.fitting {
+                Some((_, until)) => *until = Instant::now(),
+                None => {
+                    for (at, steps) in self.reached.iter_mut().zip(self.steps) {
+                        if done == *steps {
+                            *at = Some(Reached::now(begun, host));
+                        }
+                    }
+                }
+            },
+            _ => {}
+        }
+        match host.is_stop_asked() {
+            false => ControlFlow::Continue(()),
+            true => ControlFlow::Break(()),
+        }
+    }
 }
 
 /// Time and memory up to a moment of a run.

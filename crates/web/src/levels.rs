@@ -167,7 +167,7 @@ impl JsLevels {
             "version": env!("CARGO_PKG_VERSION"),
             "original": levels.plant().report(),
             "levels": reports,
-            "notes": levels.chain.notes,
+            "notes": levels.chain.notes.iter().map(|note| &**note).collect::<Vec<_>>(),
         })
     }
 }

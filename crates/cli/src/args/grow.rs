@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use secateur_plant::{ClusterSize, MAX_LEAVES, Scheme};
-
-use super::super::grow_lod::Amount;
+use clap::Args;
+use secateur_plant::{BranchAmount, BranchMethod, ClusterSize, MAX_LEAVES, Scheme};
 
 #[derive(Args, Debug)]
 pub(crate) struct Grow {
@@ -26,10 +24,10 @@ pub(crate) struct Grow {
     /// or a share of the leaves such as 0.25 for as many paths as bear at most that share; with
     /// `--lod-method merge`, K for level K of the scheme.
     #[arg(long, value_name = "K|R", allow_negative_numbers = true)]
-    pub(crate) lod: Option<Amount>,
+    pub(crate) lod: Option<BranchAmount>,
     /// How levels of detail are made.
-    #[arg(long, value_enum, default_value_t = LodMethod::Chain, requires = "lod")]
-    pub(crate) lod_method: LodMethod,
+    #[arg(long, value_enum, default_value_t = BranchMethod::Chain, requires = "lod")]
+    pub(crate) lod_method: BranchMethod,
     /// merge: which share of the sticks each level takes away, in per cent.
     #[arg(
         long,
@@ -47,13 +45,4 @@ pub(crate) struct Grow {
     /// Write a picture of the plant.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) picture: Option<PathBuf>,
-}
-
-/// How `grow` makes levels of detail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LodMethod {
-    /// Paths of branches, the longest branching first; every prefix is a plant
-    Chain,
-    /// Sticks and leaf clusters merged from the twigs down, by a scheme
-    Merge,
 }

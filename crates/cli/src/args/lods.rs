@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use secateur::engines::EngineName;
 use secateur::{Alpha, Effort, Engine, Memory, Sides};
 
-use super::super::lods::EngineName;
 use super::super::names::{ChainPresetName, ChainWoodName};
-use super::{Foliage, MemoryArg, OF_RECORDS, SceneArgs, VertexAlphaArg, leaves, number, share};
+use super::{OF_RECORDS, PlantArgs, SceneArgs, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_gltf::chain::Layout;
 use secateur_levels::chain::{CostWeights, DISTANCES, MOST_DIFFERENCE, Textures};
@@ -93,11 +93,7 @@ pub(crate) struct Lods {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
-    pub(crate) foliage: Foliage,
-    #[command(flatten)]
-    pub(crate) vertex_alpha: VertexAlphaArg,
-    #[command(flatten)]
-    pub(crate) memory: MemoryArg,
+    pub(crate) plant: PlantArgs,
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = Alpha::Mask)]
     pub(crate) alpha: Alpha,

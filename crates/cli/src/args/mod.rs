@@ -14,13 +14,15 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
-use secateur::{Alpha, Engine, JudgingViews, Memory, Selector, Sides, VertexAlpha};
+use secateur::{
+    Alpha, Engine, JudgingViews, Memory, Opening, Selector, Sides, VertexAlpha, WoodMode,
+};
 use secateur_simplify::option_numbers::{from_zero, number, share};
 
 use super::schema::RecordName;
 
 pub(crate) use batch::{Batch, BatchCollect, BatchRun, Completions};
-pub(crate) use grow::{Grow, LodMethod};
+pub(crate) use grow::Grow;
 pub(crate) use lod::{LevelArgs, Lod};
 pub(crate) use lods::Lods;
 pub(crate) use short_help::command;
@@ -147,11 +149,7 @@ pub(crate) struct Inspect {
     #[arg(value_name = "TREE.glb")]
     pub(crate) tree: PathBuf,
     #[command(flatten)]
-    pub(crate) foliage: Foliage,
-    #[command(flatten)]
-    pub(crate) vertex_alpha: VertexAlphaArg,
-    #[command(flatten)]
-    pub(crate) memory: MemoryArg,
+    pub(crate) plant: PlantArgs,
     /// Write the record to this file too.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
@@ -176,11 +174,7 @@ pub(crate) struct Measure {
     #[arg(long, value_enum, default_value_t = JudgingViews::HeldOut)]
     pub(crate) views: JudgingViews,
     #[command(flatten)]
-    pub(crate) foliage: Foliage,
-    #[command(flatten)]
-    pub(crate) vertex_alpha: VertexAlphaArg,
-    #[command(flatten)]
-    pub(crate) memory: MemoryArg,
+    pub(crate) plant: PlantArgs,
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = Alpha::Mask)]
     pub(crate) alpha: Alpha,
@@ -205,6 +199,44 @@ fn height(text: &str) -> Result<f64, String> {
         |px| (8.0..=1e5).contains(&px),
         "of pixels from 8 to 100000",
     )
+}
+
+/// How a plant is opened.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct PlantArgs {
+    #[command(flatten)]
+    foliage: Foliage,
+    #[command(flatten)]
+    vertex_alpha: VertexAlphaArg,
+    #[command(flatten)]
+    memory: MemoryArg,
+}
+
+impl PlantArgs {
+    /// What is foliage.
+    pub(crate) fn selectors(&self) -> &[Selector] {
+        &self.foliage.foliage
+    }
+
+    /// How much memory may be taken.
+    pub(crate) fn memory(&self) -> Memory {
+        self.memory.memory
+    }
+
+    /// What the alpha of vertex colours does.
+    pub(crate) fn vertex_alpha(&self) -> VertexAlpha {
+        self.vertex_alpha.vertex_alpha
+    }
+
+    /// How a plant of these options is opened.
+    pub(crate) fn opening(&self, wood: WoodMode) -> Opening {
+        Opening {
+            foliage: self.foliage.foliage.clone(),
+            vertex_alpha: self.vertex_alpha(),
+            wood,
+            memory: self.memory(),
+        }
+    }
 }
 
 #[derive(Args, Clone, Debug)]

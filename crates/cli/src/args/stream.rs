@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::Engine;
 
-use super::{Foliage, MemoryArg, VertexAlphaArg, leaves, share};
+use super::{PlantArgs, leaves, share};
 
 #[derive(Args, Debug)]
 pub(crate) struct Stream {
@@ -30,11 +30,7 @@ pub(crate) struct Stream {
     #[arg(long, value_enum, default_value_t = Engine::Auto, conflicts_with = "read")]
     pub(crate) engine: Engine,
     #[command(flatten)]
-    pub(crate) foliage: Foliage,
-    #[command(flatten)]
-    pub(crate) vertex_alpha: VertexAlphaArg,
-    #[command(flatten)]
-    pub(crate) memory: MemoryArg,
+    pub(crate) plant: PlantArgs,
     /// Write the machine-readable record of the run to this file.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,

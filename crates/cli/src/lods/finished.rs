@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use secateur_gltf::StagedFiles;
+use secateur_model::hex;
 use secateur_study::{file_sha256, tree_sha256};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -40,7 +41,7 @@ struct Known {
 /// What the levels of a tree depend on, as a SHA-256: the program, the options, and all files that are
 /// read. Trees that cannot be read are refused here.
 pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
-    let memory = args.memory.memory;
+    let memory = args.plant.memory();
     let sha256 = |path: &Path| -> Result<String, Failure> {
         match is_stream(path) {
             true => Ok(hex(&Sha256::digest(stdin(memory)?))),
@@ -51,12 +52,12 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
     for path in args.scene.files() {
         files.push(sha256(path)?);
     }
-    let selectors = args.foliage.foliage.iter().map(|s| s.to_string());
+    let selectors = args.plant.selectors().iter().map(|s| s.to_string());
     let about = (
         (env!("CARGO_PKG_VERSION"), machine::commit(), SCHEMA_VERSION),
         (files, args.scene.scene.is_some()),
         (&job.name, job.layout, args.textures.is_some()),
-        (selectors.collect::<Vec<_>>(), args.vertex_alpha),
+        (selectors.collect::<Vec<_>>(), args.plant.vertex_alpha()),
         (memory, &args.preview, args.for_engine, args.compress),
         options(args),
     );
@@ -147,8 +148,4 @@ pub(super) fn noted(
     output::stage_derived(&mut all, &place, format!("{text}\n").as_bytes())?;
     all.append(files);
     Ok(all)
-}
-
-fn hex(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -5,14 +5,14 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use secateur_gltf::chain::{Layout, check_name};
-use secateur_levels::chain::MAX_LEVELS;
+use secateur::engines::EngineName;
+use secateur_gltf::chain::{Layout, MAX_LEVELS, check_name};
+use secateur_gltf::{has_extension, is_gltf_name};
 
 use super::super::args;
 use super::super::failure::Failure;
 use super::super::output;
 use super::super::streams::is_stream;
-use super::engine::EngineName;
 use super::finished::Finished;
 
 /// A tree to be done, and where its levels go.
@@ -28,10 +28,8 @@ pub(crate) struct Job<'a> {
 
 /// Where each tree's levels go.
 pub(super) fn jobs(args: &args::Lods) -> Result<Vec<Job<'_>>, Failure> {
-    let extension = args.output.extension().and_then(OsStr::to_str);
-    let extension = extension.map(str::to_ascii_lowercase);
-    let is_usda = extension.as_deref() == Some("usda");
-    let is_file = is_usda || matches!(extension.as_deref(), Some("glb" | "gltf"));
+    let is_usda = has_extension(&args.output, &["usda"]);
+    let is_file = is_usda || is_gltf_name(&args.output);
     if is_file && args.trees.len() > 1 {
         return Err(Failure::usage(format!(
             "{}: one file holds the levels of one tree; name a folder for {} trees",

@@ -1,145 +1,35 @@
 //! `secateur lods`: the chain of levels that an engine loads.
 
 mod dry_run;
-mod engine;
 mod finished;
 mod job;
 mod level_options;
+mod make;
 mod nameless;
+mod record;
 mod table;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use schemars::JsonSchema;
-use secateur::{
-    Effort, ErrorKind, Levels, Opening, PlacedLevel, Plant, Preset, Surroundings, WoodMode,
-};
+use secateur::{ErrorKind, Surroundings};
+use secateur_gltf::StagedFiles;
 use secateur_gltf::chain::Layout;
-use secateur_gltf::{Document, StagedFiles, WriteOptions};
-use secateur_levels::chain::Textures;
-use secateur_model::{AlphaMode, Surface};
-use secateur_runtime::Screen;
-use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::args::{self, Common};
 use super::failure::Failure;
-use super::measure::warning_of;
 use super::print::{Printed, Records};
-use super::progress_bar::RunProgress;
-use super::record::{self, OfOriginal, Record, shown, shown_if};
+use super::record::Record;
 use super::streams::Outlet;
-use super::surroundings::SurroundingsRecord;
-use super::{demo, interrupt, log, output, picture, streams};
-use engine::EngineLevels;
-pub(crate) use engine::EngineName;
+use super::{interrupt, log, output};
 use finished::Finished;
 pub(crate) use job::Job;
 use job::{check_free, check_outputs, jobs, outputs};
 pub(crate) use level_options::options;
-use table::pretty;
+use make::{Done, make, opened};
+pub(crate) use record::{FailureRecord, LodsRecord};
 pub(crate) use table::{OF_DEMO, table};
-
-/// The levels of a plant.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct LodsRecord {
-    /// The plant's file.
-    input: String,
-    /// What nodes and files of the levels are called after.
-    name: String,
-    layout: Layout,
-    /// The files that were written, those of levels first.
-    files: Vec<String>,
-    /// Bytes of all files.
-    bytes: u64,
-    /// The page to look at the levels, if one was asked for.
-    preview: Option<String>,
-    leaves: OfOriginal,
-    /// Triangles of the whole plant.
-    triangles: OfOriginal,
-    /// Triangles of leaves.
-    foliage_triangles: OfOriginal,
-    /// Triangles of wood.
-    wood_triangles: OfOriginal,
-    surroundings: SurroundingsRecord,
-    screen: ScreenRecord,
-    /// The largest difference that a level may have.
-    max_difference: f64,
-    /// The largest `block_coverage` that a level may have.
-    max_block_coverage: f64,
-    plant_height_m: Option<f64>,
-    /// The largest difference that a switch may show.
-    max_pop: Option<f64>,
-    wood: WoodMode,
-    textures: Textures,
-    /// The largest difference that a switch shows.
-    largest_pop: Option<f64>,
-    preset: Preset,
-    effort: Effort,
-    /// Where leaves were drawn: `cpu` or `gpu`.
-    engine: &'static str,
-    /// The GPU and its driver; none on the CPU.
-    adapter: Option<String>,
-    /// The levels, finest first.
-    levels: Vec<PlacedLevel>,
-    /// SHA-256 of all that was done to the leaves of the coarsest level that has any.
-    order_sha256: Option<String>,
-    /// What was asked for and left out, and the like, a sentence each.
-    notes: Vec<String>,
-    /// What has to be said of plant and levels, a sentence each.
-    warnings: Vec<String>,
-    /// Whether the levels are those of an earlier call: neither plant nor options have changed.
-    kept: bool,
-}
-
-/// A plant that could not be done.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct FailureRecord {
-    /// The plant's file.
-    input: String,
-    /// Why, in a sentence.
-    error: String,
-}
-
-impl FailureRecord {
-    /// Why a tree could not be done.
-    pub(crate) fn of(tree: &Path, failure: &Failure) -> Self {
-        Self {
-            input: tree.display().to_string(),
-            error: failure.to_string(),
-        }
-    }
-}
-
-/// The screen that levels are for.
-#[derive(Serialize, JsonSchema)]
-struct ScreenRecord {
-    height_px: f64,
-    fov_degrees: f64,
-}
-
-/// A tree that was done.
-struct Done {
-    record: Value,
-    pretty: String,
-}
-
-impl Done {
-    /// As an earlier call left it; what it took is this call's.
-    fn again(finished: Finished, seconds: f64) -> Self {
-        let kept = "  kept       as it was made before: neither the tree nor what was asked for has changed\n";
-        let of_call = Record::new("lods", json!({ "kept": true }), &[], seconds).to_value();
-        let mut record = finished.record;
-        if let (Some(entries), Value::Object(of_call)) = (record.as_object_mut(), of_call) {
-            entries.extend(of_call);
-        }
-        Self {
-            record,
-            pretty: finished.pretty + kept,
-        }
-    }
-}
 
 /// Makes a chain of each tree, one after the other: what is finished when the program ends stays, and
 /// is not done again by the next call. Of several trees those that cannot be done are left out.
@@ -176,7 +66,7 @@ fn run_into_files(args: &args::Lods, common: &Common, outlet: &Outlet) -> Result
     options(args).check().map_err(secateur::Error::from)?;
     let outputs: Vec<PathBuf> = jobs.iter().flat_map(|job| outputs(args, job)).collect();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
-    let surroundings = args.scene.read(args.memory.memory, &outputs)?;
+    let surroundings = args.scene.read(args.plant.memory(), &outputs)?;
     if args.dry_run {
         return dry_run::told(args, &jobs);
     }
@@ -296,7 +186,7 @@ pub(crate) fn made_of_first(
     let jobs = jobs(args)?;
     check_outputs(args, &jobs)?;
     options(args).check().map_err(secateur::Error::from)?;
-    let surroundings = args.scene.read(args.memory.memory, &[])?;
+    let surroundings = args.scene.read(args.plant.memory(), &[])?;
     let Some(job) = jobs.first() else {
         return Err(Failure::usage("no tree was named"));
     };
@@ -309,171 +199,4 @@ pub(crate) fn made_of_first(
         since,
     )?;
     Ok((done.record, files))
-}
-
-/// The tree of a job, if a chain can be made of it.
-fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
-    tracing::info!("reading {}", job.tree.display());
-    let opening = Opening {
-        foliage: args.foliage.foliage.clone(),
-        vertex_alpha: args.vertex_alpha.vertex_alpha,
-        memory: args.memory.memory,
-        ..Opening::default()
-    };
-    let plant = streams::plant(job.tree, &opening)?;
-    let document = plant.tree().document();
-    let outputs = outputs(args, job);
-    let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
-    output::check_spares(document, &outputs)?;
-    if args.textures == Some(Textures::Fit) && !has_cut_outs(document)? {
-        return Err(Failure::input(format!(
-            "{}: no texture with alpha cuts out its leaves, so there is no coverage to keep; leave out `--textures fit`",
-            job.tree.display()
-        )));
-    }
-    Ok(plant)
-}
-
-/// The levels of a tree, and their files but for their names.
-fn make(
-    args: &args::Lods,
-    common: &Common,
-    (job, may_overwrite): (&Job<'_>, bool),
-    surroundings: &Surroundings,
-    picture: Option<&Path>,
-    start: Instant,
-) -> Result<(Done, StagedFiles), Failure> {
-    let options = options(args);
-    let drawn = args.scene.drawn(surroundings, args.memory.memory)?;
-    let plant = opened(args, job)?.within(drawn);
-    let mut stages = vec![("read", start.elapsed().as_secs_f64())];
-    let mut warnings = plant.inspection().warnings.clone();
-    super::simplify::warn_all(&warnings);
-    interrupt::check()?;
-    let progress_bar = RunProgress::new(common, &job.tree.display().to_string());
-    let levels = plant
-        .levels_watched(&options, &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure::of_plant(job.tree, error))?
-        .named(&job.name);
-    drop(progress_bar);
-    let made = &levels.chain;
-    stages.extend_from_slice(&made.seconds);
-    let writing = Instant::now();
-    let differences = made.levels.iter().map(|level| level.difference.difference);
-    let of_levels = warning_of(differences.fold(0.0, f64::max));
-    super::simplify::warn_all(&of_levels);
-    warnings.extend(of_levels);
-
-    let mut staged = StagedFiles::new();
-    if job.place != args.output {
-        let made = staged.make_folder(&args.output);
-        made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
-    }
-    let how = WriteOptions::default()
-        .overwrite(may_overwrite)
-        .compress(args.compress);
-    let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
-    staged.append(files);
-    if let (Some(engine), Some(file)) = (args.for_engine, &job.companion) {
-        stage_companion(&mut staged, engine, job, (&levels, options.screen), file)?;
-        written.files.push(file.clone());
-    }
-    if let Some(file) = &args.preview {
-        let page = levels.preview_html();
-        let page = page.map_err(|error| Failure::of_plant(job.tree, error))?;
-        output::stage(&mut staged, file, page.as_bytes())?;
-    }
-    if let Some(file) = picture {
-        let strip = picture::strip(&demo::exhibits(levels.tree(), made)?)?;
-        output::stage(&mut staged, file, &strip)?;
-    }
-    stages.push(("write", writing.elapsed().as_secs_f64()));
-    let seconds = start.elapsed().as_secs_f64();
-    let original = levels.plant().report();
-    let notes = record::notes(&plant, made.notes.iter().chain(&written.notes));
-    let record = LodsRecord {
-        input: job.tree.display().to_string(),
-        name: job.name.clone(),
-        layout: job.layout,
-        files: shown(&written.files),
-        bytes: written.bytes,
-        preview: shown_if(args.preview.as_deref()),
-        leaves: OfOriginal {
-            original: original.leaves,
-        },
-        triangles: OfOriginal {
-            original: original.triangles,
-        },
-        foliage_triangles: OfOriginal {
-            original: original.foliage_triangles,
-        },
-        wood_triangles: OfOriginal {
-            original: original.wood_triangles,
-        },
-        surroundings: args.scene.record(surroundings),
-        screen: ScreenRecord {
-            height_px: options.screen.height_px,
-            fov_degrees: options.screen.field_of_view_degrees,
-        },
-        max_difference: options.max_difference,
-        max_block_coverage: options.limits().block_coverage,
-        plant_height_m: options.plant_height_m,
-        max_pop: options.max_pop,
-        wood: options.wood.decided(),
-        textures: options.textures,
-        largest_pop: made
-            .levels
-            .iter()
-            .filter_map(|level| level.pop)
-            .reduce(f64::max),
-        preset: options.leaves.preset,
-        effort: options.leaves.effort,
-        engine: levels.engine,
-        adapter: levels.adapter.clone(),
-        levels: levels.placed(job.layout, &written),
-        order_sha256: made.coarsest_order_sha256(),
-        notes: notes.clone(),
-        warnings,
-        kept: false,
-    };
-    let record = Record::new("lods", record, &stages, seconds).to_value();
-    let pretty = pretty(&original, job, args, (made, &written), &notes, seconds);
-    Ok((Done { record, pretty }, staged))
-}
-
-/// Writes what an engine needs beside the levels.
-fn stage_companion(
-    staged: &mut StagedFiles,
-    engine: EngineName,
-    job: &Job<'_>,
-    (levels, screen): (&Levels, Screen),
-    file: &Path,
-) -> Result<(), Failure> {
-    if let Some(folder) = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-    {
-        let made = staged.make_folder(folder);
-        made.map_err(|e| Failure::of_file(folder, "cannot be made", &e))?;
-    }
-    let of_levels = job.place.file_name().unwrap_or_default().to_string_lossy();
-    let levels = EngineLevels::of(levels, screen.field_of_view_degrees);
-    match engine.text(&levels, &of_levels) {
-        Some(text) => output::stage(staged, file, text.as_bytes()),
-        None => Ok(()),
-    }
-}
-
-/// Whether the alpha of a texture cuts anything out of what is drawn.
-fn has_cut_outs(document: &Document) -> Result<bool, Failure> {
-    let cuts_out = |surface: &Surface| {
-        let alpha = surface.material.texture.as_ref();
-        let mut alpha = alpha
-            .into_iter()
-            .flat_map(|texture| texture.rgba.chunks_exact(4));
-        let is_mask = matches!(surface.material.alpha_mode, AlphaMode::Mask(_));
-        is_mask && alpha.any(|texel| texel[3] < u8::MAX)
-    };
-    let drawn = document.surfaces(&[])?;
-    Ok(drawn.iter().any(|(surface, _)| cuts_out(surface)))
 }

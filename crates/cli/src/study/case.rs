@@ -8,7 +8,6 @@ use secateur::{Memory, Views};
 use secateur_study::{Case, LevelOf};
 
 use super::super::args::{self, Cli, Command};
-use super::super::contradiction::contradiction;
 use super::super::failure::Failure;
 use super::super::simplify;
 
@@ -49,7 +48,7 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
     if let Some(option) = option_of_the_study(&args, &cli.common) {
         return Err(is_no_case(&format!("`{option}` is not for cases")));
     }
-    if let Some(sentence) = contradiction(&args) {
+    if let Some(sentence) = simplify::contradiction(&args) {
         return Err(is_no_case(&sentence));
     }
     let options = simplify::options(&args).map_err(|e| is_no_case(&e))?;

@@ -3,8 +3,6 @@
 mod case;
 mod host;
 
-use std::time::Instant;
-
 use schemars::JsonSchema;
 use secateur::ErrorKind;
 use secateur_study::{Case, Error, StudyOptions, redraw, run as run_study};
@@ -14,8 +12,9 @@ use super::args::{self, Common};
 use super::failure::Failure;
 use super::output;
 use super::print::Printed;
-use super::record::{Record, shown};
+use super::record::shown;
 use super::summary::grouped;
+use super::work::Work;
 use host::Program;
 
 /// What a study has drawn.
@@ -32,22 +31,14 @@ pub(crate) struct StudyRecord {
 
 /// Runs what is missing, then draws everything from the rows.
 pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failure> {
-    let start = Instant::now();
+    let work = Work::on("study");
     output::check_folder(&args.output)?;
     let host = Program::new(common);
     let drawn = match args.redraw {
         true => redraw(&args.output, &host)?,
         false => run_study(&options(args)?, &host)?,
     };
-    let total = start.elapsed().as_secs_f64();
     let count = drawn.rows as u64;
-    let pretty = format!(
-        "{} rows in {}\n  report   {}\n  rows     {}\n  took     {total:.1} s\n",
-        grouped(count),
-        args.output.display(),
-        drawn.report.display(),
-        drawn.csv.display()
-    );
     let record = StudyRecord {
         rows: count,
         output: args.output.display().to_string(),
@@ -55,7 +46,14 @@ pub(crate) fn run(args: &args::Study, common: &Common) -> Result<Printed, Failur
         csv: drawn.csv.display().to_string(),
         charts: shown(&drawn.charts),
     };
-    let record = Record::new("study", record, &[], total).to_value();
+    let (record, total) = work.record(record);
+    let pretty = format!(
+        "{} rows in {}\n  report   {}\n  rows     {}\n  took     {total:.1} s\n",
+        grouped(count),
+        args.output.display(),
+        drawn.report.display(),
+        drawn.csv.display()
+    );
     Ok(Printed::single(pretty, record))
 }
 

@@ -1,8 +1,7 @@
 //! Why there is no chain.
 
+use secateur_gltf::chain::MAX_LEVELS;
 use secateur_simplify::Error as SimplifyError;
-
-use super::options::MAX_LEVELS;
 
 /// Why there is no chain.
 #[derive(Debug, thiserror::Error)]

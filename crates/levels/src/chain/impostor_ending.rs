@@ -1,5 +1,6 @@
 //! How a chain ends: the meshes before the first impostor, the impostors, and what switches show.
 
+use secateur_model::Note;
 use secateur_simplify::{Observer, Progress};
 
 use super::error::ChainError;
@@ -14,7 +15,7 @@ use super::textures::{Client, end_of};
 type Pictured = (LevelPicture, ChainLevel);
 
 /// Levels that are left out, and why, a sentence each.
-type LeftOut = Vec<(ChainLevel, String)>;
+type LeftOut = Vec<(ChainLevel, Note)>;
 
 impl Maker<'_> {
     /// The meshes from before the first impostor and the impostors, with what switching to each shows, but for those
@@ -24,7 +25,7 @@ impl Maker<'_> {
         placed: Vec<Placed>,
         mut impostors: Vec<PlacedImpostor>,
         client: &Client<'_>,
-        notes: &mut Vec<String>,
+        notes: &mut Vec<Note>,
         observer: &mut Observer<'_>,
     ) -> Result<Vec<ChainLevel>, ChainError> {
         let mut of_switches = Vec::new();
@@ -99,7 +100,7 @@ impl Maker<'_> {
                     "a level of {} triangles is left out: to switch to it at {:.0} pixels would show a difference of {pop:.3}",
                     level.triangles, level.pixels_high
                 );
-                left_out.push((level, why));
+                left_out.push((level, why.into()));
                 continue;
             }
             kept.push((picture, level));

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::slice::from_ref;
 
 use secateur_eval::{Difference, ViewCount};
+use secateur_model::{NamedOption, Note};
 use secateur_simplify::Observer;
 
 use super::card_cutoffs::Covering;
@@ -29,10 +30,11 @@ const HOPELESS: f64 = 2.0;
 /// How much of a plant, of what there is, a client shows with an impostor that nobody asked for by name.
 const COVERS: RangeInclusive<f64> = 0.8..=1.25;
 
-fn no_impostor(place: &str, of_planes: f64, triangles: usize, of_mesh: f64) -> String {
-    format!(
+fn no_impostor(place: &str, of_planes: f64, triangles: usize, of_mesh: f64) -> Note {
+    let note = format!(
         "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, the mesh of {triangles} triangles {of_mesh:.3}"
-    )
+    );
+    note.into()
 }
 
 /// An impostor, and where it stands.
@@ -52,7 +54,7 @@ impl Maker<'_> {
         (placed, far): (&[Placed], Vec<PlacedImpostor>),
         search: &mut CardSearch<'_>,
         client: &Client<'_>,
-        notes: &mut Vec<String>,
+        notes: &mut Vec<Note>,
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
         let choice = self.options.impostor;
@@ -115,22 +117,26 @@ impl Maker<'_> {
         &self,
         place: &str,
         found: impl Iterator<Item = &'i PlacedImpostor>,
-        notes: &mut Vec<String>,
+        notes: &mut Vec<Note>,
     ) {
         let limits = self.look.limits;
         for impostor in found.filter(|one| one.difference.over(limits) > 1.0) {
-            notes.push(format!(
-                "the impostor at {place} has a difference of {:.3} and a block coverage of {:.2}, beyond `--max-difference {}`: it stands there as `--impostor` asks for it",
-                impostor.difference.difference,
-                impostor.difference.block_coverage,
-                limits.difference
+            let note = Note::from(format!(
+                "the impostor at {place} has a difference of {:.3} and a block coverage of {:.2}, beyond ",
+                impostor.difference.difference, impostor.difference.block_coverage,
             ));
+            notes.push(
+                note.naming(NamedOption::MaxDifference(Some(limits.difference)))
+                    .then(": it stands there as ")
+                    .naming(NamedOption::Impostor)
+                    .then(" asks for it"),
+            );
         }
     }
 
     /// Takes back notes of places where an impostor stands in the end, and adds those of places for which a mesh
     /// was made in vain.
-    pub(super) fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<String>) {
+    pub(super) fn note_impostors(&self, found: &[PlacedImpostor], notes: &mut Vec<Note>) {
         for (height, place) in self.heights() {
             // The last that has begun there.
             let begun = found.iter().rfind(|impostor| impostor.begins_px >= height);
@@ -139,11 +145,12 @@ impl Maker<'_> {
             };
             notes.retain(|note| !note.starts_with(&no_level(&place)));
             if impostor.begins_px > height {
-                notes.push(format!(
+                let note = format!(
                     "{} the impostor of {} triangles before is enough",
                     no_level(&place),
                     impostor.level.impostor.surface.triangles.len()
-                ));
+                );
+                notes.push(note.into());
             }
         }
     }
@@ -155,7 +162,7 @@ impl Maker<'_> {
         (height, place): &(f64, String),
         most_bytes: u64,
         client: &Client<'_>,
-        notes: &mut Vec<String>,
+        notes: &mut Vec<Note>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<PlacedImpostor>, ChainError> {
         let (choice, height) = (self.options.impostor, *height);
@@ -206,9 +213,10 @@ impl Maker<'_> {
             && choice == Choice::Auto
             && of_equal < of_planes
         {
-            notes.push(format!(
+            let note = format!(
                 "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
-            ));
+            );
+            notes.push(note.into());
             return Ok(None);
         }
         if choice == Choice::Auto && !(is_lighter && is_near) {
@@ -216,19 +224,22 @@ impl Maker<'_> {
             return Ok(None);
         }
         if choice == Choice::Auto && impostor.texture_bytes() > most_bytes {
-            notes.push(format!(
-                "no impostor at {place}: crossed planes take {} KiB of textures on the GPU there, more than `--impostor-textures` lets them",
+            let note = Note::from(format!(
+                "no impostor at {place}: crossed planes take {} KiB of textures on the GPU there, more than ",
                 impostor.texture_bytes() >> 10
             ));
+            let note = note.naming(NamedOption::ImpostorTextures);
+            notes.push(note.then(" lets them"));
             return Ok(None);
         }
         if choice == Choice::Auto {
             let shown = client.as_drawn(from_ref(&impostor.surface), range);
             let covers = shown.begin.coverage_over_truth;
             if !COVERS.contains(&covers) {
-                notes.push(format!(
+                let note = format!(
                     "no impostor at {place}: a client would show {covers:.2} times what there is of the plant"
-                ));
+                );
+                notes.push(note.into());
                 return Ok(None);
             }
         }

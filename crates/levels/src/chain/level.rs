@@ -3,7 +3,7 @@
 use std::ops::{Deref, DerefMut};
 
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{Lod, RemovalOrder};
+use secateur_model::{Lod, Note, RemovalOrder};
 
 use super::level_report::{ImpostorReport, LevelReport};
 use crate::impostor::Impostor;
@@ -82,12 +82,18 @@ pub struct Chain {
     /// The levels, finest first; at most 8.
     pub levels: Vec<ChainLevel>,
     /// What was asked for and left out, and the like, a sentence each.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// How long it took, in seconds by stage: together all of the time.
     pub seconds: Vec<(&'static str, f64)>,
 }
 
 impl Chain {
+    /// The largest difference that a switch shows; none where there is none.
+    pub fn largest_pop(&self) -> Option<f64> {
+        let pops = self.levels.iter().filter_map(|level| level.pop);
+        pops.reduce(f64::max)
+    }
+
     /// SHA-256 of all that was done to the leaves of the coarsest level that has any; none where no level does.
     pub fn coarsest_order_sha256(&self) -> Option<String> {
         let orders = self.levels.iter().rev();

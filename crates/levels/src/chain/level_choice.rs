@@ -1,5 +1,6 @@
 //! Which levels a chain has: those that are asked for, or what heights on the screen need.
 
+use secateur_model::{NamedOption, Note};
 use secateur_simplify::{Amount, Observer, Progress};
 
 use super::cards::{CardSearch, FAR_PX};
@@ -29,8 +30,8 @@ pub(super) fn no_level(place: &str) -> String {
 
 /// Notes of which those of places without a level for the same reason are one: `135 pixels` after `270 pixels` makes
 /// `270 and 135 pixels`.
-pub(super) fn join_places(notes: Vec<String>) -> Vec<String> {
-    let mut joined: Vec<String> = Vec::new();
+pub(super) fn join_places(notes: Vec<Note>) -> Vec<Note> {
+    let mut joined: Vec<Note> = Vec::new();
     let parts = |note: &str| {
         let (place, reason) = note.strip_prefix(NO_LEVEL)?.split_once(':')?;
         Some((place.to_owned(), reason.to_owned()))
@@ -43,7 +44,7 @@ pub(super) fn join_places(notes: Vec<String>) -> Vec<String> {
                 let earlier = places.strip_suffix(unit).unwrap_or(&places).trim_end();
                 let earlier = earlier.replace(" and ", ", ");
                 joined.pop();
-                joined.push(no_level(&format!("{earlier} and {place}")) + &reason);
+                joined.push((no_level(&format!("{earlier} and {place}")) + &reason).into());
             }
             (_, _) => joined.push(note),
         }
@@ -56,7 +57,7 @@ pub(super) fn asked(
     maker: &Maker<'_>,
     amounts: &[Amount],
     client: &Client<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
     observer: &mut Observer<'_>,
 ) -> Result<Vec<Placed>, ChainError> {
     let mut placed: Vec<Placed> = Vec::new();
@@ -72,20 +73,24 @@ pub(super) fn asked(
             });
         }
         if is_no_less(&level, placed.last(), maker) {
-            notes.push(format!(
+            let note = format!(
                 "a level of {} triangles is left out: it would be as large as the one before",
                 level.triangles()
-            ));
+            );
+            notes.push(note.into());
             continue;
         }
         let below = placed.last().map_or(f64::INFINITY, Placed::begins);
         let (triangles, is_first) = (level.triangles(), placed.is_empty());
         match placed_below(maker, (level, below), is_first, client, observer)? {
             Some(found) => placed.push(found),
-            None => notes.push(format!(
-                "a level of {triangles} triangles is left out: even {LEAST_PX} pixels high it differs by more than {}; ask for more triangles, or raise `--max-difference`",
-                maker.options.max_difference
-            )),
+            None => {
+                let note = format!(
+                    "a level of {triangles} triangles is left out: even {LEAST_PX} pixels high it differs by more than {}; ask for more triangles, or raise ",
+                    maker.options.max_difference
+                );
+                notes.push(Note::from(note).naming(NamedOption::MaxDifference(None)));
+            }
         }
     }
     Ok(placed)
@@ -133,7 +138,7 @@ pub(super) fn lightest(
     maker: &Maker<'_>,
     cards: &mut CardSearch<'_>,
     client: &Client<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
     observer: &mut Observer<'_>,
 ) -> Result<(Vec<Placed>, Vec<PlacedImpostor>), ChainError> {
     let mut places = maker.heights();
@@ -238,7 +243,7 @@ fn note_places_without_level(
     found: &[(usize, usize, Placed)],
     maker: &Maker<'_>,
     most_of_before: f64,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
 ) {
     for (k, (_, place)) in places.iter().enumerate() {
         if found.iter().any(|(_, at, _)| *at == k) {
@@ -249,11 +254,12 @@ fn note_places_without_level(
             Some((.., level)) => ("the level before", level.triangles()),
             None => ("the plant itself", maker.all),
         };
-        notes.push(format!(
+        let note = format!(
             "{} {before} of {of_before} triangles serves there, since what is within the difference saves less than {:.0} %",
             no_level(place),
             100.0 * (1.0 - most_of_before)
-        ));
+        );
+        notes.push(note.into());
     }
 }
 
@@ -263,9 +269,9 @@ mod tests {
 
     #[test]
     fn places_without_a_level_for_one_reason_are_one_note() {
-        let note = |place: &str, why: &str| format!("{} {why}", no_level(place));
+        let note = |place: &str, why: &str| Note::from(format!("{} {why}", no_level(place)));
         let notes = vec![
-            "the plant is 99 units high: as it is".to_owned(),
+            "the plant is 99 units high: as it is".into(),
             note("1080 pixels", "the plant serves: it is light"),
             note("540 pixels", "the plant serves: it is light"),
             note("270 pixels", "the plant serves: it is light"),

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
-use secateur_model::{Budget as MemoryBudget, Lod, Memory};
+use secateur_model::{Budget as MemoryBudget, Lod, Memory, NamedOption, Note};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
 use secateur_simplify::{Observer, Options, Shared, Target};
@@ -216,7 +216,7 @@ impl<'a> Maker<'a> {
     ///
     /// # Errors
     /// [`ChainError::InsidePlant`] if a distance is inside the crown.
-    pub(super) fn remarks(&self) -> Result<Vec<String>, ChainError> {
+    pub(super) fn remarks(&self) -> Result<Vec<Note>, ChainError> {
         let unit_m = self.size_m() / self.look.size;
         if let Wanted::Distances(distances) = &self.options.wanted
             && let Some(nearest) = distances.first()
@@ -233,9 +233,13 @@ impl<'a> Maker<'a> {
         let height_m = self.look.height * unit_m;
         let is_usual = USUAL_HEIGHTS_M.contains(&self.size_m().max(height_m));
         Ok(match self.options.plant_height_m {
-            None if !is_usual => vec![format!(
-                "the plant is {height_m:.3} units high, taken for metres: `--plant-height M` says how high it really is"
-            )],
+            None if !is_usual => vec![
+                Note::from(format!(
+                    "the plant is {height_m:.3} units high, taken for metres: "
+                ))
+                .naming(NamedOption::PlantHeight)
+                .then(" says how high it really is"),
+            ],
             _ => Vec::new(),
         })
     }

@@ -33,6 +33,7 @@ mod textures;
 mod uncut_leaves;
 
 use secateur_gltf::WholeTree;
+use secateur_gltf::chain::MAX_LEVELS;
 use secateur_raster::OpenEngine;
 use secateur_simplify::{Observer, Progress, sphere_of};
 
@@ -46,7 +47,7 @@ use level_choice::{asked, join_places, lightest};
 pub use level_report::{ClearTexels, ImpostorReport, LevelKind, LevelReport};
 pub use level_surfaces::show;
 use maker::Maker;
-pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MAX_LEVELS, MOST_DIFFERENCE, Wanted};
+pub use options::{ChainOptions, DISTANCES, HEIGHTS_PX, MOST_DIFFERENCE, Wanted};
 pub use scene_look::SceneLook;
 use stage_clock::ChainStage;
 pub(crate) use texture_bytes::bytes_of;
@@ -88,9 +89,11 @@ pub fn chain(
         maker.ending(placed, impostors, &client, &mut notes, observer)
     })?;
     match (options.original, levels.len()) {
-        (true, MAX_LEVELS) => notes.push(format!(
-            "the plant itself is left out, as a chain has at most {MAX_LEVELS} levels; keep it before the first"
-        )),
+        (true, MAX_LEVELS) => {
+            let most = format!("as a chain has at most {MAX_LEVELS} levels");
+            let note = format!("the plant itself is left out, {most}; keep it before the first");
+            notes.push(note.into());
+        }
         (true, _) => levels.insert(0, maker.original()),
         (false, 0) => {
             return Err(ChainError::NoLighterLevel);

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use secateur_eval::Limits;
+use secateur_gltf::chain::MAX_LEVELS;
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Amount, Options, Target};
 use serde::{Deserialize, Serialize};
@@ -26,11 +27,8 @@ pub(super) const LEAST_BOUND_BYTES: u64 = 1 << 20;
 /// The largest difference that can be asked for: no figure is above 1.75.
 pub const MOST_DIFFERENCE: f64 = 2.0;
 
-/// The most levels of a chain, as engines have it.
-pub const MAX_LEVELS: usize = 8;
-
-/// Distances from which levels may be asked for, in units of the file: what is outside is a slip of the
-/// pen, and its figures would say nothing.
+/// Distances from which levels may be asked for, in units of the file: a value outside is taken for a
+/// typing error.
 pub const DISTANCES: RangeInclusive<f64> = 0.01..=1e6;
 
 /// Which levels a chain has.

@@ -46,6 +46,7 @@
 
 mod bytes;
 mod head;
+mod not_sent;
 mod page;
 mod part;
 mod read;
@@ -56,6 +57,7 @@ use crate::preview::PreviewError;
 
 pub(crate) use part::{Leaves, Part};
 
+pub use not_sent::not_sent;
 pub use page::stream_page;
 pub use read::{StreamReader, StreamedPlant, read_stream};
 pub use write::{Piece, Stream, stream_of_bodies, write_stream};

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
 use secateur_plant::{
-    Branches, Chain, GrowOptions, Interpreter, LeafPose, Metric, Record, Segment, SegmentIndex,
-    Skeleton, Species, StreamError, chain_order, grow_skeleton, read_chain, write_chain,
+    Branches, Chain, GrowOptions, LeafPose, Metric, Record, Segment, SegmentIndex, Skeleton,
+    Species, chain_order, grow_skeleton,
 };
 
 /// The tree of Hybrid's output chain (3), a segment of 1 m for each branch. The
@@ -190,76 +190,6 @@ fn a_level_costs_what_it_holds() {
 }
 
 #[test]
-fn a_stream_cut_after_any_record_is_a_plant() {
-    let chain = Chain::of(&oak(), Metric::BranchingLength);
-    let mut bytes = Vec::new();
-    write_chain(chain.records(), &mut bytes).unwrap();
-    let read = |bytes: &[u8]| read_chain(&mut &*bytes, &mut |_| true);
-    assert_eq!(
-        read(&bytes).unwrap().into_skeleton(),
-        chain.skeleton(chain.levels())
-    );
-    for records in (0..chain.records().len()).step_by(97) {
-        let mut cut = Vec::new();
-        write_chain(&chain.records()[..records], &mut cut).unwrap();
-        assert!(bytes.starts_with(&cut));
-        let drawn = read(&cut).unwrap();
-        let mut prefix = Interpreter::default();
-        for record in &chain.records()[..records] {
-            prefix.obey(record).unwrap();
-        }
-        assert_eq!(drawn.skeleton(), prefix.skeleton());
-        assert_eq!(drawn.leaf_numbers(), prefix.leaf_numbers());
-        assert_is_plant(drawn.skeleton());
-    }
-    let mut shown = 0;
-    let cut = read_chain(&mut &bytes[..bytes.len() - 1], &mut |_| {
-        shown += 1;
-        true
-    });
-    // All that came whole was drawn before the cut was met.
-    assert!(matches!(cut, Err(StreamError::Truncated { .. })));
-    assert_eq!(shown, chain.records().len() - 1);
-}
-
-#[test]
-fn broken_streams_are_refused_in_a_sentence() {
-    let say = |tail: &[u8]| {
-        let mut bytes = b"secateur chain 1".to_vec();
-        bytes.extend_from_slice(tail);
-        let read = read_chain(&mut &*bytes, &mut |_| true);
-        read.map(|_| ()).unwrap_err().to_string()
-    };
-    assert_eq!(
-        say(&[0, 9]),
-        "byte 17 of the chain starts a record of the unknown kind 9"
-    );
-    assert_eq!(
-        say(&[2, 7, 0, 0, 0]),
-        "record 0 of the chain restores a state that was not saved"
-    );
-    assert_eq!(
-        say(&[1, 7, 0, 0, 0]),
-        "record 0 of the chain saves a state before there is one"
-    );
-    let mut flat = vec![3, 0, 2, 0, 0, 0];
-    flat.resize(70, 0);
-    assert_eq!(
-        say(&flat),
-        "record 0 of the chain has a number out of range"
-    );
-    let mut leaf = vec![4];
-    leaf.resize(94, 0);
-    leaf[93] = 9;
-    assert_eq!(
-        say(&leaf),
-        "byte 16 of the chain starts a leaf of the unknown kind 9"
-    );
-    let none = read_chain(&mut &b"glTF"[..], &mut |_| true);
-    assert!(matches!(none, Err(StreamError::NoChain)));
-}
-
-#[test]
 fn a_skeleton_without_wood_keeps_its_leaves() {
     let mut skeleton = oak();
     skeleton.segments.clear();
@@ -271,7 +201,7 @@ fn a_skeleton_without_wood_keeps_its_leaves() {
     let chain = Chain::of(&skeleton, Metric::default());
     assert_eq!(chain.levels(), 1);
     assert_eq!(chain.skeleton(1), skeleton);
-    assert_eq!(Interpreter::default().into_skeleton(), Skeleton::default());
+    assert_eq!(chain.skeleton(0), Skeleton::default());
 }
 
 /// The leaves that an order keeps, at the end of each level, are the level's.

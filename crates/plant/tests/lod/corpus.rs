@@ -7,7 +7,7 @@ use glam::DVec3;
 use secateur_gltf::Document;
 use secateur_plant::{
     ClusterSize, MAX_DEPTH, Metric, Random, Segment, SegmentIndex, chain_order, check_depth,
-    merge_order, read_chain,
+    merge_order,
 };
 
 /// What the fuzz target does with a file, too. Whether there were orders.
@@ -110,20 +110,4 @@ fn a_way_from_the_root_may_only_be_so_long() {
         said.starts_with("segment 10001 of the skeleton grows 10001 segments above its root"),
         "{said}"
     );
-}
-
-/// Chains as bytes, too: those that can be drawn are, the others are errors.
-#[test]
-fn chains_that_can_be_drawn_are() {
-    let seeds = seeds_of("chain_stream");
-    assert!(seeds.len() >= 8, "{} seeds", seeds.len());
-    for (name, bytes) in seeds {
-        let read = read_chain(&mut &bytes[..], &mut |_| true);
-        let error = read.err().map(|error| error.to_string());
-        assert_eq!(
-            error.is_some(),
-            name.starts_with("broken"),
-            "{name}: {error:?}"
-        );
-    }
 }

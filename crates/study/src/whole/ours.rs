@@ -40,8 +40,10 @@ pub(super) fn made(
         WholeCase::LeavesOnly => {
             simplify_keeping_wood(leaves, wood, &options, &engine, &mut observer)
         }
-        _ => WholePlant::new(tree.items().foliage(), leaves, wood, &engine)
-            .and_then(|plant| plant.simplified(&options, &engine, &mut observer)),
+        WholeCase::Auto | WholeCase::Gltfpack => {
+            WholePlant::new(tree.items().foliage(), leaves, wood, &engine)
+                .and_then(|plant| plant.simplified(&options, &engine, &mut observer))
+        }
     };
     let seconds = begun.elapsed().as_secs_f64();
     let peak_rss_bytes = host.peak_rss_bytes();

@@ -9,6 +9,7 @@ use super::{ChainFiles, Layout, Level};
 use crate::Document;
 use crate::cost::LevelCost;
 use crate::error::{GltfError, Problem};
+use crate::file_kind::has_extension;
 use crate::inspection::Inspection;
 use crate::levels_inside::LevelsInside;
 use crate::tree::Tree;
@@ -209,8 +210,7 @@ impl Tree {
 }
 
 fn is_usda(file: impl AsRef<Path>) -> bool {
-    let extension = file.as_ref().extension();
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("usda"))
+    has_extension(file.as_ref(), &["usda"])
 }
 
 /// Writes the layer, which comes first, and its textures.

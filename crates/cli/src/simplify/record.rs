@@ -3,20 +3,17 @@
 use std::path::Path;
 
 use schemars::JsonSchema;
-use secateur::chain::LevelReport;
 use secateur::{
-    Alpha, AreaTable, Effort, Engine, FieldOfView, Inspection, Judging, LeafTriangles, LevelParts,
-    Needles, Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, Vmi,
-    WoodMode, Written,
+    Alpha, Effort, Engine, FieldOfView, Inspection, LeafTriangles, LevelParts, LevelRecord,
+    Needles, Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, WoodMode,
+    Written,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::args;
-use super::colors::ColorRecord;
-use super::cutoffs::CutoffsRecord;
-use super::record::{self, Bytes, Counts, bytes_of, shown};
-use super::surroundings::SurroundingsRecord;
+use super::super::args;
+use super::super::record::{self, Bytes, bytes_of, shown};
+use super::super::surroundings::SurroundingsRecord;
 
 /// A plant and a level of it.
 #[derive(Serialize, JsonSchema)]
@@ -26,39 +23,8 @@ pub(crate) struct SimplifyRecord {
     /// The files that were written, the one that was asked for first.
     output: Vec<String>,
     bytes: Bytes,
-    leaves: Counts,
-    /// Triangles of the whole plant.
-    triangles: Counts,
-    /// Triangles of leaves.
-    foliage_triangles: Counts,
-    /// Triangles of wood.
-    wood_triangles: Counts,
-    /// The method as `--method` spells it.
-    method: &'static str,
-    /// Where leaves were drawn: `cpu` or `gpu`.
-    engine: &'static str,
-    /// The GPU and its driver; none on the CPU.
-    adapter: Option<String>,
-    /// SHA-256 of all that was done to the leaves.
-    order_sha256: String,
-    /// SHA-256 of the pixels of each leaf in each view; none of methods that see none.
-    areas_sha256: Option<String>,
-    /// The largest area of a leaf as a multiple of its original one.
-    max_area_scale: f64,
-    /// VMI of what is left in each driving view, in bits.
-    vmi_bits: Option<Vec<f64>>,
-    /// VMI of the original in each driving view, in bits.
-    vmi_bits_original: Vec<f64>,
-    /// VMI error in the driving views, in per cent.
-    driving_vmi_error_percent: Option<f64>,
-    /// Why it stopped.
-    stopped: &'static str,
-    /// Alpha cutoffs that were chosen; none where all stay.
-    cutoffs: Option<CutoffsRecord>,
-    /// Textures with other colours in clear texels; none where all stay.
-    colors: Option<Vec<ColorRecord>>,
-    /// What drew the result again with the same areas.
-    audit: Option<&'static str>,
+    #[serde(flatten)]
+    level: LevelRecord,
     settings: Settings,
     /// What was taken for foliage, and why.
     foliage: Vec<PrimitiveReport>,
@@ -111,8 +77,9 @@ pub(crate) struct Simplifying<'a> {
     pub(crate) input: &'a Path,
     pub(crate) plant: &'a Plant,
     pub(crate) level: &'a LevelParts,
-    /// The figures of plant and level.
-    pub(crate) reports: [LevelReport; 2],
+    pub(crate) record: LevelRecord,
+    /// How many of the driving views are among those that `measure` judges by.
+    pub(crate) views_that_judge: usize,
     pub(crate) written: &'a Written,
     pub(crate) warnings: &'a [String],
 }
@@ -125,37 +92,16 @@ impl Simplifying<'_> {
 
     /// What the record says.
     pub(crate) fn record(&self, args: &args::Simplify) -> SimplifyRecord {
-        let (plant, level, written) = (self.plant, self.level, self.written);
-        let result = &level.simplified;
-        let [before, after] = &self.reports;
-        let counts = |of: fn(&LevelReport) -> u64| Counts::of(of(before), of(after));
-        let colors = level.colors.iter().map(ColorRecord::from);
         SimplifyRecord {
             input: self.input.display().to_string(),
-            output: shown(&written.files),
+            output: shown(&self.written.files),
             bytes: Bytes {
                 original: bytes_of(self.input),
-                written: written.bytes,
+                written: self.written.bytes,
             },
-            leaves: counts(|of| of.leaves),
-            triangles: counts(|of| of.triangles),
-            foliage_triangles: counts(|of| of.foliage_triangles),
-            wood_triangles: counts(|of| of.wood_triangles),
-            method: level.options.method.name(),
-            engine: result.engine,
-            adapter: result.adapter.clone(),
-            order_sha256: after.order_sha256.clone().unwrap_or_default(),
-            areas_sha256: result.areas.as_ref().map(AreaTable::sha256),
-            max_area_scale: result.passes.max_area_scale(),
-            vmi_bits: result.vmi_final.as_ref().map(Vmi::bits),
-            vmi_bits_original: result.vmi_original.bits(),
-            driving_vmi_error_percent: result.driving_error_percent(),
-            stopped: result.stopped.name(),
-            cutoffs: level.cutoffs.as_ref().map(CutoffsRecord::from),
-            colors: (!level.colors.is_empty()).then(|| colors.collect()),
-            audit: result.audited_by,
+            level: self.record.clone(),
             settings: self.settings(args),
-            foliage: foliage(plant.inspection()),
+            foliage: foliage(self.plant.inspection()),
             warnings: self.warnings.to_vec(),
             notes: self.notes(),
         }
@@ -172,7 +118,7 @@ impl Simplifying<'_> {
             },
             views_reason: result.views_reason.clone(),
             view_count: result.views.len(),
-            views_that_judge: self.driving_views_that_judge(),
+            views_that_judge: self.views_that_judge,
             field_of_view: options.field_of_view(),
             resolution: result.resolution,
             resolution_reason: result.resolution_reason.clone(),
@@ -198,21 +144,6 @@ impl Simplifying<'_> {
                 .cloned()
                 .unwrap_or_default(),
         }
-    }
-
-    /// How many of the views that leaves were chosen or sized from are held-out views, by which
-    /// `measure` judges.
-    pub(crate) fn driving_views_that_judge(&self) -> usize {
-        let options = &self.level.options;
-        let is_driven = options.method.vds().is_some() || options.objective().is_some();
-        let foliage = self.plant.leaves();
-        let about = (foliage.bounding_sphere(), Judging::held_out(foliage));
-        let (Some(sphere), Ok(judging)) = about else {
-            return 0;
-        };
-        let sets = self.level.simplified.driving(options, sphere);
-        let counts = (sets.iter()).map(|set| judging.views_that_judge(set, sphere.centre));
-        if is_driven { counts.sum() } else { 0 }
     }
 }
 

@@ -5,8 +5,8 @@ use secateur::{
     Resolution, Ties, Views,
 };
 
-use super::args::{MaxCoverage, Simplify};
-use super::names::{MethodName, text};
+use super::super::args::{MaxCoverage, Simplify};
+use super::super::names::{MethodName, text};
 
 /// Why a paper's preset can't be what it says, a sentence; nothing where all agrees. Other presets
 /// are where options begin, and may be changed.

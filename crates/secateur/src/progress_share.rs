@@ -1,6 +1,6 @@
-//! How much of a command is done, as one share over all its stages. It never falls, and is 1 only at the end.
+//! How much of the work on a plant is done, as one share over all its stages.
 
-use secateur::{Progress, Stage};
+use secateur_simplify::{Progress, Stage};
 
 /// The share when what is read is read.
 const READ: f64 = 0.03;
@@ -11,10 +11,20 @@ const LEVELS: f64 = 0.85;
 /// The share of what is left of a level, or of a run, that a stage takes whose end is not known.
 const OF_THE_REST: f64 = 0.15;
 
-/// The share of a command that is done, and what it is doing.
+/// The share of the work on a level, or on levels, that is done, and what is being done. The share never falls, and
+/// stays below 1.
+///
+/// ```
+/// use secateur::{Progress, ProgressShare};
+///
+/// let mut share = ProgressShare::default();
+/// share.see(Progress::Level { done: 3, of: 4 });
+/// assert!(share.done() > 0.5);
+/// assert_eq!(share.doing(), "level 4 of 4, search");
+/// ```
 #[derive(Debug)]
-pub(super) struct Share {
-    /// The part of the command that a level of a chain takes; all of it where there is no chain.
+pub struct ProgressShare {
+    /// The part of the work that one of several levels takes; all of it where there is one.
     span: [f64; 2],
     /// The part of that which the stage takes.
     stage: [f64; 2],
@@ -24,9 +34,9 @@ pub(super) struct Share {
     doing: &'static str,
 }
 
-impl Share {
+impl Default for ProgressShare {
     /// Before anything is read.
-    pub(super) fn new() -> Self {
+    fn default() -> Self {
         Self {
             span: [READ, 1.0],
             stage: [0.0; 2],
@@ -35,9 +45,11 @@ impl Share {
             doing: "read",
         }
     }
+}
 
+impl ProgressShare {
     /// Takes a step of progress in.
-    pub(super) fn see(&mut self, progress: Progress) {
+    pub fn see(&mut self, progress: Progress) {
         match progress {
             Progress::Level { done, of } => self.begin_level(done, of),
             // The ends are what stages of a large tree were measured to take.
@@ -59,7 +71,7 @@ impl Share {
     }
 
     /// From 0 to less than 1.
-    pub(super) fn done(&self) -> f64 {
+    pub fn done(&self) -> f64 {
         let at = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
         match self.doing {
             "read" => 0.0,
@@ -67,8 +79,8 @@ impl Share {
         }
     }
 
-    /// What is being done.
-    pub(super) fn doing(&self) -> String {
+    /// What is being done: a stage by its name, after `level 2 of 4,` where there are several levels.
+    pub fn doing(&self) -> String {
         match self.level {
             Some([done, of]) if done < of => format!("level {} of {of}, {}", done + 1, self.doing),
             Some(_) | None => self.doing.to_owned(),
@@ -108,7 +120,7 @@ mod tests {
 
     /// The shares after each of these.
     fn shares(events: &[Progress]) -> Vec<f64> {
-        let mut share = Share::new();
+        let mut share = ProgressShare::default();
         let after = |event: &Progress| {
             share.see(*event);
             share.done()
@@ -169,7 +181,7 @@ mod tests {
             "a quarter of the levels: {first}"
         );
         assert!(last >= LEVELS, "{last}");
-        let mut share = Share::new();
+        let mut share = ProgressShare::default();
         assert_eq!((share.done(), share.doing()), (0.0, "read".to_owned()));
         share.see(level(1));
         share.see(fit);

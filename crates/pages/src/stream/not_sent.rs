@@ -7,9 +7,9 @@ use serde_json::Value;
 /// What a stream has of a vertex beside what is drawn.
 const WIND: [&str; 3] = ["_WIND_PIVOT", "_WIND_ALONG", "_WIND_SEGMENT"];
 
-/// What the file has and its stream has not, by the names that the file format has for it: skins, morph
+/// What a file of this JSON has and its stream has not, by the names that the file format has for it: skins, morph
 /// targets, animations, and attributes that are for programs to read or for a second colour.
-pub(crate) fn not_sent(root: &Value) -> Vec<String> {
+pub fn not_sent(root: &Value) -> Vec<String> {
     let items = |of: &'static str| root[of].as_array().into_iter().flatten();
     let primitives = || items("meshes").flat_map(|mesh| mesh["primitives"].as_array());
     let mut names = Vec::new();

@@ -1,18 +1,19 @@
-//! `--for`: what an engine needs beside the files, so that levels switch without a hand on them.
+//! What an engine needs beside the files of levels, so that they switch without a hand on them.
 
 mod godot;
 mod scripts;
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-use secateur::Levels;
 use secateur_gltf::chain::Layout;
 use secateur_levels::chain::BlendBand;
 
+use crate::Levels;
+
 /// The engine that levels are for: it chooses the layout, and what is written beside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
-pub(crate) enum EngineName {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum EngineName {
     /// One file, and a scene (.tscn) with visibility ranges that fade
     Godot,
     /// One file, and an editor script that makes a prefab with a LOD Group
@@ -32,7 +33,7 @@ pub(crate) enum EngineName {
 }
 
 /// A level as engines ask for it.
-pub(super) struct EngineLevel {
+struct EngineLevel {
     /// The name of its node.
     node: String,
     /// From how far off it is used, in metres.
@@ -44,7 +45,7 @@ pub(super) struct EngineLevel {
 }
 
 /// Levels of a plant as engines ask for them.
-pub(super) struct EngineLevels {
+struct EngineLevels {
     name: String,
     levels: Vec<EngineLevel>,
     /// The diameter of the bounding sphere over the largest extent.
@@ -54,7 +55,7 @@ pub(super) struct EngineLevels {
 
 impl EngineName {
     /// How levels lie in files.
-    pub(super) fn layout(self) -> Layout {
+    pub fn layout(self) -> Layout {
         match self {
             Self::Unreal => Layout::Files,
             Self::Godot
@@ -68,7 +69,7 @@ impl EngineName {
     }
 
     /// The file that is written beside levels of this name, relative to their folder; none where they say all.
-    pub(super) fn companion(self, name: &str) -> Option<PathBuf> {
+    pub fn companion(self, name: &str) -> Option<PathBuf> {
         let ident = identifier(name);
         let file = match self {
             Self::Usd => return None,
@@ -83,8 +84,7 @@ impl EngineName {
         Some(file.into())
     }
 
-    /// What that file says of levels in a .glb of this name.
-    pub(super) fn text(self, levels: &EngineLevels, file: &str) -> Option<String> {
+    fn text(self, levels: &EngineLevels, file: &str) -> Option<String> {
         Some(match self {
             Self::Usd => return None,
             Self::Godot => godot::scene(levels, file),
@@ -98,8 +98,16 @@ impl EngineName {
     }
 }
 
+impl Levels {
+    /// What the [companion](EngineName::companion) of the levels says to an engine, where they are in a file of the name
+    /// `file`, such as `oak.glb`; none where there is no companion.
+    pub fn engine_file(&self, engine: EngineName, file: &str) -> Option<String> {
+        engine.text(&EngineLevels::of(self), file)
+    }
+}
+
 impl EngineLevels {
-    pub(super) fn of(levels: &Levels, field_of_view_degrees: f64) -> Self {
+    fn of(levels: &Levels) -> Self {
         let reports: Vec<_> = levels.chain.levels.iter().map(|l| &l.report).collect();
         let of = |k: usize| EngineLevel {
             node: levels.node(k),
@@ -111,7 +119,7 @@ impl EngineLevels {
             name: levels.name().to_owned(),
             levels: (0..reports.len()).map(of).collect(),
             diameter_over_extent: diameter_over_extent(levels),
-            field_of_view_degrees,
+            field_of_view_degrees: levels.screen.field_of_view_degrees,
         }
     }
 }
