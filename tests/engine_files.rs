@@ -52,13 +52,27 @@ fn godot_gets_a_scene_whose_ranges_join() {
         let values = lines.filter_map(|rest| rest.strip_prefix(" = "));
         values.map(|value| value.parse().unwrap()).collect()
     };
-    let switches = switches(&levels);
-    assert_eq!(values("visibility_range_begin"), switches[1..]);
-    assert_eq!(values("visibility_range_end"), switches[1..]);
-    assert_eq!(
-        values("visibility_range_begin_margin"),
-        values("visibility_range_end_margin")
-    );
+    // Godot fades from a margin before a range's end to one behind it: from where the next level begins on.
+    let ends = values("visibility_range_end").into_iter();
+    let bands = ends.zip(values("visibility_range_end_margin"));
+    for ((end, margin), level) in bands.zip(&levels) {
+        let close = |a: f64, key: &str| (a - level["blend"][key].as_f64().unwrap()).abs() < 1e-3;
+        assert!(
+            close(end - margin, "begin") && close(end + margin, "end"),
+            "{end} {margin}"
+        );
+    }
+    for key in ["", "_margin"] {
+        let [begins, ends] =
+            ["begin", "end"].map(|side| values(&format!("visibility_range_{side}{key}")));
+        assert_eq!((begins.len(), &begins), (levels.len() - 1, &ends));
+    }
+    // The band begins where the next level does, and no nearer.
+    let begins = levels
+        .iter()
+        .filter_map(|level| level["blend"]["begin"].as_f64());
+    let begins: Vec<f64> = begins.map(|m| (m * 1e4).round() / 1e4).collect();
+    assert_eq!(begins, switches(&levels)[1..]);
     assert_eq!(values("visibility_range_fade_mode"), [1.0; 3]);
     for k in 0..3 {
         let node = format!("[node name=\"oak_LOD{k}\" parent=\"oak\" index=\"{k}\"]");
@@ -76,7 +90,7 @@ fn unity_and_bevy_get_code_with_the_levels() {
         .filter_map(|line| line.trim().strip_prefix("(\"oak_LOD"))
         .map(|rest| {
             let height = rest.split(", ").nth(1).unwrap();
-            height.trim_end_matches("f),").parse().unwrap()
+            height.trim_end_matches('f').parse().unwrap()
         })
         .collect();
     assert_eq!(heights.len(), levels.len());

@@ -44,6 +44,7 @@ mod schema;
 mod shared_trees;
 mod skin;
 mod small_files;
+mod stand;
 mod stream;
 mod streams;
 mod study;

@@ -141,7 +141,7 @@ fn rest(schema: &Map<String, Value>) -> Option<&Value> {
 }
 
 /// A record without keys or values that its schema does not have.
-fn checked(bench: &Bench, name: &str, record: &Value) {
+pub(crate) fn checked(bench: &Bench, name: &str, record: &Value) {
     let schema = bench.run(&["schema", name]).succeeded().stdout;
     let schema: Value = serde_json::from_str(&schema).unwrap();
     assert_eq!(

@@ -25,6 +25,7 @@ mod progress_bar;
 mod record;
 mod schema;
 mod simplify;
+mod stand;
 mod stream;
 mod streams;
 mod study;
@@ -120,6 +121,7 @@ fn run(cli: &Cli) -> Result<bool, Failure> {
         Command::Simplify(args) => simplify::run(args, &cli.common)?,
         Command::Lod(args) => lod::run(args)?,
         Command::Lods(args) => lods::run(args, &cli.common)?,
+        Command::Stand(args) => stand::run(args, &cli.common)?,
         Command::Measure(args) => measure::run(args)?,
         Command::Study(args) => study::run(args, &cli.common)?,
         Command::Stream(args) => stream::run(args, &cli.common)?,

@@ -53,11 +53,7 @@ fn side_by_side(exhibits: &[Exhibit], [width, height]: [u32; 2]) -> Result<Vec<u
     };
     let panels: Vec<Panel> = exhibits.iter().map(panel).collect();
     let sheet: RgbaImage = contact_sheet(&panels);
-    png(
-        sheet.as_raw(),
-        [sheet.width(), sheet.height()],
-        ExtendedColorType::Rgba8,
-    )
+    png_of(&sheet)
 }
 
 /// Stages the leaf-ID image of every view: `NAME-view-00.png` and so on.
@@ -86,6 +82,12 @@ pub(crate) fn stage_leaf_ids(
         output::stage_derived(staged, &file, &bytes)?;
     }
     Ok(())
+}
+
+/// A picture as the bytes of a PNG.
+pub(crate) fn png_of(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
+    let size = [image.width(), image.height()];
+    png(image.as_raw(), size, ExtendedColorType::Rgba8)
 }
 
 fn png(

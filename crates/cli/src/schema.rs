@@ -19,6 +19,7 @@ use super::names::text;
 use super::print::{Printed, Records};
 use super::record::Record;
 use super::simplify::SimplifyRecord;
+use super::stand::StandRecord;
 use super::stream::{StreamReadRecord, StreamRecord};
 use super::study::StudyRecord;
 
@@ -43,6 +44,8 @@ pub(crate) enum RecordName {
     Measure,
     /// A plant and a level of it
     Simplify,
+    /// A scene of many plants, and the level of each: stand.json of `stand`
+    Stand,
     /// A stream that was written
     Stream,
     /// The plant of a stream that was read
@@ -91,6 +94,7 @@ fn schema(name: RecordName) -> Schema {
         RecordName::LodsFailure => of::<Record<FailureRecord>>(),
         RecordName::Measure => of::<Record<MeasureRecord>>(),
         RecordName::Simplify => of::<Record<SimplifyRecord>>(),
+        RecordName::Stand => of::<Record<StandRecord>>(),
         RecordName::Stream => of::<Record<StreamRecord>>(),
         RecordName::StreamRead => of::<Record<StreamReadRecord>>(),
         RecordName::Study => of::<Record<StudyRecord>>(),

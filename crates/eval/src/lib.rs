@@ -9,6 +9,7 @@
 //! - [`render`]: textured triangles to a picture, on the CPU.
 //! - [`framing`]: a [`Camera`] that takes in a whole tree, to be shared by all
 //!   panels of a sheet.
+//! - [`StandPicture`]: what a camera sees of many plants of a few kinds; [`JudgedStand`] compares two of them.
 //! - [`seen_along`]: colour, coverage and normals along parallel rays, which impostors are baked
 //!   from.
 //! - [`contact_sheet`]: pictures side by side, with captions.
@@ -41,6 +42,7 @@ mod schema;
 mod screen_triangle;
 mod shading;
 mod srgb;
+mod stand;
 mod strengths;
 mod texel;
 mod truth;
@@ -62,5 +64,6 @@ pub use parallel::{ParallelView, SeenTexel, seen_along};
 pub use pictures::{PictureMeasurement, PictureRigMeasurement, Pictures};
 pub use render::{RenderOptions, render};
 pub use srgb::{LINEAR_FROM_SRGB, srgb_byte};
+pub use stand::{JudgedStand, StandCamera, StandDifference, StandKind, StandPicture, StandPlace};
 pub use strengths::Strengths;
 pub use texel::{FourTexels, color_of, sample_alpha};

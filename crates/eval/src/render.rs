@@ -181,7 +181,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
 }
 
 /// Highlights bend towards white instead of being cut off.
-fn tone(linear: Vec3) -> Vec3 {
+pub(crate) fn tone(linear: Vec3) -> Vec3 {
     linear.map(|value| {
         if value <= 0.6 {
             value

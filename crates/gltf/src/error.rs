@@ -278,6 +278,9 @@ pub enum Problem {
     /// A node reached twice.
     #[error("is the child of two nodes, or of itself")]
     NodeTwice,
+    /// A plant of a stand that bones move.
+    #[error("has a skin, and plants of a stand are at rest: write it without bones")]
+    Skinned,
     /// A node hierarchy deeper than the limit.
     #[error("lies deeper than {0} nodes")]
     TooDeep(usize),

@@ -97,6 +97,7 @@
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
+//! | kinds of plants in a scene, and a scene put together | `scene_kinds.rs`, `write/stand.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
 //! | what becomes of a primitive | `write/meshes.rs`, `write/primitive.rs`, `write/instances.rs` |
 //! | which entries stay | `write/references.rs`, `write/drop_unreferenced.rs` |
@@ -150,6 +151,7 @@ mod report;
 mod role_groups;
 mod roles;
 mod scene;
+mod scene_kinds;
 mod selected;
 mod selector;
 mod shape_evidence;
@@ -190,13 +192,14 @@ pub use input::read_within;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use leaf_surfaces::{LeafSurface, SurfaceLeaf};
 pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
+pub use scene_kinds::{MAX_THINGS, Placement, SceneKind};
 pub use selector::{Selector, SelectorError};
 pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;
 pub use vertex_alpha::VertexAlpha;
 pub use whole_tree::WholeTree;
 pub use write::{
-    CommitError, CutOutTexture, Cutoffs, PreparedLod, StagedFiles, WriteOptions, Written,
-    plant_into_glb, plant_to_glb, surfaces_to_glb,
+    CommitError, CutOutTexture, Cutoffs, PreparedLod, StagedFiles, StandPart, StandWriter,
+    WriteOptions, Written, plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use write_problem::WriteProblem;

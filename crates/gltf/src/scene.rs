@@ -29,6 +29,8 @@ pub struct SceneCamera {
     /// The tangent of half the larger of its two angles of view: the picture fits a square of this
     /// angle both ways. A camera without an aspect ratio is taken to be square.
     pub tan_half_fov: f64,
+    /// Width of its picture over the height, where the camera says it.
+    pub aspect: Option<f64>,
     /// Nothing nearer than this is seen, in world units along the view.
     pub near: f64,
     /// How often it counts: 1 to [`MAX_CAMERA_WEIGHT`].
@@ -70,7 +72,7 @@ impl Document {
                 continue;
             };
             let camera = property::entry(&self.root, "cameras", index).at(place)?;
-            let (tan_half_fov, near) = lens(camera).at(|| self.place("cameras", index))?;
+            let (tan_half_fov, aspect, near) = lens(camera).at(|| self.place("cameras", index))?;
             let of_camera = || self.place("cameras", index);
             let weight = match whole_of(json, "weight", MAX_CAMERA_WEIGHT).at(place)? {
                 Some(weight) => Some(weight),
@@ -82,6 +84,7 @@ impl Document {
             };
             let seeing = Seeing {
                 tan_half_fov,
+                aspect,
                 near,
                 weight: weight.unwrap_or(1),
                 views: views.unwrap_or(VIEWS_OF_A_PATH),
@@ -126,6 +129,7 @@ impl Document {
 /// What of a camera is the same wherever it stands.
 struct Seeing {
     tan_half_fov: f64,
+    aspect: Option<f64>,
     near: f64,
     weight: u32,
     /// How many views stand along its path, if it moves.
@@ -149,6 +153,7 @@ impl Seeing {
             forward,
             up,
             tan_half_fov: self.tan_half_fov,
+            aspect: self.aspect,
             near: self.near,
             weight: self.weight,
         })
@@ -162,8 +167,8 @@ fn direction(vector: DVec3) -> Option<DVec3> {
     unit.is_finite().then_some(unit)
 }
 
-/// The tangent of half the larger angle of view, and the near distance.
-fn lens(camera: &Value) -> Result<(f64, f64), Problem> {
+/// The tangent of half the larger angle of view, the aspect ratio, and the near distance.
+fn lens(camera: &Value) -> Result<(f64, Option<f64>, f64), Problem> {
     match property::text(camera, "type")? {
         Some("perspective") => {}
         Some("orthographic") => return Err(Problem::Orthographic),
@@ -192,7 +197,7 @@ fn lens(camera: &Value) -> Result<(f64, f64), Problem> {
     // Not the platform's tangent: the same scene is the same views everywhere.
     let tangent = libm::tan(angle / 2.0) * aspect.unwrap_or(1.0).max(1.0);
     match tangent.is_finite() && tangent > 0.0 {
-        true => Ok((tangent, near)),
+        true => Ok((tangent, aspect, near)),
         false => Err(bad("perspective", "an angle of view", perspective)),
     }
 }

@@ -6,6 +6,7 @@
 //! - [`dilated_textures`]: leaf textures whose clear texels have the colours of what is near;
 //!   [`material_changes`] joins them with chosen cutoffs.
 //! - [`impostor`]: pictures that stand for a plant far off.
+//! - [`stand`]: which level each plant of a stand has.
 //! - [`leaf_boxes`]: boxes about the leaves of branches, and pictures on their diagonal planes.
 
 #![forbid(unsafe_code)]
@@ -17,6 +18,7 @@ mod dilate;
 pub mod impostor;
 pub mod leaf_boxes;
 mod material_changes;
+pub mod stand;
 
 pub use clear_texels::{Dilated, dilated_textures};
 pub use cutoffs::{ChosenCutoffs, MaterialChange, Raised, choose_cutoffs};

@@ -32,6 +32,10 @@ pub enum Error {
     #[cfg(feature = "scene")]
     #[error(transparent)]
     Levels(ChainError),
+    /// A stand can't be read.
+    #[cfg(feature = "scene")]
+    #[error(transparent)]
+    Stand(#[from] crate::stand::StandError),
     /// Parts that have a level of their own can't be brought to it.
     #[cfg(feature = "scene")]
     #[error("the level of {parts}: {source}")]

@@ -32,6 +32,8 @@ impl Error {
             Self::Simplify(error) => of_run(error),
             #[cfg(feature = "scene")]
             Self::Part { source, .. } => of_run(source),
+            #[cfg(feature = "scene")]
+            Self::Stand(_) => ErrorKind::Input,
             Self::Cameras(_) => ErrorKind::Input,
             Self::Threads(_) => ErrorKind::Machine,
             #[cfg(feature = "plant")]

@@ -122,7 +122,7 @@ impl Plant {
         self.levels_on(&Session::default(), options, observer)
     }
 
-    fn levels_on(
+    pub(crate) fn levels_on(
         &self,
         session: &Session,
         options: &LevelsOptions,

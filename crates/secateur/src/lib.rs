@@ -70,6 +70,7 @@
 //! | what the program does | `Plant`, `Level`, `Levels`, `chain` |
 //! | one engine and one memory for many calls; progress, cancelling | `Session` |
 //! | what a plant stands within | `Surroundings` |
+//! | many plants and the cameras that see them | `stand::Stand` |
 //! | options in files | [`Versioned`] |
 //! | reading and writing | [`Document`], [`Tree`], [`Selector`], [`VertexAlpha`], [`Inspection`], [`Written`], [`PreparedLod`], [`GltfError`] |
 //! | leaves | [`Foliage`], [`Leaf`], [`LeafTriangle`], [`LeafId`], [`Cutout`] |
@@ -124,6 +125,8 @@ mod progress_share;
 mod scene;
 #[cfg(feature = "scene")]
 mod session;
+#[cfg(feature = "scene")]
+pub mod stand;
 #[cfg(feature = "scene")]
 mod surroundings;
 mod versioned;

@@ -62,6 +62,7 @@ mod tests {
             forward: DVec3::NEG_Z,
             up: DVec3::Y,
             tan_half_fov: 1.0,
+            aspect: None,
             near: 0.1,
             weight,
         }

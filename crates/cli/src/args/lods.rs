@@ -141,12 +141,12 @@ pub(super) fn distances(text: &str) -> Result<Distances, String> {
     }
 }
 
-fn difference(text: &str) -> Result<f64, String> {
+pub(super) fn difference(text: &str) -> Result<f64, String> {
     let is_one = |n: f64| n > 0.0 && n <= MOST_DIFFERENCE;
     number(text, is_one, "above 0 and at most 2")
 }
 
-fn texture_size(text: &str) -> Result<u64, String> {
+pub(super) fn texture_size(text: &str) -> Result<u64, String> {
     match text.parse() {
         Ok(Memory::Bytes(bytes)) => Ok(bytes),
         Ok(Memory::Auto) | Err(_) => Err("write a size above 0 such as 4M or 800K".to_owned()),

@@ -6,6 +6,7 @@ mod lod;
 mod lods;
 mod short_help;
 mod simplify;
+mod stand;
 mod stream;
 mod study;
 
@@ -26,6 +27,7 @@ pub(crate) use lod::{LevelArgs, Lod};
 pub(crate) use lods::Lods;
 pub(crate) use short_help::command;
 pub(crate) use simplify::{MaxCoverage, Simplify};
+pub(crate) use stand::Stand;
 pub(crate) use stream::Stream;
 pub(crate) use study::Study;
 
@@ -57,6 +59,8 @@ pub(crate) enum Command {
     Lod(Lod),
     /// Make a chain of levels of detail for an engine, wood and leaves alike.
     Lods(Box<Lods>),
+    /// Give each of many plants in a scene the level that its cameras need, within a difference or a budget.
+    Stand(Box<Stand>),
     /// Judge a simplified tree against its original, from four sets of 12 views, none of them near
     /// a view that `simplify` uses by default.
     Measure(Measure),

@@ -7,7 +7,7 @@ const GROWN_BY_PX: usize = 2;
 const LEAST_COVERAGE: f32 = 0.1;
 
 /// U: the pixels, row by row, no more than two from one in which either picture shows a tenth of plant or more.
-pub(super) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {
+pub(crate) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {
     let pairs = a.iter().zip(b);
     let is_plant: Vec<bool> = pairs.map(|(a, b)| a.max(*b) >= LEAST_COVERAGE).collect();
     let across = grown(&is_plant, width, 1);

@@ -72,6 +72,21 @@ const SURELY_BEYOND: [(usize, [f64; 2]); 2] = [(2, [1.3, 2.0]), (4, [1.1, 1.5])]
 /// The height in pixels from which on the views of one level are about alike.
 const ALIKE_FROM_PX: f64 = 200.0;
 
+pub(crate) use mask::judged_pixels;
+
+/// max(B, 1.75 M) of one picture, of FLIP errors at the pixels that are judged, of a picture of this width and height.
+pub(crate) fn of_picture(judged: &[u32], errors: &[f32], [width, height]: [usize; 2]) -> f64 {
+    let side = (width.max(height) / 8).max(8);
+    let columns = width.div_ceil(side);
+    let block_of =
+        |pixel: u32| pixel as usize / width / side * columns + pixel as usize % width / side;
+    let count = columns * height.div_ceil(side);
+    let least = blocks::LEAST_JUDGED;
+    let [worst, mean] =
+        blocks::worst_and_mean(least, (judged, errors), side as u32, count, block_of);
+    worst.max(OF_MEAN * mean)
+}
+
 /// How far a level looks from its plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]

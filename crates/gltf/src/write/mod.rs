@@ -33,6 +33,7 @@ mod references;
 mod single_leaf_mesh;
 mod skeleton;
 mod staged_files;
+mod stand;
 mod surfaces;
 mod temporary_name;
 #[cfg(test)]
@@ -45,4 +46,5 @@ pub use files::{PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub(crate) use references::check_references;
 pub use staged_files::{CommitError, StagedFiles};
+pub use stand::{StandPart, StandWriter};
 pub use surfaces::surfaces_to_glb;

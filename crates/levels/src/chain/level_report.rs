@@ -5,6 +5,7 @@ use secateur_model::Foliage;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
+use super::blend::BlendBand;
 use super::level_as_drawn::LevelAsDrawn;
 use super::textures::Textures;
 
@@ -32,6 +33,8 @@ pub struct LevelReport {
     /// The least share of the screen's height at which it is drawn, before the next level takes
     /// over; 0 for the last.
     pub screen_coverage: f64,
+    /// Where a client blends into the next level; none for the last.
+    pub blend: Option<BlendBand>,
     /// How far it looks from the original there, with its own textures.
     #[serde(flatten)]
     pub difference: Difference,
@@ -182,6 +185,10 @@ impl LevelReport {
                 extras.insert(key.to_owned(), rounded(&report[key]));
             }
         }
+        let blend = json!(self.blend);
+        for (key, value) in blend.as_object().into_iter().flatten() {
+            extras.insert(format!("blend_{key}"), rounded(value));
+        }
         if let Some(impostor) = &self.impostor {
             let facts = impostor.facts.clone();
             extras.insert("impostor".to_owned(), facts.into());
@@ -241,8 +248,13 @@ mod tests {
         assert_eq!(report.extras("oak_LOD2")["shadow"], "oak_LOD2");
         report.pixels_high = 540.0;
         report.pop = Some(0.1);
+        report.blend = Some(BlendBand::before(20.0, 270.0));
         assert_eq!(keys(&report)[2], "pixels_high");
         assert_eq!(keys(&report)[8], "pop");
+        let blend = ["begin", "end", "hysteresis", "begin_px", "end_px"];
+        let blend = blend.map(|key| report.extras("oak_LOD2")[&format!("blend_{key}")].as_f64());
+        let expected = [20.0, 22.0, 1.0, 270.0, 245.45].map(Some);
+        assert_eq!(blend, expected);
     }
 
     /// Readers find every key, whether a client draws the level or not.

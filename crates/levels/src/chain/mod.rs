@@ -1,5 +1,6 @@
 //! Chains of levels of detail of whole plants: which levels, and for which distances.
 
+mod blend;
 mod card_cutoffs;
 mod cards;
 mod cost;
@@ -36,6 +37,7 @@ use secateur_gltf::chain::MAX_LEVELS;
 use secateur_raster::OpenEngine;
 use secateur_simplify::{Observer, Progress, sphere_of};
 
+pub use blend::BlendBand;
 use cards::CardSearch;
 pub use cost::{CostWeights, LevelParts};
 pub use error::{BadOptions, ChainError};
@@ -98,10 +100,9 @@ pub fn chain(
         }
         (false, _) => {}
     }
-    let ends: Vec<f64> = levels
-        .iter()
-        .skip(1)
-        .map(|level| level.pixels_high)
+    let bands = levels.iter().skip(1);
+    let bands: Vec<BlendBand> = bands
+        .map(|next| BlendBand::before(next.distance, next.pixels_high))
         .collect();
     let is_picture = |level: &ChainLevel| matches!(level.shape, Shape::Impostor(_));
     let last_mesh = levels
@@ -109,8 +110,9 @@ pub fn chain(
         .rposition(|level| !is_picture(level))
         .unwrap_or(0);
     for (index, level) in levels.iter_mut().enumerate() {
-        let end = ends.get(index).copied().unwrap_or(0.0);
-        level.screen_coverage = end / options.screen.height_px;
+        level.blend = bands.get(index).copied();
+        let end_px = level.blend.map_or(0.0, |band| band.begin_px);
+        level.screen_coverage = end_px / options.screen.height_px;
         // A picture casts the shadow of a picture.
         level.shadow = match is_picture(level) {
             true => index,

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{EngineLevels, FADE, number, quoted};
+use secateur_levels::chain::BlendBand;
+
+use super::{EngineLevels, number, quoted};
 
 /// Fades this level itself, not what depends on it (`GeometryInstance3D.visibility_range_fade_mode`).
 const FADE_SELF: u32 = 1;
@@ -16,26 +18,22 @@ pub(super) fn scene(levels: &EngineLevels, file: &str) -> String {
         quoted(file),
         quoted(&format!("{}_lods", levels.name)),
     );
+    let mut before = None;
     for (k, level) in levels.levels.iter().enumerate() {
         let parent = quoted(&node_name(&levels.name));
         let node = quoted(&node_name(&level.node));
         let _ = write!(text, "\n[node name={node} parent={parent} index=\"{k}\"]\n");
-        if level.begin_m > 0.0 {
-            let _ = write!(
-                text,
-                "visibility_range_begin = {}\nvisibility_range_begin_margin = {}\n",
-                number(level.begin_m),
-                number(FADE * level.begin_m)
-            );
+        for (side, band) in [("begin", before), ("end", level.blend)] {
+            // Godot fades as far before a range's end as behind it.
+            if let Some([at, margin]) = band.map(|band: BlendBand| band.middle_and_margin()) {
+                let (at, margin) = (number(at), number(margin));
+                let _ = write!(
+                    text,
+                    "visibility_range_{side} = {at}\nvisibility_range_{side}_margin = {margin}\n",
+                );
+            }
         }
-        if let Some(end_m) = level.end_m {
-            let _ = write!(
-                text,
-                "visibility_range_end = {}\nvisibility_range_end_margin = {}\n",
-                number(end_m),
-                number(FADE * end_m)
-            );
-        }
+        before = level.blend;
         let _ = writeln!(text, "visibility_range_fade_mode = {FADE_SELF}");
     }
     text

@@ -6,6 +6,7 @@ mod scripts;
 use std::path::PathBuf;
 
 use secateur_gltf::chain::Layout;
+use secateur_levels::chain::BlendBand;
 
 use crate::Levels;
 
@@ -37,8 +38,8 @@ struct EngineLevel {
     node: String,
     /// From how far off it is used, in metres.
     begin_m: f64,
-    /// From how far off the next one is.
-    end_m: Option<f64>,
+    /// Where it blends into the next one; none for the last.
+    blend: Option<BlendBand>,
     /// The least share of the screen's height at which it is drawn.
     coverage: f64,
 }
@@ -51,9 +52,6 @@ struct EngineLevels {
     diameter_over_extent: f64,
     field_of_view_degrees: f64,
 }
-
-/// How wide the band is in which a level fades into the next, as a share of their distance.
-const FADE: f64 = 0.1;
 
 impl EngineName {
     /// How levels lie in files.
@@ -114,7 +112,7 @@ impl EngineLevels {
         let of = |k: usize| EngineLevel {
             node: levels.node(k),
             begin_m: reports[k].distance,
-            end_m: reports.get(k + 1).map(|next| next.distance),
+            blend: reports[k].blend,
             coverage: reports[k].screen_coverage,
         };
         Self {

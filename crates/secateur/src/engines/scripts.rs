@@ -1,6 +1,8 @@
 //! Scripts of engines: a template each, beside this file, and the levels' figures.
 
-use super::{EngineLevels, FADE, identifier, number, quoted};
+use secateur_levels::chain::BlendBand;
+
+use super::{EngineLevels, identifier, number, quoted};
 
 /// A template with the words that stand for names and figures replaced.
 fn filled(template: &str, levels: &EngineLevels, file: &str, figures: &[String]) -> String {
@@ -13,10 +15,16 @@ fn filled(template: &str, levels: &EngineLevels, file: &str, figures: &[String])
 
 /// An editor script for Unity: a prefab with a LOD Group, made anew whenever the file is imported.
 pub(super) fn unity(levels: &EngineLevels, file: &str) -> String {
-    let last = levels.levels.len() - 1;
-    let figures = levels.levels.iter().enumerate().map(|(k, level)| {
-        let height = if k == last { 0.0 } else { level.coverage };
-        format!("        ({}, {}f),", quoted(&level.node), number(height))
+    let mut before = 1.0;
+    let figures = levels.levels.iter().map(|level| {
+        // Unity fades before a level ends, over a share of the heights that it is shown at.
+        let end = level
+            .blend
+            .map_or(0.0, |band| level.coverage * band.end_px / band.begin_px);
+        let fade = (level.coverage - end) / f64::max(before - end, f64::MIN_POSITIVE);
+        before = end;
+        let (node, fade) = (quoted(&level.node), number(fade.clamp(0.0, 1.0)));
+        format!("        ({node}, {}f, {fade}f),", number(end))
     });
     filled(
         include_str!("unity.cs"),
@@ -45,14 +53,15 @@ pub(super) fn unreal(levels: &EngineLevels) -> String {
 
 /// A plugin for Bevy: a visibility range for each mesh below a level's node.
 pub(super) fn bevy(levels: &EngineLevels) -> String {
-    let margin = |at: Option<f64>| match at {
-        Some(at) if at > 0.0 => format!("{}..{}", number(at), number(at * (1.0 + FADE))),
-        Some(_) => "0.0..0.0".to_owned(),
-        None => "f32::MAX..f32::MAX".to_owned(),
+    let margin = |band: Option<BlendBand>, none: &str| {
+        let text = |band: BlendBand| format!("{}..{}", number(band.begin), number(band.end));
+        band.map_or_else(|| format!("{none}..{none}"), text)
     };
+    let mut before = None;
     let figures = levels.levels.iter().map(|level| {
-        let (node, begin) = (quoted(&level.node), margin(Some(level.begin_m)));
-        format!("    ({node}, {begin}, {}),", margin(level.end_m))
+        let (begin, end) = (margin(before, "0.0"), margin(level.blend, "f32::MAX"));
+        before = level.blend;
+        format!("    ({}, {begin}, {end}),", quoted(&level.node))
     });
     filled(
         include_str!("bevy.rs.in"),
@@ -64,12 +73,15 @@ pub(super) fn bevy(levels: &EngineLevels) -> String {
 
 /// A module for three.js: a `LOD` of the file.
 pub(super) fn three(levels: &EngineLevels, file: &str) -> String {
-    filled(
-        include_str!("three.js.in"),
-        levels,
-        file,
-        &distances(levels),
-    )
+    let mut before: Option<BlendBand> = None;
+    let figures = levels.levels.iter().map(|level| {
+        let [begin, hysteresis] = before.map_or([0.0; 2], |band| [band.begin, band.hysteresis]);
+        before = level.blend;
+        let (node, out) = (quoted(&level.node), number(begin + hysteresis));
+        format!("  [{node}, {out}, {}],", number(hysteresis))
+    });
+    let figures: Vec<String> = figures.collect();
+    filled(include_str!("three.js.in"), levels, file, &figures)
 }
 
 /// A module for Babylon.js: levels of the finest meshes.

@@ -9,8 +9,9 @@ public class @IDENT@Lods : AssetPostprocessor
 {
     const string File = @FILE@;
 
-    // The node of each level, and the least share of the screen's height at which it is drawn.
-    static readonly (string node, float height)[] Levels =
+    // The node of each level, the least share of the screen's height at which it is drawn, and over which share of its
+    // heights it fades into the next.
+    static readonly (string node, float height, float fade)[] Levels =
     {
 @LEVELS@
     };
@@ -38,7 +39,7 @@ public class @IDENT@Lods : AssetPostprocessor
         try
         {
             List<LOD> lods = new List<LOD>();
-            foreach ((string node, float height) in Levels)
+            foreach ((string node, float height, float fade) in Levels)
             {
                 Transform level = Find(root.transform, node);
                 if (level == null)
@@ -47,7 +48,7 @@ public class @IDENT@Lods : AssetPostprocessor
                     return;
                 }
                 LOD lod = new LOD(height, level.GetComponentsInChildren<Renderer>(true));
-                lod.fadeTransitionWidth = 0.1f;
+                lod.fadeTransitionWidth = fade;
                 lods.Add(lod);
             }
             LODGroup group = root.AddComponent<LODGroup>();
