@@ -10,6 +10,7 @@ use secateur_eval::Limits;
 use secateur_levels::chain::LevelKind;
 use serde::Serialize;
 
+use super::advice;
 use super::args::{self, Common};
 use super::failure::Failure;
 use super::print::Printed;
@@ -220,11 +221,8 @@ fn record(args: &args::Stand, stand: &Stand, levels: &StandLevels, files: &Files
     };
     let mut notes = levels.notes.clone();
     for (kind, made) in stand.kinds.iter().zip(&levels.kinds) {
-        notes.extend(
-            made.notes
-                .iter()
-                .map(|note| format!("{}: {note}", kind.name)),
-        );
+        let of_kind = advice::sentences(&made.notes);
+        notes.extend(of_kind.iter().map(|note| format!("{}: {note}", kind.name)));
     }
     StandRecord {
         input: shown(&args.scene),

@@ -4,6 +4,7 @@ use secateur_eval::{Difference, StandKind};
 use secateur_gltf::Document;
 use secateur_gltf::chain::Layout;
 use secateur_levels::chain::{LevelKind, LevelParts, LevelReport, Wanted};
+use secateur_model::Note;
 use secateur_simplify::Observer;
 
 use super::read::drawn;
@@ -30,7 +31,7 @@ pub struct KindLevels {
     /// The levels.
     pub levels: Vec<KindLevel>,
     /// What was asked for and left out, and the like, a sentence each.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 /// A level of a kind.
