@@ -162,9 +162,9 @@ fn planes_that_nobody_asked_for_show_what_there_is_of_the_plant() {
     let small = grow(Species::Oak, &options).unwrap();
     bench.put("small.glb", &plant_to_glb(&small));
     let lods = ["lods", "small.glb", "-o", "c", "--distances", "400,800"];
-    bench
-        .run(&[&lods[..], &["--report", "r.json"]].concat())
-        .succeeded();
+    // Of so few leaves planes may differ by two thirds of that.
+    let far = ["--max-difference", "0.36", "--report", "r.json"];
+    bench.run(&[&lods[..], &far].concat()).succeeded();
     let record = bench.json("r.json");
     let last = levels(&record).last().unwrap();
     assert_eq!(last["impostor"]["layout"], "crossed", "{record}");
