@@ -11,7 +11,7 @@ use super::card_cutoffs::Covering;
 use super::cards::CardSearch;
 use super::error::ChainError;
 use super::level::{ChainLevel, ImpostorLevel, Shape};
-use super::level_choice::{MOST_OF_BEFORE, no_level};
+use super::level_choice::{MOST_OF_BEFORE, in_pixels, no_level};
 use super::level_report::{LevelKind, LevelReport};
 use super::look::LevelPicture;
 use super::maker::{Made, Maker};
@@ -65,7 +65,7 @@ impl Maker<'_> {
         let mut places = self.heights();
         let last = places.pop().unwrap_or_else(|| {
             let before = placed.last().map_or(HEIGHTS_PX[0], Placed::begins);
-            (before / 2.0, format!("{} pixels", before / 2.0))
+            (before / 2.0, in_pixels(before / 2.0))
         });
         if choice == Choice::Cards {
             let cards = self.demanded_cards(placed, last.0, search, client, observer)?;

@@ -23,6 +23,11 @@ const MOST_OF_ASKED: f64 = 0.9;
 /// How a note begins that says why there is no level for a place, which follows with a colon.
 const NO_LEVEL: &str = "no level begins at ";
 
+/// The words for a height on the screen.
+pub(super) fn in_pixels(height: f64) -> String {
+    format!("{} pixels", (10.0 * height).round() / 10.0)
+}
+
 /// How a note begins that says why there is no level for this place.
 pub(super) fn no_level(place: &str) -> String {
     format!("{NO_LEVEL}{place}:")
@@ -266,6 +271,12 @@ fn note_places_without_level(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn heights_are_said_to_a_tenth_of_a_pixel() {
+        let said = [1080.0, 67.5, 217.761_850_784].map(in_pixels);
+        assert_eq!(said, ["1080 pixels", "67.5 pixels", "217.8 pixels"]);
+    }
 
     #[test]
     fn places_without_a_level_for_one_reason_are_one_note() {

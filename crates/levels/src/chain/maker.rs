@@ -13,6 +13,7 @@ use secateur_simplify::{Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
+use super::level_choice::in_pixels;
 use super::level_report::{ClearTexels, LevelReport};
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::look::{Drawn, LevelPicture, Look};
@@ -260,7 +261,7 @@ impl<'a> Maker<'a> {
         match &self.options.wanted {
             Wanted::Triangles(_) => Vec::new(),
             Wanted::Heights(heights) => {
-                let words = |height: &f64| (*height, format!("{height} pixels"));
+                let words = |height: &f64| (*height, in_pixels(*height));
                 heights.iter().map(words).collect()
             }
             Wanted::Distances(distances) => {
