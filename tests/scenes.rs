@@ -25,7 +25,7 @@ fn cameras() -> Vec<Value> {
 
 /// A scene with these nodes, in which mesh 0 is a quad of sides 2 across z, and camera 0 sees
 /// an angle of a radian.
-fn scene(nodes: &[Value]) -> Value {
+pub(crate) fn scene(nodes: &[Value]) -> Value {
     let corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
     let floats = corners.map(|[x, y]| [x as f32, y as f32, 0.0]);
     let mut bytes: Vec<u8> = floats

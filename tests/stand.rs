@@ -34,37 +34,8 @@ fn list() -> Value {
 
 /// A quad across z, wide and high, between the fifth and the sixth row.
 fn wall() -> Value {
-    let corners: [[f32; 3]; 4] = [
-        [-99.0, -9.0, -40.5],
-        [99.0, -9.0, -40.5],
-        [99.0, 60.0, -40.5],
-        [-99.0, 60.0, -40.5],
-    ];
-    let mut bytes: Vec<u8> = corners
-        .iter()
-        .flatten()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
-    bytes.extend([0u16, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()));
-    let data = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, &bytes);
-    json!({
-        "asset": { "version": "2.0" },
-        "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0 }],
-        "materials": [{ "doubleSided": true }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
-        "accessors": [
-            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
-              "min": [-99, -9, -40.5], "max": [99, 60, -40.5] },
-            { "bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR" },
-        ],
-        "bufferViews": [
-            { "buffer": 0, "byteLength": 48 },
-            { "buffer": 0, "byteOffset": 48, "byteLength": 12 },
-        ],
-        "buffers": [{ "byteLength": 60, "uri": format!("data:;base64,{data}") }],
-    })
+    let quad = json!({ "mesh": 0, "scale": [99, 34.5, 1], "translation": [0, 25.5, -40.5] });
+    crate::scenes::scene(&[quad])
 }
 
 fn put(bench: &Bench, name: &str, file: &Value) {

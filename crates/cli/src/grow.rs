@@ -40,7 +40,7 @@ pub(crate) struct GrowRecord {
 /// A level of detail by the plant's own branches.
 #[derive(Serialize, JsonSchema)]
 struct GrownLodRecord {
-    /// `chain` or `merge`.
+    /// How branches get coarser: `chain` or `merge`, as `--lod-method` has it.
     method: String,
     /// The number of the level, from 1.
     level: usize,

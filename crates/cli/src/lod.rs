@@ -19,7 +19,7 @@ use super::{advice, interrupt, order};
 /// A level along a removal order.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct LodRecord {
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     input: String,
     /// The files that were written, the one that was asked for first.
     output: Vec<String>,
@@ -27,7 +27,7 @@ pub(crate) struct LodRecord {
     leaves: Counts,
     /// Triangles of the whole plant.
     triangles: Counts,
-    /// Triangles of leaves.
+    /// How many of these are leaves.
     foliage_triangles: Counts,
     /// Steps of the order, and how many of them lead to the level.
     steps: Counts,

@@ -32,7 +32,7 @@ pub(crate) struct StandRecord {
     places: Vec<PlaceRecord>,
     /// The scene as it is.
     before: StandFigures,
-    /// With levels.
+    /// The scene as it is written, each plant as its level.
     after: StandFigures,
     /// How many times less it costs.
     cost_ratio: f64,
@@ -159,7 +159,7 @@ fn options(args: &args::Stand) -> StandOptions {
     }
 }
 
-/// What is written.
+/// Paths of all files that a stand is written to.
 struct Files {
     scene: PathBuf,
     record: PathBuf,

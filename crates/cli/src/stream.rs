@@ -35,7 +35,7 @@ const SHARES: [f64; 6] = [0.0, 0.1, 0.25, 0.5, 0.75, 1.0];
 /// A stream that was written.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct StreamRecord {
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     input: String,
     /// The stream.
     output: String,
@@ -64,7 +64,7 @@ struct OfFirst {
 pub(crate) struct StreamReadRecord {
     /// The stream.
     input: String,
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     output: String,
     bytes: BytesRead,
     leaves: Counts,

@@ -39,9 +39,9 @@ pub struct LevelRecord {
     pub leaves: Counts,
     /// Triangles of the whole plant.
     pub triangles: Counts,
-    /// Triangles of leaves.
+    /// How many of these are leaves.
     pub foliage_triangles: Counts,
-    /// Triangles of wood.
+    /// How many of these are wood.
     pub wood_triangles: Counts,
     /// The method as `--method` spells it.
     pub method: &'static str,

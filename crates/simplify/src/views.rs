@@ -99,38 +99,21 @@ impl Views {
 
     /// Whether the caller has placed the cameras.
     pub(crate) fn are_cameras(&self) -> bool {
-        match self {
-            Self::Cameras(_) => true,
-            Self::Turned { views, .. } => views.are_cameras(),
-            Self::Auto
-            | Self::Dodecahedron
-            | Self::Icosahedron
-            | Self::Both
-            | Self::Dodecahedra
-            | Self::Turning
-            | Self::Geodesic
-            | Self::Cube
-            | Self::Octahedron
-            | Self::Variable => false,
-        }
+        matches!(self.unturned(), Self::Cameras(_))
     }
 
     /// Whether a run decides which they are.
     pub(crate) fn are_auto(&self) -> bool {
-        match self {
-            Self::Auto => true,
-            Self::Turned { views, .. } => views.are_auto(),
-            Self::Cameras(_)
-            | Self::Dodecahedron
-            | Self::Icosahedron
-            | Self::Both
-            | Self::Dodecahedra
-            | Self::Turning
-            | Self::Geodesic
-            | Self::Cube
-            | Self::Octahedron
-            | Self::Variable => false,
+        matches!(self.unturned(), Self::Auto)
+    }
+
+    /// These views as they are before they are turned.
+    fn unturned(&self) -> &Self {
+        let mut views = self;
+        while let Self::Turned { views: own, .. } = views {
+            views = own;
         }
+        views
     }
 
     /// These views, or those that were decided where a run decides.

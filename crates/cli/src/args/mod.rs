@@ -213,7 +213,7 @@ pub(crate) struct PlantArgs {
 }
 
 impl PlantArgs {
-    /// What is foliage.
+    /// Parts that `--foliage` names as foliage; none where the program decides.
     pub(crate) fn selectors(&self) -> &[Selector] {
         &self.foliage.foliage
     }

@@ -16,7 +16,7 @@ pub(crate) struct Item {
     pub(super) schema_version: u32,
     /// SHA-256 of the plant's files, the options and the program.
     pub(super) key: String,
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     pub(super) input: PathBuf,
     /// The folder of the batch; the result is its folder KEY.
     pub(super) output: PathBuf,

@@ -15,7 +15,7 @@ use super::super::surroundings::SurroundingsRecord;
 /// The levels of a plant.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct LodsRecord {
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     pub(super) input: String,
     /// What nodes and files of the levels are called after.
     pub(super) name: String,
@@ -29,9 +29,9 @@ pub(crate) struct LodsRecord {
     pub(super) leaves: OfOriginal,
     /// Triangles of the whole plant.
     pub(super) triangles: OfOriginal,
-    /// Triangles of leaves.
+    /// How many of these are leaves.
     pub(super) foliage_triangles: OfOriginal,
-    /// Triangles of wood.
+    /// How many of these are wood.
     pub(super) wood_triangles: OfOriginal,
     pub(super) surroundings: SurroundingsRecord,
     pub(super) screen: ScreenRecord,
@@ -67,7 +67,7 @@ pub(crate) struct LodsRecord {
 /// A plant that could not be done.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FailureRecord {
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     input: String,
     /// Why, in a sentence.
     error: String,

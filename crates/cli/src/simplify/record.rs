@@ -18,7 +18,7 @@ use super::super::surroundings::SurroundingsRecord;
 /// A plant and a level of it.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct SimplifyRecord {
-    /// The plant's file.
+    /// Path of the plant's file as the call gives it.
     input: String,
     /// The files that were written, the one that was asked for first.
     output: Vec<String>,

@@ -31,7 +31,7 @@ pub struct StandLevels {
     pub cameras: Vec<CameraFigures>,
     /// What the stand costs as it is.
     pub before: StandFigures,
-    /// What is written.
+    /// What it costs with a level for each plant that is seen.
     pub after: StandFigures,
     /// The stand as a GLB: a node for each plant that is seen, meshes shared.
     pub glb: Vec<u8>,
@@ -44,7 +44,7 @@ pub struct StandLevels {
 pub struct CameraFigures {
     /// The stand as it is.
     pub before: StandPicture,
-    /// With levels.
+    /// The stand with a level for each plant that is seen.
     pub after: StandPicture,
     /// How far it is from that.
     pub difference: StandDifference,
