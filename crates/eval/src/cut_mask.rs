@@ -158,6 +158,8 @@ impl CutMasks {
             return known.mask.clone();
         }
         let mask = CutMask::of(texture, cutoff, factor).map(Arc::new);
+        // Textures that nobody else has are drawn no more.
+        all.retain(|known| Arc::strong_count(&known.texture) > 1);
         all.push(Known {
             texture: Arc::clone(texture),
             cutoff,

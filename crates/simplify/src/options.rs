@@ -74,6 +74,14 @@ pub struct Options {
     /// [`Simplified::vmi_final`]: crate::Simplified::vmi_final
     #[serde(skip, default = "shows_what_is_left")]
     pub shows_what_is_left: bool,
+    /// Pixels a side, at most, of the pictures in which sizes are fitted to coverage; fewer for a tight field of view, in
+    /// which the crown is as large in fewer pixels.
+    #[serde(skip, default = "most_fit_px")]
+    pub most_fit_px: u32,
+}
+
+fn most_fit_px() -> u32 {
+    u32::MAX
 }
 
 fn shows_what_is_left() -> bool {
@@ -108,6 +116,7 @@ impl Options {
             held_by: None,
             audit: cfg!(debug_assertions),
             shows_what_is_left: shows_what_is_left(),
+            most_fit_px: most_fit_px(),
         }
     }
 

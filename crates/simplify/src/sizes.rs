@@ -66,17 +66,20 @@ impl SizePass {
             true => LEAST_TIGHT_RESOLUTION,
             false => LEAST_RESOLUTION,
         };
-        // As large as leaves are in the driving views.
-        let as_driven = match objective {
+        let wished = match objective {
+            // As large as leaves are in the driving views.
             Objective::Information { .. } => {
                 let wider = tan_half(&views[0]) / tan_half(shown);
                 let pixels = f64::from(driving_resolution) * wider;
-                (pixels / 8.0).ceil() as u32 * 8
+                least.max((pixels / 8.0).ceil() as u32 * 8)
             }
-            Objective::Coverage => 0,
+            Objective::Coverage => {
+                let most = options.most_fit_px.min(LEAST_RESOLUTION);
+                (least * most / LEAST_RESOLUTION).max(1)
+            }
         };
         Self {
-            resolution: resolution(as_driven.max(least), &views),
+            resolution: resolution(wished, &views),
             views,
             objective,
         }
@@ -344,6 +347,19 @@ mod tests {
                 // What is tight throughout is as fine throughout.
                 pass(INFORMATION, tight, driving_px).max(512),
             ];
+            assert_eq!(found, expected);
+        }
+        // In fewer pixels, where that is asked for, and never in more.
+        for (most_fit_px, expected) in [(256, [256, 160]), (1024, [512, 320])] {
+            let found = [auto, tight].map(|field_of_view| {
+                let options = Options {
+                    field_of_view,
+                    most_fit_px,
+                    ..to(Target::leaves(1))
+                };
+                let shown = options.first_views(sphere);
+                SizePass::new(&options, sphere, &shown, Objective::Coverage, 64).resolution
+            });
             assert_eq!(found, expected);
         }
         let many = ViewSet::new(vec![views.views()[0]; 4096]);

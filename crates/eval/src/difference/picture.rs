@@ -39,7 +39,7 @@ pub(super) fn draw<S: Borrow<Surface> + Sync>(
     wood: usize,
     occluders: &[Arc<Surface>],
     frame: &Frame,
-    turns_normals: bool,
+    (turns_normals, masks): (bool, &CutMasks),
 ) -> DrawnPlant {
     let roles = CutOutRoles {
         core: wood,
@@ -47,9 +47,8 @@ pub(super) fn draw<S: Borrow<Surface> + Sync>(
     };
     let occluders = occluders.iter().map(|surface| &**surface);
     let all: Vec<&Surface> = surfaces.iter().map(S::borrow).chain(occluders).collect();
-    let masks = CutMasks::default();
     let how = (frame.samples, turns_normals);
-    let alpha = AlphaFrom::masks(&masks);
+    let alpha = AlphaFrom::masks(masks);
     DrawnPlant(draw_cut_out(&all, roles, frame.lens, how, alpha))
 }
 

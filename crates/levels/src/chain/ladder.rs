@@ -57,6 +57,10 @@ const BARE_SHARINGS: [Sharing; 2] = [Sharing::Evenly, Sharing::ByNumber];
 /// Other sharings are tried this many steps further on: of 2 % each, they come to 12 % fewer triangles.
 const BETTER_BY: usize = 6;
 
+/// After a level that is beyond the limits in pictures of its size, those that are tried next are at least this many
+/// steps finer: such pictures take the longest.
+const FINER_BY: usize = 4;
+
 /// Levels of shares of all triangles, made as they are asked for.
 pub(super) struct Ladder<'a, 'm> {
     maker: &'m Maker<'a>,
@@ -108,6 +112,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<Option<(usize, Placed)>, ChainError> {
         let mut steps = first..self.steps;
         let mut best = None;
+        let mut beyond: Option<Tried> = None;
         let mut guess = match is_finest {
             true => FIRST,
             // Whether any level pays is known from the finest that would.
@@ -115,7 +120,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         };
         for _ in 0..self.work.placed {
             let found = self.coarsest(heights, steps.clone(), guess, observer)?;
-            let Some((step, in_search)) = found else {
+            let Some((step, in_search)) = found.or_else(|| finer_than(beyond?, &steps)) else {
                 break;
             };
             let made = self.level(step, observer)?.clone();
@@ -130,7 +135,8 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 best = Some((step, placed));
                 steps.start = step + 1;
             } else {
-                steps.end = step;
+                steps.end = step.saturating_sub(FINER_BY - 1).max(steps.start);
+                beyond = Some((step, over));
             }
             // What pictures of its size, with its own textures, show beyond those of the search is about the same for
             // others.
@@ -361,6 +367,14 @@ pub(super) fn step_of_share(share: f64, of_step: usize) -> usize {
     of_step + (-share.log2() * STEPS_A_HALF as f64).ceil() as usize
 }
 
+/// The step to try where one was beyond the limits in pictures of its size, and those of a search then know of none that
+/// is not: large pictures need not show as many times as much of each. With nothing known of it in a search.
+fn finer_than((step, over): Tried, steps: &Range<usize>) -> Option<Tried> {
+    let by = (over.ln() / USUAL_SLOPE).ceil() as usize + FINER_BY;
+    let finer = step.checked_sub(by)?;
+    steps.contains(&finer).then_some((finer, 0.0))
+}
+
 /// How many triangles a step has of all.
 fn triangles_of(step: usize, all: usize) -> usize {
     let share = (-(step as f64) / STEPS_A_HALF as f64).exp2();
@@ -467,6 +481,15 @@ mod tests {
             nones += usize::from(found.is_none());
         }
         assert!(others > 0 && nones > 0, "{others}, {nones}");
+    }
+
+    /// Of a level a fifth beyond the limits sixteen steps should be enough, and four more are; none before the first.
+    #[test]
+    fn after_a_level_beyond_the_limits_a_finer_one_is_tried() {
+        let beyond = (60, 1.22);
+        assert_eq!(finer_than(beyond, &(0..60)), Some((40, 0.0)));
+        assert_eq!(finer_than(beyond, &(41..60)), None);
+        assert_eq!(finer_than((10, 1.22), &(0..10)), None);
     }
 
     #[test]

@@ -107,6 +107,12 @@ impl<'a> Maker<'a> {
             shared: RefCell::default(),
             leaf_options: Options {
                 memory: memory.memory(),
+                most_fit_px: match &options.wanted {
+                    Wanted::Triangles(_) => options.leaves.most_fit_px,
+                    Wanted::Heights(_) | Wanted::Distances(_) => {
+                        options.leaves.effort.work().search_fit_px
+                    }
+                },
                 ..options.leaves.clone()
             },
             tree,
