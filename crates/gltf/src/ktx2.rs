@@ -3,9 +3,10 @@
 //! The texels are decoded by the crate `basisu`. What it allocates follows from the header, which is
 //! checked here first; where it panics all the same, the image counts as one that can't be decoded.
 
+mod texels;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use image::RgbaImage;
 
 const MAGIC: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
@@ -57,12 +58,7 @@ pub(crate) fn dimensions(bytes: &[u8]) -> Result<[u32; 2], String> {
 /// A sentence if it can't be decoded.
 pub(crate) fn decode(bytes: &[u8]) -> Result<RgbaImage, String> {
     // The decoder is no code of ours, and hostile files must not end the program.
-    let decoded = catch_unwind(AssertUnwindSafe(|| {
-        let transcoder = Transcoder::new(bytes).ok()?;
-        let (width, height) = transcoder.base_dimensions();
-        let texels = transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE);
-        RgbaImage::from_raw(width, height, texels.ok()?)
-    }));
+    let decoded = catch_unwind(AssertUnwindSafe(|| texels::pixels(bytes)));
     let damaged = || "its KTX2 image cannot be decoded, its data is damaged".to_owned();
     decoded.ok().flatten().ok_or_else(damaged)
 }
