@@ -108,8 +108,8 @@ pub fn choose_cutoffs(
         return Ok(None);
     };
     let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
-    let is_free = |drawn: &DrawnSurface| drawn.material.is_some_and(|m| free.contains(&m));
-    let ratios = range(level.iter().filter(|drawn| is_free(drawn)));
+    let is_free = |drawn: &&DrawnSurface| drawn.material.is_some_and(|m| free.contains(&m));
+    let ratios = range(level.iter().filter(is_free));
     let Some(ratios) = ratios else {
         return Ok(None);
     };
@@ -124,68 +124,116 @@ pub fn choose_cutoffs(
         free: &free,
     };
     let with_mips = client.sizes(&level, ratios[1]);
-    let best_with_mips = best(&with_mips, ratios);
-    let chosen = |cutoffs, times: f32, after: &dyn Fn(usize) -> f64| ChosenCutoffs {
-        cutoffs,
-        times: times.into(),
-        raised: Vec::new(),
-        raised_share: None,
-        coverage: (with_mips.iter().enumerate())
-            .map(|(k, size)| (size.width_px, [size.coverage(1.0), after(k)]))
-            .collect(),
+    let drawn = WithMips {
+        best: best(&with_mips, ratios),
+        level: &level,
+        ratios,
+        sizes: with_mips,
+        client,
     };
-    let cutoffs = |times: Option<f32>| {
+    if change == MaterialChange::CutoffsOrMips
+        && let Some(without) = drawn.without_mips(&original)
+    {
+        return Ok(Some(without));
+    }
+    if let Some(raised) = drawn.raised(tree) {
+        return Ok(Some(raised));
+    }
+    Ok(drawn.best.map(|times| {
+        let after = |k: usize| drawn.sizes[k].coverage(times);
+        drawn.chosen(drawn.cutoffs(Some(times)), times, &after)
+    }))
+}
+
+/// A level as clients draw it with mip maps.
+struct WithMips<'a> {
+    client: Client<'a>,
+    level: &'a [DrawnSurface],
+    /// Between which multiples of the cutoffs anything changes.
+    ratios: [f32; 2],
+    sizes: [Size; STEPS.len()],
+    /// By what cutoffs are best multiplied; none where they are best as they are.
+    best: Option<f32>,
+}
+
+impl WithMips<'_> {
+    /// Cutoffs that were chosen, and the coverage that they lead to, by the number of the size.
+    fn chosen(&self, cutoffs: Cutoffs, times: f32, after: &dyn Fn(usize) -> f64) -> ChosenCutoffs {
+        ChosenCutoffs {
+            cutoffs,
+            times: times.into(),
+            raised: Vec::new(),
+            raised_share: None,
+            coverage: (self.sizes.iter().enumerate())
+                .map(|(k, size)| (size.width_px, [size.coverage(1.0), after(k)]))
+                .collect(),
+        }
+    }
+
+    /// The cutoffs of all materials that may change, so many times as high; none where they stay.
+    fn cutoffs(&self, times: Option<f32>) -> Cutoffs {
         let cutoff = |drawn: &DrawnSurface| match drawn.surface.material.alpha_mode {
-            AlphaMode::Mask(cutoff) if is_free(drawn) => {
+            AlphaMode::Mask(cutoff) if self.client.is_free(drawn) => {
                 Some((drawn.material?, f64::from(cutoff * times?)))
             }
             _ => None,
         };
-        Cutoffs::new(level.iter().filter_map(cutoff))
-    };
-    let times_with_mips = best_with_mips.unwrap_or(1.0);
-    let off = farthest_off(&with_mips, times_with_mips);
-    if change == MaterialChange::CutoffsOrMips && off > NEAR_ENOUGH {
-        let (level, changed) = changed(&level, |number, material| {
-            free.contains(&number).then(|| without_mips(material))
+        Cutoffs::new(self.level.iter().filter_map(cutoff))
+    }
+
+    /// The cutoffs without mip maps, where coverage is off with them, less so without, and there are no more specks.
+    fn without_mips(&self, original: &[&Surface]) -> Option<ChosenCutoffs> {
+        let times_with_mips = self.best.unwrap_or(1.0);
+        let off = farthest_off(&self.sizes, times_with_mips);
+        if off <= NEAR_ENOUGH {
+            return None;
+        }
+        let client = &self.client;
+        let (level, changed) = changed(self.level, |number, material| {
+            client
+                .free
+                .contains(&number)
+                .then(|| without_mips(material))
         });
-        let without = client.sizes(&level, ratios[1]);
+        let without = client.sizes(&level, self.ratios[1]);
         // Some clients make mip maps whatever a file says: the cutoffs that are best with them stay where
         // they do no harm.
         let best = match do_no_harm(farthest_off(&without, times_with_mips), off) {
-            true => best_with_mips,
-            false => best(&without, ratios),
+            true => self.best,
+            false => best(&without, self.ratios),
         };
         let now = best.unwrap_or(1.0);
         let tolerable = |size: &Size| specks::is_tolerable(size.coverage(times_with_mips));
-        let original = DrawnOriginal::new(&original, &views, with_mips.iter().all(tolerable));
+        let are_tolerable = self.sizes.iter().all(tolerable);
+        let original = DrawnOriginal::new(original, client.views, are_tolerable);
         let has_more_specks = |(with, without): (&Size, &Size)| {
             let before = with.level.shown(times_with_mips).specks_per_view();
             let after = without.level.shown(now).specks_per_view();
             after > before && after > original.most_specks(&with.truth, with.width_px)
         };
         let is_better = farthest_off(&without, now) < off
-            && !with_mips.iter().zip(&without).any(has_more_specks);
-        if is_better {
-            let cutoffs = cutoffs(best).without_mips(changed);
-            return Ok(Some(chosen(cutoffs, now, &|k| without[k].coverage(now))));
-        }
+            && !self.sizes.iter().zip(&without).any(has_more_specks);
+        is_better.then(|| {
+            let cutoffs = self.cutoffs(best).without_mips(changed);
+            self.chosen(cutoffs, now, &|k| without[k].coverage(now))
+        })
     }
-    let fades = |size: &Size| size.coverage(times_with_mips) < 1.0 - NEAR_ENOUGH;
-    if with_mips.iter().any(fades)
-        && let Some((after, found)) = client.best_raised(tree, &level, &with_mips)
-        && after < MUCH_LESS * off_by_logarithm(&with_mips, times_with_mips)
-    {
-        return Ok(Some(ChosenCutoffs {
+
+    /// Raised texels instead of other cutoffs, where a level fades and coverage is much less off with them.
+    fn raised(&self, tree: &Tree) -> Option<ChosenCutoffs> {
+        let times = self.best.unwrap_or(1.0);
+        let fades = |size: &Size| size.coverage(times) < 1.0 - NEAR_ENOUGH;
+        if !self.sizes.iter().any(fades) {
+            return None;
+        }
+        let (after, found) = self.client.best_raised(tree, self.level, &self.sizes)?;
+        let is_better = after < MUCH_LESS * off_by_logarithm(&self.sizes, times);
+        is_better.then(|| ChosenCutoffs {
             raised: found.raised,
             raised_share: Some(found.share),
-            ..chosen(cutoffs(None), 1.0, &|k| found.coverage[k])
-        }));
+            ..self.chosen(self.cutoffs(None), 1.0, &|k| found.coverage[k])
+        })
     }
-    Ok(best_with_mips.map(|times| {
-        let after = |k: usize| with_mips[k].coverage(times);
-        chosen(cutoffs(Some(times)), times, &after)
-    }))
 }
 
 /// How levels are drawn: the views, the true outlines that they are compared with, and the numbers of the materials
@@ -206,14 +254,16 @@ struct FoundRaised {
 }
 
 impl Client<'_> {
+    fn is_free(&self, drawn: &DrawnSurface) -> bool {
+        let material = drawn.material;
+        material.is_some_and(|material| self.free.contains(&material))
+    }
+
     /// A level at all sizes. Ratios of alpha to cutoff are exact up to `enough`.
     fn sizes(&self, level: &[DrawnSurface], enough: f32) -> [Size; STEPS.len()] {
         let surfaces: Vec<&Surface> = level.iter().map(|drawn| &drawn.surface).collect();
         let known = MipMaps::of_cut_outs(&surfaces);
-        let is_free = |surface: usize| {
-            let material = level[surface].material;
-            material.is_some_and(|material| self.free.contains(&material))
-        };
+        let is_free = |surface: usize| self.is_free(&level[surface]);
         STEPS.map(|step| {
             let width_px = WIDTH_PX / step;
             Size {

@@ -1,8 +1,10 @@
 //! A foliage and options in, a LOD and what led to it out: coarsen, select, widen, size.
 
+mod selecting;
+
 use std::ops::ControlFlow;
 
-use secateur_model::{Budget, Foliage, Lod};
+use secateur_model::{BoundingSphere, Budget, Foliage, Lod};
 use secateur_raster::measure::lg::LgTable;
 use secateur_raster::measure::vmi::{ScaledBits, Vmi};
 use secateur_raster::occluders::Occluded;
@@ -10,21 +12,17 @@ use secateur_raster::{MAX_TOTAL_PIXELS, OpenEngine, Rasteriser, Scene};
 
 use crate::audit::audit;
 use crate::auto_views::views_for;
-use crate::coarsen::{Coarse, LossCurves, coarsen};
-use crate::fill::fill;
-use crate::hanging_leaves::cut;
 use crate::last_views::{LastLook, is_left_looked_at};
 use crate::memory::{Within, take_run};
 use crate::observe::observe;
 use crate::passes::Passes;
 use crate::resolution::resolution_for;
-use crate::select::{Begun, Selection, Task};
-use crate::shared::{KeptOrder, Shared};
+use crate::shared::Shared;
 use crate::sizes::{SizePass, is_fit_spared};
 use crate::stage::{Clock, Observer, Stage};
 use crate::vds::{ViewPlan, final_views};
 use crate::warning::{Ended, Warning, warnings};
-use crate::{Error, LeafTriangles, Options, Simplified, Stopped, Target, as_seen, sphere_of};
+use crate::{Error, Options, Simplified, Stopped, Target, as_seen, sphere_of};
 
 /// Simplifies a foliage.
 ///
@@ -133,75 +131,22 @@ pub fn simplify_sharing(
         target: options.target.counted(&foliage),
         views: options.plan(sphere),
         resolution,
+        reasons: Reasons {
+            views: chosen.reason,
+            resolution: resolution_reason,
+        },
         engine,
         budget,
     };
-    let mut draft = run.select(shared.as_deref_mut(), &mut clock)?;
-    let shown = &draft.shown;
-    if options.occluders.is_some() && shown.shows_nothing(&foliage, resolution, run.rasteriser)? {
-        let views = shown.views.len();
-        return Err(Error::NothingSeen { views });
-    }
-    let unfitted_percent = draft.shown.error_percent();
-    if let Some(objective) = options.objective()
-        && !is_fit_spared(
-            options.fit,
-            objective,
-            draft.shows_the_same,
-            unfitted_percent,
-        )
-    {
-        clock.begin(Stage::Fit)?;
-        let shown = &draft.shown.views;
-        let pass = SizePass::new(options, sphere, shown, objective, resolution);
-        run.size(&mut draft, &pass, shared, &mut clock)?;
-    }
-    let lod = draft.passes.lod();
-    let audited_by = match options.audit {
-        false => None,
-        true => {
-            clock.begin(Stage::Audit)?;
-            run.audit(&lod, &draft.shown)?
-        }
-    };
-    let mut warnings = warnings(&Ended {
-        options,
-        target: run.target,
-        foliage: &foliage,
-        lod: &lod,
-        is_fitted: draft.passes.sizes.is_some(),
-        error_percent: unfitted_percent
-            .zip(draft.shown.error_percent())
-            .map(|(before, after)| [before, after]),
-    });
-    warnings.extend(engine.failure().map(Warning::GpuFailed));
-    let Draft {
-        passes,
-        costs,
-        shown,
-        stopped,
-        ..
-    } = draft;
-    let (areas, vmi_final) = shown.left.unzip();
-    Ok(Simplified {
-        passes,
-        lod,
-        costs,
-        stopped,
-        views: shown.views,
-        driven_by: options.views.clone(),
-        views_reason: chosen.reason,
-        areas,
-        vmi_original: shown.vmi_original,
-        vmi_final,
-        resolution,
-        resolution_reason,
-        engine: engine.name(),
-        adapter: engine.adapter(),
-        audited_by,
-        seconds: clock.finish(),
-        warnings,
-    })
+    let draft = run.select(shared.as_deref_mut(), &mut clock)?;
+    run.finished(draft, sphere, shared, clock)
+}
+
+/// Why a run looks as it does, in words.
+#[derive(Clone)]
+struct Reasons {
+    views: Option<String>,
+    resolution: String,
 }
 
 /// What all passes of a run know.
@@ -212,6 +157,7 @@ struct PassContext<'a> {
     target: Target,
     views: ViewPlan,
     resolution: u32,
+    reasons: Reasons,
     engine: &'a OpenEngine,
     /// What is left for what views show.
     budget: Budget,
@@ -232,133 +178,6 @@ struct Draft {
 }
 
 impl PassContext<'_> {
-    /// Makes leaves coarser, has the method choose leaves, and cuts what goes beyond the target.
-    fn select(
-        &self,
-        mut shared: Option<&mut Shared>,
-        clock: &mut Clock<'_>,
-    ) -> Result<Draft, Error> {
-        clock.begin(Stage::Select)?;
-        let is_driven = self.options.method.vds().is_some();
-        let mut curves = shared.as_mut().and_then(|shared| shared.curves.take());
-        let shares = match is_driven {
-            true => self
-                .options
-                .leaf_triangles
-                .shares(self.foliage, self.target, &mut curves),
-            false => None,
-        };
-        let known = match &mut shared {
-            Some(shared) if is_driven => shared.take(&self.options.views, &shares),
-            _ => None,
-        };
-        let coarse = match (&known, &shares) {
-            (Some(known), _) => known.coarse.clone(),
-            (None, Some(shares)) => {
-                let curves = curves.get_or_insert_with(|| LossCurves::of(self.foliage));
-                coarsen(self.foliage, curves, shares)
-            }
-            (None, None) => None,
-        };
-        if let Some(shared) = &mut shared {
-            shared.curves = curves;
-        }
-        let target = match self.target {
-            // The error that counts is the one against the leaves as they are.
-            Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
-            target => target,
-        };
-        let task = Task {
-            foliage: coarse.as_ref().map_or(self.foliage, Coarse::foliage),
-            target,
-            begun: known.as_ref().map(|known| &known.begun),
-            skeleton: self.options.skeleton.as_deref(),
-            views: &self.views,
-            resolution: self.resolution,
-            rasteriser: self.rasteriser,
-            occluders: self.occluders,
-        };
-        let selection = match known.as_ref().filter(|known| known.reaches(&task)) {
-            Some(known) => known.selection(),
-            None => self
-                .options
-                .method
-                .select(&task, &mut |done, at_most| clock.step(done, at_most))?,
-        };
-        if let (Some(shared), true) = (&mut shared, is_driven) {
-            shared.keep(KeptOrder {
-                views: self.options.views.clone(),
-                shares,
-                coarse: coarse.clone(),
-                begun: Begun {
-                    order: selection.order.clone(),
-                    costs: selection.costs.clone(),
-                },
-            });
-        }
-        let Selection {
-            mut order,
-            costs,
-            shown,
-            is_at_max_error,
-        } = selection;
-        let at_most = self.target.triangle_count(self.foliage);
-        let ordered = coarse.as_ref().map_or(self.foliage, Coarse::foliage);
-        let held_by = self.options.held_by.as_deref();
-        let found = order.len();
-        let chosen = cut(&mut order, ordered, held_by, at_most);
-        let is_as_found = coarse.is_none() && held_by.is_none() && chosen == found;
-        let mut passes = Passes {
-            coarse,
-            order,
-            needles: Vec::new(),
-            sizes: None,
-        };
-        if self.options.widens_needles() {
-            passes.widen_needles(self.foliage, held_by);
-        }
-        let is_filled = match (at_most, self.options.leaf_triangles) {
-            (Some(at_most), LeafTriangles::Auto) => {
-                fill(&mut passes, self.foliage, at_most, chosen)
-            }
-            _ => false,
-        };
-        let is_as_found = is_as_found && passes.needles.is_empty() && !is_filled;
-        let mut stopped = match self.target {
-            Target::Triangles(_) => Stopped::AtTriangles,
-            Target::MaxErrorPercent(_) if is_at_max_error => Stopped::AtMaxError,
-            Target::Leaves(_) | Target::MaxErrorPercent(_) => Stopped::AtLeafCount,
-        };
-        let shown = match shown {
-            Some(shown) if is_as_found => shown.into(),
-            _ => {
-                clock.begin(Stage::Observe)?;
-                if let Target::MaxErrorPercent(percent) = self.target
-                    && self.cut_at_error(&mut passes, percent)?
-                {
-                    stopped = Stopped::AtMaxError;
-                }
-                self.look(&passes, is_driven, shared)?
-            }
-        };
-        let are_all_left = passes.lod().leaf_count() == self.foliage.leaves().len();
-        let is_coarse_the_same = passes.coarse.as_ref().is_none_or(Coarse::shows_the_same);
-        Ok(Draft {
-            shows_the_same: is_driven
-                && !is_filled
-                && passes.needles.is_empty()
-                && are_all_left
-                && is_coarse_the_same,
-            costs: costs
-                .into_iter()
-                .take(passes.order.len().min(chosen))
-                .collect(),
-            passes,
-            shown,
-            stopped,
-        })
-    }
-
     /// Cuts the passes where the error crosses the one that is asked for, found by halving: with
     /// one crossing that is the first. If coarser leaves alone exceed it they stay as they were.
     /// Whether anything was cut.
@@ -435,6 +254,28 @@ impl PassContext<'_> {
         })
     }
 
+    /// Fits the sizes of what is left, where the options ask for it and it is not spared.
+    fn fit(
+        &self,
+        draft: &mut Draft,
+        sphere: BoundingSphere,
+        shared: Option<&mut Shared>,
+        clock: &mut Clock<'_>,
+    ) -> Result<(), Error> {
+        let Some(objective) = self.options.objective() else {
+            return Ok(());
+        };
+        let error_percent = draft.shown.error_percent();
+        let (fit, is_same) = (self.options.fit, draft.shows_the_same);
+        if is_fit_spared(fit, objective, is_same, error_percent) {
+            return Ok(());
+        }
+        clock.begin(Stage::Fit)?;
+        let (shown, resolution) = (&draft.shown.views, self.resolution);
+        let pass = SizePass::new(self.options, sphere, shown, objective, resolution);
+        self.size(draft, &pass, shared, clock)
+    }
+
     /// Fits the sizes of what is left, where that changes anything and keeps to the error that is
     /// asked for.
     fn size(
@@ -484,6 +325,72 @@ impl PassContext<'_> {
         }
         shown.left = Some((areas, vmi));
         Ok(())
+    }
+
+    /// What has to be said of a run that came to its end; the error is that before sizes were fitted.
+    fn warnings(&self, draft: &Draft, lod: &Lod, unfitted_percent: Option<f64>) -> Vec<Warning> {
+        let mut warnings = warnings(&Ended {
+            options: self.options,
+            target: self.target,
+            foliage: self.foliage,
+            lod,
+            is_fitted: draft.passes.sizes.is_some(),
+            error_percent: unfitted_percent
+                .zip(draft.shown.error_percent())
+                .map(|(before, after)| [before, after]),
+        });
+        warnings.extend(self.engine.failure().map(Warning::GpuFailed));
+        warnings
+    }
+
+    /// The last passes after the selection, and what came of the run.
+    fn finished(
+        &self,
+        mut draft: Draft,
+        sphere: BoundingSphere,
+        shared: Option<&mut Shared>,
+        mut clock: Clock<'_>,
+    ) -> Result<Simplified, Error> {
+        let (options, resolution) = (self.options, self.resolution);
+        let shown = &draft.shown;
+        if options.occluders.is_some()
+            && shown.shows_nothing(self.foliage, resolution, self.rasteriser)?
+        {
+            let views = shown.views.len();
+            return Err(Error::NothingSeen { views });
+        }
+        let unfitted_percent = draft.shown.error_percent();
+        self.fit(&mut draft, sphere, shared, &mut clock)?;
+        let lod = draft.passes.lod();
+        let audited_by = match options.audit {
+            false => None,
+            true => {
+                clock.begin(Stage::Audit)?;
+                self.audit(&lod, &draft.shown)?
+            }
+        };
+        let warnings = self.warnings(&draft, &lod, unfitted_percent);
+        let (areas, vmi_final) = draft.shown.left.unzip();
+        let reasons = self.reasons.clone();
+        Ok(Simplified {
+            passes: draft.passes,
+            lod,
+            costs: draft.costs,
+            stopped: draft.stopped,
+            views: draft.shown.views,
+            driven_by: options.views.clone(),
+            views_reason: reasons.views,
+            areas,
+            vmi_original: draft.shown.vmi_original,
+            vmi_final,
+            resolution,
+            resolution_reason: reasons.resolution,
+            engine: self.engine.name(),
+            adapter: self.engine.adapter(),
+            audited_by,
+            seconds: clock.finish(),
+            warnings,
+        })
     }
 
     /// Draws the result from scratch another way and compares.

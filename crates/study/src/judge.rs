@@ -181,6 +181,12 @@ impl<'a> LevelJudge<'a> {
         let drawn: Vec<AsDrawnMeasurement> = drawn.collect();
         row.values.extend(drawn.iter().flat_map(values_as_drawn));
         [row.original, row.original_without_mips] = values_of_original(&drawn);
+        self.write_pictures(&mut row, &surfaces)?;
+        Ok(row)
+    }
+
+    /// Writes the picture of a level, and that of its difference from the tree, and notes in its row where they are.
+    fn write_pictures(&self, row: &mut Row, surfaces: &[Surface]) -> Result<(), Error> {
         let name = file_name(
             &self.identity.file_stem(),
             &row.label(),
@@ -191,12 +197,12 @@ impl<'a> LevelJudge<'a> {
             PictureFile::picture(format!("pictures/{name}.jpg")),
             PictureFile::difference(format!("pictures/{name}-difference.jpg")),
         ];
-        let picture = portrait(&surfaces, &self.camera);
+        let picture = portrait(surfaces, &self.camera);
         let difference = flip_map(&self.portrait, &picture);
         files[0].write(opaque(&picture), self.folder, self.host)?;
         files[1].write(difference, self.folder, self.host)?;
         [row.picture, row.difference] = files.map(|file| file.path);
-        Ok(row)
+        Ok(())
     }
 
     /// What is drawn of a level.

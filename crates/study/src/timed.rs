@@ -8,7 +8,9 @@ use secateur_gltf::Tree;
 use secateur_model::Lod;
 use secateur_raster::OpenEngine;
 use secateur_raster::ViewSet;
-use secateur_simplify::{Error as SimplifyError, Progress, Resolution, Stage, simplify_on};
+use secateur_simplify::{
+    Error as SimplifyError, Options, Progress, Resolution, Stage, simplify_on,
+};
 
 use crate::job::Job;
 use crate::{Error, Host};
@@ -47,12 +49,13 @@ pub(crate) fn runs(tree: &Tree, job: &Job<'_>, host: &dyn Host) -> Result<Vec<Ra
     timed(tree, job, &job.levels, host)
 }
 
-fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<Vec<Ran>, Error> {
-    let case = job.run.case;
-    let coarsest = levels.iter().copied().fold(1.0, f64::min);
-    let mut options = case.options(coarsest, job.run.seed)?;
-    let sees_pixels = options.method.vds().is_some() || options.objective().is_some();
-    if !sees_pixels {
+fn sees_pixels(options: &Options) -> bool {
+    options.method.vds().is_some() || options.objective().is_some()
+}
+
+/// The options of a case with what the tree has of what they lack.
+fn options(tree: &Tree, mut options: Options) -> Result<Options, Error> {
+    if !sees_pixels(&options) {
         // A method that sees no pixels does not have to choose how many.
         options.resolution = Resolution::Pixels(1);
     }
@@ -60,6 +63,14 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
     if options.method.needs_skeleton() {
         options.skeleton = tree.skeleton()?.map(Arc::new);
     }
+    Ok(options)
+}
+
+fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<Vec<Ran>, Error> {
+    let case = job.run.case;
+    let coarsest = levels.iter().copied().fold(1.0, f64::min);
+    let options = options(tree, case.options(coarsest, job.run.seed)?)?;
+    let sees_pixels = sees_pixels(&options);
     let changed = case.perturbation().apply(tree.foliage(), &options);
     let count = tree.foliage().leaves().len();
     let has_prefixes = case.has_prefixes();

@@ -140,37 +140,11 @@ fn kept_triangles(
     part: &Part,
 ) -> Result<Kept, Fault> {
     let triangles = draft.document.triangles(part.mesh, part.primitive)?;
-    let mut is_kept = vec![true; triangles.len()];
-    let mut resize_of = vec![None; triangles.len()];
-    let mut resizes = Vec::new();
-    for edit in edits.of_part(part_number) {
-        if edit.area_scale.is_none() {
-            for &triangle in edit.triangles {
-                is_kept[triangle as usize] = false;
-            }
-        } else if let Some(resize) = edits.resize(part_number, &edit) {
-            for &triangle in edit.triangles {
-                resize_of[triangle as usize] = Some(resizes.len() as u32);
-            }
-            resizes.push(resize);
-        }
-    }
-    let mut kept: Vec<KeptTriangle> = triangles
-        .iter()
-        .zip(resize_of)
-        .zip(is_kept)
-        .filter(|(_, is_kept)| *is_kept)
-        .map(|((&corners, resize), _)| KeptTriangle {
-            corners,
-            resizes: [resize; 3],
-        })
-        .collect();
-    // A vertex that shrinks to a point is one that moves there. Corners that
-    // are alike and at one place stay one vertex.
-    let mut placed = HashMap::new();
-    let mut blends = HashMap::new();
-    let mut surfaces = HashMap::new();
-    let mut normals = HashMap::new();
+    let mut made = Made {
+        kept: Kept::of_old(edits, part_number, &triangles),
+        old: &triangles,
+        placed: HashMap::new(),
+    };
     let old_normals = match edits.has_made(part_number) {
         true => {
             let primitive = draft.document.primitive(part.mesh, part.primitive)?;
@@ -179,54 +153,125 @@ fn kept_triangles(
         false => None,
     };
     for triangle in edits.made_in(part_number) {
-        let corners = triangle.map(|c| triangles[c.like.0 as usize][c.like.1]);
         let own_normal = old_normals.as_ref().and_then(|old| {
             let places = triangle.map(|corner| corner.position_local);
             let surfaces = triangle.map(|corner| corner.surface_of.unwrap_or(corner.like));
-            let vertices = surfaces.map(|(triangle, k)| triangles[triangle as usize][k]);
+            let vertices = surfaces.map(|corner| made.vertex(corner));
             // Cards keep the normals of their plane, and what is bent on purpose.
             let is_solid = part.role == roles::Role::Wood || old.are_facets(vertices);
             let of_triangles = surfaces.map(|(triangle, _)| triangle);
             is_solid.then(|| old.normal_of(places, of_triangles, vertices))?
         });
-        let normal_bits = own_normal.map(|normal| normal.to_array().map(f64::to_bits));
-        let mut resize = |k: usize| {
-            let MadeCorner {
-                position_local,
-                blend,
-                surface_of,
-                ..
-            } = triangle[k];
-            let bits = position_local.to_array().map(f64::to_bits);
-            let blend_bits = blend.map(|t: Blend| (t.corners, t.weights.map(f64::to_bits)));
-            *placed
-                .entry((bits, blend_bits, surface_of, normal_bits))
-                .or_insert_with(|| {
-                    let number = resizes.len() as u32;
-                    resizes.push(Resize {
-                        centre_local: position_local,
-                        linear_scale: 0.0,
-                    });
-                    let vertex = |(triangle, k): (u32, usize)| triangles[triangle as usize][k];
-                    let of_vertices = |t: Blend| (t.corners.map(vertex), t.weights);
-                    blends.extend(blend.map(|t| (number, of_vertices(t))));
-                    surfaces.extend(surface_of.map(|corner| (number, vertex(corner))));
-                    normals.extend(own_normal.map(|normal| (number, normal)));
-                    number
-                })
-        };
-        kept.push(KeptTriangle {
-            corners,
-            resizes: [0, 1, 2].map(|k| Some(resize(k))),
-        });
+        made.push(triangle, own_normal);
     }
-    Ok(Kept {
-        triangles: kept,
-        resizes,
-        blends,
-        surfaces,
-        normals,
-    })
+    Ok(made.kept)
+}
+
+impl Kept {
+    /// Those of the old triangles that stay, smaller or larger where their leaves are.
+    fn of_old(edits: &LeafEdits, part_number: usize, triangles: &[[u32; 3]]) -> Self {
+        let mut is_kept = vec![true; triangles.len()];
+        let mut resize_of = vec![None; triangles.len()];
+        let mut resizes = Vec::new();
+        for edit in edits.of_part(part_number) {
+            if edit.area_scale.is_none() {
+                for &triangle in edit.triangles {
+                    is_kept[triangle as usize] = false;
+                }
+            } else if let Some(resize) = edits.resize(part_number, &edit) {
+                for &triangle in edit.triangles {
+                    resize_of[triangle as usize] = Some(resizes.len() as u32);
+                }
+                resizes.push(resize);
+            }
+        }
+        let old = triangles.iter().zip(resize_of).zip(is_kept);
+        let kept = old.filter(|(_, is_kept)| *is_kept);
+        Self {
+            triangles: kept
+                .map(|((&corners, resize), _)| KeptTriangle {
+                    corners,
+                    resizes: [resize; 3],
+                })
+                .collect(),
+            resizes,
+            blends: HashMap::new(),
+            surfaces: HashMap::new(),
+            normals: HashMap::new(),
+        }
+    }
+}
+
+/// What tells corners of new triangles apart, floats by their bits: the place, the vertices that are blended with their
+/// weights, the corner whose surface it has, and the normal.
+type CornerKey = (
+    [u64; 3],
+    Option<([(u32, usize); 3], [u64; 3])>,
+    Option<(u32, usize)>,
+    Option<[u64; 3]>,
+);
+
+/// Triangles that were made, added to those that are kept. A vertex that shrinks to a point is one that moves there.
+/// Corners that are alike and at one place stay one vertex.
+struct Made<'a> {
+    kept: Kept,
+    old: &'a [[u32; 3]],
+    /// The resizes that move corners to their places.
+    placed: HashMap<CornerKey, u32>,
+}
+
+impl Made<'_> {
+    /// The vertex at a corner of an old triangle.
+    fn vertex(&self, (triangle, corner): (u32, usize)) -> u32 {
+        self.old[triangle as usize][corner]
+    }
+
+    fn push(&mut self, triangle: [MadeCorner; 3], own_normal: Option<DVec3>) {
+        let triangle = KeptTriangle {
+            corners: triangle.map(|corner| self.vertex(corner.like)),
+            resizes: triangle.map(|corner| Some(self.resize(corner, own_normal))),
+        };
+        self.kept.triangles.push(triangle);
+    }
+
+    /// The number of the resize that moves a vertex to this corner.
+    fn resize(&mut self, corner: MadeCorner, own_normal: Option<DVec3>) -> u32 {
+        let MadeCorner {
+            position_local,
+            blend,
+            surface_of,
+            ..
+        } = corner;
+        let bits = |vector: DVec3| vector.to_array().map(f64::to_bits);
+        let blend_bits = blend.map(|t: Blend| (t.corners, t.weights.map(f64::to_bits)));
+        let key = (
+            bits(position_local),
+            blend_bits,
+            surface_of,
+            own_normal.map(bits),
+        );
+        if let Some(known) = self.placed.get(&key) {
+            return *known;
+        }
+        let number = self.kept.resizes.len() as u32;
+        self.placed.insert(key, number);
+        self.kept.resizes.push(Resize {
+            centre_local: position_local,
+            linear_scale: 0.0,
+        });
+        if let Some(Blend { corners, weights }) = blend {
+            let vertices = corners.map(|corner| self.vertex(corner));
+            self.kept.blends.insert(number, (vertices, weights));
+        }
+        if let Some(corner) = surface_of {
+            let vertex = self.vertex(corner);
+            self.kept.surfaces.insert(number, vertex);
+        }
+        if let Some(normal) = own_normal {
+            self.kept.normals.insert(number, normal);
+        }
+        number
+    }
 }
 
 /// How a resize acts on a vector of a vertex.

@@ -369,6 +369,64 @@ fn holds(numbers: &mut Numbers<'_>, vertices: usize) -> Option<Vec<Hold>> {
     words.iter().map(|words| hold_of(*words)).collect()
 }
 
+/// All vertices that a body has for a surface, one quantity after the other.
+struct VertexColumns {
+    positions: Vec<f32>,
+    normals: Option<Vec<u16>>,
+    uvs: Option<Vec<f32>>,
+    colors: Option<Vec<u16>>,
+    holds: Option<Vec<Hold>>,
+}
+
+impl VertexColumns {
+    /// The next columns; none if the bytes end before.
+    fn read(numbers: &mut Numbers<'_>, vertices: usize, of: &SurfaceHead) -> Option<Self> {
+        let positions = numbers.floats(vertices.checked_mul(3)?)?;
+        // The positions are there, so this number is small.
+        let normals = match of.normals {
+            true => Some(numbers.shorts(vertices * 2)?),
+            false => None,
+        };
+        let uvs = match of.uvs {
+            true => Some(numbers.floats(vertices * 2)?),
+            false => None,
+        };
+        let colors = match of.colors {
+            true => Some(numbers.shorts(vertices * 4)?),
+            false => None,
+        };
+        let holds = match of.holds {
+            true => Some(holds(numbers, vertices)?),
+            false => None,
+        };
+        Some(Self {
+            positions,
+            normals,
+            uvs,
+            colors,
+            holds,
+        })
+    }
+
+    fn vertex(&self, k: usize) -> Vertex {
+        Vertex {
+            position: Vec3::from_slice(&self.positions[3 * k..]),
+            normal: self
+                .normals
+                .as_ref()
+                .map_or([0; 2], |n| [n[2 * k], n[2 * k + 1]]),
+            uv: self
+                .uvs
+                .as_ref()
+                .map_or(Vec2::ZERO, |uv| Vec2::from_slice(&uv[2 * k..])),
+            color: self.colors.as_ref().map_or([u16::MAX; 4], |c| {
+                [0, 1, 2, 3].map(|channel| c[4 * k + channel])
+            }),
+            hold: self.holds.as_ref().map_or(NOTHING, |holds| holds[k]),
+        }
+    }
+}
+
 /// The parts that a body has for a surface.
 fn parts(
     numbers: &mut Numbers<'_>,
@@ -383,48 +441,18 @@ fn parts(
     let three = |count: usize| count.checked_mul(3).ok_or(ENDS);
     let centres = numbers.floats(three(count)?).ok_or(ENDS)?;
     let scales = numbers.floats(count).ok_or(ENDS)?;
-    let positions = numbers.floats(three(vertices)?).ok_or(ENDS)?;
-    // The positions are there, so this number is small.
-    let normals = match of.normals {
-        true => Some(numbers.shorts(vertices * 2).ok_or(ENDS)?),
-        false => None,
-    };
-    let uvs = match of.uvs {
-        true => Some(numbers.floats(vertices * 2).ok_or(ENDS)?),
-        false => None,
-    };
-    let colors = match of.colors {
-        true => Some(numbers.shorts(vertices * 4).ok_or(ENDS)?),
-        false => None,
-    };
-    let holds = match of.holds {
-        true => Some(holds(numbers, vertices).ok_or(ENDS)?),
-        false => None,
-    };
+    let columns = VertexColumns::read(numbers, vertices, of).ok_or(ENDS)?;
     let corners = numbers.words(three(triangles)?).ok_or(ENDS)?;
     let sum = |counts: &[u32]| counts.iter().map(|n| u64::from(*n)).sum::<u64>();
     if sum(&vertices_of) != vertices as u64 || sum(&triangles_of) != triangles as u64 {
         return Err("its parts have other numbers of vertices or triangles than it says");
     }
-    let vertex = |k: usize| Vertex {
-        position: Vec3::from_slice(&positions[3 * k..]),
-        normal: normals
-            .as_ref()
-            .map_or([0; 2], |n| [n[2 * k], n[2 * k + 1]]),
-        uv: uvs
-            .as_ref()
-            .map_or(Vec2::ZERO, |uv| Vec2::from_slice(&uv[2 * k..])),
-        color: colors.as_ref().map_or([u16::MAX; 4], |c| {
-            [0, 1, 2, 3].map(|channel| c[4 * k + channel])
-        }),
-        hold: holds.as_ref().map_or(NOTHING, |holds| holds[k]),
-    };
     let (corners, _) = corners.as_chunks::<3>();
     let (mut first_vertex, mut first_triangle) = (0, 0);
     let mut parts = Vec::with_capacity(count);
     for (index, &name) in names.iter().enumerate() {
         let own = vertices_of[index] as usize;
-        let vertices = (first_vertex..first_vertex + own).map(vertex);
+        let vertices = (first_vertex..first_vertex + own).map(|k| columns.vertex(k));
         let end = first_triangle + triangles_of[index] as usize;
         let triangles = corners[first_triangle..end].to_vec();
         if triangles

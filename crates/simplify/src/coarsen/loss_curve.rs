@@ -273,65 +273,25 @@ impl CrownViews<'_> {
         let foliage = self.foliage;
         let all = foliage.triangles_of(leaves[0]).len();
         let least = least(foliage, self.cards, leaves[0]);
-        let count = (8 * SAMPLES_PER_KIND / all).clamp(MIN_SAMPLES, SAMPLES_PER_KIND);
-        let stride = leaves.len().div_ceil(count);
-        let sample: Vec<LeafId> = leaves.iter().copied().step_by(stride).collect();
-        let area: f64 = sample.iter().map(|l| foliage.leaf(*l).area()).sum();
-        let size = (area / sample.len() as f64).sqrt();
-        let fine = MAX_LEAF_PX * 2.0 * self.radius / (CROWN_SHARE * size);
-        // A crown that is a single point gives no finite number.
-        let resolution = (fine.clamp(1.0, MAX_RESOLUTION_PX) as u32).max(1);
-        let mut fragments = LeafFragments::new(resolution);
-        let samples = sample.into_iter().map(|leaf| SampleLeaf {
-            leaf,
-            pixels: self.pixels(&mut fragments, leaf, foliage.triangles_of(leaf)),
-        });
-        let samples: Vec<SampleLeaf> = samples.collect();
-        // None if one of the leaves cannot get down to this number of triangles.
-        let mut loss = |triangles: usize, three: Option<CornerTriple>, samples: &[SampleLeaf]| {
-            let (mut in_both, mut in_any) = (0, 0);
-            for SampleLeaf { leaf, pixels } in samples {
-                let made = coarser(foliage, self.cards, self.sheets, *leaf, triangles, three)?;
-                if made.triangles.len() > triangles {
-                    return None;
-                }
-                let after = made.triangles_in(foliage, 1.0);
-                let after = self.pixels(&mut fragments, *leaf, &after);
-                let common = common(pixels, &after);
-                in_both += common;
-                in_any += pixels.len() + after.len() - common;
-            }
-            let shared = in_both as f64 / in_any.max(1) as f64;
-            Some(if in_any == 0 { 0.0 } else { 1.0 - shared })
-        };
+        let mut samples = Samples::of(self, leaves);
         let mut points: Vec<LossPoint> = (least..all)
             .filter_map(|triangles| {
-                let loss = loss(triangles, None, &samples)?;
+                let loss = samples.loss(triangles, None, usize::MAX)?;
                 Some(LossPoint { triangles, loss })
             })
             .collect();
-        let mut best_of = |candidates: Vec<CornerTriple>| {
-            let some = &samples[..samples.len().min(MIN_SAMPLES)];
-            let mut tried: Vec<(f64, CornerTriple)> = (candidates.into_iter())
-                .filter_map(|three| Some((loss(1, Some(three), some)?, three)))
-                .collect();
-            tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-            tried.truncate(FINALISTS);
-            let finals = tried.iter();
-            let finals =
-                finals.filter_map(|(_, three)| Some((loss(1, Some(*three), &samples)?, *three)));
-            finals.min_by(|a, b| a.0.total_cmp(&b.0))
-        };
         let mut three = None;
         match points.first_mut() {
             _ if self.sheets.has(leaves[0]) => {
-                if let Some((loss, best)) = best_of(triangle::candidates(foliage, leaves[0])) {
+                let candidates = triangle::candidates(foliage, leaves[0]);
+                if let Some((loss, best)) = samples.best_of(candidates) {
                     points.insert(0, LossPoint { triangles: 1, loss });
                     three = Some(best);
                 }
             }
             Some(one) if one.triangles == 1 && self.cards.triangles_of(leaves[0]).is_none() => {
-                if let Some((with, best)) = best_of(triangle::candidates(foliage, leaves[0]))
+                let candidates = triangle::candidates(foliage, leaves[0]);
+                if let Some((with, best)) = samples.best_of(candidates)
                     && with < CLEARLY_LESS * one.loss
                 {
                     one.loss = with;
@@ -368,6 +328,72 @@ impl CrownViews<'_> {
         };
         let found = fragments.of(&alone, leaf, 1.0, self.views.views());
         found.iter().map(|(pixel, _)| *pixel).collect()
+    }
+}
+
+/// Leaves of one kind that are drawn to tell what the kind loses.
+struct Samples<'a> {
+    crown: &'a CrownViews<'a>,
+    fragments: LeafFragments,
+    leaves: Vec<SampleLeaf>,
+}
+
+impl<'a> Samples<'a> {
+    /// Some of these leaves, spread over them.
+    fn of(crown: &'a CrownViews<'a>, leaves: &[LeafId]) -> Self {
+        let foliage = crown.foliage;
+        let all = foliage.triangles_of(leaves[0]).len();
+        let count = (8 * SAMPLES_PER_KIND / all).clamp(MIN_SAMPLES, SAMPLES_PER_KIND);
+        let stride = leaves.len().div_ceil(count);
+        let sample: Vec<LeafId> = leaves.iter().copied().step_by(stride).collect();
+        let area: f64 = sample.iter().map(|l| foliage.leaf(*l).area()).sum();
+        let size = (area / sample.len() as f64).sqrt();
+        let fine = MAX_LEAF_PX * 2.0 * crown.radius / (CROWN_SHARE * size);
+        // A crown that is a single point gives no finite number.
+        let resolution = (fine.clamp(1.0, MAX_RESOLUTION_PX) as u32).max(1);
+        let mut fragments = LeafFragments::new(resolution);
+        let drawn = sample.into_iter().map(|leaf| SampleLeaf {
+            leaf,
+            pixels: crown.pixels(&mut fragments, leaf, foliage.triangles_of(leaf)),
+        });
+        Self {
+            leaves: drawn.collect(),
+            crown,
+            fragments,
+        }
+    }
+
+    /// What the first so many leaves lose with this number of triangles; none if one of them cannot get down to it.
+    fn loss(&mut self, triangles: usize, three: Option<CornerTriple>, count: usize) -> Option<f64> {
+        let crown = self.crown;
+        let foliage = crown.foliage;
+        let (mut in_both, mut in_any) = (0, 0);
+        for SampleLeaf { leaf, pixels } in self.leaves.iter().take(count) {
+            let made = coarser(foliage, crown.cards, crown.sheets, *leaf, triangles, three)?;
+            if made.triangles.len() > triangles {
+                return None;
+            }
+            let after = made.triangles_in(foliage, 1.0);
+            let after = crown.pixels(&mut self.fragments, *leaf, &after);
+            let common = common(pixels, &after);
+            in_both += common;
+            in_any += pixels.len() + after.len() - common;
+        }
+        let shared = in_both as f64 / in_any.max(1) as f64;
+        Some(if in_any == 0 { 0.0 } else { 1.0 - shared })
+    }
+
+    /// The three corners that lose least as one triangle, and what they lose: the best of few leaves compete by all.
+    fn best_of(&mut self, candidates: Vec<CornerTriple>) -> Option<(f64, CornerTriple)> {
+        let mut tried: Vec<(f64, CornerTriple)> = (candidates.into_iter())
+            .filter_map(|three| Some((self.loss(1, Some(three), MIN_SAMPLES)?, three)))
+            .collect();
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        tried.truncate(FINALISTS);
+        let finals = tried.iter();
+        let finals =
+            finals.filter_map(|(_, three)| Some((self.loss(1, Some(*three), usize::MAX)?, *three)));
+        finals.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId, Lod, RemovalOrder};
-use secateur_raster::{AreaTable, CpuRasteriser, Rasteriser, Scene};
+use secateur_raster::{AreaTable, CpuRasteriser, Rasteriser, Scene, ViewSet};
 
 use super::outcome::{Progress, VdsError, VdsOutcome};
 use super::phases::{final_phase, phases};
@@ -55,13 +55,11 @@ pub fn simplify_drawn_by(
     let steps_at_most = leaf_count - run.target.fewest_leaves(foliage).min(leaf_count);
     'run: for phase in &phases {
         let look = |lod: &Lod| {
-            let scene = Scene {
-                foliage,
-                lod,
-                views: &phase.views,
-                resolution,
-            };
-            ViewsOfLod::at(rasteriser, &scene, &table)
+            ViewsOfLod::at(
+                rasteriser,
+                &scene(foliage, lod, &phase.views, resolution),
+                &table,
+            )
         };
         let original = look(&Lod::original(leaf_count));
         while lod.leaf_count() > phase.leaves_at_end {
@@ -102,15 +100,7 @@ pub fn simplify_drawn_by(
         }
     }
     let last = final_phase(&phases, lod.leaf_count());
-    let areas_of = |lod: &Lod| {
-        let scene = Scene {
-            foliage,
-            lod,
-            views: &last.views,
-            resolution,
-        };
-        areas(rasteriser, &scene)
-    };
+    let areas_of = |lod: &Lod| areas(rasteriser, &scene(foliage, lod, &last.views, resolution));
     let areas = areas_of(&lod);
     Ok(VdsOutcome {
         vmi_original: Vmi::of(&areas_of(&Lod::original(leaf_count)), &table),
@@ -121,6 +111,15 @@ pub fn simplify_drawn_by(
         is_at_max_error,
         views: last.views.clone(),
     })
+}
+
+fn scene<'a>(foliage: &'a Foliage, lod: &'a Lod, views: &'a ViewSet, resolution: u32) -> Scene<'a> {
+    Scene {
+        foliage,
+        lod,
+        views,
+        resolution,
+    }
 }
 
 struct Choice {

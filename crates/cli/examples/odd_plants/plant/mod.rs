@@ -66,10 +66,10 @@ enum Materials {
     EachLeaf,
 }
 
-/// The plant of these choices.
-pub(crate) fn odd_plant(choices: &mut Choices<'_>) -> OddPlant {
-    use {Leaf as L, Place as P, Wood as W};
-    let places = [
+/// What is chosen from; what stands there several times is chosen as often.
+const PLACES: [Place; 10] = {
+    use Place as P;
+    [
         P::Crown,
         P::Crown,
         P::Crown,
@@ -80,8 +80,11 @@ pub(crate) fn odd_plant(choices: &mut Choices<'_>) -> OddPlant {
         P::Column,
         P::OnePoint,
         P::FarApart,
-    ];
-    let leaves = [
+    ]
+};
+const LEAVES: [Leaf; 9] = {
+    use Leaf as L;
+    [
         L::Card,
         L::Card,
         L::Card,
@@ -91,8 +94,11 @@ pub(crate) fn odd_plant(choices: &mut Choices<'_>) -> OddPlant {
         L::Sheet,
         L::Soup,
         L::NoArea,
-    ];
-    let woods = [
+    ]
+};
+const WOODS: [Wood; 9] = {
+    use Wood as W;
+    [
         W::None,
         W::Trunk,
         W::Trunk,
@@ -102,18 +108,11 @@ pub(crate) fn odd_plant(choices: &mut Choices<'_>) -> OddPlant {
         W::Triangle,
         W::Soup,
         W::OnePoint,
-    ];
-    use Direction as D;
-    let (place, leaf, wood) = (
-        choices.one_of(&places),
-        choices.one_of(&leaves),
-        choices.one_of(&woods),
-    );
-    let direction = choices.one_of(&[D::Any, D::Any, D::Up, D::Front]);
-    let count = choices.one_of(&COUNTS);
-    let [scale, offset] = [choices.one_of(&SCALES), choices.one_of(&OFFSETS)];
+    ]
+};
+const UVS: [Uvs; 8] = {
     use Uvs as U;
-    let uvs = choices.one_of(&[
+    [
         U::Own,
         U::Own,
         U::Own,
@@ -122,7 +121,21 @@ pub(crate) fn odd_plant(choices: &mut Choices<'_>) -> OddPlant {
         U::Tiled,
         U::Negative,
         U::Huge,
-    ]);
+    ]
+};
+
+/// The plant of these choices.
+pub(crate) fn odd_plant(choices: &mut Choices<'_>) -> OddPlant {
+    use Direction as D;
+    let (place, leaf, wood) = (
+        choices.one_of(&PLACES),
+        choices.one_of(&LEAVES),
+        choices.one_of(&WOODS),
+    );
+    let direction = choices.one_of(&[D::Any, D::Any, D::Up, D::Front]);
+    let count = choices.one_of(&COUNTS);
+    let [scale, offset] = [choices.one_of(&SCALES), choices.one_of(&OFFSETS)];
+    let uvs = choices.one_of(&UVS);
     use Materials as M;
     let materials = choices.one_of(&[M::Two, M::Two, M::Two, M::One, M::EachLeaf]);
     let is_broken = choices.one_in(24);

@@ -40,70 +40,30 @@ pub(super) fn build(
             LevelContent::Surface(_) => None,
         })
         .collect();
-    let shrunk = lists_that_shrink(tree, &edits);
     let kept_extras = extras_of_nodes(&draft.root, tree, plan);
     let pivot = placement(tree);
-    let mut baker = Baker::default();
-    let mut meshes = Vec::new();
-    for (level, edits) in levels.iter().zip(&edits) {
-        let Some(edits) = edits else {
-            meshes.push(None);
-            continue;
-        };
-        let mut primitives = Vec::new();
-        for (number, part) in tree.parts.iter().enumerate() {
-            let place = tree.document.primitive_place(part.mesh, part.primitive);
-            let matrix = match plan.skin {
-                Some(_) => DMat4::IDENTITY,
-                None => pivot_from_local(pivot, part),
-            };
-            let mut primitive = tree.document.primitive(part.mesh, part.primitive)?.clone();
-            if edits.is_changed(number) {
-                match rewrite_primitive(draft, tree, edits, number)? {
-                    Some(rewritten) => primitive = rewritten,
-                    None => continue,
-                }
-            } else if let Some(position) = position_of(&primitive)
-                && (matrix != DMat4::IDENTITY || shrunk.contains(&position))
-                && knows_all_extensions(&draft.root)
-            {
-                compact(draft, &mut primitive, position)?;
-            }
-            if let Some(morphs) = &plan.morphs {
-                add_targets(draft, &mut primitive, morphs.count)?;
-            }
-            baker.bake(draft, &mut primitive, matrix, &place)?;
-            primitives.push(LevelPrimitive {
-                json: primitive,
-                is_foliage: part.role == roles::Role::Leaf,
-            });
-        }
-        let primitives = merged(draft, primitives)?;
-        meshes.push(mesh_json(level, plan, primitives));
-    }
-    note_changes(draft, tree, plan, pivot, &baker);
-
+    let mut meshes = Meshes {
+        tree,
+        plan,
+        pivot,
+        shrunk: lists_that_shrink(tree, &edits),
+        baker: Baker::default(),
+    };
+    let of_levels = levels.iter().zip(&edits);
+    let of_levels: Result<Vec<Option<Value>>, Fault> = of_levels
+        .map(|(level, edits)| match edits {
+            Some(edits) => meshes.mesh(draft, level, edits),
+            None => Ok(None),
+        })
+        .collect();
+    let of_levels = of_levels?;
+    note_changes(draft, tree, plan, pivot, &meshes.baker);
     let mut nodes = Vec::new();
-    for (level, mesh) in levels.iter().zip(meshes) {
-        if let LevelContent::Surface(surface) = level.content {
-            nodes.push(mesh_levels::push_node(draft, level, surface, pivot));
-            continue;
-        }
-        let mut node = json!({"name": level.name});
-        if let Some(mesh) = mesh {
-            node["mesh"] = draft.push("meshes", mesh).into();
-            if let Some(skin) = plan.skin {
-                node["skin"] = skin.into();
-            }
-        }
-        let mut extras = level.facts.clone();
-        if !kept_extras.is_empty() {
-            extras.insert("original_nodes".to_owned(), kept_extras.clone().into());
-        }
-        if !extras.is_empty() {
-            node["extras"] = extras.into();
-        }
-        nodes.push(draft.push("nodes", node));
+    for (level, mesh) in levels.iter().zip(of_levels) {
+        nodes.push(match level.content {
+            LevelContent::Surface(surface) => mesh_levels::push_node(draft, level, surface, pivot),
+            LevelContent::Tree(_) => push_node(draft, level, mesh, plan.skin, &kept_extras),
+        });
     }
     let joints = animated_and_joint_nodes(&draft.root);
     for &node in &plan.drawn {
@@ -128,6 +88,94 @@ pub(super) fn build(
         placement: pivot,
         needless,
     })
+}
+
+/// What the meshes of all levels are made by.
+struct Meshes<'a> {
+    tree: &'a Tree,
+    plan: &'a OneMesh,
+    pivot: DVec3,
+    /// Accessors of positions of which every level loses some.
+    shrunk: HashSet<usize>,
+    baker: Baker,
+}
+
+impl Meshes<'_> {
+    /// The mesh of a level; nothing if none of its parts is left.
+    fn mesh(
+        &mut self,
+        draft: &mut Draft,
+        level: &Level,
+        edits: &LeafEdits,
+    ) -> Result<Option<Value>, Fault> {
+        let mut primitives = Vec::new();
+        for number in 0..self.tree.parts.len() {
+            primitives.extend(self.primitive(draft, edits, number)?);
+        }
+        let primitives = merged(draft, primitives)?;
+        Ok(mesh_json(level, self.plan, primitives))
+    }
+
+    /// What is left of a part; nothing if it is gone.
+    fn primitive(
+        &mut self,
+        draft: &mut Draft,
+        edits: &LeafEdits,
+        number: usize,
+    ) -> Result<Option<LevelPrimitive>, Fault> {
+        let part = &self.tree.parts[number];
+        let document = &self.tree.document;
+        let matrix = match self.plan.skin {
+            Some(_) => DMat4::IDENTITY,
+            None => pivot_from_local(self.pivot, part),
+        };
+        let mut primitive = document.primitive(part.mesh, part.primitive)?.clone();
+        if edits.is_changed(number) {
+            match rewrite_primitive(draft, self.tree, edits, number)? {
+                Some(rewritten) => primitive = rewritten,
+                None => return Ok(None),
+            }
+        } else if let Some(position) = position_of(&primitive)
+            && (matrix != DMat4::IDENTITY || self.shrunk.contains(&position))
+            && knows_all_extensions(&draft.root)
+        {
+            compact(draft, &mut primitive, position)?;
+        }
+        if let Some(morphs) = &self.plan.morphs {
+            add_targets(draft, &mut primitive, morphs.count)?;
+        }
+        let place = document.primitive_place(part.mesh, part.primitive);
+        self.baker.bake(draft, &mut primitive, matrix, &place)?;
+        Ok(Some(LevelPrimitive {
+            json: primitive,
+            is_foliage: part.role == roles::Role::Leaf,
+        }))
+    }
+}
+
+/// Adds the node of a level with its mesh, if it has one.
+fn push_node(
+    draft: &mut Draft,
+    level: &Level,
+    mesh: Option<Value>,
+    skin: Option<usize>,
+    kept_extras: &[Value],
+) -> usize {
+    let mut node = json!({"name": level.name});
+    if let Some(mesh) = mesh {
+        node["mesh"] = draft.push("meshes", mesh).into();
+        if let Some(skin) = skin {
+            node["skin"] = skin.into();
+        }
+    }
+    let mut extras = level.facts.clone();
+    if !kept_extras.is_empty() {
+        extras.insert("original_nodes".to_owned(), kept_extras.into());
+    }
+    if !extras.is_empty() {
+        node["extras"] = extras.into();
+    }
+    draft.push("nodes", node)
 }
 
 /// From a part's own space to that of its level.

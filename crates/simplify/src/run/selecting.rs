@@ -1,0 +1,193 @@
+//! The first passes of a run: leaves get coarser, the method chooses leaves, and what goes beyond the target is cut.
+
+use super::{Draft, PassContext};
+use crate::coarsen::{Coarse, LossCurves, coarsen};
+use crate::fill::fill;
+use crate::hanging_leaves::cut;
+use crate::passes::Passes;
+use crate::select::{Begun, Selection, Task};
+use crate::shared::{KeptOrder, Shared};
+use crate::stage::{Clock, Stage};
+use crate::{Error, LeafTriangles, Stopped, Target};
+
+/// How coarse leaves may get, and what an earlier run found with the same.
+#[derive(Default)]
+struct Coarsening {
+    /// How many triangles each leaf may keep; nothing where they keep all.
+    shares: Option<Vec<usize>>,
+    known: Option<KeptOrder>,
+    coarse: Option<Coarse>,
+}
+
+/// What is left after the cut, before anything is looked at.
+struct Cut {
+    passes: Passes,
+    /// Steps of the order that stay.
+    chosen: usize,
+    /// Whether triangles that were over went back to leaves.
+    is_filled: bool,
+    /// Whether what is left is what the method chose, and nothing else.
+    is_as_found: bool,
+}
+
+impl PassContext<'_> {
+    /// Makes leaves coarser, has the method choose leaves, and cuts what goes beyond the target.
+    pub(super) fn select(
+        &self,
+        mut shared: Option<&mut Shared>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Draft, Error> {
+        clock.begin(Stage::Select)?;
+        let is_driven = self.options.method.vds().is_some();
+        let Coarsening {
+            shares,
+            known,
+            coarse,
+        } = self.coarsening(shared.as_deref_mut());
+        let selection = self.selection(known.as_ref(), coarse.as_ref(), clock)?;
+        if let (Some(shared), true) = (&mut shared, is_driven) {
+            shared.keep(KeptOrder {
+                views: self.options.views.clone(),
+                shares,
+                coarse: coarse.clone(),
+                begun: Begun {
+                    order: selection.order.clone(),
+                    costs: selection.costs.clone(),
+                },
+            });
+        }
+        let Selection {
+            order,
+            costs,
+            shown,
+            is_at_max_error,
+        } = selection;
+        let mut cut = self.cut(Passes {
+            coarse,
+            order,
+            needles: Vec::new(),
+            sizes: None,
+        });
+        let mut stopped = match self.target {
+            Target::Triangles(_) => Stopped::AtTriangles,
+            Target::MaxErrorPercent(_) if is_at_max_error => Stopped::AtMaxError,
+            Target::Leaves(_) | Target::MaxErrorPercent(_) => Stopped::AtLeafCount,
+        };
+        let shown = match shown {
+            Some(shown) if cut.is_as_found => shown.into(),
+            _ => {
+                clock.begin(Stage::Observe)?;
+                if let Target::MaxErrorPercent(percent) = self.target
+                    && self.cut_at_error(&mut cut.passes, percent)?
+                {
+                    stopped = Stopped::AtMaxError;
+                }
+                self.look(&cut.passes, is_driven, shared)?
+            }
+        };
+        let mut costs = costs;
+        costs.truncate(cut.passes.order.len().min(cut.chosen));
+        Ok(Draft {
+            shows_the_same: is_driven && self.shows_the_same(&cut),
+            costs,
+            passes: cut.passes,
+            shown,
+            stopped,
+        })
+    }
+
+    /// How coarse leaves get. Only methods that are driven by views make them coarser.
+    fn coarsening(&self, mut shared: Option<&mut Shared>) -> Coarsening {
+        let mut coarsening = Coarsening::default();
+        if self.options.method.vds().is_none() {
+            return coarsening;
+        }
+        let mut curves = shared.as_mut().and_then(|shared| shared.curves.take());
+        let limit = self.options.leaf_triangles;
+        coarsening.shares = limit.shares(self.foliage, self.target, &mut curves);
+        coarsening.known = shared
+            .as_mut()
+            .and_then(|shared| shared.take(&self.options.views, &coarsening.shares));
+        coarsening.coarse = match (&coarsening.known, &coarsening.shares) {
+            (Some(known), _) => known.coarse.clone(),
+            (None, Some(shares)) => {
+                let curves = curves.get_or_insert_with(|| LossCurves::of(self.foliage));
+                coarsen(self.foliage, curves, shares)
+            }
+            (None, None) => None,
+        };
+        if let Some(shared) = shared {
+            shared.curves = curves;
+        }
+        coarsening
+    }
+
+    /// What the method chooses, or chose in an earlier run.
+    fn selection(
+        &self,
+        known: Option<&KeptOrder>,
+        coarse: Option<&Coarse>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Selection, Error> {
+        let target = match self.target {
+            // The error that counts is the one against the leaves as they are.
+            Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
+            target => target,
+        };
+        let task = Task {
+            foliage: coarse.map_or(self.foliage, Coarse::foliage),
+            target,
+            begun: known.map(|known| &known.begun),
+            skeleton: self.options.skeleton.as_deref(),
+            views: &self.views,
+            resolution: self.resolution,
+            rasteriser: self.rasteriser,
+            occluders: self.occluders,
+        };
+        match known.filter(|known| known.reaches(&task)) {
+            Some(known) => Ok(known.selection()),
+            None => self
+                .options
+                .method
+                .select(&task, &mut |done, at_most| clock.step(done, at_most)),
+        }
+    }
+
+    /// Cuts what goes beyond the target; needles get wider, and triangles that are over go back to leaves.
+    fn cut(&self, mut passes: Passes) -> Cut {
+        let at_most = self.target.triangle_count(self.foliage);
+        let ordered = passes.coarse.as_ref().map_or(self.foliage, Coarse::foliage);
+        let held_by = self.options.held_by.as_deref();
+        let found = passes.order.len();
+        let chosen = cut(&mut passes.order, ordered, held_by, at_most);
+        if self.options.widens_needles() {
+            passes.widen_needles(self.foliage, held_by);
+        }
+        let is_as_chosen = passes.coarse.is_none()
+            && held_by.is_none()
+            && chosen == found
+            && passes.needles.is_empty();
+        let is_filled = match (at_most, self.options.leaf_triangles) {
+            (Some(at_most), LeafTriangles::Auto) => {
+                fill(&mut passes, self.foliage, at_most, chosen)
+            }
+            _ => false,
+        };
+        Cut {
+            passes,
+            chosen,
+            is_filled,
+            is_as_found: is_as_chosen && !is_filled,
+        }
+    }
+
+    /// Whether what is left shows all that was there.
+    fn shows_the_same(&self, cut: &Cut) -> bool {
+        let passes = &cut.passes;
+        let is_coarse_the_same = passes.coarse.as_ref().is_none_or(Coarse::shows_the_same);
+        !cut.is_filled
+            && passes.needles.is_empty()
+            && passes.lod().leaf_count() == self.foliage.leaves().len()
+            && is_coarse_the_same
+    }
+}
