@@ -57,8 +57,7 @@ pub(crate) fn run(args: &args::Demo, common: &Common) -> Result<Printed, Failure
     let (tree, made) = (levels.tree(), &levels.chain);
 
     interrupt::writing()?;
-    let folder = work.files.make_folder(&args.output);
-    folder.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
+    output::make_folder(&mut work.files, &args.output)?;
     output::stage_derived(&mut work.files, &original, &glb)?;
     let written = work.timed("write", |files| {
         let how = WriteOptions::default().overwrite(true);

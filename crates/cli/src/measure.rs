@@ -5,7 +5,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use secateur::{
     AllScores, AsDrawnMeasurement, DifferenceAt, Differences, Figures, JudgeOptions, Judged,
-    LevelWarning, Opening, Problem, Selector, WoodMode, judge_document,
+    Opening, Problem, Selector, WoodMode, judge_document,
 };
 use secateur_eval::measure::VMI_ERROR_PERCENT;
 use serde::Serialize;
@@ -61,8 +61,7 @@ pub(crate) fn run(args: &args::Measure) -> Result<Printed, Failure> {
     let figures = judged.figures().map_err(Failure::about(&args.original))?;
     interrupt::check()?;
     let differences = judged.differences_at(&args.pixels_high);
-    let mut warnings = warning_of(differences.difference);
-    warnings.extend(judged.misplaced().map(|misplaced| misplaced.to_string()));
+    let warnings = judged.warnings(&differences);
     warn_all(&warnings);
     interrupt::check()?;
     let drawn = args.as_drawn.map(|width_px| judged.as_drawn(width_px));
@@ -123,12 +122,6 @@ fn judged(args: &args::Measure) -> Result<Judged, Failure> {
         sides: args.sides,
     };
     judge_document(&original, simplified, &options).map_err(Failure::about(&args.original))
-}
-
-/// A sentence where a result is another plant.
-pub(crate) fn warning_of(difference: f64) -> Vec<String> {
-    let warning = LevelWarning::of_difference(difference);
-    warning.iter().map(ToString::to_string).collect()
 }
 
 /// Metrics of the summary: name, key, and what they say.

@@ -213,6 +213,12 @@ pub(crate) fn stage(staged: &mut StagedFiles, path: &Path, bytes: &[u8]) -> Resu
     added.map_err(|e| Failure::of_file(path, "cannot be written", &e))
 }
 
+/// Makes a folder for files of `staged`, if it is not there.
+pub(crate) fn make_folder(staged: &mut StagedFiles, path: &Path) -> Result<(), Failure> {
+    let made = staged.make_folder(path);
+    made.map_err(|e| Failure::of_file(path, "cannot be made", &e))
+}
+
 fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),

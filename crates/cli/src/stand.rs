@@ -1,13 +1,11 @@
 //! `secateur stand`: a scene of many plants, each with the level that the cameras need.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use schemars::JsonSchema;
-use secateur::stand::{CameraFigures, Stand, StandFigures, StandLevels, StandOptions};
-use secateur::{LevelsOptions, StagedFiles};
+use secateur::LevelsOptions;
+use secateur::stand::{CameraFigures, Stand, StandFigures, StandLevels, StandOptions, StandReport};
 use secateur_eval::Limits;
-use secateur_levels::chain::LevelKind;
 use serde::Serialize;
 
 use super::advice;
@@ -15,8 +13,9 @@ use super::args::{self, Common};
 use super::failure::Failure;
 use super::print::Printed;
 use super::progress_bar::RunProgress;
-use super::record::Record;
+use super::record::shown;
 use super::summary::{columns, grouped, size};
+use super::work::Work;
 use super::{interrupt, output, picture};
 
 /// A stand, and the level of each of its plants.
@@ -26,61 +25,11 @@ pub(crate) struct StandRecord {
     input: String,
     /// The files that were written.
     files: Vec<String>,
-    /// The kinds of plants, and their levels.
-    kinds: Vec<KindRecord>,
-    /// Each plant of the scene.
-    places: Vec<PlaceRecord>,
-    /// The scene as it is.
-    before: StandFigures,
-    /// The scene as it is written, each plant as its level.
-    after: StandFigures,
-    /// How many times less it costs.
-    cost_ratio: f64,
+    #[serde(flatten)]
+    report: StandReport,
     cameras: Vec<CameraRecord>,
     /// What has to be said, a sentence each.
     notes: Vec<String>,
-}
-
-/// A kind of plants.
-#[derive(Serialize, JsonSchema)]
-struct KindRecord {
-    name: String,
-    /// How many plants of it there are, and how many of those a camera sees.
-    plants: usize,
-    seen_plants: usize,
-    /// Its levels, finest first; the first is the plant itself.
-    levels: Vec<KindLevelRecord>,
-}
-
-/// A level of a kind.
-#[derive(Serialize, JsonSchema)]
-struct KindLevelRecord {
-    kind: LevelKind,
-    /// How many plants show it.
-    plants: usize,
-    triangles: u64,
-    /// Primitives that are drawn.
-    draws: u64,
-    gpu_bytes: u64,
-    /// The largest height in pixels that it was made for; null for the plant itself.
-    pixels_high: Option<f64>,
-    /// How far it looks from the plant there.
-    difference: f64,
-}
-
-/// A plant of a stand.
-#[derive(Serialize, JsonSchema)]
-struct PlaceRecord {
-    /// What its node is called.
-    name: String,
-    /// The name of its kind.
-    plant: String,
-    /// The number of its level, from 0; null where no camera sees it.
-    level: Option<usize>,
-    /// The largest height in pixels at which a camera sees it; null where none does.
-    pixels_high: Option<f64>,
-    /// How many pixels of all pictures show it.
-    seen_px: f64,
 }
 
 /// What a camera sees.
@@ -97,45 +46,35 @@ struct CameraRecord {
 
 /// Gives each plant its level, and writes the scene.
 pub(crate) fn run(args: &args::Stand, common: &Common) -> Result<Printed, Failure> {
-    let start = Instant::now();
+    let mut work = Work::on("stand");
     output::check_folder(&args.output)?;
     tracing::info!("reading {}", args.scene.display());
-    let stand = Stand::open(&args.scene, args.memory.memory)
-        .map_err(|error| Failure::of_plant(&args.scene, error))?;
+    let of_scene = |error| Failure::of_plant(&args.scene, error);
+    let stand = work.timed("read", |_| {
+        Stand::open(&args.scene, args.memory.memory).map_err(of_scene)
+    })?;
     let files = Files::of(args, stand.cameras.len());
     files.check(args)?;
-    let mut stages = vec![("read", start.elapsed().as_secs_f64())];
     interrupt::check()?;
-    let working = Instant::now();
     let progress_bar = RunProgress::new(common, &args.scene.display().to_string());
-    let levels = stand
-        .levels_watched(&options(args), &mut |progress| progress_bar.show(progress))
-        .map_err(|error| Failure::of_plant(&args.scene, error))?;
+    let levels = work.timed("levels", |_| {
+        let levels =
+            stand.levels_watched(&options(args), &mut |progress| progress_bar.show(progress));
+        levels.map_err(of_scene)
+    })?;
     drop(progress_bar);
-    stages.push(("levels", working.elapsed().as_secs_f64()));
     interrupt::writing()?;
-    let mut staged = StagedFiles::new();
-    let made = staged.make_folder(&args.output);
-    made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
-    output::stage(&mut staged, &files.scene, &levels.glb)?;
+    output::make_folder(&mut work.files, &args.output)?;
+    output::stage(&mut work.files, &files.scene, &levels.glb)?;
     for (camera, places) in levels.cameras.iter().zip(&files.pictures) {
-        for (image, place) in [&camera.before.image, &camera.after.image]
-            .iter()
-            .zip(places)
-        {
-            output::stage(&mut staged, place, &picture::png_of(image)?)?;
+        for (shown, place) in [&camera.before, &camera.after].iter().zip(places) {
+            output::stage(&mut work.files, place, &picture::png_of(&shown.image)?)?;
         }
     }
     let record = record(args, &stand, &levels, &files);
     let pretty = pretty(&record);
-    let record = Record::new("stand", record, &stages, start.elapsed().as_secs_f64()).to_value();
-    output::stage(
-        &mut staged,
-        &files.record,
-        format!("{record:#}\n").as_bytes(),
-    )?;
-    staged.commit()?;
-    interrupt::written();
+    let (record, _) = work.record(record);
+    work.finish(Some(&files.record), &record)?;
     Ok(Printed::single(pretty, record))
 }
 
@@ -202,20 +141,9 @@ impl Files {
 }
 
 fn record(args: &args::Stand, stand: &Stand, levels: &StandLevels, files: &Files) -> StandRecord {
-    let shown = |path: &Path| path.display().to_string();
-    let places = stand.places.iter().enumerate().map(|(k, place)| {
-        let seen = levels.seen[k].iter().filter(|(px, _)| *px > 0.0);
-        PlaceRecord {
-            name: place.name.clone(),
-            plant: stand.kinds[place.kind].name.clone(),
-            level: levels.levels[k],
-            pixels_high: seen.clone().map(|(_, high)| *high).reduce(f64::max),
-            seen_px: seen.map(|(px, _)| px).sum(),
-        }
-    });
     let camera = |(found, [before, after]): (&CameraFigures, &[PathBuf; 2])| CameraRecord {
-        before: shown(before),
-        after: shown(after),
+        before: before.display().to_string(),
+        after: after.display().to_string(),
         flip_mean: found.difference.flip_mean,
         difference: found.difference.difference,
     };
@@ -224,57 +152,20 @@ fn record(args: &args::Stand, stand: &Stand, levels: &StandLevels, files: &Files
         let of_kind = advice::sentences(&made.notes);
         notes.extend(of_kind.iter().map(|note| format!("{}: {note}", kind.name)));
     }
+    let cameras = levels.cameras.iter().zip(&files.pictures);
     StandRecord {
-        input: shown(&args.scene),
-        files: files.all().map(shown).collect(),
-        kinds: (0..stand.kinds.len())
-            .map(|kind| kind_record(stand, levels, kind))
-            .collect(),
-        places: places.collect(),
-        before: levels.before,
-        after: levels.after,
-        cost_ratio: levels.before.cost / levels.after.cost,
-        cameras: levels
-            .cameras
-            .iter()
-            .zip(&files.pictures)
-            .map(camera)
-            .collect(),
+        input: args.scene.display().to_string(),
+        files: shown(files.all()),
+        report: levels.report(stand),
+        cameras: cameras.map(camera).collect(),
         notes,
-    }
-}
-
-fn kind_record(stand: &Stand, levels: &StandLevels, kind: usize) -> KindRecord {
-    let of_kind = stand.places.iter().zip(&levels.levels);
-    let own: Vec<Option<usize>> = of_kind
-        .filter(|(place, _)| place.kind == kind)
-        .map(|(_, level)| *level)
-        .collect();
-    let level = |(number, level): (usize, &secateur::stand::KindLevel)| KindLevelRecord {
-        kind: level.report.kind,
-        plants: own.iter().filter(|own| **own == Some(number)).count(),
-        triangles: level.parts.triangles,
-        draws: level.parts.draws,
-        gpu_bytes: level.parts.gpu_bytes,
-        pixels_high: Some(level.report.pixels_high).filter(|px| px.is_finite()),
-        difference: level.report.difference.difference,
-    };
-    KindRecord {
-        name: stand.kinds[kind].name.clone(),
-        plants: own.len(),
-        seen_plants: own.iter().flatten().count(),
-        levels: levels.kinds[kind]
-            .levels
-            .iter()
-            .enumerate()
-            .map(level)
-            .collect(),
     }
 }
 
 fn pretty(record: &StandRecord) -> String {
     let mut rows = vec![["", "before", "after"].map(str::to_owned).to_vec()];
-    let (before, after) = (&record.before, &record.after);
+    let report = &record.report;
+    let (before, after) = (&report.before, &report.after);
     let mut row = |name: &str, of: &dyn Fn(&StandFigures) -> String| {
         rows.push(vec![name.to_owned(), of(before), of(after)]);
     };
@@ -285,13 +176,13 @@ fn pretty(record: &StandRecord) -> String {
     row("on the GPU", &|figures| size(figures.gpu_bytes));
     row("cost", &|figures| grouped(figures.cost.round() as u64));
     let mut text = format!("{}\n{}", record.files[0], columns(&rows));
-    text.push_str(&format!("  {:.1} times less\n", record.cost_ratio));
+    text.push_str(&format!("  {:.1} times less\n", report.cost_ratio));
     let mut rows = vec![
         ["kind", "level", "pixels", "triangles", "plants"]
             .map(str::to_owned)
             .to_vec(),
     ];
-    for kind in &record.kinds {
+    for kind in &report.kinds {
         for (number, level) in kind.levels.iter().enumerate() {
             rows.push(vec![
                 kind.name.clone(),

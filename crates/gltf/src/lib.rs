@@ -178,7 +178,8 @@ pub mod chain {
     pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, WrittenChain, check_name,
+        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, UnknownLayout,
+        WrittenChain, check_name,
     };
 }
 

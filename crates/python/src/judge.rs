@@ -41,12 +41,10 @@ fn document(other: &Bound<'_, PyAny>) -> PyResult<Document> {
 fn judged(plant: &Plant, other: Document, pixels_high: &[f64]) -> Result<Value, Error> {
     let judged = judge_document(plant, other, &JudgeOptions::default())?;
     let mut record = json!(judged.figures()?);
-    let differences = json!(judged.differences_at(pixels_high));
-    for (key, value) in differences.as_object().into_iter().flatten() {
+    let seen = judged.differences_at(pixels_high);
+    record["warnings"] = judged.warnings(&seen).into();
+    for (key, value) in json!(seen).as_object().into_iter().flatten() {
         record[key] = value.clone();
     }
-    let misplaced = judged.misplaced();
-    let warnings = misplaced.iter().map(ToString::to_string);
-    record["warnings"] = warnings.collect::<Vec<String>>().into();
     Ok(record)
 }

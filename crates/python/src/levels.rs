@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use secateur::chain::{Layout, LevelsOptions};
-use secateur::{Levels, Plant, WriteOptions, has_extension, is_gltf_name};
+use secateur::chain::{Layout, LevelsOptions, UnknownLayout};
+use secateur::{Levels, Plant, WriteOptions};
 use serde_json::json;
 
 use crate::watch::Watch;
@@ -74,9 +74,7 @@ impl PyLevels {
     ) -> PyResult<Vec<PathBuf>> {
         let layout = match layout {
             Some(layout) => layout_of(layout)?,
-            None if is_gltf_name(&path) => Layout::Siblings,
-            None if has_extension(&path, &["usda"]) => Layout::Usd,
-            None => Layout::Files,
+            None => Layout::of_place(&path),
         };
         let written = py.detach(|| {
             let options = WriteOptions::default().overwrite(overwrite);
@@ -96,13 +94,6 @@ impl PyLevels {
 }
 
 fn layout_of(name: &str) -> PyResult<Layout> {
-    match name {
-        "files" => Ok(Layout::Files),
-        "siblings" => Ok(Layout::Siblings),
-        "msft" => Ok(Layout::Msft),
-        "usd" => Ok(Layout::Usd),
-        _ => Err(errors::usage(format!(
-            "the layout `{name}` is none of files, siblings, msft, usd"
-        ))),
-    }
+    name.parse()
+        .map_err(|error: UnknownLayout| errors::usage(error.to_string()))
 }

@@ -14,7 +14,7 @@ use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Alpha, Sides, as_seen, sphere_of};
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Plant};
+use crate::{Error, LevelWarning, Plant};
 
 /// How two plants are judged. The usual views are four sets of 12, none near a view that drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -155,6 +155,13 @@ impl Judged {
             views,
             width_px,
         ))
+    }
+
+    /// What has to be said of the other, where it differs so much: that it looks like another plant, or lies elsewhere.
+    pub fn warnings(&self, seen: &Differences) -> Vec<String> {
+        let looks = LevelWarning::of_difference(seen.difference).map(|warning| warning.to_string());
+        let lies = self.misplaced().map(|misplaced| misplaced.to_string());
+        looks.into_iter().chain(lies).collect()
     }
 
     /// How the other lies beside the plant, if it is more than a fifth of the plant's largest extent off, or so much

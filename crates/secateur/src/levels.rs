@@ -14,7 +14,7 @@ use secateur_simplify::Observer;
 use serde::Serialize;
 
 use crate::opened_plant::{Parts, Plant};
-use crate::{Error, Session};
+use crate::{Error, LevelWarning, Session};
 
 /// Levels of a plant, finest first. They are written with the material changes that belong to them.
 #[derive(Debug)]
@@ -173,6 +173,13 @@ impl Levels {
             Parts::Whole(tree, _) => tree,
             Parts::Leaves(_) => unreachable!("levels are of plants with their wood"),
         }
+    }
+
+    /// What has to be said of how they look: whether one looks like another plant.
+    pub fn warning(&self) -> Option<LevelWarning> {
+        let levels = self.chain.levels.iter();
+        let differences = levels.map(|level| level.difference.difference);
+        LevelWarning::of_difference(differences.fold(0.0, f64::max))
     }
 
     /// The levels as GLB files: what `secateur lods` writes.

@@ -211,7 +211,9 @@ pub use glam;
 /// What [`Plant::levels`] takes and gives.
 #[cfg(feature = "scene")]
 pub mod chain {
-    pub use secateur_gltf::chain::{ChainFile, ChainFiles, Layout, PreparedChain, WrittenChain};
+    pub use secateur_gltf::chain::{
+        ChainFile, ChainFiles, Layout, PreparedChain, UnknownLayout, WrittenChain,
+    };
     pub use secateur_levels::chain::{
         BadOptions, Chain, ChainError, ChainLevel, ChainOptions as LevelsOptions, LevelReport,
         SceneLook, Shape, Textures, Wanted,

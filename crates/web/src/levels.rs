@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::picture::JsPicture;
-use crate::warnings::sentence;
 use crate::zip::Zip;
 
 /// One level of a plant.
@@ -29,7 +28,7 @@ impl JsLevel {
 
     /// Its figures and warnings, as JSON.
     pub fn report(&self) -> String {
-        let warnings: Vec<String> = self.0.warnings.iter().map(sentence).collect();
+        let warnings: Vec<String> = self.0.warnings.iter().map(ToString::to_string).collect();
         json!({ "level": self.0.report(), "warnings": warnings }).to_string()
     }
 
@@ -133,13 +132,8 @@ impl JsLevels {
     }
 
     fn files(&self, layout: &str) -> Result<Rc<ChainFiles>, String> {
-        let layout = match layout {
-            "files" => Layout::Files,
-            "siblings" => Layout::Siblings,
-            "msft" => Layout::Msft,
-            "usd" => Layout::Usd,
-            other => return Err(format!("there is no layout {other}")),
-        };
+        let parsed: Result<Layout, _> = layout.parse();
+        let layout = parsed.map_err(|error| error.to_string())?;
         if let Some((known, files)) = &*self.last.borrow()
             && *known == layout
         {

@@ -14,7 +14,6 @@ mod levels;
 mod picture;
 pub mod settings;
 mod tree;
-mod warnings;
 mod zip;
 
 use std::cell::RefCell;

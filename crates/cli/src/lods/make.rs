@@ -14,7 +14,6 @@ use serde_json::{Value, json};
 use super::super::advice::{self, warn_all};
 use super::super::args::{self, Common};
 use super::super::failure::Failure;
-use super::super::measure::warning_of;
 use super::super::progress_bar::RunProgress;
 use super::super::record::{self, Record, shown, shown_if};
 use super::super::work::Work;
@@ -84,10 +83,8 @@ pub(super) fn make(
     let options = options(args);
     let levels = levels_of(&plant, &options, job, common)?;
     work.stages.extend_from_slice(&levels.chain.seconds);
-    let differences = levels.chain.levels.iter();
-    let differences = differences.map(|level| level.difference.difference);
-    let of_levels = warning_of(differences.fold(0.0, f64::max));
-    warn_all(&of_levels);
+    let of_levels = levels.warning().map(|warning| warning.to_string());
+    warn_all(of_levels.as_slice());
     warnings.extend(of_levels);
     let written = work.timed("write", |files| {
         let how = WriteOptions::default()
@@ -163,8 +160,7 @@ fn stage_all(
     picture: Option<&Path>,
 ) -> Result<WrittenChain, Failure> {
     if job.place != args.output {
-        let made = staged.make_folder(&args.output);
-        made.map_err(|e| Failure::of_file(&args.output, "cannot be made", &e))?;
+        output::make_folder(staged, &args.output)?;
     }
     let (mut written, files) = levels.prepare(&job.place, job.layout, how)?.into_files();
     staged.append(files);
@@ -196,8 +192,7 @@ fn stage_companion(
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
     {
-        let made = staged.make_folder(folder);
-        made.map_err(|e| Failure::of_file(folder, "cannot be made", &e))?;
+        output::make_folder(staged, folder)?;
     }
     let of_levels = job.place.file_name().unwrap_or_default().to_string_lossy();
     match levels.engine_file(engine, &of_levels) {

@@ -4,6 +4,7 @@ mod choice;
 mod kinds;
 mod pictures;
 mod read;
+mod report;
 mod rounds;
 mod written;
 
@@ -16,6 +17,7 @@ use crate::Plant;
 
 pub use kinds::{KindLevel, KindLevels};
 pub use read::drawn;
+pub use report::{KindLevelReport, KindReport, PlaceReport, StandReport};
 pub use rounds::{CameraFigures, StandLevels};
 pub use written::StandFigures;
 

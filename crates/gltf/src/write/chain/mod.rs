@@ -7,6 +7,7 @@
 mod as_it_came;
 mod cards_apart;
 mod deduplicate;
+mod layout;
 mod materials;
 mod merged;
 mod mesh_levels;
@@ -28,6 +29,7 @@ use std::sync::Arc;
 use serde_json::{Map, Value};
 
 pub(super) use deduplicate::forget_unused;
+pub use layout::{Layout, UnknownLayout};
 pub(super) use merged::{LevelPrimitive, merged};
 pub use on_disk::{PreparedChain, WrittenChain};
 pub(super) use vertices::Baker;
@@ -46,23 +48,6 @@ use crate::level_names::with_level;
 use crate::tree::Tree;
 use crate::write_problem::WriteProblem;
 use secateur_model::{Lod, Surface, Texture};
-
-/// How the levels of a chain lie in files. Engines exclude each other here.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum, schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum Layout {
-    /// A file for each level, as Unreal imports them: NAME_LOD0.glb, NAME_LOD1.glb, ...
-    Files,
-    /// One file with a node for each level under one parent, as Godot, Unity, Bevy, Blender and web viewers load it.
-    Siblings,
-    /// One file with the extension MSFT_lod, as UnityGLTF and glTFRuntime read it, and Babylon.js while it loads.
-    ///
-    /// The finest level is in the scene and names the others, which are not.
-    Msft,
-    /// A USD layer (.usda) with LODRootAPI, and its textures in a folder beside it.
-    Usd,
-}
 
 /// What a level shows.
 #[derive(Clone, Copy, Debug)]
