@@ -361,8 +361,11 @@ impl Document {
                 if stride == size {
                     data
                 } else {
-                    let element = |i: usize| &data[i * stride..i * stride + size];
-                    Cow::Owned((0..accessor.count).flat_map(element).copied().collect())
+                    let mut tight = Vec::with_capacity(accessor.count * size);
+                    for start in (0..accessor.count).map(|element| element * stride) {
+                        tight.extend_from_slice(&data[start..start + size]);
+                    }
+                    Cow::Owned(tight)
                 }
             }
         };

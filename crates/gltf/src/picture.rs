@@ -81,8 +81,7 @@ pub(crate) struct Tally {
 impl Tally {
     fn of(image: &RgbaImage) -> Self {
         let mut sums = [[0; 4]; 256];
-        for pixel in image.pixels() {
-            let [red, green, blue, alpha] = pixel.0;
+        for &[red, green, blue, alpha] in image.as_raw().as_chunks().0 {
             let sum = &mut sums[usize::from(alpha)];
             for (sum, value) in sum.iter_mut().zip([1, red, green, blue]) {
                 *sum += u64::from(value);

@@ -176,8 +176,11 @@ impl<'d> Draft<'d> {
                 match stride.filter(|&stride| stride != size) {
                     None => Cow::Borrowed(bytes.as_slice()),
                     Some(stride) => {
-                        let elements = bytes.chunks_exact(stride).map(|padded| &padded[..size]);
-                        Cow::Owned(elements.flatten().copied().collect())
+                        let mut tight = Vec::with_capacity(bytes.len() / stride * size);
+                        for padded in bytes.chunks_exact(stride) {
+                            tight.extend_from_slice(&padded[..size]);
+                        }
+                        Cow::Owned(tight)
                     }
                 }
             }
