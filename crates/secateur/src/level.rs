@@ -298,7 +298,7 @@ fn whole_level(
     }
     let items = tree.items().foliage();
     let plant = WholePlant::by(mode, items, leaves, wood, options, engine)?;
-    let level = plant.simplified(options, engine, observer)?;
+    let level = plant.simplified(options, engine, observer);
     match options.target {
         Target::Triangles(amount) if leaves.leaves().is_empty() => {
             let evenly = TriangleBudget {
@@ -306,11 +306,16 @@ fn whole_level(
                 sharing: Sharing::Evenly,
             };
             let other = plant.level(evenly, options, engine, None, observer)?;
-            nearer_of(tree, [level, other], LOOKED_AT_PX)
+            let is_met = options.check_met(other.wood_triangles, plant.triangle_count());
+            match (level, is_met) {
+                (Ok(level), _) => nearer_of(tree, [level, other], LOOKED_AT_PX),
+                (Err(SimplifyError::BudgetNotMet { .. }), Ok(())) => Ok(other),
+                (Err(error), _) => Err(error.into()),
+            }
         }
         Target::Triangles(amount) => {
             let triangles = amount.of(plant.triangle_count());
-            let mut nearest = level;
+            let mut nearest = level?;
             let mut shared = Shared::default();
             for &sharing in options.effort.work().sharings_of_one.iter().skip(1) {
                 let budget = TriangleBudget { triangles, sharing };
@@ -323,7 +328,7 @@ fn whole_level(
             }
             Ok(nearest)
         }
-        Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level),
+        Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level?),
     }
 }
 

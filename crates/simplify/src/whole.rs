@@ -2,6 +2,7 @@
 
 mod bare;
 mod budget;
+mod crowned;
 mod keeping_wood;
 mod wood_mode;
 
@@ -13,6 +14,7 @@ use secateur_raster::occluders::Occluded;
 use secateur_raster::{OpenEngine, Rasteriser, ViewSet};
 
 pub use budget::{Budget, Sharing};
+use crowned::Crowned;
 pub use keeping_wood::{simplify_keeping_wood, simplify_keeping_wood_sharing};
 pub use wood_mode::WoodMode;
 
@@ -92,6 +94,8 @@ pub struct WholePlant<'a> {
     levels: Wood,
     /// Pixels that the views show of leaves.
     leaves_px: f64,
+    /// What a plant without leaves has for a crown.
+    crowned: Option<Box<Crowned>>,
 }
 
 /// A level of a whole plant.
@@ -218,7 +222,12 @@ impl<'a> WholePlant<'a> {
             }
         };
         let of_leaves = &seen[..leaves.leaves().len()];
+        let crowned = match leaves.leaves().is_empty() {
+            true => Crowned::of(&wood, mode, options, engine)?.map(Box::new),
+            false => None,
+        };
         Ok(Self {
+            crowned,
             occluders: Arc::new(wood.clone().into_owned()),
             leaves_px: of_leaves.iter().sum(),
             levels: levels.with_leaves(&leaves, of_leaves),
@@ -293,7 +302,7 @@ impl<'a> WholePlant<'a> {
         let budget = budget.into();
         let triangles = budget.triangles;
         if self.leaves.leaves().is_empty() {
-            return self.bare_level(budget, options, engine);
+            return self.bare_level(budget, options, engine, shared, observer);
         }
         let mut own = Shared::default();
         let shared = shared.unwrap_or(&mut own);

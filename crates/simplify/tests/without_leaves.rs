@@ -126,15 +126,16 @@ fn level_of(wood: &Foliage, triangles: usize) -> Lod {
     level.unwrap().wood
 }
 
-/// A crown of two balls on a trunk that is a fifteenth as wide, and as finely cut.
-fn low_poly_tree() -> Foliage {
+/// A crown of two balls on a trunk of this radius, as finely cut.
+fn low_poly_tree(trunk_radius: f64) -> Foliage {
     let mut wood = Foliage::default();
     for (height, radius) in [(8.0, 3.0), (12.0, 2.0)] {
         let ball = ball(height * DVec3::Y, radius);
         wood.push_leaf(&ball, None).unwrap();
     }
     let trunk = ball(DVec3::ZERO, 1.0).into_iter().map(|triangle| {
-        let on_trunk = |at: DVec3| DVec3::new(0.2 * at.x, 3.0 + 3.0 * at.y, 0.2 * at.z);
+        let on_trunk =
+            |at: DVec3| DVec3::new(trunk_radius * at.x, 3.0 + 3.0 * at.y, trunk_radius * at.z);
         LeafTriangle::plain(triangle.corners.map(on_trunk))
     });
     wood.push_leaf(&trunk.collect::<Vec<_>>(), None).unwrap();
@@ -151,7 +152,7 @@ fn volume(triangles: &[LeafTriangle]) -> f64 {
 /// trunk is a needle.
 #[test]
 fn blobs_and_trunk_of_a_low_poly_tree_hold_as_much() {
-    let wood = low_poly_tree();
+    let wood = low_poly_tree(0.2);
     let all = wood.triangles().len();
     let left = level_of(&wood, all / 5).foliage(&wood);
     assert!(left.triangles().len() <= all / 5);
@@ -164,6 +165,35 @@ fn blobs_and_trunk_of_a_low_poly_tree_hold_as_much() {
     // No foot sinks into the ground.
     let corners = left.triangles().iter().flat_map(|t| t.corners);
     assert!(corners.map(|c| c.y).fold(f64::INFINITY, f64::min) >= 0.0);
+}
+
+/// A ball of fewer triangles is within the ball that it was: as a leaf it grows to the area that it had. What it stands
+/// on goes from the ground to it.
+#[test]
+fn a_crown_keeps_its_area_and_its_trunk() {
+    let (wood, leaves) = (low_poly_tree(0.2), Foliage::default());
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(&wood, &leaves, &wood, &engine).unwrap();
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    for triangles in [250, 120] {
+        let mut go_on = |_| ControlFlow::Continue(());
+        let level = plant.level(triangles, &options, &engine, None, &mut go_on);
+        let level = level.unwrap();
+        assert!((9 * triangles / 10..=triangles).contains(&level.wood_triangles));
+        assert_eq!(level.wood.leaf_count(), 3, "of {triangles} triangles");
+        let left = level.wood.foliage(&wood);
+        for (number, (made, _)) in level.wood.made().enumerate() {
+            let of_piece = LeafId::from_index(number);
+            let corners = left.triangles_of(of_piece).iter().flat_map(|t| t.corners);
+            let low = corners.clone().map(|at| at.y).fold(f64::INFINITY, f64::min);
+            let high = corners.map(|at| at.y).fold(f64::NEG_INFINITY, f64::max);
+            let share = left.leaf(of_piece).area() / wood.leaf(made.donor).area();
+            match made.donor.index() {
+                2 => assert!(low < 0.1 && high > 5.5, "a trunk from {low} to {high}"),
+                _ => assert!(share > 0.97, "a ball of {share} of {triangles} triangles"),
+            }
+        }
+    }
 }
 
 /// Of a palette texture each face, or each row of them, has a colour of its own, and no face may have any between.

@@ -8,7 +8,8 @@ use secateur_raster::{OpenEngine, ViewSet};
 use super::{Budget, Sharing, WholeLevel, WholePlant};
 use crate::observe::observe;
 use crate::passes::Passes;
-use crate::{Error, Options, Simplified, Stopped, Views, sphere_of};
+use crate::stage::Observer;
+use crate::{Error, Options, Shared, Simplified, Stopped, Views, Warning, sphere_of};
 
 /// Width of the pictures in pixels, which show nothing.
 const RESOLUTION: u32 = 1;
@@ -20,26 +21,35 @@ impl WholePlant<'_> {
         budget: Budget,
         options: &Options,
         engine: &OpenEngine,
+        shared: Option<&mut Shared>,
+        observer: &mut Observer<'_>,
     ) -> Result<WholeLevel, Error> {
         let sphere = sphere_of(&self.wood)?;
-        let evenly = match budget.sharing {
-            Sharing::Evenly => self.levels.evenly(&self.wood, budget.triangles),
-            Sharing::ByNumber | Sharing::LeafMargin(_) => None,
-        };
-        let mut wood = self.wood_of(&[], budget);
-        match evenly {
-            Some(lod) => {
-                wood.triangles = lod.foliage(&self.wood).triangles().len();
-                wood.lod = lod;
-            }
-            None => self.use_rest(&mut wood, 0, budget.triangles),
-        }
         let mut leaves = simplified_nothing(sphere, options, engine)?;
-        leaves.warnings.extend(self.warning_of(&wood));
+        let lod = match (budget.sharing, &self.crowned) {
+            (Sharing::Evenly, _) => self.levels.evenly(&self.wood, budget.triangles),
+            (_, Some(crowned)) => {
+                let (lod, level) = crowned.level(budget, options, engine, shared, observer)?;
+                let warnings = level.leaves.warnings.into_iter();
+                let of_wood = |warning: &Warning| matches!(warning, Warning::SupportsGone { .. });
+                leaves.warnings.extend(warnings.filter(of_wood));
+                Some(lod)
+            }
+            (_, None) => None,
+        };
+        let lod = match lod {
+            Some(lod) => lod,
+            None => {
+                let mut wood = self.wood_of(&[], budget);
+                self.use_rest(&mut wood, 0, budget.triangles);
+                leaves.warnings.extend(self.warning_of(&wood));
+                wood.lod
+            }
+        };
         Ok(WholeLevel {
             leaves,
-            wood: wood.lod,
-            wood_triangles: wood.triangles,
+            wood_triangles: lod.foliage(&self.wood).triangles().len(),
+            wood: lod,
             leaf_gap: None,
         })
     }

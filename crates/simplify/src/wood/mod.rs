@@ -11,6 +11,7 @@
 
 mod bearing;
 mod charts;
+mod crown;
 mod distance;
 mod evenly;
 mod forks;
@@ -36,6 +37,7 @@ use secateur_raster::{Rasteriser, ViewSet};
 
 use crate::Error;
 use bearing::{Bearing, Borne, Needs, needs};
+pub(crate) use crown::crown_and_rest;
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
 use levels::{Level, collapsed, collapsed_to, joints, last_levels, levels};
 use loss::Judges;
