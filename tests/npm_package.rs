@@ -136,10 +136,8 @@ fn everything_has_one_version() {
     let package: Value = serde_json::from_str(&read("web/package/package.json")).unwrap();
     assert_eq!(package["version"], version, "web/package/package.json");
     let workspace = read("Cargo.toml");
-    for line in workspace
-        .lines()
-        .filter(|line| line.starts_with("secateur"))
-    {
+    let is_crate = |line: &&str| line.starts_with("secateur") && line.contains("path = ");
+    for line in workspace.lines().filter(is_crate) {
         let own = format!("version = \"{version}\"");
         assert!(line.contains(&own), "Cargo.toml: {line}");
     }
