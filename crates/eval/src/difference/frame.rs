@@ -24,23 +24,9 @@ const LEAST_BLOCK_PX: f64 = 8.0;
 /// Least room about the plant in pixels: as far as the filters of FLIP reach, and what U grows by.
 const LEAST_MARGIN_PX: u32 = 12;
 
-/// As many samples along a side of a pixel as come to no more than a number along the plant, but at least 2 and at
-/// most 4.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SamplesAlongPlant(pub(super) f64);
-
-impl SamplesAlongPlant {
-    /// For figures that are printed.
-    pub(super) const ALL: Self = Self(1024.0);
-
-    /// While searching: a plant of 256 pixels takes a quarter of the time.
-    pub(super) const SEARCH: Self = Self(512.0);
-
-    /// Along a side of a pixel of a plant of this many pixels.
-    fn a_pixel(self, side_px: f64) -> u32 {
-        (self.0 / side_px).floor().clamp(2.0, 4.0) as u32
-    }
-}
+/// Plants are drawn with as many samples along a side of a pixel as come to no more than this along the plant, but at
+/// least 2 and at most 4.
+const SAMPLES: f64 = 1024.0;
 
 /// What is nearer to an eye than this share of the plant's radius is not drawn.
 const NEAR_RADII: f64 = 0.01;
@@ -117,12 +103,7 @@ pub(super) struct Frame {
 impl Frame {
     /// The picture of these surfaces from an eye, a unit of length at the plant's middle as `px_per_unit` pixels,
     /// unless its longest side would be too large.
-    pub(super) fn around<S: Borrow<Surface>>(
-        surfaces: &[S],
-        eye: &Eye,
-        px_per_unit: f64,
-        samples: SamplesAlongPlant,
-    ) -> Self {
+    pub(super) fn around<S: Borrow<Surface>>(surfaces: &[S], eye: &Eye, px_per_unit: f64) -> Self {
         let [low, high] = tangents(surfaces, eye);
         let extent = (high - low).max(DVec2::ZERO);
         let longest = extent.max_element();
@@ -136,7 +117,7 @@ impl Frame {
         let margin = LEAST_MARGIN_PX.max(block / 2);
         let size = (extent * px_per_tangent).ceil();
         let size = [size.x, size.y].map(|side| side as u32 + 2 * margin);
-        let samples = samples.a_pixel(side);
+        let samples = (SAMPLES / side).floor().clamp(2.0, 4.0) as u32;
         let corner = [
             low.x - f64::from(margin) / px_per_tangent,
             high.y + f64::from(margin) / px_per_tangent,
@@ -187,19 +168,5 @@ fn tangents<S: Borrow<Surface>>(surfaces: &[S], eye: &Eye) -> [DVec2; 2] {
     match bounds[0].is_finite() {
         true => bounds,
         false => [DVec2::ZERO; 2],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A search has half of the samples along a side, but never fewer than two a pixel.
-    #[test]
-    fn pictures_of_fewer_pixels_have_more_samples_in_each() {
-        let of =
-            |samples: SamplesAlongPlant| [1024.0, 341.0, 256.0, 64.0].map(|px| samples.a_pixel(px));
-        assert_eq!(of(SamplesAlongPlant::ALL), [2, 3, 4, 4]);
-        assert_eq!(of(SamplesAlongPlant::SEARCH), [2, 2, 2, 4]);
     }
 }

@@ -33,7 +33,7 @@ use secateur_raster::View;
 use serde::Serialize;
 
 use blocks::ViewScores;
-use frame::{Eye, Frame, SamplesAlongPlant};
+use frame::{Eye, Frame};
 use picture::{DrawnPlant, PlantPicture, draw};
 use plants::Plants;
 
@@ -204,14 +204,10 @@ const HEIGHTS_KEPT: usize = 5;
 const MOST_KEPT_PX: f64 = 400.0;
 const MOST_PLANTS_KEPT: usize = 2;
 
-/// Plants of no more pixels have all samples in a search, too: they are few, and pictures of both are then the same.
-const MOST_ALL_SAMPLES_PX: f64 = 200.0;
-
 /// The pictures of the plants at a height in pixels, by plant and view.
 #[derive(Debug)]
 struct DrawnAt {
     pixels_high: f64,
-    samples: SamplesAlongPlant,
     pictures: BTreeMap<(usize, usize), Arc<(Frame, PlantPicture)>>,
 }
 
@@ -266,11 +262,7 @@ impl DifferenceJudge {
     pub fn covered_px(&self, pixels_high: f64) -> f64 {
         let of_plant = |plant: usize| {
             let eyes = self.eyes(self.plants.sphere(plant), ViewCount::Search);
-            let covered = |eye: &Eye| {
-                self.picture(plant, eye, (pixels_high, ViewCount::Search))
-                    .1
-                    .covered_px()
-            };
+            let covered = |eye: &Eye| self.picture(plant, eye, pixels_high).1.covered_px();
             eyes.iter().map(covered).sum::<f64>() / eyes.len().max(1) as f64
         };
         (0..self.plants.len()).map(of_plant).sum()
@@ -330,7 +322,7 @@ impl DifferenceJudge {
             // Two at a time: enough for what is far beyond the limits.
             for pair in eyes.chunks(2) {
                 let judged = pair.par_iter().map(|eye| {
-                    let drawn = self.picture(plant, eye, (pixels_high, count));
+                    let drawn = self.picture(plant, eye, pixels_high);
                     let (frame, original) = &*drawn;
                     let level = self.draw(&seen(plant, eye.at), 0, frame);
                     original.scores(&level, frame)
@@ -358,48 +350,38 @@ impl DifferenceJudge {
         worst
     }
 
-    fn picture(
-        &self,
-        plant: usize,
-        eye: &Eye,
-        (pixels_high, count): (f64, ViewCount),
-    ) -> Arc<(Frame, PlantPicture)> {
+    fn picture(&self, plant: usize, eye: &Eye, pixels_high: f64) -> Arc<(Frame, PlantPicture)> {
         let key = (plant, eye.number);
-        let samples = match count {
-            ViewCount::Search if pixels_high > MOST_ALL_SAMPLES_PX => SamplesAlongPlant::SEARCH,
-            ViewCount::Search | ViewCount::All => SamplesAlongPlant::ALL,
-        };
-        let at = (pixels_high, samples);
-        if let Some(known) = self.kept(at, |pictures| pictures.get(&key).cloned()) {
+        if let Some(known) = self.kept(pixels_high, |pictures| pictures.get(&key).cloned()) {
             return known;
         }
         let (surfaces, wood) = self.plants.surfaces(plant);
         let px_per_unit = pixels_high / self.size();
-        let frame = Frame::around(surfaces, eye, px_per_unit, samples);
+        let frame = Frame::around(surfaces, eye, px_per_unit);
         let drawn = self.draw(&surfaces.iter().collect::<Vec<_>>(), wood, &frame);
         let picture = PlantPicture::of(drawn);
         let made = Arc::new((frame, picture));
         if pixels_high > MOST_KEPT_PX && self.plants.len() > MOST_PLANTS_KEPT {
             return made;
         }
-        self.kept(at, |pictures| pictures.insert(key, Arc::clone(&made)));
+        self.kept(pixels_high, |pictures| {
+            pictures.insert(key, Arc::clone(&made))
+        });
         made
     }
 
     /// Looks at, or adds to, the pictures of a height.
     fn kept<T>(
         &self,
-        (pixels_high, samples): (f64, SamplesAlongPlant),
+        pixels_high: f64,
         with: impl FnOnce(&mut BTreeMap<(usize, usize), Arc<(Frame, PlantPicture)>>) -> T,
     ) -> T {
         let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_it = |at: &DrawnAt| at.pixels_high == pixels_high && at.samples == samples;
-        let place = drawn.iter().position(is_it);
+        let place = drawn.iter().position(|at| at.pixels_high == pixels_high);
         let latest = match place {
             Some(place) => drawn.remove(place),
             None => DrawnAt {
                 pixels_high,
-                samples,
                 pictures: BTreeMap::new(),
             },
         };
