@@ -170,7 +170,7 @@ impl WithMips<'_> {
         }
     }
 
-    /// The cutoffs of all materials that may change, so many times as high; none where they stay.
+    /// The cutoffs of all materials that may change, multiplied by `times`; no cutoff changes where that is none.
     fn cutoffs(&self, times: Option<f32>) -> Cutoffs {
         let cutoff = |drawn: &DrawnSurface| match drawn.surface.material.alpha_mode {
             AlphaMode::Mask(cutoff) if self.client.is_free(drawn) => {

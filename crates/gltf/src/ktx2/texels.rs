@@ -105,7 +105,7 @@ fn uastc(bytes: &[u8], header: &Ktx2Header) -> Option<RgbaImage> {
     Some(image)
 }
 
-/// A Zstandard frame of exactly so many bytes.
+/// What a Zstandard frame holds; none unless that is exactly `length` bytes.
 fn inflated_to(frame: &[u8], length: u64) -> Option<Vec<u8>> {
     let mut decoder = StreamingDecoder::new(frame).ok()?;
     let mut bytes = vec![0; usize::try_from(length).ok()?];

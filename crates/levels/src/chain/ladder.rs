@@ -8,6 +8,7 @@ use secateur_simplify::{Observer, Work};
 
 use super::cards::FAR_PX;
 use super::error::ChainError;
+use super::goals::Goals;
 use super::maker::{Made, Maker};
 use super::memory::MOST_TRIED;
 use super::placed::{Place, Placed};
@@ -25,16 +26,6 @@ const USUAL_SLOPE: f64 = 0.0125;
 
 /// A search ends where the next level to try is fewer steps from what is known to do.
 const LEAST_GAIN: usize = 4;
-
-/// Levels are aimed at this share of what is allowed: the difference is not monotonic.
-const AIM: f64 = 0.98;
-
-/// By which power of their size larger pictures than those of a search show more, until a place has told: a fourth
-/// more at 1,080 pixels.
-const USUAL_POWER: f64 = 0.217;
-
-/// How many times as large as in a search pictures must be to tell of that power.
-const LARGE: f64 = 1.5;
 
 /// A level that reaches this share of what is allowed is light enough.
 const ENOUGH: f64 = 0.88;
@@ -309,56 +300,6 @@ impl<'a, 'm> Ladder<'a, 'm> {
             let gone = self.made.remove(&farthest);
             kept -= gone.map_or(0, |made| made.triangles());
         }
-    }
-}
-
-/// How many times the limits a level may be in the pictures of a search.
-struct Goals {
-    /// Where a place's own pictures are as large.
-    of_small: f64,
-    /// By which power of their size larger pictures show more.
-    power: f64,
-    /// Whether a place has told of it.
-    is_power_known: bool,
-    /// How high a plant is at most in the pictures of a search, in pixels.
-    search_px: f64,
-}
-
-impl Goals {
-    /// Before any place has told, for pictures of a search in which the plant is at most so many pixels high.
-    fn of(search_px: f64) -> Self {
-        Self {
-            search_px,
-            of_small: AIM,
-            power: USUAL_POWER,
-            is_power_known: false,
-        }
-    }
-
-    /// For a place at this height.
-    fn at(&self, pixels_high: f64) -> f64 {
-        self.of_small * self.size_over_search(pixels_high).powf(-self.power)
-    }
-
-    /// Whether that is not a guess.
-    fn are_known(&self, pixels_high: f64) -> bool {
-        self.is_power_known || self.size_over_search(pixels_high) <= LARGE
-    }
-
-    /// Takes in that a level differed `times` as much in its own pictures, this high in pixels, as in those of a search.
-    fn learn(&mut self, pixels_high: f64, times: f64) {
-        let size = self.size_over_search(pixels_high);
-        if size > LARGE {
-            self.is_power_known = true;
-            self.power = (times.ln() / size.ln()).clamp(0.0, 1.0);
-        } else {
-            self.of_small = AIM * size.powf(self.power) / times;
-        }
-    }
-
-    /// How many times as high as in the pictures of a search a plant is in a place's own; 1 where those are no larger.
-    fn size_over_search(&self, pixels_high: f64) -> f64 {
-        (pixels_high / self.search_px).max(1.0)
     }
 }
 

@@ -8,6 +8,7 @@ mod error;
 #[cfg(test)]
 mod far_tests;
 mod fitted_textures;
+mod goals;
 mod impostor_ending;
 mod impostors;
 mod ladder;

@@ -39,11 +39,11 @@ pub struct KindReport {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct KindLevelReport {
-    /// What it is.
+    /// Whether the level is the plant itself, a mesh or an impostor.
     pub kind: LevelKind,
     /// How many plants show it.
     pub plants: usize,
-    /// Triangles of it.
+    /// Triangles of the level, where one plant shows it.
     pub triangles: u64,
     /// Primitives that are drawn.
     pub draws: u64,

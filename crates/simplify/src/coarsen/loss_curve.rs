@@ -363,7 +363,8 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// What the first so many leaves lose with this number of triangles; none if one of them cannot get down to it.
+    /// Of the pixels that the first `count` sampled leaves cover as they are or with this number of triangles each, the
+    /// share that they do not cover both ways; none if one of them has no form of so few.
     fn loss(&mut self, triangles: usize, three: Option<CornerTriple>, count: usize) -> Option<f64> {
         let crown = self.crown;
         let foliage = crown.foliage;
