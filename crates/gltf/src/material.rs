@@ -22,6 +22,8 @@ pub(crate) struct MaterialLook {
     pub(crate) double_sided: bool,
     pub(crate) roughness: f32,
     pub(crate) is_unlit: bool,
+    /// Whether its colour is what it emits: vertex colours do not count then.
+    pub(crate) is_emission: bool,
     /// Its normal map, and what scales it. Only looks: a broken one is left out.
     pub(crate) normal_map: Option<(TextureUse, f32)>,
 }
@@ -93,6 +95,7 @@ impl Document {
                 double_sided: false,
                 roughness: 1.0,
                 is_unlit: false,
+                is_emission: false,
                 normal_map: None,
             });
         };
@@ -104,22 +107,32 @@ impl Document {
     fn read_look(&self, index: usize, json: &Value) -> Result<MaterialLook, Problem> {
         const NONE: Value = Value::Null;
         let pbr = json.get("pbrMetallicRoughness").unwrap_or(&NONE);
-        let glossy = property::extension(json, GLOSSY).filter(|_| is_base_color_diffuse(json));
-        let color = match glossy {
-            Some(glossy) => property::numbers::<4>(glossy, "diffuseFactor")?,
-            None => property::numbers::<4>(pbr, "baseColorFactor")?,
+        let color_from = ColorFrom::of(json);
+        let color = match color_from {
+            ColorFrom::Base => property::numbers::<4>(pbr, "baseColorFactor")?,
+            ColorFrom::Diffuse => match property::extension(json, GLOSSY) {
+                Some(glossy) => property::numbers::<4>(glossy, "diffuseFactor")?,
+                None => None,
+            },
+            ColorFrom::Emission => emissive_factor(json).map(|[r, g, b]| [r, g, b, 1.0]),
         };
         let color = color.unwrap_or([1.0; 4]);
         let texture = base_color_texture(json);
+        let is_emission = color_from == ColorFrom::Emission;
         Ok(MaterialLook {
             material: Some(index),
             name: property::text(json, "name")?.unwrap_or("").to_owned(),
-            alpha_mode: alpha_mode(json)?,
+            // An emission's alpha is read by no client.
+            alpha_mode: match is_emission {
+                true => AlphaMode::Opaque,
+                false => alpha_mode(json)?,
+            },
             base_color: color.map(|c| c as f32),
             texture: texture.map(|t| self.texture_use(t)).transpose()?,
             double_sided: property::flag(json, "doubleSided")?,
             roughness: number_or(pbr, "roughnessFactor", 1.0).clamp(0.0, 1.0),
-            is_unlit: property::extension(json, "KHR_materials_unlit").is_some(),
+            is_unlit: is_emission || property::extension(json, "KHR_materials_unlit").is_some(),
+            is_emission,
             normal_map: json.get("normalTexture").and_then(|info| {
                 let texture = self.texture_use(info).ok()?;
                 Some((texture, number_or(info, "scale", 1.0)))
@@ -209,9 +222,10 @@ pub(crate) fn base_color_texture(material: &Value) -> Option<&Value> {
 
 /// Where a material names its base colour texture, as a JSON pointer.
 pub(crate) fn base_color_pointer(material: &Value) -> &'static str {
-    match is_base_color_diffuse(material) {
-        true => "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
-        false => BASE_COLOR_TEXTURE,
+    match ColorFrom::of(material) {
+        ColorFrom::Base => BASE_COLOR_TEXTURE,
+        ColorFrom::Diffuse => "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
+        ColorFrom::Emission => EMISSIVE_TEXTURE,
     }
 }
 
@@ -221,11 +235,52 @@ const GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// Where a material of no such extension has its base colour texture.
 const BASE_COLOR_TEXTURE: &str = "/pbrMetallicRoughness/baseColorTexture";
 
-/// Whether the base colour is the extension's. Where a material has a texture for both, that is read which is
-/// drawn by clients without the extension too.
-fn is_base_color_diffuse(material: &Value) -> bool {
-    property::extension(material, GLOSSY).is_some()
-        && material.pointer(BASE_COLOR_TEXTURE).is_none()
+const EMISSIVE_TEXTURE: &str = "/emissiveTexture";
+
+/// The linear base colour, of 1, below which a material is black but for what it emits.
+const BLACK: f64 = 0.02;
+
+/// What of a material a client shows as its colour.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum ColorFrom {
+    /// The base colour.
+    Base,
+    /// The diffuse colour of the extension. Where a material has a texture for both, the base colour is read, which
+    /// clients without the extension draw too.
+    Diffuse,
+    /// The emission of a black material, as scans are exported whose light is in their texture.
+    Emission,
+}
+
+impl ColorFrom {
+    fn of(material: &Value) -> Self {
+        let has = |pointer| material.pointer(pointer).is_some();
+        if has(BASE_COLOR_TEXTURE) {
+            return Self::Base;
+        }
+        if property::extension(material, GLOSSY).is_some() {
+            return Self::Diffuse;
+        }
+        let factor = material.pointer("/pbrMetallicRoughness/baseColorFactor");
+        let factor = factor.and_then(Value::as_array);
+        let is_black = factor.is_some_and(|factor| {
+            let channels = factor.iter().take(3).filter_map(Value::as_f64);
+            channels.fold(0.0, f64::max) < BLACK
+        });
+        let emits = emissive_factor(material).is_some_and(|rgb| rgb.iter().any(|c| *c > BLACK));
+        match is_black && emits {
+            true => Self::Emission,
+            false => Self::Base,
+        }
+    }
+}
+
+/// What a material emits, in linear light; what is brighter than white is white. None where it says nothing.
+fn emissive_factor(material: &Value) -> Option<[f64; 3]> {
+    let factor = property::numbers::<3>(material, "emissiveFactor").ok()??;
+    let strength = property::extension(material, "KHR_materials_emissive_strength");
+    let strength = strength.map_or(1.0, |json| number_or(json, "emissiveStrength", 1.0));
+    Some(factor.map(|c| (c * f64::from(strength)).clamp(0.0, 1.0)))
 }
 
 /// A number that only looks depend on: what cannot be read is the default.

@@ -302,7 +302,10 @@ impl Document {
                     .map(|uv| to_uv(transform.apply(uv)))
                     .collect()
             }),
-            colors: self.colors(mesh, primitive)?,
+            colors: match group.look.is_emission {
+                true => Vec::new(),
+                false => self.colors(mesh, primitive)?,
+            },
             holds: match detail {
                 Detail::Full => self.holds_of(mesh, primitive, group.geometry.positions.len())?,
                 Detail::Color => Vec::new(),

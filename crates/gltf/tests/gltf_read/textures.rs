@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use image::{ImageFormat, Rgba, RgbaImage};
 use secateur_gltf::{Detail, VertexAlpha};
-use secateur_model::{Filters, Material, Mips, Wrap};
+use secateur_model::{AlphaMode, Filters, Material, Mips, Wrap};
 use serde_json::{Value, json};
 
 use crate::small_tree::{SQUARES, SmallTree};
@@ -407,6 +407,46 @@ fn the_diffuse_texture_and_factor_of_specular_glossiness_are_the_base_colour() {
     assert_eq!(kept(&faint), Some(vec![false]));
     let base = json!({"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 1, 0.4]});
     assert_eq!(kept(&glossy(&png, base, diffuse)), Some(vec![false, false]));
+}
+
+/// Scans whose light is in their texture are exported so: black, with the texture as emission.
+#[test]
+fn the_emission_of_a_black_material_is_its_colour() {
+    let png = encoded(&row(&[100, 255]), ImageFormat::Png);
+    let black = json!({"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0});
+    let scan = |pbr: &Value| {
+        let fields = json!({
+            "pbrMetallicRoughness": pbr,
+            "emissiveTexture": {"index": 0},
+            "emissiveFactor": [1, 0.5, 1],
+            "alphaMode": "MASK",
+        });
+        let mut tree = textured(&png, fields);
+        let colors = tree.floats("VEC3", &[0.5; 24]);
+        tree.set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colors))
+    };
+    let tree = scan(&black);
+    let drawn = tree.document().drawn_as_one(Detail::Color).unwrap();
+    let material = &drawn[0].surface.material;
+    assert_eq!(material.base_color, [1.0, 0.5, 1.0, 1.0]);
+    assert!(material.texture.is_some());
+    assert!(material.finish.is_unlit);
+    // The alpha of what is emitted hides nothing, and no colour of a vertex dims it.
+    assert_eq!(material.alpha_mode, AlphaMode::Opaque);
+    assert!(drawn[0].surface.colors.is_empty());
+    assert!(tree.document().images_of_material(0)[0].is_base_color);
+    // What has a colour of its own glows beside it, and is drawn as it was.
+    for pbr in [
+        json!({"metallicFactor": 0}),
+        json!({"baseColorFactor": [0.1, 0, 0, 1]}),
+        json!({"baseColorFactor": [0, 0, 0, 1], "baseColorTexture": {"index": 0}}),
+    ] {
+        let drawn = scan(&pbr).document().drawn_as_one(Detail::Color).unwrap();
+        assert!(!drawn[0].surface.material.finish.is_unlit, "{pbr}");
+    }
+    let dark = scan(&black).set("/materials/0/emissiveFactor", json!([0, 0, 0]));
+    let drawn = dark.document().drawn_as_one(Detail::Color).unwrap();
+    assert_eq!(drawn[0].surface.material.base_color, [0.0, 0.0, 0.0, 1.0]);
 }
 
 #[test]
