@@ -23,7 +23,8 @@ fn action(bench: &Bench, mode: &str, options: &[&str]) -> Ran {
 fn levels_of_folders_are_made_and_checked() {
     let bench = Bench::new();
     let fast = ["--levels=0.3", "--effort=fast"];
-    let options = [&fast[..], &["--no-original", "--impostor=none"]].concat();
+    let more = ["--no-original", "--impostor=none", "--screen-height=270"];
+    let options = [&fast[..], &more].concat();
     std::fs::create_dir_all(bench.path("plants/small ones")).unwrap();
     let empty = action(&bench, "make", &options);
     assert!(empty.code == Some(1) && empty.stderr.starts_with("plants: has no .glb"));

@@ -4,12 +4,13 @@ use serde_json::Value;
 
 use crate::program::{Bench, Ran};
 
-const OPTIONS: [&str; 5] = [
+const OPTIONS: [&str; 6] = [
     "--levels",
     "0.5,0.2",
     "--no-original",
     "--impostor=none",
     "--effort=fast",
+    "--screen-height=270",
 ];
 
 /// Three plants, the last of which is none, and a plan for them.

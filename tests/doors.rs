@@ -233,6 +233,7 @@ fn links_in_the_place_of_a_note_a_level_or_a_buffer_are_replaced() {
     }
     let lods = [
         "lods",
+        "--screen-height=270",
         "oak.glb",
         "-o",
         "chain",
@@ -262,6 +263,7 @@ fn what_a_note_names_is_read_only_if_it_ends() {
     let bench = Bench::new();
     let lods = [
         "lods",
+        "--screen-height=270",
         "oak.glb",
         "-o",
         "chain",
@@ -291,7 +293,7 @@ fn names_that_no_file_can_have_are_refused_first() {
     for name in ["a;b:c.glb", ".oak.glb"] {
         bench.put(name, crate::program::oak());
         bench
-            .run(&["lods", name, "-o", "chain"])
+            .run(&["lods", "--screen-height=270", name, "-o", "chain"])
             .failed_saying(&[name, "name"]);
     }
 }

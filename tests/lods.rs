@@ -267,7 +267,15 @@ fn wood_gets_coarser_as_it_is_asked_for_or_stays() {
     let bench = Bench::new();
     let chain = |folder: &str, options: &[&str]| {
         let report = format!("{folder}.json");
-        let lods = ["lods", "oak.glb", "-o", folder, "--report", &report];
+        let lods = [
+            "lods",
+            "--screen-height=270",
+            "oak.glb",
+            "-o",
+            folder,
+            "--report",
+            &report,
+        ];
         bench
             .run(&[&lods[..], &["--no-original"], options].concat())
             .succeeded();
@@ -342,7 +350,15 @@ fn levels_of_msft_have_falling_coverages() {
 fn equal_calls_give_equal_bytes() {
     let bench = Bench::new();
     for folder in ["a", "b"] {
-        let lods = ["lods", "oak.glb", "-o", folder, "--levels", "0.3,0.1"];
+        let lods = [
+            "lods",
+            "--screen-height=270",
+            "oak.glb",
+            "-o",
+            folder,
+            "--levels",
+            "0.3,0.1",
+        ];
         bench.run(&lods).succeeded();
     }
     for k in 0..2 {

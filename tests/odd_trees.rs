@@ -141,7 +141,15 @@ fn leaves_and_wood_in_one_primitive_are_kept_as_one_and_said() {
     put_leaves_and_wood_in_one(&bench);
     let choice = ["--foliage", "material:leaf"];
     for arguments in [
-        &["lods", "tree.gltf", "-o", "chain", "--levels", "0.5"][..],
+        &[
+            "lods",
+            "--screen-height=270",
+            "tree.gltf",
+            "-o",
+            "chain",
+            "--levels",
+            "0.5",
+        ][..],
         &["simplify", "tree.gltf", "-o", "out.glb", "--ratio", "0.5"],
     ] {
         let ran = bench.run(&[arguments, &choice].concat()).succeeded();

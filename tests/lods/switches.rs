@@ -12,6 +12,7 @@ fn shadows_are_cast_by_coarser_levels() {
     for (steps, expected) in [("0", [0, 1, 2]), ("1", [1, 2, 2]), ("2", [2, 2, 2])] {
         let lods = [
             "lods",
+            "--screen-height=270",
             "oak.glb",
             "--effort=fast",
             "-o",
@@ -38,7 +39,15 @@ fn shadows_are_cast_by_coarser_levels() {
         }
     }
     bench
-        .run(&["lods", "oak.glb", "-o", "t.glb", "--shadow-steps", "3"])
+        .run(&[
+            "lods",
+            "--screen-height=270",
+            "oak.glb",
+            "-o",
+            "t.glb",
+            "--shadow-steps",
+            "3",
+        ])
         .misused_saying(&["0..=2"]);
 }
 
@@ -48,6 +57,7 @@ fn what_a_switch_shows_is_measured_and_bounded() {
     let lods = |max_pop: &str| {
         let lods = [
             "lods",
+            "--screen-height=270",
             "oak.glb",
             "--effort=fast",
             "-o",

@@ -258,9 +258,8 @@ impl<'a> Band<'a> {
                     let found = lanes.at([first, row + self.first_row], known);
                     let mut sought = found.nearer & in_box;
                     // Of equally near triangles the first of the scene is seen, whichever is drawn first.
-                    for lane in lanes_of(sought) {
-                        let is_equal = found.near(lane) == self.nearness[start + lane];
-                        if is_equal && index > self.frontmost[start + lane] {
+                    for lane in lanes_of(sought & found.equal) {
+                        if index > self.frontmost[start + lane] {
                             sought &= !(1 << lane);
                         }
                     }
@@ -271,9 +270,10 @@ impl<'a> Band<'a> {
                     let corner = Vec2::new(first as f32 + 0.5, y);
                     let there = cutout.there(triangle, &place, corner, &found.weights, sought);
                     is_changed |= there != 0;
+                    let near = found.near();
                     for lane in lanes_of(there) {
                         self.nearness[start + lane] = match self.seek {
-                            Seek::Frontmost => found.near(lane),
+                            Seek::Frontmost => near[lane],
                             Seek::Any => f32::INFINITY,
                         };
                         self.frontmost[start + lane] = index;
@@ -313,6 +313,8 @@ struct Lanes {
 struct LanesFound {
     /// A bit for each sample in the triangle at which it is as near as what is known, or nearer.
     nearer: u32,
+    /// A bit for each of these at which it is as near.
+    equal: u32,
     /// How near the triangle is, four samples a vector.
     nearness: [Vec4; BLOCK / 4],
     /// The barycentric weight of each corner, four samples a vector.
@@ -320,8 +322,13 @@ struct LanesFound {
 }
 
 impl LanesFound {
-    fn near(&self, lane: usize) -> f32 {
-        self.nearness[lane / 4][lane % 4]
+    /// How near the triangle is at each sample.
+    fn near(&self) -> [f32; BLOCK] {
+        let mut near = [0.0; BLOCK];
+        for (near, four) in near.chunks_exact_mut(4).zip(self.nearness) {
+            four.write_to_slice(near);
+        }
+        near
     }
 }
 
@@ -354,6 +361,7 @@ impl Lanes {
         });
         let mut found = LanesFound {
             nearer: 0,
+            equal: 0,
             nearness: [Vec4::ZERO; BLOCK / 4],
             weights: [[Vec4::ZERO; 3]; BLOCK / 4],
         };
@@ -373,6 +381,7 @@ impl Lanes {
                 & near.cmpge(behind)
                 & behind.cmplt(Vec4::INFINITY);
             found.nearer |= is_nearer.bitmask() << (4 * half);
+            found.equal |= (is_nearer & near.cmpeq(behind)).bitmask() << (4 * half);
             found.nearness[half] = near;
             found.weights[half] = [of_first, of_second, of_third];
         }

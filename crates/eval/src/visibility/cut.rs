@@ -66,8 +66,9 @@ impl<'a> Cut<'a> {
             let weights = four_face_weights(triangle, *weights);
             let uvs = face.four_uvs(weights);
             let texels = mask.and_then(|mask| mask.four_texels(uvs, face.alphas));
+            let [us, vs] = uvs.map(|four| four.to_array());
             for lane in lanes_of(bits) {
-                let uv = Vec2::new(uvs[0][lane], uvs[1][lane]);
+                let uv = Vec2::new(us[lane], vs[lane]);
                 let known = match (mask, texels) {
                     (Some(mask), Some(texels)) => mask.of_texel(texels[lane] as usize),
                     (Some(mask), None) => mask.passes(uv, face.alphas),
@@ -75,7 +76,7 @@ impl<'a> Cut<'a> {
                 };
                 let is_there = known.unwrap_or_else(|| {
                     let at = Vec2::new(first.x + (4 * half + lane) as f32, first.y);
-                    let weights = weights.map(|of_corner| of_corner[lane]);
+                    let weights = weights.map(|of_corner| of_corner.to_array()[lane]);
                     face.alpha_at(triangle, place, (at, uv), weights) >= face.cutoff
                 });
                 there |= u32::from(is_there) << (4 * half + lane);
