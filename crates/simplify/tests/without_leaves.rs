@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, Sharing, WholePlant};
+use secateur_simplify::wood::wood_gaps;
 use secateur_simplify::{Options, Preset, Target};
 
 /// A ball of 264 triangles.
@@ -230,4 +231,58 @@ fn all_of_it_may_stay() {
     let mut go_on = |_| ControlFlow::Continue(());
     let level = plant.simplified(&options, &engine, &mut go_on).unwrap();
     assert_eq!(level.wood_triangles, 528);
+}
+
+/// A tube of six sides that gets thinner, of eight rings.
+fn bough(from: DVec3, to: DVec3, radius: f64) -> Vec<LeafTriangle> {
+    const SIDES: usize = 6;
+    const RINGS: usize = 8;
+    let across = (to - from).normalize().any_orthonormal_vector();
+    let beside = (to - from).normalize().cross(across);
+    let place = |ring: usize, side: usize| {
+        let (sin, cos) = (TAU * (side % SIDES) as f64 / SIDES as f64).sin_cos();
+        let share = ring as f64 / RINGS as f64;
+        let round = radius * (1.0 - 0.7 * share) * (cos * across + sin * beside);
+        from.lerp(to, share) + round + 0.05 * (6.0 * share).sin() * DVec3::X
+    };
+    let quads = (0..RINGS).flat_map(|i| (0..SIDES).map(move |k| (i, k)));
+    let triangles = quads.flat_map(|(i, k)| {
+        let [a, b] = [place(i, k), place(i, k + 1)];
+        let [c, d] = [place(i + 1, k), place(i + 1, k + 1)];
+        [[a, b, d], [a, d, c]]
+    });
+    triangles.map(LeafTriangle::plain).collect()
+}
+
+/// Boughs on a trunk, and twigs on the boughs. Collapses over all of them know nothing of what grows on what.
+#[test]
+fn nothing_of_a_bare_tree_hangs_in_the_air() {
+    let mut wood = Foliage::default();
+    let trunk = bough(DVec3::ZERO, 8.0 * DVec3::Y, 0.3);
+    wood.push_leaf(&trunk, None).unwrap();
+    for k in 0..12 {
+        let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
+        let out = DVec3::new(cos, 0.6, sin);
+        let from = (2.0 + 0.45 * f64::from(k)) * DVec3::Y;
+        let tip = from + 2.5 * out;
+        wood.push_leaf(&bough(from, tip, 0.08), None).unwrap();
+        for (share, side) in [
+            (0.5, 1.0),
+            (0.6, -1.0),
+            (0.7, 1.0),
+            (0.8, -1.0),
+            (0.95, 1.0),
+        ] {
+            let from = from.lerp(tip, share);
+            let to = from + 0.8 * (out + side * DVec3::new(-sin, 0.3, cos));
+            wood.push_leaf(&bough(from, to, 0.02), None).unwrap();
+        }
+    }
+    for triangles in [1200, 600, 400, 300, 250, 200, 150, 100] {
+        let left = level_of(&wood, triangles).foliage(&wood);
+        assert!(left.triangles().len() <= triangles);
+        // A third of the trunk's thickness, of which a trunk of three sides has lost some.
+        let gap = wood_gaps(&left).into_iter().fold(0.0, f64::max);
+        assert!(gap < 0.2, "{gap} with {triangles} triangles");
+    }
 }

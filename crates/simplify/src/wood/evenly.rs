@@ -9,6 +9,7 @@ use rustc_hash::FxHashSet;
 use secateur_model::{CornerRef, Foliage, LeafId, LeafTriangle, Lod, NewCorner, NewLeaf, Place};
 
 use super::Wood;
+use super::hanging::Holds;
 use super::levels::{EVEN_NORMAL_WEIGHT, UV_WEIGHT, joints};
 use super::thickness::thickness;
 use crate::coarsen::leaf_mesh::{Kept, MovedCorner, collapsed_moving};
@@ -22,8 +23,13 @@ const THINNEST: f64 = 1e-3;
 
 impl Wood {
     /// The wood that this was made of with at most this many triangles, after collapses over all pieces in the order of
-    /// what they put off; none if they do not get there.
+    /// what they put off; none if they do not get there, or leave more than a little in the air.
     pub fn evenly(&self, wood: &Foliage, at_most: usize) -> Option<Lod> {
+        let lod = self.collapsed_evenly(wood, at_most)?;
+        Holds::of(wood).without_hanging(wood, lod)
+    }
+
+    fn collapsed_evenly(&self, wood: &Foliage, at_most: usize) -> Option<Lod> {
         let scales = scales(wood);
         let (triangles, locked) = self.scaled(wood, &scales);
         let is_locked = |place: DVec3| locked.contains(&key(place));

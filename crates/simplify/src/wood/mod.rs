@@ -16,6 +16,7 @@ mod distance;
 mod evenly;
 mod forks;
 mod gaps;
+mod hanging;
 mod last_forms;
 mod levels;
 mod loss;
@@ -170,6 +171,7 @@ impl Wood {
         self.leaf_gap = largest_gap;
         let is_cut_out = leaves.leaves().iter().any(|leaf| leaf.cutout().is_some());
         self.makes_up = !is_cut_out;
+        self.widening.is_bare = leaves.leaves().is_empty();
         self.carriers = carriers(&self.parts, &self.pieces, &nearest, seen_px);
         for carrier in &self.carriers {
             let piece = &mut self.pieces[carrier.piece];
