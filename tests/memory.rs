@@ -50,6 +50,14 @@ fn every_command_that_reads_trees_keeps_to_its_memory() {
     ran.succeeded();
 }
 
+/// What counts tell is refused before anything is drawn, in one sentence about all that levels need.
+#[test]
+fn levels_that_do_not_fit_say_what_all_of_them_take() {
+    let bench = Bench::new();
+    let ran = bench.run(&["lods", "oak.glb", "-o", "chain", "--memory", "600M"]);
+    ran.lacked_saying(&["levels of", "triangles of wood would take 6", "`--memory`"]);
+}
+
 /// 1,000 leaves behind each other: seven kilobytes as a file, 7 MiB as lists. The
 /// answer does not depend on who counts.
 #[test]

@@ -17,7 +17,7 @@ use secateur_simplify::whole::{
 };
 use secateur_simplify::{
     Amount, Error as SimplifyError, Observer, Options, Progress, Shared, Simplified, Target,
-    simplify_on, take_plant,
+    check_run, simplify_on, take_plant,
 };
 use web_time::Instant;
 
@@ -220,6 +220,7 @@ impl Plant {
         {
             let mut budget = Budget::new(options.memory);
             take_plant(&mut budget, tree.leaves(), tree.wood()).map_err(SimplifyError::from)?;
+            check_run(&budget, tree.leaves(), &options).map_err(SimplifyError::from)?;
             options.memory = budget.memory();
         }
         if options.method.needs_skeleton() && options.skeleton.is_none() {
@@ -308,7 +309,8 @@ fn whole_level(
             let other = plant.level(evenly, options, engine, None, observer)?;
             let is_met = options.check_met(other.wood_triangles, plant.triangle_count());
             match (level, is_met) {
-                (Ok(level), _) => nearer_of(tree, [level, other], LOOKED_AT_PX),
+                (Ok(level), Ok(())) => nearer_of(tree, [level, other], LOOKED_AT_PX),
+                (Ok(level), Err(_)) => Ok(level),
                 (Err(SimplifyError::BudgetNotMet { .. }), Ok(())) => Ok(other),
                 (Err(error), _) => Err(error.into()),
             }

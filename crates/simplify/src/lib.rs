@@ -55,7 +55,7 @@ pub mod wood;
 
 pub use effort::{Effort, Work};
 pub use error::Error;
-pub use memory::take_plant;
+pub use memory::{check_run, take_plant};
 pub use method::Method;
 pub use needles::Needle;
 pub use observe::{Shown, observe};

@@ -2,9 +2,11 @@
 
 use secateur_model::{Budget, Foliage, OverMemory, Remedy};
 use secateur_raster::{
-    AreaTable, Fragments, OpenEngine, RasterError, Rasteriser, Scene, TooManyFragments, ViewSet,
+    AreaTable, Fragments, MAX_TOTAL_PIXELS, OpenEngine, RasterError, Rasteriser, Scene,
+    TooManyFragments, ViewSet,
 };
 
+use crate::resolution::least_resolution;
 use crate::{Method, Options};
 
 /// What a fragment takes where it takes most: 8 bytes in its list, and 16 while the list of its
@@ -73,6 +75,23 @@ pub(crate) fn take_run(
     // Now, and not after an hour of other passes.
     after_pixels(budget, views, resolution, LOOK_LESS)?;
     Ok(())
+}
+
+/// Whether a run over these leaves may fit in what is left of a budget, as far as counts tell before anything is drawn.
+///
+/// # Errors
+/// [`OverMemory`] if it does not.
+pub fn check_run(budget: &Budget, leaves: &Foliage, options: &Options) -> Result<(), OverMemory> {
+    let Some(sphere) = leaves.bounding_sphere() else {
+        return Ok(());
+    };
+    let views = options.first_views(sphere);
+    let resolution = least_resolution(options);
+    // What is out of range is refused later, in words that no memory helps.
+    if u64::from(resolution).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
+        return Ok(());
+    }
+    take_run(&mut { *budget }, leaves, options, &views, resolution)
 }
 
 /// What the pixels of views leave of a budget.
@@ -240,6 +259,13 @@ mod tests {
             of_pixels.what.contains("20 views of 64 x 64"),
             "{of_pixels}"
         );
+        // So much is known before anything is drawn.
+        let check = |bytes: u64| {
+            let budget = Budget::new(Memory::Bytes(bytes));
+            check_run(&budget, &foliage, &options(bytes, Fitting::None))
+        };
+        assert_eq!(check(2 << 20), Err(of_pixels));
+        assert_eq!(check(8 << 20), Ok(()));
         let of_lists = refusal(&foliage, &options(8 << 20, Fitting::None));
         assert!(of_lists.what.contains("400 leaves behind"), "{of_lists}");
         let enough = (8 << 20) + of_lists.bytes - of_lists.left;

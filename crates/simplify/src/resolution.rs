@@ -93,6 +93,15 @@ pub(crate) fn resolution_for(
     Ok(known.clone().expect("chosen above"))
 }
 
+/// The least resolution that a run may have.
+pub(crate) fn least_resolution(options: &Options) -> u32 {
+    match options.resolution {
+        Resolution::Pixels(n) => n,
+        Resolution::Auto if options.is_for_the_look() => options.effort.work().look_px,
+        Resolution::Auto => CANDIDATES[0],
+    }
+}
+
 fn chosen(foliage: &Foliage, views: &ViewSet, engine: &OpenEngine) -> Result<(u32, String), Error> {
     let [least, .., most] = CANDIDATES;
     if u64::from(most).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {

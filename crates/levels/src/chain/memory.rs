@@ -1,9 +1,9 @@
 //! What levels take of the memory beside the runs over leaves, reckoned before it is taken.
 
 use secateur_gltf::WholeTree;
-use secateur_model::{Budget, Remedy};
+use secateur_model::{Budget, OverMemory, Remedy};
 use secateur_simplify::whole::WoodMode;
-use secateur_simplify::{Error, take_plant};
+use secateur_simplify::{Error, check_run, take_plant};
 
 use super::options::{ChainOptions, Wanted};
 
@@ -23,12 +23,33 @@ const VIEWS: f64 = 6.0;
 /// Pictures are no larger, in pixels.
 const MOST_SIDE_PX: f64 = 1024.0;
 
-/// Takes what making and judging levels of a plant needs.
+/// Takes what making and judging levels of a plant needs, if a run over its leaves fits in what that leaves: else minutes
+/// would pass before it is refused. The error is about all of it together.
 pub(super) fn take_levels(
     budget: &mut Budget,
     tree: &WholeTree,
     options: &ChainOptions,
 ) -> Result<(), Error> {
+    let allowed = budget.left();
+    let fits = take_all(budget, tree, options)
+        .and_then(|()| check_run(budget, tree.leaves(), &options.leaves));
+    fits.map_err(|over| {
+        let [leaves, wood] = [tree.leaves().leaves().len(), tree.wood().triangles().len()];
+        let taken = allowed - over.left;
+        Error::from(OverMemory {
+            what: format!("levels of {leaves} leaves and {wood} triangles of wood"),
+            bytes: taken.saturating_add(over.bytes),
+            left: allowed,
+            remedy: over.remedy,
+        })
+    })
+}
+
+fn take_all(
+    budget: &mut Budget,
+    tree: &WholeTree,
+    options: &ChainOptions,
+) -> Result<(), OverMemory> {
     let (leaves, wood) = (tree.leaves(), tree.wood());
     if options.wood != WoodMode::Keep {
         take_plant(budget, leaves, wood)?;
@@ -48,5 +69,5 @@ pub(super) fn take_levels(
     let triangles = MOST_TRIED * (leaves.triangles().len() + wood.triangles().len());
     let bytes = BYTES_A_DRAWN_TRIANGLE * triangles as u64;
     let what = || format!("levels that are tried, of {triangles} triangles together,");
-    Ok(budget.take(bytes, what, Remedy::FewerPixels)?)
+    budget.take(bytes, what, Remedy::FewerPixels)
 }
