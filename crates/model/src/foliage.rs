@@ -254,6 +254,19 @@ impl Foliage {
         Ok(joined)
     }
 
+    /// The leaves of these names alone, in the order of the names.
+    ///
+    /// # Panics
+    /// If there is no leaf of one of these names.
+    pub fn only(&self, names: &[LeafId]) -> Self {
+        let mut only = Self::new(self.cutouts.clone());
+        for &name in names {
+            let pushed = only.push_leaf_like(self.triangles_of(name), self.leaf(name));
+            pushed.expect("a leaf of the foliage");
+        }
+        only
+    }
+
     /// The leaves, leaf 1 first.
     pub fn leaves(&self) -> &[Leaf] {
         &self.leaves
@@ -417,6 +430,19 @@ mod tests {
         assert_eq!(foliage.leaf(id).area(), 0.0);
         assert_eq!(foliage.leaf(id).centre(), DVec3::ONE);
         assert_eq!(foliage.bounding_sphere().unwrap().radius, 0.0);
+    }
+
+    #[test]
+    fn leaves_by_name_come_in_the_order_of_the_names_and_keep_their_shapes() {
+        let mut foliage = Foliage::default();
+        for side in [1.0, 2.0, 3.0] {
+            foliage.push_leaf(&quad(DVec3::ZERO, side), None).unwrap();
+        }
+        foliage.set_shape(LeafId::from_index(2), 7);
+        let only = foliage.only(&[2, 0].map(LeafId::from_index));
+        let areas: Vec<f64> = only.leaves().iter().map(Leaf::area).collect();
+        assert_eq!(areas, [9.0, 1.0]);
+        assert_eq!(only.leaves()[0].shape(), Some(7));
     }
 
     #[test]

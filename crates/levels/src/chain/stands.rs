@@ -48,7 +48,7 @@ impl<'a> Stands<'a> {
         let stands = match !apart.is_empty() && apart.iter().all(has_all) {
             true => {
                 let stand = |names: [Vec<LeafId>; 2]| {
-                    let [leaves, wood] = [0, 1].map(|k| only(all[k], &names[k]));
+                    let [leaves, wood] = [0, 1].map(|k| all[k].only(&names[k]));
                     let items = leaves.followed_by(&wood)?;
                     Ok(Stand {
                         plant: WholePlant::by(mode, &items, leaves, wood, options, engine)?,
@@ -129,21 +129,6 @@ fn standing_at(foliage: &Foliage, judge: &DifferenceJudge, plant: usize) -> Vec<
     let ids = (0..foliage.leaves().len()).map(LeafId::from_index);
     ids.filter(|id| judge.plant_at(foliage.leaf(*id).centre()) == plant)
         .collect()
-}
-
-/// A foliage of these leaves alone.
-fn only(foliage: &Foliage, names: &[LeafId]) -> Foliage {
-    let mut lod = Lod::original(foliage.leaves().len());
-    let mut names = names.iter().copied().peekable();
-    for leaf in (0..foliage.leaves().len()).map(LeafId::from_index) {
-        match names.peek() == Some(&leaf) {
-            true => {
-                names.next();
-            }
-            false => lod.remove(leaf),
-        }
-    }
-    lod.foliage(foliage)
 }
 
 #[cfg(test)]

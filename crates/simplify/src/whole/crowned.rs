@@ -32,7 +32,7 @@ impl Crowned {
         let Some(names) = crown_and_rest(pieces) else {
             return Ok(None);
         };
-        let [crown, rest] = names.each_ref().map(|names| only(pieces, names));
+        let [crown, rest] = names.each_ref().map(|names| pieces.only(names));
         let items = crown.followed_by(&rest)?;
         Ok(Some(Self {
             plant: WholePlant::by(mode, &items, crown, rest, options, engine)?,
@@ -57,14 +57,4 @@ impl Crowned {
         let parts: [(&Lod, &[LeafId]); 2] = [(&level.leaves.lod, crown), (&level.wood, rest)];
         Ok((Lod::of_parts(self.piece_count, &parts), level))
     }
-}
-
-/// A foliage of these leaves alone, in their order.
-fn only(foliage: &Foliage, names: &[LeafId]) -> Foliage {
-    let mut only = Foliage::new(foliage.cutouts().to_vec());
-    for &name in names {
-        let pushed = only.push_leaf_like(foliage.triangles_of(name), foliage.leaf(name));
-        pushed.expect("a leaf of the foliage");
-    }
-    only
 }
