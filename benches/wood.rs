@@ -1,5 +1,4 @@
-//! How wood gets coarser: `--wood geometry` beside `--wood vmi`, whole plants of as many triangles by
-//! pictures.
+//! How wood gets coarser: levels of whole plants by pictures.
 //!
 //! Of each tree the budgets are shares of all triangles. A row is the mean FLIP, SSIM or outline over
 //! twelve held-out views of the whole plant, the first of four sets that `secateur measure` judges by;
@@ -18,7 +17,7 @@ use std::time::Instant;
 use rows::{Rows, shared_tree};
 use secateur::plant::{GrowOptions, Species, grow};
 use secateur::{
-    Document, Foliage, OpenEngine, Options, Target, WholePlant, WholeTree, WoodMode, plant_to_glb,
+    Document, Foliage, OpenEngine, Options, Target, WholePlant, WholeTree, plant_to_glb,
 };
 use secateur_eval::Judging;
 use secateur_eval::pictures::WholePictures;
@@ -78,44 +77,36 @@ fn compare(rows: &mut Rows, name: &str, tree: &WholeTree) {
     let count = wood.triangles().len() as f64;
     let case = format!("{name}: as it is");
     rows.note(&case, "wood triangles", "", count, COMMAND);
-    for (mode, said) in [(WoodMode::Geometry, "geometry"), (WoodMode::Vmi, "vmi")] {
-        let mut options = Options::to(Target::triangle_share(1.0));
-        options.audit = false;
-        let start = Instant::now();
-        let items = tree.items().foliage();
-        let plant = WholePlant::by(mode, items, leaves, wood, &options, &engine);
-        let plant = plant.expect("a plant that can be simplified");
-        let seconds = start.elapsed().as_secs_f64();
-        rows.note(
-            &format!("{name}: {said}"),
-            "levels of wood",
-            "s",
-            seconds,
-            COMMAND,
-        );
-        for budget in BUDGETS {
-            options.target = Target::triangle_share(budget);
-            let made = plant.simplified(&options, &engine, &mut |_| ControlFlow::Continue(()));
-            let made = made.expect("a plant that can be simplified");
-            let lod = tree.joined(&made.leaves.lod, &made.wood);
-            let glb = tree.items().lod_to_bytes(&lod).expect("a level");
-            let document = Document::from_bytes("level.glb", glb, None).expect("a level");
-            let drawn = document.surfaces(&[]).expect("surfaces");
-            let drawn: Vec<_> = drawn.into_iter().map(|(surface, _)| surface).collect();
-            let seen = original.measure(&WholePictures::of(&drawn, &judging.rigs));
-            let case = format!("{name}: {said} {budget}");
-            let triangles: usize = drawn.iter().map(|s| s.triangles.len()).sum();
-            rows.note(&case, "triangles", "", triangles as f64, COMMAND);
-            let of_wood = made.wood_triangles as f64;
-            rows.note(&case, "wood triangles", "", of_wood, COMMAND);
-            for key in ["flip_mean", "ssim"] {
-                let value = seen.pictures.overall.get(key).expect("a metric");
-                rows.note(&case, key, "", value, COMMAND);
-            }
-            rows.note(&case, "outline_iou", "", seen.outline_iou[0], COMMAND);
-            let [leaves, wood] = [made.leaves.lod.foliage(leaves), made.wood.foliage(wood)];
-            hanging(rows, &case, &leaves, &wood, Some(at_first));
+    let mut options = Options::to(Target::triangle_share(1.0));
+    options.audit = false;
+    let start = Instant::now();
+    let items = tree.items().foliage();
+    let plant = WholePlant::within(items, leaves, wood, &options, &engine);
+    let plant = plant.expect("a plant that can be simplified");
+    let seconds = start.elapsed().as_secs_f64();
+    rows.note(name, "levels of wood", "s", seconds, COMMAND);
+    for budget in BUDGETS {
+        options.target = Target::triangle_share(budget);
+        let made = plant.simplified(&options, &engine, &mut |_| ControlFlow::Continue(()));
+        let made = made.expect("a plant that can be simplified");
+        let lod = tree.joined(&made.leaves.lod, &made.wood);
+        let glb = tree.items().lod_to_bytes(&lod).expect("a level");
+        let document = Document::from_bytes("level.glb", glb, None).expect("a level");
+        let drawn = document.surfaces(&[]).expect("surfaces");
+        let drawn: Vec<_> = drawn.into_iter().map(|(surface, _)| surface).collect();
+        let seen = original.measure(&WholePictures::of(&drawn, &judging.rigs));
+        let case = format!("{name}: {budget}");
+        let triangles: usize = drawn.iter().map(|s| s.triangles.len()).sum();
+        rows.note(&case, "triangles", "", triangles as f64, COMMAND);
+        let of_wood = made.wood_triangles as f64;
+        rows.note(&case, "wood triangles", "", of_wood, COMMAND);
+        for key in ["flip_mean", "ssim"] {
+            let value = seen.pictures.overall.get(key).expect("a metric");
+            rows.note(&case, key, "", value, COMMAND);
         }
+        rows.note(&case, "outline_iou", "", seen.outline_iou[0], COMMAND);
+        let [leaves, wood] = [made.leaves.lod.foliage(leaves), made.wood.foliage(wood)];
+        hanging(rows, &case, &leaves, &wood, Some(at_first));
     }
 }
 

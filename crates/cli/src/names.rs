@@ -52,8 +52,6 @@ ChainWoodName => WoodMode {
     Auto,
     /// The wood stays as it was in every level; the leaves get what it leaves of the triangles
     Keep,
-    /// Pieces of wood get coarser by collapses that change the views' information least
-    Vmi,
     /// Pieces of wood get coarser by their geometry
     Geometry,
 });

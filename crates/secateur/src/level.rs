@@ -298,7 +298,7 @@ fn whole_level(
         )?);
     }
     let items = tree.items().foliage();
-    let plant = WholePlant::by(mode, items, leaves, wood, options, engine)?;
+    let plant = WholePlant::within(items, leaves, wood, options, engine)?;
     let level = plant.simplified(options, engine, observer);
     match options.target {
         Target::Triangles(amount) if leaves.leaves().is_empty() => {

@@ -227,7 +227,7 @@ impl Parted<'_> {
             });
         }
         let items = leaves.followed_by(&wood)?;
-        let plant = WholePlant::by(self.mode, &items, leaves, wood, &options, self.engine)?;
+        let plant = WholePlant::within(&items, leaves, wood, &options, self.engine)?;
         plant.simplified(&options, self.engine, observer)
     }
 

@@ -145,22 +145,6 @@ impl<'a> WholePlant<'a> {
     /// As [`Self::new`].
     pub fn within(
         items: &Foliage,
-        leaves: &'a Foliage,
-        wood: &'a Foliage,
-        options: &Options,
-        engine: &OpenEngine,
-    ) -> Result<Self, Error> {
-        Self::by(WoodMode::Auto, items, leaves, wood, options, engine)
-    }
-
-    /// As [`Self::within`], with the wood made coarser as a mode says; modes that do not simplify it
-    /// are taken for [`WoodMode::Auto`].
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn by(
-        mode: WoodMode,
-        items: &Foliage,
         leaves: impl Into<Cow<'a, Foliage>>,
         wood: impl Into<Cow<'a, Foliage>>,
         options: &Options,
@@ -215,15 +199,10 @@ impl<'a> WholePlant<'a> {
             false => level_px,
         };
         let resolution = level_resolution(most, views.len());
-        let levels = match mode.decided() {
-            WoodMode::Vmi => Wood::by_information(parts, &weights, &views, resolution, rasteriser)?,
-            WoodMode::Auto | WoodMode::Geometry | WoodMode::Keep | WoodMode::Ignore => {
-                Wood::by_geometry(parts, &weights, &views, resolution)
-            }
-        };
+        let levels = Wood::by_geometry(parts, &weights, &views, resolution);
         let of_leaves = &seen[..leaves.leaves().len()];
         let crowned = match leaves.leaves().is_empty() {
-            true => Crowned::of(&wood, mode, options, engine)?.map(Box::new),
+            true => Crowned::of(&wood, options, engine)?.map(Box::new),
             false => None,
         };
         Ok(Self {

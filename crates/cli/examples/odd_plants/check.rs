@@ -40,7 +40,7 @@ pub(crate) fn check(choices: &[u8]) -> Answers {
             "" => Vec::new(),
             selector => vec![selector.parse().expect("a selector")],
         },
-        wood: choices.one_of(&[WoodMode::Auto, WoodMode::Vmi, WoodMode::Keep]),
+        wood: choices.one_of(&[WoodMode::Auto, WoodMode::Geometry, WoodMode::Keep]),
         ..Opening::default()
     };
     match Plant::from_bytes("odd.glb", plant.glb, &opening) {

@@ -90,7 +90,7 @@ impl<'a> Maker<'a> {
         let (look, judging) = Look::new(tree, options, clock)?;
         let stands = match options.wood {
             WoodMode::Keep | WoodMode::Ignore => None,
-            mode => Some(Stands::of(tree, look.judge(), mode, of_leaves, engine)?),
+            _ => Some(Stands::of(tree, look.judge(), of_leaves, engine)?),
         };
         let dilated = match options.textures {
             Textures::Fit => dilated_textures(items)?,

@@ -6,7 +6,7 @@ use secateur_eval::DifferenceJudge;
 use secateur_gltf::WholeTree;
 use secateur_model::{Foliage, LeafId, Lod};
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{Budget, WholeLevel, WholePlant, WoodMode};
+use secateur_simplify::whole::{Budget, WholeLevel, WholePlant};
 use secateur_simplify::{Error, Observer, Options, Shared};
 
 /// A plant of a file.
@@ -31,7 +31,6 @@ impl<'a> Stands<'a> {
     pub(super) fn of(
         tree: &'a WholeTree,
         judge: &DifferenceJudge,
-        mode: WoodMode,
         options: &Options,
         engine: &OpenEngine,
     ) -> Result<Self, Error> {
@@ -51,7 +50,7 @@ impl<'a> Stands<'a> {
                     let [leaves, wood] = [0, 1].map(|k| all[k].only(&names[k]));
                     let items = leaves.followed_by(&wood)?;
                     Ok(Stand {
-                        plant: WholePlant::by(mode, &items, leaves, wood, options, engine)?,
+                        plant: WholePlant::within(&items, leaves, wood, options, engine)?,
                         names: Some(names),
                         shared: RefCell::default(),
                     })
@@ -62,7 +61,7 @@ impl<'a> Stands<'a> {
                 let [leaves, wood] = all;
                 let items = tree.items().foliage();
                 vec![Stand {
-                    plant: WholePlant::by(mode, items, leaves, wood, options, engine)?,
+                    plant: WholePlant::within(items, leaves, wood, options, engine)?,
                     names: None,
                     shared: RefCell::default(),
                 }]
@@ -195,7 +194,7 @@ mod tests {
             ..Options::with_preset(Preset::Look, Target::triangle_share(1.0))
         };
         let engine = OpenEngine::cpu();
-        let stands = Stands::of(&tree, &judge, WoodMode::Auto, &options, &engine).unwrap();
+        let stands = Stands::of(&tree, &judge, &options, &engine).unwrap();
         let mut go_on = |_| ControlFlow::Continue(());
         let levels = stands
             .level(triangles.into(), &options, &engine, &mut go_on)

@@ -7,7 +7,7 @@
 use secateur_model::{Foliage, LeafId, Lod};
 use secateur_raster::OpenEngine;
 
-use super::{Budget, WholeLevel, WholePlant, WoodMode};
+use super::{Budget, WholeLevel, WholePlant};
 use crate::stage::Observer;
 use crate::wood::crown_and_rest;
 use crate::{Error, Options, Shared};
@@ -25,7 +25,6 @@ impl Crowned {
     /// Nothing where a plant of these pieces has no crown.
     pub(super) fn of(
         pieces: &Foliage,
-        mode: WoodMode,
         options: &Options,
         engine: &OpenEngine,
     ) -> Result<Option<Self>, Error> {
@@ -35,7 +34,7 @@ impl Crowned {
         let [crown, rest] = names.each_ref().map(|names| pieces.only(names));
         let items = crown.followed_by(&rest)?;
         Ok(Some(Self {
-            plant: WholePlant::by(mode, &items, crown, rest, options, engine)?,
+            plant: WholePlant::within(&items, crown, rest, options, engine)?,
             names,
             piece_count: pieces.leaves().len(),
         }))

@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 pub enum WoodMode {
     /// The wood is simplified with the leaves, under one budget of triangles.
     ///
-    /// Wood is simplified too, by whichever of [`Self::Geometry`] and [`Self::Vmi`] looks better a
-    /// triangle: see [`Self::decided`].
+    /// Runs as [`Self::Geometry`].
     Auto,
     /// The wood stays as it was; the leaves get what it leaves of a budget of triangles.
     ///
@@ -22,11 +21,6 @@ pub enum WoodMode {
     /// Wood is not looked at: triangles count the leaves alone, as in
     /// [`simplify`](crate::simplify()).
     Ignore,
-    /// As auto, and pieces of wood get coarser by collapses that change the views' information least.
-    ///
-    /// Wood is simplified too; pieces get coarser by half-edge collapses that change the mutual
-    /// information of views least: [`Wood::by_information`](crate::wood::Wood::by_information).
-    Vmi,
     /// As auto, and pieces of wood get coarser by their geometry.
     ///
     /// Wood is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`](crate::wood::Wood::by_geometry).
@@ -34,8 +28,7 @@ pub enum WoodMode {
 }
 
 impl WoodMode {
-    /// What runs: [`Self::Geometry`] for [`Self::Auto`]: of as many triangles it looks as good or better, and
-    /// is found sooner.
+    /// What runs: [`Self::Geometry`] for [`Self::Auto`].
     pub fn decided(self) -> Self {
         match self {
             Self::Auto => Self::Geometry,

@@ -28,15 +28,13 @@ mod spend;
 mod standing;
 mod support;
 mod thickness;
-mod vmi;
 mod welded;
 mod widening;
 
 use rustc_hash::FxHashMap;
 use secateur_model::{Foliage, LeafId, Lod, NewCorner, NewLeaf};
-use secateur_raster::{Rasteriser, ViewSet};
+use secateur_raster::ViewSet;
 
-use crate::Error;
 use bearing::{Bearing, Borne, Needs, needs};
 pub(crate) use crown::crown_and_rest;
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
@@ -96,30 +94,6 @@ impl Wood {
         let judges = Judges { views, resolution };
         let levels = levels(&parts, collapsed, &is_joint, judges);
         Self::of_levels(parts, seen_px, levels)
-    }
-
-    /// As [`Self::by_geometry`], by half-edge collapses that change the mutual information of
-    /// the views least, each triangle an item of its own.
-    ///
-    /// Takes time in proportion to the triangles, times the views and the pixels that a triangle has
-    /// in them.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the rasteriser fails.
-    ///
-    /// # Panics
-    /// As [`Self::by_geometry`].
-    pub fn by_information(
-        parts: Parts,
-        seen_px: &[f64],
-        views: &ViewSet,
-        resolution: u32,
-        rasteriser: &dyn Rasteriser,
-    ) -> Result<Self, Error> {
-        let judges = Judges { views, resolution };
-        let collapsed = vmi::collapsed(parts.foliage(), judges, rasteriser)?;
-        let levels = levels(&parts, collapsed, &joints(&parts), judges);
-        Ok(Self::of_levels(parts, seen_px, levels))
     }
 
     fn of_levels(parts: Parts, seen_px: &[f64], levels: Vec<Vec<Level>>) -> Self {
