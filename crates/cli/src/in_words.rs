@@ -51,7 +51,7 @@ const OF_OUTPUT: [&str; 18] = [
 ];
 
 /// What is decided when a plant is opened, not when its levels are made.
-const OF_OPENING: [&str; 3] = ["foliage", "vertex-alpha", "memory"];
+const OF_OPENING: [&str; 4] = ["foliage", "not-plant", "vertex-alpha", "memory"];
 
 impl LevelRequest {
     /// The level of these options, such as `--triangles=0.1`; `memory` is what files of a scene may take.

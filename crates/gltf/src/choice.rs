@@ -1,6 +1,7 @@
 //! Choosing the foliage: what the user names, or what the evidence says.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::Document;
 use super::error::Problem;
@@ -68,7 +69,7 @@ pub(crate) fn choose(
     selectors: &[Selector],
     parts: &mut [Part],
 ) -> Result<(), Problem> {
-    if selectors.is_empty() {
+    if document.deciding(selectors).is_empty() {
         for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
             let labels = document.labels(&survey.groups[group], part.node);
             let known = document.known_roles.as_ref();
@@ -82,6 +83,7 @@ pub(crate) fn choose(
         return Ok(());
     }
     let mut has_match = vec![false; selectors.len()];
+    let wood_pieces = unnamed_pieces(survey, selectors, &mut has_match);
     for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
         let labels = document.labels(&survey.groups[group], part.node);
         for (selector, has_match) in selectors.iter().zip(&mut has_match) {
@@ -90,14 +92,46 @@ pub(crate) fn choose(
                 *has_match = true;
             }
         }
+        if let (Role::Wood, Some(is_wood)) = (part.role, &wood_pieces[group]) {
+            part.role = Role::Leaf;
+            part.wood_pieces = is_wood.contains(&true).then(|| Arc::clone(is_wood));
+        }
     }
     match has_match.iter().position(|has_match| !has_match) {
-        Some(unmatched) => Err(Problem::SelectorMatchesNothing {
-            selector: selectors[unmatched].to_string(),
-            known: known_like(document, survey, &selectors[unmatched]),
-        }),
+        Some(unmatched) => Err(matches_nothing(document, survey, &selectors[unmatched])),
         None => Ok(()),
     }
+}
+
+/// By group, where a selector names pieces of it: whether each piece is none of them.
+fn unnamed_pieces(
+    survey: &Survey,
+    selectors: &[Selector],
+    has_match: &mut [bool],
+) -> Vec<Option<Arc<[bool]>>> {
+    let of_group = |group: &Group| {
+        let mut is_wood: Option<Vec<bool>> = None;
+        for (selector, has_match) in selectors.iter().zip(&mut *has_match) {
+            let &Selector::Pieces {
+                mesh,
+                primitive,
+                first,
+                last,
+            } = selector
+            else {
+                continue;
+            };
+            let is_there = (mesh as usize, primitive as usize) == (group.mesh, group.primitive)
+                && (last as usize) < group.geometry.pieces().len();
+            if is_there {
+                *has_match = true;
+                let all = || vec![true; group.geometry.pieces().len()];
+                is_wood.get_or_insert_with(all)[first as usize..=last as usize].fill(false);
+            }
+        }
+        is_wood.map(Arc::from)
+    };
+    survey.groups.iter().map(of_group).collect()
 }
 
 /// What the user could name where no leaves were found: what may be some, or else all of the plant; nothing where it
@@ -147,6 +181,18 @@ fn candidates(document: &Document, survey: &Survey, wanted: impl Fn(usize) -> bo
         }
     }
     shorten(found)
+}
+
+/// Why a selector that matches nothing is refused, with what it could name.
+pub(crate) fn matches_nothing(
+    document: &Document,
+    survey: &Survey,
+    selector: &Selector,
+) -> Problem {
+    Problem::SelectorMatchesNothing {
+        selector: selector.to_string(),
+        known: known_like(document, survey, selector),
+    }
 }
 
 /// What a selector of this kind could name.

@@ -44,6 +44,8 @@ pub struct Document {
     pub(crate) kept_images: Arc<KeptImages>,
     /// What its leaves were named by, where they were.
     pub(crate) selectors: Vec<Selector>,
+    /// What is not the plant, where somebody named it.
+    pub(crate) not_plant: Vec<Selector>,
     /// What parts of the plant that it was made of are.
     pub(crate) known_roles: Option<KnownRoles>,
     /// Whether the alpha of vertex colours is a part of the look, where that is known already.
@@ -193,6 +195,7 @@ impl Document {
             decompressed_bytes: AtomicU64::new(0),
             kept_images: Arc::default(),
             selectors: Vec::new(),
+            not_plant: Vec::new(),
             known_roles: None,
             vertex_alpha_counts: None,
             memory,
@@ -234,6 +237,7 @@ impl Clone for Document {
             decompressed_bytes: AtomicU64::new(0),
             kept_images: Arc::clone(&self.kept_images),
             selectors: self.selectors.clone(),
+            not_plant: self.not_plant.clone(),
             known_roles: self.known_roles.clone(),
             vertex_alpha_counts: self.vertex_alpha_counts,
             memory: self.memory,

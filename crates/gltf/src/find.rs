@@ -164,7 +164,7 @@ impl Document {
         } = self.judged(selectors)?;
         let choice = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
         let are_found = choice.is_ok() && parts.iter().any(|part| part.role == Role::Leaf);
-        if selectors.is_empty() && are_found {
+        if self.deciding(selectors).is_empty() && are_found {
             self.find_wood_pieces(&mut parts, &survey, &mut pictures)?;
         }
         report::primitives(inspection, self, &survey, &parts, evidence, selectors);

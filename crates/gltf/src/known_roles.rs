@@ -3,9 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use super::level_names::{of_unnamed_material, without_level};
+use super::parts::Part;
 use super::roles::Role;
 use super::selector::{Label, Labels};
-use super::{Document, Tree};
+use super::{Document, Selector, Tree};
 
 /// Roles by names, which files of one plant share.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +25,8 @@ impl KnownRoles {
         let mut known = Self::default();
         let mut seen = HashSet::new();
         for part in &tree.parts {
-            let is_leaf = part.role == Role::Leaf;
+            let role = role_of_most(tree, part);
+            let is_leaf = role == Role::Leaf;
             if !seen.insert((part.mesh, part.primitive, part.node, is_leaf)) {
                 continue;
             }
@@ -42,20 +44,14 @@ impl KnownRoles {
             };
             let material = material.to_string();
             let node = document.label("nodes", part.node).to_string();
-            let add = |known: &mut Option<Role>| *known = known.filter(|role| *role == part.role);
-            add(known
-                .of_parts
-                .entry([material, node])
-                .or_insert(Some(part.role)));
+            let add = |known: &mut Option<Role>| *known = known.filter(|other| *other == role);
+            add(known.of_parts.entry([material, node]).or_insert(Some(role)));
             // Numbers of materials are those of one file.
             if let Some(material) = in_levels {
-                if part.wood_pieces.is_some() {
+                if part.wood_pieces.is_some() && !has_named_pieces(tree, part) {
                     known.mixed.insert(material.clone());
                 }
-                add(known
-                    .of_materials
-                    .entry(material)
-                    .or_insert(Some(part.role)));
+                add(known.of_materials.entry(material).or_insert(Some(role)));
             }
         }
         known
@@ -79,11 +75,46 @@ impl KnownRoles {
     }
 }
 
+/// Whether pieces of a part were named.
+fn has_named_pieces(tree: &Tree, part: &Part) -> bool {
+    let own = [part.mesh, part.primitive];
+    tree.document().selectors().iter().any(|selector| {
+        matches!(selector, Selector::Pieces { mesh, primitive, .. } if [*mesh, *primitive].map(|k| k as usize) == own)
+    })
+}
+
+/// The role of a part; that of most of its pieces where some were named, which other files can't tell apart.
+fn role_of_most(tree: &Tree, part: &Part) -> Role {
+    let Some(is_wood) = part
+        .wood_pieces
+        .as_ref()
+        .filter(|_| has_named_pieces(tree, part))
+    else {
+        return part.role;
+    };
+    let wood = is_wood.iter().filter(|is_wood| **is_wood).count();
+    match 2 * wood > is_wood.len() {
+        true => Role::Wood,
+        false => Role::Leaf,
+    }
+}
+
 impl Document {
+    /// The selectors that decide what leaves are: none in files that were made of a plant where pieces are named, whose
+    /// numbers are those of the plant.
+    pub(crate) fn deciding<'s>(&self, selectors: &'s [Selector]) -> &'s [Selector] {
+        let of_another = self.known_roles.is_some();
+        match of_another && selectors.iter().any(Selector::is_of_pieces) {
+            true => &[],
+            false => selectors,
+        }
+    }
+
     /// With the leaves and the wood of the plant that it was made of, by the names of materials and nodes: where no
-    /// selector names the leaves, evidence decides for other parts alone.
+    /// selector names the leaves, evidence decides for other parts alone. What was named as not the plant is not.
     pub fn with_roles_of(mut self, original: &Tree) -> Self {
         self.known_roles = Some(KnownRoles::of(original));
+        self.not_plant.clone_from(&original.document().not_plant);
         self
     }
 }

@@ -94,7 +94,7 @@
 //! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs`; what is doubtful: `find_warnings.rs` |
-//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs` |
+//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs`; what a click meets: `pieces.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | kinds of plants in a scene, and a scene put together | `scene_kinds.rs`, `write/stand.rs` |
@@ -145,6 +145,7 @@ mod node;
 mod order_extras;
 mod parts;
 mod picture;
+mod pieces;
 mod primitive;
 mod property;
 mod report;
@@ -192,6 +193,7 @@ pub use file_kind::{has_extension, is_gltf_name};
 pub use input::read_within;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use leaf_surfaces::{LeafSurface, SurfaceLeaf};
+pub use pieces::Piece;
 pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use scene_kinds::{MAX_THINGS, Placement, SceneKind};
 pub use selector::{Selector, SelectorError};

@@ -6,7 +6,7 @@ use super::error::Fault;
 use super::evidence::{Evidence, Reason, strongest_first};
 use super::inspection::{FoliageReport, PrimitiveReport, Spread, TakenFor};
 use super::parts::Part;
-use super::roles::Role;
+use super::roles::{NotPlant, Role};
 use super::survey::{Group, Survey};
 use super::{Document, Inspection, Selector};
 use secateur_model::{AlphaMode, Foliage};
@@ -53,10 +53,11 @@ pub(crate) fn primitives(
     for ((group, evidence), (as_foliage, [pieces, triangles])) in groups.zip(counted) {
         let mut reasons = evidence.reasons;
         if pieces > 0 {
-            let text = format!(
-                "{} of its pieces are wood: round, large and without holes",
-                pieces / as_foliage as u64
-            );
+            let pieces = pieces / as_foliage as u64;
+            let text = match selectors.is_empty() {
+                true => format!("{pieces} of its pieces are wood: round, large and without holes"),
+                false => format!("{pieces} of its pieces were not named"),
+            };
             reasons.push(Reason::of_role(&text));
         }
         strongest_first(&mut reasons);
@@ -130,8 +131,10 @@ pub(crate) fn others(
     for (number, group) in survey.groups.iter().enumerate() {
         let of_group = others.iter().zip(&survey.group_of_part);
         let mut reasons: Vec<Reason> = Vec::new();
+        let mut is_named = false;
         for (part, _) in of_group.filter(|(_, of)| **of == number) {
             if let Role::NotPlant(why) = part.role {
+                is_named |= why == NotPlant::Named;
                 let reason = Reason::of_role(why.reason());
                 if !reasons.contains(&reason) {
                     reasons.push(reason);
@@ -140,6 +143,7 @@ pub(crate) fn others(
         }
         inspection.primitives.push(PrimitiveReport {
             taken_for: TakenFor::NotPlant,
+            chosen_by_user: is_named,
             reasons,
             ..described(document, group)
         });

@@ -9,6 +9,7 @@ use std::fmt;
 use glam::DVec3;
 use serde_json::Value;
 
+use super::choice;
 use super::cutouts::{cutoff, is_kept};
 use super::error::Fault;
 use super::helper_names::{self, Helper};
@@ -42,6 +43,8 @@ pub(crate) enum NotPlant {
     Occlusion,
     /// What its engine is asked not to import.
     NotImported,
+    /// What a selector of [`Document::with_not_plant`] names.
+    Named,
 }
 
 impl fmt::Display for NotPlant {
@@ -52,6 +55,7 @@ impl fmt::Display for NotPlant {
             Self::Navigation => "navigation",
             Self::Occlusion => "occlusion",
             Self::NotImported => "not imported",
+            Self::Named => "named so",
         })
     }
 }
@@ -65,6 +69,7 @@ impl NotPlant {
             Self::Navigation => "its node is a navigation mesh by name",
             Self::Occlusion => "its node is an occluder by name",
             Self::NotImported => "its node is not to be imported by name",
+            Self::Named => "it was named as not the plant",
         }
     }
 }
@@ -82,6 +87,13 @@ pub(crate) struct SortedParts {
 }
 
 impl Document {
+    /// What these selectors name is not the plant: it stays as it is, and is neither drawn, counted nor changed,
+    /// whatever else names it.
+    pub fn with_not_plant(mut self, selectors: &[Selector]) -> Self {
+        self.not_plant = selectors.to_vec();
+        self
+    }
+
     /// The parts with their roles, but for leaves. A selector that matches nothing else makes a part the plant's.
     pub(crate) fn sorted_parts(&self, selectors: &[Selector]) -> Result<SortedParts, Fault> {
         let mut parts = self.parts()?;
@@ -94,6 +106,7 @@ impl Document {
             given => given,
         };
         self.keep_named(&mut parts, &survey, selectors);
+        self.leave_out_named(&mut parts, &survey)?;
         let is_plant = |part: &Part| part.role == Role::Wood;
         let shows_something = |(part, group): (&Part, &usize)| {
             is_plant(part) && !survey.groups[*group].geometry.triangles.is_empty()
@@ -107,7 +120,8 @@ impl Document {
             });
         }
         // Where nothing else is there, that is the plant.
-        if !parts.iter().zip(&survey.group_of_part).any(shows_something) {
+        let is_left = parts.iter().zip(&survey.group_of_part).any(shows_something);
+        if !is_left && self.not_plant.is_empty() {
             parts.iter_mut().for_each(|part| part.role = Role::Wood);
         }
         drop(survey);
@@ -227,6 +241,23 @@ impl Document {
                 named.into_iter().for_each(|k| parts[k].role = Role::Wood);
             }
         }
+    }
+
+    /// Gives what was named as not the plant its role. Levels of a plant may lack it.
+    fn leave_out_named(&self, parts: &mut [Part], survey: &Survey) -> Result<(), Fault> {
+        for selector in &self.not_plant {
+            let mut is_there = self.known_roles.is_some();
+            for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
+                if selector.matches(self.labels(&survey.groups[group], part.node)) {
+                    part.role = Role::NotPlant(NotPlant::Named);
+                    is_there = true;
+                }
+            }
+            if !is_there {
+                return Err(choice::matches_nothing(self, survey, selector).into());
+            }
+        }
+        Ok(())
     }
 
     /// Which nodes are not the plant, and why, in a sentence; none where all is.

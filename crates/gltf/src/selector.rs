@@ -12,7 +12,9 @@ use super::level_names::without_level;
 /// also be named by their number in the file, as in `material:#1`; a primitive
 /// without material is `material:#none`. Names of a level count without its number too: `material:leaf` is
 /// `leaf_LOD1` as well. A node stands for the mesh it draws
-/// itself, not for its children. `all` is everything of the plant.
+/// itself, not for its children. `all` is everything of the plant. `piece:2.0.5-9` are connected pieces of a primitive,
+/// by numbers from 0: of the mesh in the file, of the primitive in the mesh, and of the first and the last piece, which
+/// are counted by their lowest triangle; one piece may stand without the last.
 ///
 /// ```
 /// use secateur_gltf::Selector;
@@ -31,12 +33,23 @@ pub enum Selector {
     Mesh(String),
     /// By the node's name.
     Node(String),
+    /// Connected pieces of a primitive.
+    Pieces {
+        /// The number of the mesh.
+        mesh: u32,
+        /// The number of the primitive in it.
+        primitive: u32,
+        /// The first of the pieces.
+        first: u32,
+        /// The last of them.
+        last: u32,
+    },
 }
 
 /// Why a text is no [`Selector`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no selector; write material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, or `all`"
+    "`{0}` is no selector; write material:NAME, mesh:NAME or node:NAME, with * and ? as wildcards, piece:MESH.PRIMITIVE.PIECE by numbers, or `all`"
 )]
 pub struct SelectorError(String);
 
@@ -56,9 +69,26 @@ impl FromStr for Selector {
             "material" => Ok(Self::Material(name.to_owned())),
             "mesh" => Ok(Self::Mesh(name.to_owned())),
             "node" => Ok(Self::Node(name.to_owned())),
+            "piece" => pieces_of(name).ok_or_else(error),
             _ => Err(error()),
         }
     }
+}
+
+/// Pieces by numbers, such as `2.0.5-9`.
+fn pieces_of(numbers: &str) -> Option<Selector> {
+    let mut numbers = numbers.splitn(3, '.');
+    let mut next = || numbers.next();
+    let [mesh, primitive] = [next()?, next()?].map(|number| number.parse().ok());
+    let run = next()?;
+    let (first, last) = run.split_once('-').unwrap_or((run, run));
+    let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+    (first <= last).then_some(Selector::Pieces {
+        mesh: mesh?,
+        primitive: primitive?,
+        first,
+        last,
+    })
 }
 
 impl fmt::Display for Selector {
@@ -68,6 +98,18 @@ impl fmt::Display for Selector {
             Self::Material(name) => write!(f, "material:{name}"),
             Self::Mesh(name) => write!(f, "mesh:{name}"),
             Self::Node(name) => write!(f, "node:{name}"),
+            Self::Pieces {
+                mesh,
+                primitive,
+                first,
+                last,
+            } => {
+                write!(f, "piece:{mesh}.{primitive}.{first}")?;
+                match last == first {
+                    true => Ok(()),
+                    false => write!(f, "-{last}"),
+                }
+            }
         }
     }
 }
@@ -100,10 +142,16 @@ pub(crate) struct Labels<'a> {
 }
 
 impl Selector {
-    /// Whether a part with these labels is meant.
+    /// Whether it names pieces of parts.
+    pub(crate) fn is_of_pieces(&self) -> bool {
+        matches!(self, Self::Pieces { .. })
+    }
+
+    /// Whether all of a part with these labels is meant.
     pub(crate) fn matches(&self, labels: Labels<'_>) -> bool {
         let (glob, label) = match self {
             Self::All => return true,
+            Self::Pieces { .. } => return false,
             Self::Material(glob) => (glob, labels.material),
             Self::Mesh(glob) => (glob, labels.mesh),
             Self::Node(glob) => (glob, labels.node),
@@ -119,7 +167,7 @@ impl Selector {
     pub(crate) fn same_kind(&self, labels: Labels<'_>) -> Self {
         match self {
             Self::All => Self::All,
-            Self::Material(_) => Self::Material(labels.material.to_string()),
+            Self::Pieces { .. } | Self::Material(_) => Self::Material(labels.material.to_string()),
             Self::Mesh(_) => Self::Mesh(labels.mesh.to_string()),
             Self::Node(_) => Self::Node(labels.node.to_string()),
         }
@@ -183,6 +231,12 @@ mod tests {
     fn a_selector_needs_a_known_kind_and_a_name() {
         for bad in ["leaves", "material:", "texture:x", ""] {
             assert!(bad.parse::<Selector>().is_err(), "{bad}");
+        }
+        for bad in ["piece:1.2", "piece:1.2.x", "piece:0.0.9-5", "piece:#1.0.0"] {
+            assert!(bad.parse::<Selector>().is_err(), "{bad}");
+        }
+        for text in ["piece:2.0.5-9", "piece:2.0.5"] {
+            assert_eq!(text.parse::<Selector>().unwrap().to_string(), text);
         }
         // Only the first colon parts kind and name.
         let selector: Selector = "mesh:a:b".parse().unwrap();

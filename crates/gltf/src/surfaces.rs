@@ -175,7 +175,7 @@ impl Document {
             } = self.judged(selectors)?;
             // Where a selector matches nothing a tree can still be looked at.
             let _ = choice::choose(self, &survey, &verdicts, selectors, &mut parts);
-            if selectors.is_empty() {
+            if self.deciding(selectors).is_empty() {
                 self.find_wood_pieces(&mut parts, &survey, &mut pictures)?;
             }
             self.surfaces_of(&parts, &survey, &mut pictures, detail)

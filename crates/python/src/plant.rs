@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyDict;
 use secateur::plant::{GrowOptions, Species};
-use secateur::{GltfError, Lod, Memory, Opening, Plant, WoodMode, plant_into_glb};
+use secateur::{GltfError, Lod, Memory, Opening, Plant, Selector, WoodMode, plant_into_glb};
 use secateur_cli::{LevelRequest, levels_options};
 use serde_json::json;
 
@@ -175,18 +175,23 @@ impl PyPlant {
 }
 
 #[pyfunction]
-#[pyo3(signature = (source, *, foliage=None, vertex_alpha="auto", memory="auto", name="plant.glb"))]
+#[pyo3(signature = (source, *, foliage=None, not_plant=None, vertex_alpha="auto", memory="auto", name="plant.glb"))]
 pub(crate) fn open(
     py: Python<'_>,
     source: &Bound<'_, PyAny>,
     foliage: Option<Vec<String>>,
+    not_plant: Option<Vec<String>>,
     vertex_alpha: &str,
     memory: &str,
     name: &str,
 ) -> PyResult<PyPlant> {
-    let selectors = foliage.into_iter().flatten().map(|text| option(&text));
+    let selectors = |texts: Option<Vec<String>>| -> PyResult<Vec<Selector>> {
+        let texts = texts.into_iter().flatten();
+        texts.map(|text| option(&text)).collect()
+    };
     let opening = Opening {
-        foliage: selectors.collect::<PyResult<_>>()?,
+        foliage: selectors(foliage)?,
+        not_plant: selectors(not_plant)?,
         vertex_alpha: option(vertex_alpha)?,
         memory: option::<Memory>(memory)?,
         ..Opening::default()
@@ -223,7 +228,7 @@ pub(crate) fn of_any(source: &Bound<'_, PyAny>) -> PyResult<Py<PyPlant>> {
     if let Ok(plant) = source.cast::<PyPlant>() {
         return Ok(plant.clone().unbind());
     }
-    let plant = open(source.py(), source, None, "auto", "auto", "plant.glb")?;
+    let plant = open(source.py(), source, None, None, "auto", "auto", "plant.glb")?;
     Py::new(source.py(), plant)
 }
 

@@ -22,6 +22,8 @@ use crate::Surroundings;
 pub struct Opening {
     /// What is foliage; empty where the evidence shows it.
     pub foliage: Vec<Selector>,
+    /// What is not the plant, beside what is found to be ground or a helper.
+    pub not_plant: Vec<Selector>,
     /// Whether the alpha of vertex colours hides leaves.
     pub vertex_alpha: VertexAlpha,
     /// What becomes of the wood in levels: [`LevelOptions::usual_wood`](crate::LevelOptions::usual_wood) is what the
@@ -36,6 +38,7 @@ impl Default for Opening {
     fn default() -> Self {
         Self {
             foliage: Vec::new(),
+            not_plant: Vec::new(),
             vertex_alpha: VertexAlpha::Auto,
             wood: WoodMode::Auto,
             memory: Memory::Auto,
@@ -99,6 +102,7 @@ impl Plant {
 
     fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
         let document = document.with_vertex_alpha(opening.vertex_alpha);
+        let document = document.with_not_plant(&opening.not_plant);
         Self::of_decided(document, &opening.foliage, opening.wood)
     }
 

@@ -1,13 +1,16 @@
 //! An opened file: what it holds, what of it are leaves, and what is made of it.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use js_sys::Function;
+use secateur::chain::LevelReport;
 use secateur::chain::Screen;
 use secateur::{
-    Detail, Document, Inspection, Memory, Opening, Plant, Progress, Selector, TakenFor,
+    AlphaMode, Detail, Document, Finish, Inspection, Material, Memory, Opening, Piece, Plant,
+    Progress, Selector, Surface, TakenFor,
 };
-use secateur_pages::preview::{Facts, Level, Pictures, Preview, packed};
+use secateur_pages::preview::{Facts, Level, Packed, Pictures, Preview, packed};
 use serde_json::json;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -34,22 +37,26 @@ pub struct JsTree {
 #[wasm_bindgen(js_class = Tree)]
 impl JsTree {
     /// Opens a GLB, or a .glTF that holds all its data; `leaves` names its leaves as a JSON list of selectors such as
-    /// `["material:leaf"]`, which is empty where the evidence is to decide.
+    /// `["material:leaf"]`, which is empty where the evidence is to decide; `not_plant` likewise what is not the plant.
     ///
     /// # Errors
     /// A sentence where the file can't be read. That no leaves are found is no error: [`problem`](Self::problem).
     #[wasm_bindgen(constructor)]
-    pub fn new(name: &str, bytes: Vec<u8>, leaves: &str) -> Result<JsTree, String> {
-        let named: Vec<String> =
-            serde_json::from_str(leaves).map_err(|e| format!("the selectors are wrong: {e}"))?;
-        let parsed = named.iter().map(|text| text.parse());
-        let selectors: Result<Vec<Selector>, _> = parsed.collect();
-        let selectors = selectors.map_err(|error| format!("{error}"))?;
+    pub fn new(
+        name: &str,
+        bytes: Vec<u8>,
+        leaves: &str,
+        not_plant: Option<String>,
+    ) -> Result<JsTree, String> {
+        let selectors = selectors_of(leaves)?;
+        let not_plant = selectors_of(not_plant.as_deref().unwrap_or("[]"))?;
         let opened = Document::from_bytes_within(name, bytes.clone(), None, MEMORY);
         let document = opened.map_err(|error| for_a_tab(&error.to_string()))?;
+        let document = document.with_not_plant(&not_plant);
         let inspection = document.inspect(&selectors);
         let opening = Opening {
             foliage: selectors.clone(),
+            not_plant,
             memory: MEMORY,
             ..Opening::default()
         };
@@ -124,6 +131,46 @@ impl JsTree {
         Ok(JsPicture(made))
     }
 
+    /// Of primitives that have leaves and wood, by their places: the first and the last of each run of pieces that are
+    /// leaves, as JSON.
+    #[wasm_bindgen(js_name = leafPieces)]
+    pub fn leaf_pieces(&self) -> String {
+        let plant = self.plant.as_ref();
+        json!(
+            plant
+                .map(|plant| plant.tree().leaf_pieces())
+                .unwrap_or_default()
+        )
+        .to_string()
+    }
+
+    /// The connected piece of the primitive at a place of the inspection that a ray meets first, both as x, y and z in
+    /// world space; nothing where it meets none.
+    ///
+    /// # Errors
+    /// A sentence where the primitive can't be read, or the numbers are no ray.
+    #[wasm_bindgen(js_name = pieceAt)]
+    pub fn piece_at(
+        &self,
+        place: &str,
+        from: &[f64],
+        along: &[f64],
+    ) -> Result<Option<JsPiece>, String> {
+        let Ok(plant) = &self.plant else {
+            return Ok(None);
+        };
+        let vector = |numbers: &[f64]| -> Result<[f64; 3], String> {
+            numbers
+                .try_into()
+                .map_err(|_| format!("{numbers:?} is not x, y and z"))
+        };
+        let found = plant.tree().piece_at(place, vector(from)?, vector(along)?);
+        let piece = found.map_err(|error| error.to_string())?;
+        piece
+            .map(|piece| JsPiece::of(self.document.name(), piece))
+            .transpose()
+    }
+
     /// Makes one level: `settings` as [`LevelSettings`] has them; `progress` is called with a stage and a share of it.
     ///
     /// # Errors
@@ -151,8 +198,71 @@ impl JsTree {
     }
 }
 
+/// A connected piece of a primitive.
+#[wasm_bindgen(js_name = Piece)]
+#[derive(Debug)]
+pub struct JsPiece {
+    number: u32,
+    triangles: u32,
+    packed: Packed,
+}
+
+#[wasm_bindgen(js_class = Piece)]
+impl JsPiece {
+    /// Its number in the primitive, as the selector `piece:MESH.PRIMITIVE.NUMBER` has it.
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// How many triangles it has.
+    pub fn triangles(&self) -> u32 {
+        self.triangles
+    }
+
+    /// What is drawn of it where it was met.
+    pub fn picture(&self) -> JsPicture {
+        JsPicture(self.packed.clone())
+    }
+}
+
+impl JsPiece {
+    fn of(title: &str, piece: Piece) -> Result<Self, String> {
+        let count = piece.triangles.len() as u32;
+        let mut surface = Surface::empty(Arc::new(Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: true,
+            finish: Finish::default(),
+        }));
+        surface.positions = piece.triangles.concat();
+        surface.triangles = (0..count).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect();
+        let level = Level {
+            surfaces: &[(surface, false)],
+            facts: Facts {
+                name: "piece".to_owned(),
+                report: LevelReport::default(),
+            },
+        };
+        Ok(Self {
+            number: piece.number,
+            triangles: count,
+            packed: pack(title, &[level])?,
+        })
+    }
+}
+
+/// Selectors as a JSON list of their texts.
+fn selectors_of(json: &str) -> Result<Vec<Selector>, String> {
+    let named: Vec<String> =
+        serde_json::from_str(json).map_err(|e| format!("the selectors are wrong: {e}"))?;
+    let parsed: Result<Vec<Selector>, _> = named.iter().map(|text| text.parse()).collect();
+    parsed.map_err(|error| error.to_string())
+}
+
 /// What is drawn of levels.
-fn pack(title: &str, levels: &[Level<'_>]) -> Result<secateur_pages::preview::Packed, String> {
+fn pack(title: &str, levels: &[Level<'_>]) -> Result<Packed, String> {
     let preview = Preview {
         title,
         screen: Screen::default(),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Foliage, VertexAlphaArg, leaves, share};
+use super::{Foliage, NotPlantArg, VertexAlphaArg, leaves, share};
 
 #[derive(Args, Debug)]
 pub(crate) struct Lod {
@@ -21,6 +21,8 @@ pub(crate) struct Lod {
     pub(crate) level: LevelArgs,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) not_plant: NotPlantArg,
     #[command(flatten)]
     pub(crate) vertex_alpha: VertexAlphaArg,
     /// Let the buffer of a .gltf replace a file beside it that is not its own.

@@ -207,6 +207,8 @@ pub(crate) struct PlantArgs {
     #[command(flatten)]
     foliage: Foliage,
     #[command(flatten)]
+    not_plant: NotPlantArg,
+    #[command(flatten)]
     vertex_alpha: VertexAlphaArg,
     #[command(flatten)]
     memory: MemoryArg,
@@ -216,6 +218,11 @@ impl PlantArgs {
     /// Parts that `--foliage` names as foliage; none where the program decides.
     pub(crate) fn selectors(&self) -> &[Selector] {
         &self.foliage.foliage
+    }
+
+    /// Parts that `--not-plant` names.
+    pub(crate) fn not_plant(&self) -> &[Selector] {
+        &self.not_plant.not_plant
     }
 
     /// How much memory may be taken.
@@ -232,6 +239,7 @@ impl PlantArgs {
     pub(crate) fn opening(&self, wood: WoodMode) -> Opening {
         Opening {
             foliage: self.foliage.foliage.clone(),
+            not_plant: self.not_plant().to_vec(),
             vertex_alpha: self.vertex_alpha(),
             wood,
             memory: self.memory(),
@@ -245,6 +253,14 @@ pub(crate) struct Foliage {
     /// numbers; can be given several times [default: what the evidence shows, see `inspect`].
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) foliage: Vec<Selector>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub(crate) struct NotPlantArg {
+    /// What is not the plant, named as for `--foliage`: it stays as it is, and is neither drawn nor counted; can be
+    /// given several times [default: ground and helpers].
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) not_plant: Vec<Selector>,
 }
 
 #[derive(Args, Clone, Copy, Debug)]

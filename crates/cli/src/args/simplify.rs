@@ -11,8 +11,8 @@ use secateur::{
 
 use super::super::names::MethodName;
 use super::{
-    Foliage, MemoryArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg, from_zero,
-    leaves, share,
+    Foliage, MemoryArg, NotPlantArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg,
+    from_zero, leaves, share,
 };
 
 #[derive(Args, Debug)]
@@ -37,6 +37,8 @@ pub(crate) struct Simplify {
     pub(crate) wood: Option<WoodMode>,
     #[command(flatten)]
     pub(crate) foliage: Foliage,
+    #[command(flatten)]
+    pub(crate) not_plant: NotPlantArg,
     /// Parts that keep a share of their own triangles, named as for `--foliage`, wood too: such as
     /// material:bark=0.1; can be given several times, and the last that names a part counts. The target is the
     /// rest's.

@@ -53,11 +53,18 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
         files.push(sha256(path)?);
     }
     let selectors = args.plant.selectors().iter().map(|s| s.to_string());
+    let not_plant: Vec<String> = args
+        .plant
+        .not_plant()
+        .iter()
+        .map(|s| s.to_string())
+        .collect();
     let about = (
         (env!("CARGO_PKG_VERSION"), machine::commit(), SCHEMA_VERSION),
         (files, args.scene.scene.is_some()),
         (&job.name, job.layout, args.textures.is_some()),
         (selectors.collect::<Vec<_>>(), args.plant.vertex_alpha()),
+        not_plant,
         (memory, &args.preview, args.for_engine, args.compress),
         options(args),
     );

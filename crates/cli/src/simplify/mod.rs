@@ -99,6 +99,7 @@ fn opened(
     let surroundings = work.timed("scene", |_| args.scene.read(args.memory.memory, outputs))?;
     let opening = Opening {
         foliage: args.foliage.foliage.clone(),
+        not_plant: args.not_plant.not_plant.clone(),
         vertex_alpha: args.vertex_alpha.vertex_alpha,
         wood: match args.wood {
             Some(wood) => wood,

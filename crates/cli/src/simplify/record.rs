@@ -5,8 +5,8 @@ use std::path::Path;
 use schemars::JsonSchema;
 use secateur::{
     Alpha, Effort, Engine, FieldOfView, Inspection, LeafTriangles, LevelParts, LevelRecord,
-    Needles, Objective, Plant, Preset, PrimitiveReport, Sides, TakenFor, Target, Views, WoodMode,
-    Written,
+    Needles, Objective, Plant, Preset, PrimitiveReport, Selector, Sides, TakenFor, Target, Views,
+    WoodMode, Written,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -63,6 +63,8 @@ struct Settings {
     seed: u64,
     /// Selectors of foliage that were given.
     foliage: Vec<String>,
+    /// Selectors of what is not the plant that were given.
+    not_plant: Vec<String>,
     /// Levels of parts that were given, such as `material:bark=0.1`.
     level_of: Vec<String>,
     #[serde(flatten)]
@@ -136,7 +138,8 @@ impl Simplifying<'_> {
             sides: options.sides,
             engine: options.engine,
             seed: args.stochastic.seed,
-            foliage: args.foliage.foliage.iter().map(|s| s.to_string()).collect(),
+            foliage: texts(&args.foliage.foliage),
+            not_plant: texts(&args.not_plant.not_plant),
             level_of: args.level_of.iter().map(|l| l.to_string()).collect(),
             surroundings: args.scene.record(self.plant.surroundings()),
             of_method: of_method
@@ -145,6 +148,10 @@ impl Simplifying<'_> {
                 .unwrap_or_default(),
         }
     }
+}
+
+fn texts(selectors: &[Selector]) -> Vec<String> {
+    selectors.iter().map(ToString::to_string).collect()
 }
 
 /// What was taken for foliage, and why.

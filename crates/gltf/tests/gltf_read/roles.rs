@@ -290,6 +290,97 @@ fn what_is_not_the_plant_stays_in_a_level_as_it_is() {
     assert!(plane(level.json()).unwrap().get("mesh").is_some());
 }
 
+/// Nothing but its name tells a bench below a tree from wood.
+#[test]
+fn what_is_named_as_not_the_plant_is_neither_counted_nor_changed() {
+    let garden = Garden::new()
+        .with_tree()
+        .with("Bench", 1, &crate_about_it());
+    let selectors = |text: &str| [text.parse::<Selector>().unwrap()];
+    let named = |text: &str| {
+        let document = garden.file.document();
+        document.with_not_plant(&selectors(text))
+    };
+    assert!(garden.is_plant("Bench"));
+    let inspection = named("node:Bench").inspect(&[]);
+    let bench = inspection.primitives.iter().find(|p| p.nodes == ["Bench"]);
+    let bench = bench.unwrap();
+    assert_eq!(bench.taken_for, TakenFor::NotPlant);
+    assert!(bench.chosen_by_user);
+
+    let whole = named("node:Bench").into_whole_tree(&[]).unwrap();
+    assert_eq!(whole.items().foliage().triangles().len(), 21);
+    let mut lod = secateur_model::Lod::original(21);
+    for leaf in 1..21 {
+        lod.remove(secateur_model::LeafId::from_index(leaf));
+    }
+    let glb = whole.items().lod_to_bytes(&lod).unwrap();
+    let level = Document::from_bytes("level.glb", glb, None).unwrap();
+    let count = |drawn: Vec<secateur_gltf::DrawnSurface>| -> usize {
+        drawn.iter().map(|d| d.surface.triangles.len()).sum()
+    };
+    let bench = crate_about_it().len() / 3;
+    assert_eq!(count(level.drawn_scene(Detail::Color).unwrap()), 1 + bench);
+    let level = level.with_roles_of(whole.items());
+    assert_eq!(count(level.drawn_as_one(Detail::Color).unwrap()), 1);
+
+    // It goes before leaves of the same name, and a name that is not there is refused.
+    let leaves = selectors("material:*");
+    let tree = named("node:Bench").into_tree(&leaves).unwrap();
+    assert_eq!(tree.triangle_count(), 21);
+    let error = named("node:Table").into_tree(&[]).unwrap_err().to_string();
+    assert!(error.contains("`node:Table` matches nothing"), "{error}");
+    assert!(named("all").into_tree(&[]).is_err());
+}
+
+/// Of the 20 leaves the first five are named; the others are wood, as the stem is.
+#[test]
+fn connected_pieces_are_named_by_numbers() {
+    let garden = Garden::new().with_tree();
+    let selectors = |text: &str| [text.parse::<Selector>().unwrap()];
+    let whole = garden.file.document();
+    let whole = whole.into_whole_tree(&selectors("piece:1.0.0-4")).unwrap();
+    assert_eq!(whole.leaves().leaves().len(), 5);
+    assert_eq!(whole.wood().leaves().len(), 16);
+    let found = whole.items().inspection().primitives.iter();
+    let found: Vec<TakenFor> = found.map(|p| p.taken_for).collect();
+    assert_eq!(found, [TakenFor::Wood, TakenFor::FoliageInPart]);
+    let runs: Vec<_> = whole.items().leaf_pieces().into_values().collect();
+    assert_eq!(runs, [[[0, 4]]]);
+    // Who names all of them names the part.
+    let all = garden.file.document();
+    let all = all.into_tree(&selectors("piece:1.0.0-19")).unwrap();
+    assert_eq!(all.foliage().leaves().len(), 20);
+    assert!(all.leaf_pieces().is_empty());
+    for none in ["piece:1.0.20", "piece:1.1.0", "piece:7.0.0"] {
+        let error = garden.file.document().into_tree(&selectors(none));
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("matches nothing"), "{error}");
+    }
+}
+
+/// Leaf 14 has the largest z, the sine of 14: from there it is met first, and beside it nothing is.
+#[test]
+fn a_ray_meets_the_nearest_piece() {
+    let garden = Garden::new().with_tree();
+    let tree = garden.file.document().into_tree(&[]).unwrap();
+    let leaves = &tree.inspection().primitives[1].place;
+    let [x, y] = [14f64.cos() + 0.02, 2.0 + 1.4 + 0.02];
+    let met = |x: f64| {
+        tree.piece_at(leaves, [x, y, 9.0], [0.0, 0.0, -1.0])
+            .unwrap()
+    };
+    let piece = met(x).unwrap();
+    assert_eq!(piece.number, 14);
+    assert_eq!(piece.triangles.len(), 1);
+    assert_eq!(met(9.0), None);
+    assert!(
+        tree.piece_at("meshes[9].primitives[0]", [0.0; 3], [1.0; 3])
+            .unwrap()
+            .is_none()
+    );
+}
+
 /// A file of the shared folder of small cases, or `None`, said aloud.
 fn case(name: &str) -> Option<Document> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");

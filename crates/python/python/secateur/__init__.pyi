@@ -262,13 +262,15 @@ def open(
     source: _Path | bytes,
     *,
     foliage: Sequence[str] | None = None,
+    not_plant: Sequence[str] | None = None,
     vertex_alpha: Literal["auto", "keep", "ignore"] = "auto",
     memory: str = "auto",
     name: str = "plant.glb",
 ) -> Plant:
     """Opens a .glb or .gltf, or the bytes of a .glb, which errors and levels call ``name``.
 
-    ``foliage`` names what is foliage, such as ``["material:leaf_*"]``; without it the evidence shows it. ``memory`` is
+    ``foliage`` names what is foliage, such as ``["material:leaf_*"]``; without it the evidence shows it. ``not_plant`` names
+    likewise what stays as it is, beside ground and helpers. ``memory`` is
     the most that the plant and its levels may take, such as ``"2G"``."""
 
 def grow(species: str, leaves: int | None = None, seed: int = 1) -> Plant:
