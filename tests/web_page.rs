@@ -2,6 +2,7 @@
 //! fingers and keys as people use it.
 
 mod bytes;
+mod roles;
 
 use std::path::PathBuf;
 
@@ -116,12 +117,15 @@ fn a_plant_is_opened_corrected_made_lighter_and_compared() {
     tab.click("#trunk");
     assert!(text_of(&mut tab, "#why").contains("pieces"));
     tab.click("#is-leaf");
-    let is_settled =
-        |leaves: &str| format!("!page.state.isBusy && page.engine.open === '{leaves}'");
-    wait_for(&mut tab, "!page.state.isBusy && page.engine.open !== '[]'");
+    let is_settled = |leaves: bool| {
+        format!(
+            "!page.state.isBusy && page.engine.open === page.decisions.opening && (page.decisions.now.leaves.length > 0) === {leaves}"
+        )
+    };
+    wait_for(&mut tab, &is_settled(true));
     assert!(!text_of(&mut tab, "#parts").contains("Wood"));
     tab.press_with_control("z");
-    wait_for(&mut tab, &is_settled("[]"));
+    wait_for(&mut tab, &is_settled(false));
     assert!(text_of(&mut tab, "#parts").contains("Wood"));
 
     tab.click("[data-kind=level]");
@@ -267,6 +271,54 @@ fn a_chain_is_cancelled_at_once_and_made_by_keys() {
     tab.press("#canvas", "b");
     assert_ne!(drawn(&mut tab), original, "the level looks different");
     assert!(text_of(&mut tab, "#list").contains("\u{a0}m on"));
+    check_manners(&mut tab);
+}
+
+/// While a chain is made, a level that was made fast stands beside the plant; the chain takes its place. Fast, normal or
+/// best is decided like all else.
+#[test]
+fn a_first_answer_is_shown_until_the_chain_is_there() {
+    let Some(mut tab) = opened(DESKTOP) else {
+        return;
+    };
+    tab.ask("void page.open({ grown: { species: 'oak', leaves: 300, seed: 2 } })");
+    wait_for(&mut tab, "!page.state.isBusy && page.state.source !== null");
+    tab.ask("page.decisions.decide({ levels: 'shares', shares: [0.5, 0.1] })");
+    tab.ask("void (window.seen = [], new MutationObserver(() => page.state.coarse && window.seen.push([page.stage.view.mode, page.stage.levels === page.state.coarse.taken, document.querySelector('#of-home').hidden, document.querySelector('#notes').innerText])).observe(document.querySelector('#notes'), { childList: true }))");
+    tab.click("#make");
+    wait_for(&mut tab, "window.seen.length > 0");
+    let seen = tab.ask("window.seen[0]");
+    assert_eq!(seen[0], "beside");
+    assert_eq!(seen[1], true, "it is drawn");
+    assert_eq!(seen[2], true, "it is not to be taken home");
+    assert!(seen[3].as_str().unwrap().contains("first answer"), "{seen}");
+    wait_for(&mut tab, "!page.state.isBusy");
+    assert_eq!(tab.ask("page.state.coarse"), Value::Null);
+    let levels = "page.state.results.get(page.decisions.key).levels.length";
+    assert_eq!(tab.ask(levels), 3);
+    assert!(!text_of(&mut tab, "#notes").contains("first answer"));
+    check_manners(&mut tab);
+
+    assert!(!text_of(&mut tab, "#command").contains("--effort"));
+    tab.click("[data-effort=fast]");
+    assert_eq!(
+        tab.ask("location.hash")
+            .as_str()
+            .unwrap()
+            .split('&')
+            .next_back(),
+        Some("effort=fast")
+    );
+    assert!(tab.ask("page.decisions.settings.effort") == "fast");
+    tab.click("#make");
+    wait_for(
+        &mut tab,
+        "page.state.results.size === 2 && !page.state.isBusy",
+    );
+    assert!(text_of(&mut tab, "#command").contains(" --effort fast"));
+    tab.press_with_control("z");
+    assert_eq!(tab.ask("page.decisions.now.effort"), "normal");
+    assert!(!text_of(&mut tab, "#command").contains("--effort"));
     check_manners(&mut tab);
 }
 

@@ -237,17 +237,22 @@ impl Tab {
     /// A busy machine may lift the finger so late that the browser takes the tap for a long press,
     /// of which a page hears no click. Then it is tapped again.
     pub(crate) fn click(&mut self, selector: &str) {
+        let at = self.middle(selector);
+        self.click_at(at);
+    }
+
+    /// As [`click`](Self::click), at a place of the window.
+    pub(crate) fn click_at(&mut self, at: [f64; 2]) {
         const MOST_TAPS: usize = 5;
         let heard = "Promise.race([clicked, new Promise((done) => setTimeout(done, 4000, false))])";
         for _ in 0..MOST_TAPS {
             self.ask("void (window.clicked = new Promise((done) => addEventListener('click', () => done(true), { once: true, capture: true })))");
-            let at = self.middle(selector);
             self.drag(at, [0.0, 0.0]);
             if self.ask(heard) == json!(true) {
                 return;
             }
         }
-        panic!("{selector} is not clicked");
+        panic!("nothing is clicked at {at:?}");
     }
 
     /// Drags from the middle of an element.

@@ -22,22 +22,22 @@ const PLANTS: [(Species, u32); 5] = [
 fn settings() -> [(Value, &'static [&'static str]); 3] {
     [
         (
-            json!({"kind": "level", "level": {"amount": "share", "value": 0.3}}),
+            json!({"kind": "level", "level": {"amount": "share", "value": 0.3}, "effort": "normal"}),
             &["simplify", "--triangles", "0.3"],
         ),
         (
-            json!({"kind": "level", "level": {"amount": "triangles", "value": 1500}}),
-            &["simplify", "--triangles", "1500"],
+            json!({"kind": "level", "level": {"amount": "triangles", "value": 1500}, "effort": "best"}),
+            &["simplify", "--triangles", "1500", "--effort", "best"],
         ),
         (
-            json!({"kind": "chain", "levels": "shares", "shares": [0.3, 0.1]}),
-            &["lods", "--levels", "0.3,0.1"],
+            json!({"kind": "chain", "levels": "shares", "shares": [0.3, 0.1], "effort": "fast"}),
+            &["lods", "--levels", "0.3,0.1", "--effort", "fast"],
         ),
     ]
 }
 
 /// The SHA-256 of each file that the page hands out.
-fn of_page(tab: &mut Tab, decided: &Value) -> Vec<String> {
+pub(super) fn of_page(tab: &mut Tab, decided: &Value) -> Vec<String> {
     let question = format!(
         "(async () => {{
             page.decisions.decide({decided});
@@ -57,7 +57,7 @@ fn of_page(tab: &mut Tab, decided: &Value) -> Vec<String> {
 }
 
 /// The SHA-256 of each file that the program writes.
-fn of_program(bench: &Bench, words: &[&str]) -> Vec<String> {
+pub(super) fn of_program(bench: &Bench, words: &[&str]) -> Vec<String> {
     let [command, options @ ..] = words else {
         panic!("a command");
     };

@@ -31,7 +31,7 @@ const showLevel = (k) => {
 
 const chooseLevel = (k) => {
   const result = resultOf();
-  if (result && k < result.levels.length) showLevel(k);
+  if (result && result !== state.coarse && k < result.levels.length) showLevel(k);
 };
 
 const keys = {
@@ -124,7 +124,7 @@ const listenToStage = () => {
   $("canvas").addEventListener("click", (e) => {
     if (!pressed || Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) > 5) return;
     const part = stage.partAt(e.clientX, e.clientY);
-    if (part) pick(part.place);
+    if (part) pick(part.place, stage.raysAt(e.clientX, e.clientY));
   });
   $("canvas").addEventListener("webglcontextlost", () => tell("The browser took the graphics card away: load the page again."));
   for (const button of document.querySelectorAll("[data-mode]")) {
@@ -153,13 +153,13 @@ const start = async () => {
   $("cancel").addEventListener("click", () => engine.cancel());
   $("undo").addEventListener("click", () => decisions.undo());
   $("redo").addEventListener("click", () => decisions.redo());
-  $("is-leaf").addEventListener("click", () => giveRole(true));
-  $("is-wood").addEventListener("click", () => giveRole(false));
+  for (const role of Object.keys(ROLES)) $(`is-${role}`).addEventListener("click", () => giveRole(role));
   $("distance").addEventListener("input", (e) => goTo(stage.levels.chain.distanceAt(e.target.value / 1000)));
   $("auto").addEventListener("click", keys.a);
   $("leaves").addEventListener("input", (e) => goToSteps(Number(e.target.value)));
   $("make-so").addEventListener("click", makeSo);
   $("layout").addEventListener("change", say);
+  $("scope").addEventListener("change", sayPiece);
   addEventListener("keydown", onKey);
   if (matchMedia("(prefers-color-scheme: dark)").matches) {
     stage.set({ background: "dark" });

@@ -3,6 +3,10 @@
 const FIRST = {
   // Selectors of leaves; empty where the evidence decides.
   leaves: [],
+  // Selectors of what is not the plant, beside ground and helpers.
+  notPlant: [],
+  // How much work goes into levels: "fast", "normal" or "best".
+  effort: "normal",
   // "chain" or "level".
   kind: "chain",
   level: { amount: "share", value: 0.25 },
@@ -26,7 +30,7 @@ class Decisions {
   // Of another plant: targets stay but for what is known of it, what was said of leaves does not; or of one that
   // was left, as kept.
   begin(kept, known) {
-    const now = { ...(this.now ?? FIRST), leaves: [], ...known, shown: null };
+    const now = { ...(this.now ?? FIRST), leaves: [], notPlant: [], ...known, shown: null };
     Object.assign(this, kept ?? { past: [], future: [], now });
     this.joins = null;
   }
@@ -65,14 +69,19 @@ class Decisions {
 
   // What the engine is asked for.
   get settings() {
-    const { kind, level, levels, maxDifference, original, impostor } = this.now;
-    if (kind === "level") return level;
+    const { kind, level, levels, maxDifference, original, impostor, effort } = this.now;
+    if (kind === "level") return { ...level, effort };
     const values = { heights: undefined, distances: this.now.distances, shares: this.now.shares }[levels];
-    return { levels, ...(values && { values }), maxDifference, original, impostor };
+    return { levels, ...(values && { values }), maxDifference, original, impostor, effort };
+  }
+
+  // How the plant is opened, as JSON.
+  get opening() {
+    return JSON.stringify({ leaves: this.now.leaves, notPlant: this.now.notPlant });
   }
 
   // What a result is known by.
   get key() {
-    return JSON.stringify([this.now.leaves, this.now.kind, this.settings]);
+    return JSON.stringify([this.opening, this.now.kind, this.settings]);
   }
 }

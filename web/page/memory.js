@@ -3,6 +3,7 @@
 
 const MEMORY = "secateur-plants";
 const MOST_REMEMBERED = 100;
+const EFFORTS = ["fast", "normal", "best"];
 const QUALITIES = [0.18, FIRST.maxDifference, 0.5];
 const MOST_GROWN_LEAVES = 50000;
 
@@ -12,6 +13,8 @@ const isListOf = (all, isRight) => Array.isArray(all) && all.length > 0 && all.l
 // What is right for each decision: memories and links may come from anywhere.
 const IS_RIGHT = {
   leaves: (all) => Array.isArray(all) && all.every((selector) => typeof selector === "string"),
+  notPlant: (all) => IS_RIGHT.leaves(all),
+  effort: (effort) => EFFORTS.includes(effort),
   kind: (kind) => kind === "chain" || kind === "level",
   level: (level) => (level?.amount === "share" && isShare(level.value)) || (level?.amount === "triangles" && isCount(level.value)),
   levels: (levels) => ["heights", "distances", "shares"].includes(levels),
@@ -51,7 +54,7 @@ const recalled = (sha256) => {
 };
 
 // The settings as the address has them behind its #; and the plant, where it was grown here.
-const linkOf = ({ kind, level, levels, maxDifference, original, impostor, ...values }, grown) => [
+const linkOf = ({ kind, level, levels, maxDifference, original, impostor, effort, ...values }, grown) => [
   grown && `grow=${grown.species},${grown.leaves},${grown.seed}`,
   kind === "level" && `one=${level.amount === "share" ? `${percentIn(level.value)}%` : level.value}`,
   kind === "chain" && levels === "distances" && `metres=${values.distances.join(",")}`,
@@ -59,6 +62,7 @@ const linkOf = ({ kind, level, levels, maxDifference, original, impostor, ...val
   kind === "chain" && maxDifference !== FIRST.maxDifference && `difference=${maxDifference}`,
   kind === "chain" && !original && "plant=no",
   kind === "chain" && !impostor && "pictures=no",
+  effort !== FIRST.effort && `effort=${effort}`,
 ].filter((word) => word).join("&");
 
 const percentIn = (share) => Math.round(1e6 * share) / 1e4;
@@ -71,7 +75,7 @@ const askedBy = (link) => {
   const [species, leaves, seed] = words.grow?.split(",") ?? [];
   const isGrown = Object.hasOwn(GROWN, species ?? "") && isCount(Number(leaves)) && leaves <= MOST_GROWN_LEAVES && /^\d{1,9}$/.test(seed);
   const grown = isGrown ? { species, leaves: Number(leaves), seed: Number(seed) } : null;
-  const said = ["one", "metres", "percent", "difference", "plant", "pictures"].some((word) => words[word] !== undefined);
+  const said = ["one", "metres", "percent", "difference", "plant", "pictures", "effort"].some((word) => words[word] !== undefined);
   if (!said) return { settings: null, grown };
   const { distances, shares: firstShares, level } = FIRST;
   const one = words.one?.endsWith("%") ? { amount: "share", value: parseFloat(words.one) / 100 } : { amount: "triangles", value: Number(words.one) };
@@ -84,6 +88,7 @@ const askedBy = (link) => {
     maxDifference: Number(words.difference ?? FIRST.maxDifference),
     original: words.plant !== "no",
     impostor: words.pictures !== "no",
+    effort: words.effort ?? FIRST.effort,
   };
   return { settings: rightOnes(asked), grown };
 };

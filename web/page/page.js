@@ -7,22 +7,27 @@ const state = {
   source: null,
   name: "",
   inspection: null,
+  leafPieces: {},
   problem: null,
-  // The selectors that the inspection is of, as JSON.
-  leaves: "[]",
+  // How the plant was opened that the inspection is of, as decisions have it.
+  opening: null,
   // Settings of the link that the page was opened with, until a plant has them.
   asked: null,
   // Those of the plant.
   results: new Map(),
+  // The first answer to what is being made: a result that is shown until there is a better one, and its key.
+  coarse: null,
   isBusy: false,
 };
 const MOST_RESULTS = 12;
+// Of fewer triangles what is asked for comes in a moment by itself.
+const LEAST_COARSE = 2000;
 
 const stage = new Stage($("canvas"));
 const decisions = new Decisions(() => decided());
 let engine = null;
 
-const resultOf = () => state.results.get(decisions.key) ?? null;
+const resultOf = () => state.results.get(decisions.key) ?? (state.coarse?.key === decisions.key ? state.coarse : null);
 const trianglesOf = (inspection) => inspection.primitives.reduce((sum, p) => (p.taken_for === "not_plant" ? sum : sum + p.triangles * p.placements), 0);
 
 // Shares of the bar, by the stage that a run is in; steps fill what is between.
@@ -56,19 +61,21 @@ const busy = async (text, work, isShown = true) => {
 
 // Opens the plant again where the engine has it not, or with other leaves.
 const reopen = async () => {
-  const wanted = JSON.stringify(decisions.now.leaves);
+  const wanted = decisions.opening;
   if (engine.open === wanted) return null;
-  const opened = await engine.call("open", { source: state.source, leaves: decisions.now.leaves });
+  const { leaves, notPlant } = decisions.now;
+  const opened = await engine.call("open", { source: state.source, leaves, notPlant });
   engine.open = wanted;
   return opened;
 };
 
 const shown = (opened, isNew) => {
-  state.leaves = JSON.stringify(decisions.now.leaves);
-  const { inspection, problem, picture } = opened;
+  state.opening = decisions.opening;
+  const { inspection, problem, picture, leafPieces } = opened;
   const parts = picture.scene.parts.map((part) => ({ ...part, role: roleOf(part, inspection) }));
   picture.scene.parts = parts;
-  Object.assign(state, { inspection, problem });
+  Object.assign(state, { inspection, problem, leafPieces });
+  choosePiece(null);
   stage.showPlant(picture);
   if (isNew) stage.orbit.reset();
 };
@@ -77,7 +84,7 @@ const shown = (opened, isNew) => {
 const decided = () => {
   if (!state.source) return say();
   keep();
-  if (state.leaves !== JSON.stringify(decisions.now.leaves) && !state.isBusy) {
+  if (state.opening !== decisions.opening && !state.isBusy) {
     busy("Opening", async () => {
       engine.open = null;
       shown(await reopen(), false);
@@ -122,17 +129,53 @@ const levelAt = (distance) => {
 };
 const shownLevel = () => (isOriginalFirst() ? stage.view.level : stage.view.level - 1);
 
+// What the engine made, as it is shown.
+const resultFrom = ({ report, picture }, kind, began) => {
+  const taken = stage.taken(picture);
+  const levels = kind === "level" ? [report.level] : report.levels;
+  const notes = [...(report.notes ?? []), ...(report.warnings ?? [])];
+  return { kind, taken, levels, original: taken.chain.facts[0], notes, ms: performance.now() - began };
+};
+
+// A level that is made fast, and shown while what is asked for is being made; none where that is as fast.
+const makeCoarse = async (began, progress) => {
+  const { kind, level, effort } = decisions.now;
+  const isFast = kind === "level" && effort === "fast";
+  if (isFast || trianglesOf(state.inspection) < LEAST_COARSE) return;
+  const { key } = decisions;
+  const share = kind === "level" ? level : FIRST.level;
+  try {
+    const made = await engine.call("coarse", { settings: { ...share, effort: "fast" } }, progress);
+    state.coarse = { ...resultFrom(made, "level", began), key };
+    look();
+    say();
+  } catch (error) {
+    if (error instanceof Cancelled) throw error;
+    // What is asked for will say what is wrong.
+    await reopen();
+  }
+};
+
+const dropCoarse = () => {
+  if (!state.coarse) return;
+  const { taken } = state.coarse;
+  state.coarse = null;
+  look();
+  stage.renderer.free(taken.model);
+};
+
 const make = () => busy("Getting ready", async (progress) => {
   const { kind } = decisions.now;
   const { key, settings } = decisions;
   await reopen();
   const began = performance.now();
-  const { report, picture } = await engine.call("make", { key, kind, settings }, progress);
-  const taken = stage.taken(picture);
-  const levels = kind === "level" ? [report.level] : report.levels;
-  const original = taken.chain.facts[0];
-  const notes = [...(report.notes ?? []), ...(report.warnings ?? [])];
-  state.results.set(key, { kind, taken, levels, original, notes, ms: performance.now() - began });
+  try {
+    if (!state.results.has(key)) await makeCoarse(began, progress);
+    const made = await engine.call("make", { key, kind, settings }, progress);
+    state.results.set(key, resultFrom(made, kind, began));
+  } finally {
+    dropCoarse();
+  }
   if (state.results.size > MOST_RESULTS) forget(state.results.keys().next().value);
   look();
 });
@@ -197,7 +240,8 @@ const say = () => {
   $("redo").disabled = decisions.future.length === 0 || state.isBusy;
   $("again").hidden = !isOpen;
   for (const id of ["of-plant", "of-target", "tools"]) $(id).hidden = !isOpen;
-  for (const id of ["of-levels", "of-home"]) $(id).hidden = !result;
+  $("of-levels").hidden = !result;
+  $("of-home").hidden = !result || result === state.coarse;
   document.body.classList.toggle("empty", !isOpen);
   if (!isOpen) return;
   $("name").textContent = state.name;
@@ -206,7 +250,7 @@ const say = () => {
   sayPlant(inspection);
   fillTarget(now, trianglesOf(inspection));
   $("make").disabled = state.isBusy || state.problem !== null;
-  $("make").textContent = result ? "Made" : "Make it lighter";
+  $("make").textContent = result && result !== state.coarse ? "Made" : "Make it lighter";
   if (result) $("make").disabled = true;
   sayView(result);
   if (result) sayLevels(result);
@@ -223,7 +267,7 @@ const sayPlant = (inspection) => {
   $("problem").textContent = said.join(" ").replaceAll("use `--foliage`", "choose them here");
   const { picked } = stage.view;
   fillParts(inspection, picked, pick);
-  fillPart(inspection.primitives.find((primitive) => primitive.place === picked));
+  fillPart(inspection.primitives.find((primitive) => primitive.place === picked), stage.view.met);
 };
 
 const sayView = (result) => {
@@ -265,7 +309,10 @@ const sayLevels = (result) => {
   sayLeaves();
   $("fades").hidden = !(view.isTrueSize && high < 200);
   fillLevels(result, view.steps === null ? shownLevel() : null, chooseLevel);
-  $("notes").replaceChildren(...result.notes.map((note) => element("li", note)));
+  const isCoarse = result === state.coarse;
+  const notes = isCoarse ? ["A first answer, made fast. What you asked for takes its place when it is done."] : result.notes;
+  $("notes").replaceChildren(...notes.map((note) => element("li", note)));
+  if (isCoarse) return;
   $("home").replaceChildren(...homeButtons(result));
   $("of-layout").hidden = result.kind === "level";
   const { grown } = state.source;
@@ -273,17 +320,54 @@ const sayLevels = (result) => {
   $("command").textContent = grows + commandOf(decisions, state.name, $("layout").value);
 };
 
-// Picks a part, to say what it is.
-const pick = (place) => {
-  stage.set({ picked: place === stage.view.picked ? null : place, mode: "plant" });
+// Picks a part, to say what it is; or, where rays are given and the part has several, the piece of it that the first of
+// them meets.
+const pick = (place, rays = null) => {
+  const isSame = place === stage.view.picked;
+  choosePiece(null);
+  stage.set({ picked: isSame && !rays ? null : place, mode: "plant" });
+  say();
+  if (rays && !state.isBusy && pickedPrimitive().pieces > 1) pickPiece(place, rays);
+};
+
+const pickedPrimitive = () => state.inspection.primitives.find((primitive) => primitive.place === stage.view.picked);
+
+const pickPiece = async (place, rays) => {
+  try {
+    await reopen();
+    const piece = await engine.call("pieceAt", { place, rays });
+    if (!piece || stage.view.picked !== place) return;
+    choosePiece({ ...piece, taken: stage.taken(piece.picture) });
+  } catch (error) {
+    if (!(error instanceof Cancelled)) tell(error.message);
+  }
   say();
 };
 
-const giveRole = (becomesLeaf) => {
-  const primitive = state.inspection.primitives.find((p) => p.place === stage.view.picked);
-  const leaves = primitive && withRole(state.inspection, primitive, $("scope").value, becomesLeaf);
-  if (leaves) return decisions.decide({ leaves, shown: null });
-  tell("The file has no name that says just this: try its material or its mesh, and leave at least one part as leaves.");
+// What was drawn of another piece goes.
+const choosePiece = (piece) => {
+  if (stage.view.met) stage.renderer.free(stage.view.met.taken.model);
+  stage.set({ met: piece });
+  sayPiece();
+};
+
+// The piece that was met is what is meant where its scope is chosen.
+const sayPiece = () => {
+  const { met } = stage.view;
+  const { options } = $("scope");
+  options.namedItem("scope-piece").hidden = options.namedItem("scope-piece").disabled = !met;
+  if (!met && $("scope").value === "piece") $("scope").value = "part";
+  const piece = $("scope").value === "piece" ? met : null;
+  stage.set({ piece });
+  $("is-other").disabled = piece !== null;
+};
+
+const giveRole = (role) => {
+  const primitive = pickedPrimitive();
+  const meant = { primitive, scope: $("scope").value, piece: stage.view.piece?.number };
+  const decided = primitive && withRole(state.inspection, state.leafPieces, decisions.now, meant, role);
+  if (decided) return decisions.decide({ ...decided, shown: null });
+  tell(role === "other" ? "The file has no name that says just this: try its material or its mesh." : "At least one part must stay leaves.");
 };
 
 const showOpen = () => {

@@ -18,11 +18,6 @@ const press = (button, is) => button.setAttribute("aria-pressed", String(is));
 
 const cssColor = (color) => `rgb(${color.slice(0, 3).map((c) => Math.round(255 * c ** (1 / 2.2))).join(" ")})`;
 
-const roleOfPrimitive = (primitive) => {
-  if (primitive.taken_for === "not_plant") return "other";
-  return isLeaf(primitive) ? "leaf" : "wood";
-};
-
 // The parts of the plant; choose is called with a place.
 const fillParts = (inspection, picked, choose) => {
   const rows = inspection.primitives.filter((primitive) => primitive.taken_for !== "nothing").map((primitive) => {
@@ -42,15 +37,14 @@ const fillParts = (inspection, picked, choose) => {
   $("parts").replaceChildren(...rows);
 };
 
-const fillPart = (primitive) => {
+const fillPart = (primitive, met) => {
   $("part").hidden = !primitive;
   if (!primitive) return;
   const by = primitive.chosen_by_user ? "You chose it." : "";
   const reasons = primitive.reasons.map((reason) => `${reason.points > 0 ? "+" : ""}${reason.points || "·"} ${reason.text}`);
-  $("why").textContent = [`Mesh ${primitive.mesh}, ${number(primitive.pieces)} pieces. ${by}`.trim(), ...reasons].join("\n");
-  const isOther = primitive.taken_for === "not_plant";
-  press($("is-leaf"), isLeaf(primitive));
-  press($("is-wood"), !isLeaf(primitive) && !isOther);
+  const piece = met ? ` You clicked piece ${number(met.number + 1)}, of ${number(met.triangles)} triangles.` : "";
+  $("why").textContent = [`Mesh ${primitive.mesh}, ${number(primitive.pieces)} pieces.${piece} ${by}`.trim(), ...reasons].join("\n");
+  for (const role of Object.keys(ROLES)) press($(`is-${role}`), roleOfPrimitive(primitive) === role);
 };
 
 // Numbers of a text field; null where they are wrong.
@@ -64,6 +58,7 @@ const falls = (all) => all.every((n, k) => k === 0 || all[k - 1] > n);
 // What is asked for, as controls show it.
 const fillTarget = (now, triangles) => {
   for (const button of document.querySelectorAll("[data-kind]")) press(button, button.dataset.kind === now.kind);
+  for (const button of document.querySelectorAll("[data-effort]")) press(button, button.dataset.effort === now.effort);
   $("chain").hidden = now.kind !== "chain";
   $("one").hidden = now.kind !== "level";
   $("levels").value = now.levels;
@@ -89,6 +84,7 @@ const fillTarget = (now, triangles) => {
 const listenToTarget = (decisions, triangles) => {
   const decide = (change, joins) => decisions.decide(change, joins);
   for (const button of document.querySelectorAll("[data-kind]")) button.addEventListener("click", () => decide({ kind: button.dataset.kind, shown: null }));
+  for (const button of document.querySelectorAll("[data-effort]")) button.addEventListener("click", () => decide({ effort: button.dataset.effort, shown: null }));
   const on = (id, of) => $(id).addEventListener("change", (event) => {
     const change = of(event.target);
     if (change !== null) decide({ ...change, shown: null });

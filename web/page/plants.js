@@ -47,15 +47,15 @@ const fillPlants = (plants, shown, isBusy, choose) => {
 const turnTo = async (plant) => {
   const began = performance.now();
   engine.open = null;
-  const openWith = (leaves) => engine.call("open", { source: plant.source, leaves });
-  let opened = await openWith(plant.kept?.now.leaves ?? []);
+  const openWith = ({ leaves = [], notPlant = [] }) => engine.call("open", { source: plant.source, leaves, notPlant });
+  let opened = await openWith(plant.kept?.now ?? {});
   plant.sha256 = opened.sha256;
   const known = { ...recalled(plant.sha256), ...state.asked };
-  if (!plant.kept && known.leaves?.length > 0) opened = await openWith(known.leaves);
+  if (!plant.kept && (known.leaves?.length > 0 || known.notPlant?.length > 0)) opened = await openWith(known);
   leave();
   decisions.begin(plant.kept, known);
   state.asked = null;
-  engine.open = JSON.stringify(decisions.now.leaves);
+  engine.open = decisions.opening;
   Object.assign(state, { plant, source: plant.source, name: opened.name, results: plant.results });
   stage.set({ mode: "plant", picked: null, hasRoles: false, isTrueSize: false });
   shown(opened, true);

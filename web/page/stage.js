@@ -7,6 +7,8 @@ const BACKGROUNDS = {
   sky: [[0.86, 0.9, 0.9], [0.42, 0.62, 0.85]],
 };
 
+const PICKED = [1, 0.75, 0.05, 1];
+
 const rawBitmap = (entry, textures) => {
   const [width, height] = entry.texels;
   return new ImageData(new Uint8ClampedArray(textures.buffer, textures.byteOffset + entry.at, entry.length), width, height);
@@ -18,7 +20,9 @@ class Stage {
     this.renderer = new Renderer(canvas);
     // mode: "plant", "beside", "wipe", "blink" or "difference". wipe: the share that shows the original.
     // steps: of the removal order, where its slider chooses the leaves of the level; else null.
-    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null };
+    // picked: the place of a part; met: { number, triangles, taken } of the
+    // piece of it that was clicked; piece: the same, where that piece alone is meant.
+    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null, met: null, piece: null };
     this.plant = null;
     this.levels = null;
     this.heat = null;
@@ -128,23 +132,53 @@ class Stage {
       const partOf = (mesh) => plant.parts[meshes.indexOf(mesh) + level * plants];
       const tint = (mesh) => {
         const part = partOf(mesh);
-        if (part.place === view.picked) return [1, 0.75, 0.05, 1];
+        if (part.place === view.picked && !view.piece) return PICKED;
         return view.hasRoles ? ROLES[part.role].color : null;
       };
       const isOver = level > 0;
       renderer.draw({ level, steps: null }, camera, { ...box, isOver }, { leaves: true, wood: true, wire: false, tint });
     });
+    if (!view.piece || view.picked === null) return;
+    const { gl } = renderer;
+    renderer.use(view.piece.taken.model);
+    // Its corners are rounded to other steps than those of the plant.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(-2, -64);
+    renderer.draw({ level: 0, steps: null }, camera, { ...box, isOver: true }, { leaves: true, wood: true, wire: false, tint: () => PICKED });
+  }
+
+  // Rays from the eye through the pixel at a place of the window, then through those beside it, as { from, along }: what
+  // is drawn in a pixel may be thinner than it.
+  raysAt(x, y) {
+    const [box] = this.boxes();
+    const { eye, target, tangent } = this.cameraOf(box);
+    const back = unit(add(eye, times(target, -1)));
+    const right = unit(cross([0, 1, 0], back));
+    const up = cross(back, right);
+    const [column, row] = this.pixelAt(x, y);
+    const through = ([dx, dy]) => {
+      const across = ((2 * (column + dx + 0.5)) / box.width - 1) * tangent * (box.width / box.height);
+      const above = ((2 * (row + dy + 0.5)) / box.height - 1) * tangent;
+      return { from: eye, along: add(add(times(right, across), times(up, above)), times(back, -1)) };
+    };
+    const beside = [0, -0.5, 0.5, -1, 1];
+    return beside.flatMap((dy) => beside.map((dx) => [dx, dy])).sort((a, b) => Math.hypot(...a) - Math.hypot(...b)).map(through);
+  }
+
+  // The pixel at a place of the window, from the lower left of the canvas.
+  pixelAt(x, y) {
+    const { left, bottom } = this.canvas.getBoundingClientRect();
+    const ratio = window.devicePixelRatio || 1;
+    return [(x - left) * ratio, (bottom - y) * ratio].map(Math.round);
   }
 
   // The part of the plant at a place of the window, or null.
   partAt(x, y) {
     if (!this.isAlone || !this.plant) return null;
-    const { left, bottom } = this.canvas.getBoundingClientRect();
-    const ratio = window.devicePixelRatio || 1;
     const [box] = this.boxes();
     const { renderer, plant } = this;
     renderer.use(plant.model);
-    const at = [(x - left) * ratio, (bottom - y) * ratio].map(Math.round);
+    const at = this.pixelAt(x, y);
     const plants = plant.model.scene.levels[0].surfaces.length;
     // What is not the plant lies under or around it: it is asked for last.
     for (const [level] of plant.model.scene.levels.entries()) {

@@ -45,10 +45,12 @@ const commandOf = (decisions, name, layout) => {
   const { now } = decisions;
   const stem = name.replace(/\.[^.]*$/, "");
   const foliage = now.leaves.flatMap((selector) => ["--foliage", selector]);
+  const others = now.notPlant.flatMap((selector) => ["--not-plant", selector]);
+  const effort = now.effort === FIRST.effort ? [] : ["--effort", now.effort];
   const words = now.kind === "level"
     ? ["simplify", name, "-o", `${stem}_lighter.glb`, "--triangles", shareText(now.level)]
     : ["lods", name, "-o", layout === "files" ? `${stem}_levels` : `${stem}_lods.glb`, ...chainWords(now), ...(layout === "files" ? [] : ["--layout", layout])];
-  return ["secateur", ...words, ...foliage].map(quoted).join(" ");
+  return ["secateur", ...words, ...effort, ...foliage, ...others].map(quoted).join(" ");
 };
 
 // A share is written with a point, or it would be a number of triangles.

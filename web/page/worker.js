@@ -25,11 +25,11 @@ const sha256Of = async (bytes) => {
   return hash ? [...new Uint8Array(hash)].map((byte) => byte.toString(16).padStart(2, "0")).join("") : null;
 };
 
-const opened = async (name, bytes, leaves) => {
+const opened = async (name, bytes, leaves, notPlant) => {
   forget();
   const sha256 = await sha256Of(bytes);
-  tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves));
-  return { name, sha256, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, picture: pictureOf(tree.picture()) };
+  tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves), JSON.stringify(notPlant));
+  return { name, sha256, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, leafPieces: JSON.parse(tree.leafPieces()), picture: pictureOf(tree.picture()) };
 };
 
 const base64Of = (bytes) => {
@@ -80,19 +80,35 @@ const tellOf = (id) => {
 
 const calls = {
   species: () => wasm_bindgen.species(),
-  async open({ source, leaves }) {
+  async open({ source, leaves, notPlant }) {
     if (source.grown) {
       const { species, leaves: count, seed } = source.grown;
-      return opened(`${species}.glb`, wasm_bindgen.grow(species, count, seed), leaves);
+      return opened(`${species}.glb`, wasm_bindgen.grow(species, count, seed), leaves, notPlant);
     }
     const [name, bytes] = await bytesOf(source.files);
-    return opened(name, bytes, leaves);
+    return opened(name, bytes, leaves, notPlant);
   },
   make({ key, kind, settings }, id) {
     const tell = tellOf(id);
     if (!made.has(key)) made.set(key, kind === "level" ? tree.level(JSON.stringify(settings), tell) : tree.levels(JSON.stringify(settings), tell));
     const result = made.get(key);
     return { report: JSON.parse(result.report()), picture: pictureOf(result.picture()) };
+  },
+  // The connected piece that the first of these rays meets that meets any: { number, triangles, picture }, or null.
+  pieceAt({ place, rays }) {
+    let piece;
+    for (const { from, along } of rays) if ((piece = tree.pieceAt(place, new Float64Array(from), new Float64Array(along)))) break;
+    if (!piece) return null;
+    const value = { number: piece.number(), triangles: piece.triangles(), picture: pictureOf(piece.picture()) };
+    piece.free();
+    return value;
+  },
+  // A level that nobody takes home.
+  coarse({ settings }, id) {
+    const level = tree.level(JSON.stringify(settings), tellOf(id));
+    const value = { report: JSON.parse(level.report()), picture: pictureOf(level.picture()) };
+    level.free();
+    return value;
   },
   // Bytes to take home; what they are of was made before.
   take({ key, what, layout, number }) {
