@@ -12,9 +12,10 @@ use super::level_names::without_level;
 /// also be named by their number in the file, as in `material:#1`; a primitive
 /// without material is `material:#none`. Names of a level count without its number too: `material:leaf` is
 /// `leaf_LOD1` as well. A node stands for the mesh it draws
-/// itself, not for its children. `all` is everything of the plant. `piece:2.0.5-9` are connected pieces of a primitive,
-/// by numbers from 0: of the mesh in the file, of the primitive in the mesh, and of the first and the last piece, which
-/// are counted by their lowest triangle; one piece may stand without the last.
+/// itself, not for its children. `all` is everything of the plant.
+///
+/// `piece:2.0.5-9` are connected pieces: of mesh 2 in the file, of its primitive 0, the pieces 5 to 9, all counted from 0.
+/// Pieces are in the order of their lowest triangles. One alone is `piece:2.0.5`.
 ///
 /// ```
 /// use secateur_gltf::Selector;
