@@ -22,6 +22,18 @@ fn archives_are_for_the_same_platforms() {
     assert_eq!(dist.len(), 5);
 }
 
+/// Cargo forgets `strip` of the profile for a package with settings of its own: the program was 21.5 MB instead of 15.8.
+#[test]
+fn the_program_is_stripped() {
+    let manifest = include_str!("../Cargo.toml").lines();
+    let of_program = manifest.filter(|line| line.starts_with("secateur-cli = { opt-level"));
+    let of_program: Vec<&str> = of_program.collect();
+    assert!(
+        of_program.iter().all(|line| line.contains("strip = true")),
+        "{of_program:?}"
+    );
+}
+
 #[test]
 fn an_archive_has_the_program_its_pages_and_all_licences() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
