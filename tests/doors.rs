@@ -225,7 +225,7 @@ fn a_buffer_of_somebody_else_is_overwritten_only_on_demand() {
 fn links_in_the_place_of_a_note_a_level_or_a_buffer_are_replaced() {
     use std::os::unix::fs::symlink;
 
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     put_file(&bench, "mine", b"mine");
     fs::create_dir(bench.path("chain")).unwrap();
     for name in [".oak_lods.json", "oak_LOD0.glb"] {
@@ -233,7 +233,6 @@ fn links_in_the_place_of_a_note_a_level_or_a_buffer_are_replaced() {
     }
     let lods = [
         "lods",
-        "--screen-height=270",
         "oak.glb",
         "-o",
         "chain",
@@ -260,10 +259,9 @@ fn links_in_the_place_of_a_note_a_level_or_a_buffer_are_replaced() {
 #[cfg(target_os = "linux")]
 #[test]
 fn what_a_note_names_is_read_only_if_it_ends() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let lods = [
         "lods",
-        "--screen-height=270",
         "oak.glb",
         "-o",
         "chain",
@@ -293,7 +291,7 @@ fn names_that_no_file_can_have_are_refused_first() {
     for name in ["a;b:c.glb", ".oak.glb"] {
         bench.put(name, crate::program::oak());
         bench
-            .run(&["lods", "--screen-height=270", name, "-o", "chain"])
+            .run(&["lods", name, "-o", "chain"])
             .failed_saying(&[name, "name"]);
     }
 }

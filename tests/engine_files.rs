@@ -9,16 +9,8 @@ use crate::program::Bench;
 
 /// Levels of the oak for an engine, and their records.
 fn levels_for(engine: &str) -> (Bench, Vec<Value>) {
-    let bench = Bench::new();
-    let lods = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "out",
-        "--levels",
-        "0.5,0.2",
-    ];
+    let bench = Bench::for_small_screen();
+    let lods = ["lods", "oak.glb", "-o", "out", "--levels", "0.5,0.2"];
     let more = [
         "--impostor=none",
         "--effort=fast",
@@ -226,16 +218,7 @@ fn usd_gets_a_layer_whose_levels_switch() {
     ] {
         assert!(layer.contains(part), "{part}");
     }
-    let compressed = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "c",
-        "--for",
-        "usd",
-        "--compress",
-    ];
+    let compressed = ["lods", "oak.glb", "-o", "c", "--for", "usd", "--compress"];
     bench.run(&compressed).failed_with(2, &["--compress"]);
     let Some(packages) = std::env::var_os("SECATEUR_USD_PACKAGES") else {
         let is_required = std::env::var("SECATEUR_REQUIRE_USD").is_ok_and(|v| v == "1");
@@ -322,21 +305,13 @@ fn blender_gets_a_script_that_python_reads() {
 
 #[test]
 fn an_engine_chooses_the_layout() {
-    let bench = Bench::new();
-    let lods = ["lods", "--screen-height=270", "oak.glb", "-o", "out"];
+    let bench = Bench::for_small_screen();
+    let lods = ["lods", "oak.glb", "-o", "out"];
     let both = ["--for", "unity", "--layout", "files"];
     bench
         .run(&[&lods[..], &both].concat())
         .misused_saying(&["--layout"]);
-    let one = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "one.glb",
-        "--for",
-        "unreal",
-    ];
+    let one = ["lods", "oak.glb", "-o", "one.glb", "--for", "unreal"];
     bench.run(&one).failed_with(2, &["name a folder"]);
     // What is there already is not overwritten.
     std::fs::create_dir(bench.path("out")).unwrap();

@@ -264,18 +264,10 @@ fn each_distance_gets_the_fewest_triangles_within_the_difference_at_its_height()
 
 #[test]
 fn wood_gets_coarser_as_it_is_asked_for_or_stays() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let chain = |folder: &str, options: &[&str]| {
         let report = format!("{folder}.json");
-        let lods = [
-            "lods",
-            "--screen-height=270",
-            "oak.glb",
-            "-o",
-            folder,
-            "--report",
-            &report,
-        ];
+        let lods = ["lods", "oak.glb", "-o", folder, "--report", &report];
         bench
             .run(&[&lods[..], &["--no-original"], options].concat())
             .succeeded();
@@ -347,17 +339,9 @@ fn levels_of_msft_have_falling_coverages() {
 
 #[test]
 fn equal_calls_give_equal_bytes() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     for folder in ["a", "b"] {
-        let lods = [
-            "lods",
-            "--screen-height=270",
-            "oak.glb",
-            "-o",
-            folder,
-            "--levels",
-            "0.3,0.1",
-        ];
+        let lods = ["lods", "oak.glb", "-o", folder, "--levels", "0.3,0.1"];
         bench.run(&lods).succeeded();
     }
     for k in 0..2 {

@@ -137,19 +137,11 @@ fn put_leaves_and_wood_in_one(bench: &Bench) {
 
 #[test]
 fn leaves_and_wood_in_one_primitive_are_kept_as_one_and_said() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     put_leaves_and_wood_in_one(&bench);
     let choice = ["--foliage", "material:leaf"];
     for arguments in [
-        &[
-            "lods",
-            "--screen-height=270",
-            "tree.gltf",
-            "-o",
-            "chain",
-            "--levels",
-            "0.5",
-        ][..],
+        &["lods", "tree.gltf", "-o", "chain", "--levels", "0.5"][..],
         &["simplify", "tree.gltf", "-o", "out.glb", "--ratio", "0.5"],
     ] {
         let ran = bench.run(&[arguments, &choice].concat()).succeeded();

@@ -273,7 +273,7 @@ fn records_of_one_level_are_what_their_schemas_say() {
 /// One tree and two: a record each, one a line, of one shape.
 #[test]
 fn records_of_levels_are_what_their_schema_says() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     std::fs::copy(bench.path("oak.glb"), bench.path("ash.glb")).unwrap();
     let more = [
         "--effort=fast",
@@ -290,7 +290,7 @@ fn records_of_levels_are_what_their_schema_says() {
     for (trees, folder) in [(&["oak.glb"][..], "one"), (&["oak.glb", "ash.glb"], "two")] {
         let out = ["-o", folder, "--report", "r.json"];
         let ran = bench
-            .run(&[&["lods", "--screen-height=270"], trees, &out, &more].concat())
+            .run(&[&["lods"], trees, &out, &more].concat())
             .succeeded();
         assert_eq!(ran.stdout.as_bytes(), bench.read("r.json"));
         let records = lines(ran.stdout.as_bytes());
@@ -301,29 +301,13 @@ fn records_of_levels_are_what_their_schema_says() {
         }
     }
     assert!(shapes.iter().all(|shape| *shape == shapes[0]), "{shapes:?}");
-    let one_file = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "all.glb",
-        "--levels",
-        "0.3",
-    ];
+    let one_file = ["lods", "oak.glb", "-o", "all.glb", "--levels", "0.3"];
     let ran = bench
         .run(&[&one_file[..], &["--format", "json"]].concat())
         .succeeded();
     checked(&bench, "lods", &lines(ran.stdout.as_bytes())[0]);
     // What is kept is said in the same shape.
-    let again = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "one",
-        "--report",
-        "k.json",
-    ];
+    let again = ["lods", "oak.glb", "-o", "one", "--report", "k.json"];
     bench.run(&[&again[..], &more].concat()).succeeded();
     let kept = &lines(&bench.read("k.json"))[0];
     assert_eq!(kept["kept"], true);

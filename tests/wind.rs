@@ -91,7 +91,7 @@ fn edited(glb: &[u8], edit: impl Fn(&mut Value)) -> Vec<u8> {
 
 /// A bench with a maple whose leaves have four triangles: they can get coarser.
 fn maple() -> Bench {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let options = GrowOptions {
         leaves: 150,
         seed: 2,
@@ -172,7 +172,6 @@ fn every_level_hangs_where_the_original_hung() {
     moves_as_before(&original, &opened(&bench, "prefix.glb"), "prefix.glb");
     let lods = [
         "lods",
-        "--screen-height=270",
         "maple.glb",
         "-o",
         "lods.glb",
@@ -182,15 +181,7 @@ fn every_level_hangs_where_the_original_hung() {
     bench.run(&lods).succeeded();
     moves_as_before(&original, &opened(&bench, "lods.glb"), "lods.glb");
     bench
-        .run(&[
-            "lods",
-            "--screen-height=270",
-            "maple.glb",
-            "-o",
-            "chain",
-            "--levels",
-            "0.4",
-        ])
+        .run(&["lods", "maple.glb", "-o", "chain", "--levels", "0.4"])
         .succeeded();
     let level = "chain/maple_LOD0.glb";
     moves_as_before(&original, &opened(&bench, level), level);
@@ -222,15 +213,7 @@ fn pivots_stand_where_nodes_put_them() {
         assert!((placed.along_m - 2.0 * plain.along_m).abs() < 1e-5);
         assert_eq!(placed.segment, plain.segment);
     }
-    let lods = [
-        "lods",
-        "--screen-height=270",
-        "moved.glb",
-        "-o",
-        "level.glb",
-        "--levels",
-        "0.4",
-    ];
+    let lods = ["lods", "moved.glb", "-o", "level.glb", "--levels", "0.4"];
     bench.run(&lods).succeeded();
     let of_original: HashSet<Key> = placed.iter().map(key).collect();
     let of_level = holds("level.glb");
@@ -251,17 +234,9 @@ fn wind_data_of_other_programs_stays_as_it_is() {
     });
     bench.put("theirs.glb", &theirs);
     let simplify = ["simplify", "theirs.glb", "-o", "one.glb", "--ratio", "0.3"];
-    let lods = [
-        "lods",
-        "--screen-height=270",
-        "theirs.glb",
-        "-o",
-        "many.glb",
-        "--levels",
-        "0.4",
-    ];
-    for (name, arguments) in [("one.glb", &simplify[..]), ("many.glb", &lods)] {
-        bench.run(arguments).succeeded();
+    let lods = ["lods", "theirs.glb", "-o", "many.glb", "--levels", "0.4"];
+    for (name, arguments) in [("one.glb", simplify), ("many.glb", lods)] {
+        bench.run(&arguments).succeeded();
         let level = opened(&bench, name);
         let root = level.document.json();
         let meshes = root["meshes"].as_array().unwrap().iter();

@@ -7,12 +7,11 @@ use crate::program::Bench;
 /// A report where a level goes would be lost, or the level.
 #[test]
 fn nothing_else_goes_where_a_level_or_the_input_is() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     std::fs::create_dir(bench.path("chain")).unwrap();
     let lods = |more: &[&str]| {
         let lods = [
             "lods",
-            "--screen-height=270",
             "oak.glb",
             "-o",
             "chain",
@@ -30,7 +29,6 @@ fn nothing_else_goes_where_a_level_or_the_input_is() {
     std::fs::create_dir(bench.path("chain/oak_LOD1.glb")).unwrap();
     let two = [
         "lods",
-        "--screen-height=270",
         "oak.glb",
         "-o",
         "chain",
@@ -44,26 +42,10 @@ fn nothing_else_goes_where_a_level_or_the_input_is() {
 
 #[test]
 fn levels_of_another_run_are_not_replaced_unasked() {
-    let bench = Bench::new();
-    let lods = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "chain",
-        "--levels",
-        "0.2",
-    ];
+    let bench = Bench::for_small_screen();
+    let lods = ["lods", "oak.glb", "-o", "chain", "--levels", "0.2"];
     bench.run(&lods).succeeded();
-    let others = [
-        "lods",
-        "--screen-height=270",
-        "oak.glb",
-        "-o",
-        "chain",
-        "--levels",
-        "0.3",
-    ];
+    let others = ["lods", "oak.glb", "-o", "chain", "--levels", "0.3"];
     bench
         .run(&others)
         .failed_saying(&["oak_LOD0.glb", "is there already", "--overwrite"]);
@@ -75,20 +57,11 @@ fn levels_of_another_run_are_not_replaced_unasked() {
 /// Two trees, of which one call makes both, the next none, and others what is missing or has changed.
 #[test]
 fn what_is_finished_and_unchanged_is_not_done_again() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     std::fs::copy(bench.path("oak.glb"), bench.path("ash.glb")).unwrap();
     let run = |levels: &str| {
         bench.run(&[
-            "lods",
-            "--screen-height=270",
-            "oak.glb",
-            "ash.glb",
-            "-o",
-            "chain",
-            "--levels",
-            levels,
-            "--report",
-            "r.json",
+            "lods", "oak.glb", "ash.glb", "-o", "chain", "--levels", levels, "--report", "r.json",
         ])
     };
     let refused = |levels: &str, file: &str| {
@@ -161,11 +134,10 @@ fn what_is_finished_and_unchanged_is_not_done_again() {
 /// Of two trees the second is broken: nothing is made of the first, where that is asked for.
 #[test]
 fn a_broken_tree_among_others_may_stop_them_all_before_anything_is_written() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     std::fs::write(bench.path("broken.glb"), &bench.read("oak.glb")[..500]).unwrap();
     let run = bench.run(&[
         "lods",
-        "--screen-height=270",
         "oak.glb",
         "broken.glb",
         "-o",
@@ -181,17 +153,10 @@ fn a_broken_tree_among_others_may_stop_them_all_before_anything_is_written() {
 /// One bad file stops none of the others, unless that is asked for.
 #[test]
 fn of_several_trees_those_that_can_be_done_are() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     bench.put("bad.glb", b"glTF");
     bench.put("ash.glb", &bench.read("oak.glb"));
-    let lods = [
-        "lods",
-        "--screen-height=270",
-        "bad.glb",
-        "oak.glb",
-        "none.glb",
-        "ash.glb",
-    ];
+    let lods = ["lods", "bad.glb", "oak.glb", "none.glb", "ash.glb"];
     let how = [
         "-o",
         "levels",
@@ -232,33 +197,20 @@ fn of_several_trees_those_that_can_be_done_are() {
     ran.failed_saying(&["bad.glb"]);
     assert!(!bench.path("others").exists());
     // A single tree fails as it did.
-    let alone = bench.run(&["lods", "--screen-height=270", "bad.glb", "-o", "others"]);
+    let alone = bench.run(&["lods", "bad.glb", "-o", "others"]);
     alone.failed_saying(&["bad.glb"]);
 }
 
 #[test]
 fn no_input_of_a_call_is_overwritten() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     bench.put("oak_LOD0.glb", &bench.read("oak.glb"));
     let before = bench.read("oak_LOD0.glb");
     let how = ["-o", ".", "--levels", "0.3", "--overwrite"];
-    let two = bench.run(
-        &[
-            &["lods", "--screen-height=270", "oak.glb", "oak_LOD0.glb"],
-            &how[..],
-        ]
-        .concat(),
-    );
+    let two = bench.run(&[&["lods", "oak.glb", "oak_LOD0.glb"], &how[..]].concat());
     two.failed_saying(&["oak_LOD0.glb", "is an input of this call"]);
     let hidden = ["--occluder", "oak_LOD0.glb"];
-    let behind = bench.run(
-        &[
-            &["lods", "--screen-height=270", "oak.glb"],
-            &how[..],
-            &hidden,
-        ]
-        .concat(),
-    );
+    let behind = bench.run(&[&["lods", "oak.glb"], &how[..], &hidden].concat());
     behind.failed_saying(&["oak_LOD0.glb", "is an input of this call"]);
     assert_eq!(bench.read("oak_LOD0.glb"), before);
     assert_eq!(bench.names(), ["oak.glb", "oak_LOD0.glb"]);
@@ -268,12 +220,11 @@ fn no_input_of_a_call_is_overwritten() {
 /// finds them all the same.
 #[test]
 fn files_name_no_folder_of_the_machine() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let [tree, folder, page, report] = ["oak.glb", "out", "page.html", "r.json"]
         .map(|file| bench.path(file).display().to_string());
     let call = [
         "lods",
-        "--screen-height=270",
         &tree,
         "-o",
         &folder,

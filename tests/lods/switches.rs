@@ -8,11 +8,10 @@ use crate::program::Bench;
 
 #[test]
 fn shadows_are_cast_by_coarser_levels() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     for (steps, expected) in [("0", [0, 1, 2]), ("1", [1, 2, 2]), ("2", [2, 2, 2])] {
         let lods = [
             "lods",
-            "--screen-height=270",
             "oak.glb",
             "--effort=fast",
             "-o",
@@ -39,25 +38,16 @@ fn shadows_are_cast_by_coarser_levels() {
         }
     }
     bench
-        .run(&[
-            "lods",
-            "--screen-height=270",
-            "oak.glb",
-            "-o",
-            "t.glb",
-            "--shadow-steps",
-            "3",
-        ])
+        .run(&["lods", "oak.glb", "-o", "t.glb", "--shadow-steps", "3"])
         .misused_saying(&["0..=2"]);
 }
 
 #[test]
 fn what_a_switch_shows_is_measured_and_bounded() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let lods = |max_pop: &str| {
         let lods = [
             "lods",
-            "--screen-height=270",
             "oak.glb",
             "--effort=fast",
             "-o",

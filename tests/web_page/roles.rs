@@ -7,6 +7,15 @@ use super::{check_manners, opened, opens, text_of, wait_for};
 use crate::program::Bench;
 use crate::tab::{DESKTOP, Tab};
 
+/// The page with an oak in it, and a folder with that oak as `plant.glb`; none where there is no browser.
+fn with_oak() -> Option<(Tab, Bench)> {
+    let mut tab = opened(DESKTOP)?;
+    let bench = Bench::new();
+    bench.put("plant.glb", crate::program::oak());
+    opens(&mut tab, &bench, &["plant.glb"]);
+    Some((tab, bench))
+}
+
 /// Clicks the picture where a part of this role is drawn, well inside of it.
 fn click_on(tab: &mut Tab, role: &str) {
     let found = tab.ask(&format!(
@@ -63,12 +72,9 @@ fn assert_same_bytes(tab: &mut Tab, bench: &Bench) -> Vec<String> {
 
 #[test]
 fn a_connected_piece_is_clicked_and_becomes_wood_or_leaves() {
-    let Some(mut tab) = opened(DESKTOP) else {
+    let Some((mut tab, bench)) = with_oak() else {
         return;
     };
-    let bench = Bench::new();
-    bench.put("plant.glb", crate::program::oak());
-    opens(&mut tab, &bench, &["plant.glb"]);
     for (role, button, left) in [
         ("leaf", "#is-wood", "239 leaves"),
         ("wood", "#is-leaf", "241 leaves"),
@@ -104,12 +110,9 @@ fn a_connected_piece_is_clicked_and_becomes_wood_or_leaves() {
 
 #[test]
 fn a_part_that_is_not_the_plant_is_neither_counted_nor_changed() {
-    let Some(mut tab) = opened(DESKTOP) else {
+    let Some((mut tab, bench)) = with_oak() else {
         return;
     };
-    let bench = Bench::new();
-    bench.put("plant.glb", crate::program::oak());
-    opens(&mut tab, &bench, &["plant.glb"]);
     let whole = tab.ask("page.state.inspection.wood_triangles");
     click_on(&mut tab, "wood");
     tab.click("#is-other");

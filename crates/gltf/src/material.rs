@@ -243,7 +243,7 @@ const BLACK: f64 = 0.02;
 /// What of a material a client shows as its colour.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ColorFrom {
-    /// The base colour.
+    /// The base colour of metallic-roughness, as in most files.
     Base,
     /// The diffuse colour of the extension. Where a material has a texture for both, the base colour is read, which
     /// clients without the extension draw too.

@@ -1,5 +1,6 @@
 //! Reading glTF: encodings, broken files, the choice of foliage, real trees.
 
+mod base_colors;
 mod broken;
 mod choice;
 mod claims;

@@ -4,26 +4,26 @@ use std::io::Cursor;
 
 use image::{ImageFormat, Rgba, RgbaImage};
 use secateur_gltf::{Detail, VertexAlpha};
-use secateur_model::{AlphaMode, Filters, Material, Mips, Wrap};
+use secateur_model::{Filters, Material, Mips, Wrap};
 use serde_json::{Value, json};
 
 use crate::small_tree::{SQUARES, SmallTree};
 
 /// An image of one row with these alphas.
-fn row(alphas: &[u8]) -> RgbaImage {
+pub(crate) fn row(alphas: &[u8]) -> RgbaImage {
     RgbaImage::from_fn(alphas.len() as u32, 1, |x, _| {
         Rgba([50, 200, 50, alphas[x as usize]])
     })
 }
 
-fn encoded(image: &RgbaImage, format: ImageFormat) -> Vec<u8> {
+pub(crate) fn encoded(image: &RgbaImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     image.write_to(&mut bytes, format).unwrap();
     bytes.into_inner()
 }
 
 /// The squares with texture coordinates x, y and this image on the leaf.
-fn textured(image: &[u8], material: Value) -> SmallTree {
+pub(crate) fn textured(image: &[u8], material: Value) -> SmallTree {
     let mut tree = SmallTree::squares();
     let uvs: Vec<f32> = SQUARES.iter().flat_map(|p| [p[0], p[1]]).collect();
     let uvs = tree.floats("VEC2", &uvs);
@@ -45,7 +45,7 @@ fn textured(image: &[u8], material: Value) -> SmallTree {
 }
 
 /// Which texels of the first row the leaf's mask keeps; `None` without mask.
-fn kept(tree: &SmallTree) -> Option<Vec<bool>> {
+pub(crate) fn kept(tree: &SmallTree) -> Option<Vec<bool>> {
     let tree = tree.tree();
     let index = tree.foliage().leaves()[0].cutout()?;
     let mask = &tree.foliage().cutouts()[index as usize];
@@ -360,105 +360,6 @@ fn normal_maps_are_read_when_asked_for_and_placed_as_the_colour() {
     // What is broken and only looks is left out.
     let broken = alone.set("/materials/0/normalTexture/index", json!(7));
     assert_eq!(detailed(&broken).finish.normal_map, None);
-}
-
-/// A material of this extension whose base colour says nothing, with what the extension says.
-fn glossy(image: &[u8], pbr: Value, extension: Value) -> SmallTree {
-    textured(
-        image,
-        json!({"alphaMode": "MASK", "pbrMetallicRoughness": pbr}),
-    )
-    .set(
-        "/extensionsUsed",
-        json!(["KHR_materials_pbrSpecularGlossiness"]),
-    )
-    .set(
-        "/materials/0/extensions",
-        json!({"KHR_materials_pbrSpecularGlossiness": extension}),
-    )
-}
-
-#[test]
-fn the_diffuse_texture_and_factor_of_specular_glossiness_are_the_base_colour() {
-    let png = encoded(&row(&[100, 255]), ImageFormat::Png);
-    let diffuse = json!({"diffuseTexture": {"index": 0}, "diffuseFactor": [0.5, 1, 0.25, 1]});
-    for pbr in [
-        json!({"metallicFactor": 0}),
-        json!({"baseColorFactor": [1, 0, 0, 1]}),
-    ] {
-        let tree = glossy(&png, pbr, diffuse.clone());
-        assert_eq!(kept(&tree), Some(vec![false, true]));
-        let drawn = tree.document().surfaces(&[]).unwrap();
-        let material = &drawn[0].0.material;
-        assert_eq!(material.base_color, [0.5, 1.0, 0.25, 1.0]);
-        assert!(material.texture.is_some());
-        assert!(tree.document().images_of_material(0)[0].is_base_color);
-        let inspection = tree.document().inspect(&[]);
-        let reasons = inspection.primitives[0].reasons.iter();
-        let texts: Vec<&str> = reasons.map(|reason| reason.text.as_str()).collect();
-        assert!(
-            texts.contains(&"its texture cuts out 50 % of its texels"),
-            "{texts:?}"
-        );
-        assert!(texts.contains(&"its colour is green"), "{texts:?}");
-    }
-    // The factor alone, which hides everything; and a material that has a texture for both.
-    let faint = glossy(&png, json!({}), json!({"diffuseFactor": [1, 1, 1, 0.4]}));
-    assert_eq!(kept(&faint), Some(vec![false]));
-    let base = json!({"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 1, 0.4]});
-    assert_eq!(kept(&glossy(&png, base, diffuse)), Some(vec![false, false]));
-}
-
-/// Scans whose light is in their texture are exported so: black, with the texture as emission.
-#[test]
-fn the_emission_of_a_black_material_is_its_colour() {
-    let png = encoded(&row(&[100, 255]), ImageFormat::Png);
-    let black = json!({"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0});
-    let scan = |pbr: &Value| {
-        let fields = json!({
-            "pbrMetallicRoughness": pbr,
-            "emissiveTexture": {"index": 0},
-            "emissiveFactor": [1, 0.5, 1],
-            "alphaMode": "MASK",
-        });
-        let mut tree = textured(&png, fields);
-        let colors = tree.floats("VEC3", &[0.5; 24]);
-        tree.set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colors))
-    };
-    let tree = scan(&black);
-    let drawn = tree.document().drawn_as_one(Detail::Color).unwrap();
-    let material = &drawn[0].surface.material;
-    assert_eq!(material.base_color, [1.0, 0.5, 1.0, 1.0]);
-    assert!(material.texture.is_some());
-    assert!(material.finish.is_unlit);
-    // The alpha of what is emitted hides nothing, and no colour of a vertex dims it.
-    assert_eq!(material.alpha_mode, AlphaMode::Opaque);
-    assert!(drawn[0].surface.colors.is_empty());
-    assert!(tree.document().images_of_material(0)[0].is_base_color);
-    // What has a colour of its own glows beside it, and is drawn as it was.
-    for pbr in [
-        json!({"metallicFactor": 0}),
-        json!({"baseColorFactor": [0.1, 0, 0, 1]}),
-        json!({"baseColorFactor": [0, 0, 0, 1], "baseColorTexture": {"index": 0}}),
-    ] {
-        let drawn = scan(&pbr).document().drawn_as_one(Detail::Color).unwrap();
-        assert!(!drawn[0].surface.material.finish.is_unlit, "{pbr}");
-    }
-    let dark = scan(&black).set("/materials/0/emissiveFactor", json!([0, 0, 0]));
-    let drawn = dark.document().drawn_as_one(Detail::Color).unwrap();
-    assert_eq!(drawn[0].surface.material.base_color, [0.0, 0.0, 0.0, 1.0]);
-}
-
-#[test]
-fn a_strangers_diffuse_textures_are_read() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
-    let path = std::path::Path::new(folder).join("specgloss.glb");
-    if !path.is_file() {
-        eprintln!("SKIPPED: ../shared/cases/specgloss.glb is not there");
-        return;
-    }
-    let tree = secateur_gltf::Tree::open(&path, &[]).unwrap();
-    assert_eq!(tree.foliage().cutouts().len(), 1);
 }
 
 /// The textured squares with these alphas in the colours of the vertices of each.

@@ -23,7 +23,7 @@ pub(super) struct Goals {
 }
 
 impl Goals {
-    /// Before any place has told, for pictures of a search in which the plant is at most so many pixels high.
+    /// The goals before any place has told; `search_px` is how high a plant is at most in the pictures of a search.
     pub(super) fn of(search_px: f64) -> Self {
         Self {
             search_px,

@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 #[non_exhaustive]
 pub enum WoodMode {
     /// The wood is simplified with the leaves, under one budget of triangles.
-    ///
-    /// Runs as [`Self::Geometry`].
     Auto,
     /// The wood stays as it was; the leaves get what it leaves of a budget of triangles.
     ///
@@ -21,7 +19,7 @@ pub enum WoodMode {
     /// Wood is not looked at: triangles count the leaves alone, as in
     /// [`simplify`](crate::simplify()).
     Ignore,
-    /// As auto, and pieces of wood get coarser by their geometry.
+    /// As auto does now: pieces of wood get coarser by their geometry.
     ///
     /// Wood is simplified too; pieces get coarser by meshoptimizer, by their geometry: [`Wood::by_geometry`](crate::wood::Wood::by_geometry).
     Geometry,
