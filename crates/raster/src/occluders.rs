@@ -7,10 +7,9 @@
 use rayon::prelude::*;
 use secateur_model::{Foliage, LeafId, Lod};
 
-use crate::cpu::{LeafFragments, draw_leaf_ids};
+use crate::cpu::LeafFragments;
 use crate::{
-    AreaTable, CpuRasteriser, Fragment, Fragments, LeafIdImage, RasterError, Rasteriser, Scene,
-    View, ViewFragments, ViewSet,
+    AreaTable, Fragment, Fragments, RasterError, Rasteriser, Scene, View, ViewFragments, ViewSet,
 };
 
 /// A rasteriser, and what stands among the leaves of its scenes.
@@ -44,8 +43,8 @@ impl Occlusion {
         Self { nearest }
     }
 
-    /// The fragments that show.
-    fn cut(&self, view: &ViewFragments) -> ViewFragments {
+    /// Those fragments of the view that show.
+    pub fn cut(&self, view: &ViewFragments) -> ViewFragments {
         let mut starts = Vec::with_capacity(self.nearest.len() + 1);
         let mut fragments: Vec<Fragment> = Vec::with_capacity(view.as_slice().len());
         starts.push(0);
@@ -113,36 +112,13 @@ impl<R: Rasteriser + ?Sized> Rasteriser for Occluded<'_, R> {
     }
 }
 
-impl Occluded<'_, CpuRasteriser> {
-    /// One view of a scene, as [`draw_leaf_ids`] draws it.
-    ///
-    /// # Errors
-    /// [`RasterError`] if there are too many triangles.
-    pub fn leaf_ids(&self, scene: &Scene<'_>, view: &View) -> Result<LeafIdImage, RasterError> {
-        let (foliage, lod) = self.joined(scene)?;
-        let leaf_count = scene.foliage.leaves().len() as u32;
-        let scene = Scene {
-            foliage: &foliage,
-            lod: &lod,
-            ..*scene
-        };
-        let mut image = draw_leaf_ids(&scene, view);
-        for leaf in &mut image.leaf_ids {
-            if *leaf > leaf_count {
-                *leaf = 0;
-            }
-        }
-        Ok(image)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
     use secateur_model::LeafTriangle;
 
     use super::*;
-    use crate::cpu;
+    use crate::{CpuRasteriser, cpu};
 
     /// A square of two triangles across the z axis.
     fn square(foliage: &mut Foliage, side: f64, z: f64) {
@@ -214,7 +190,8 @@ mod tests {
         for view in 0..2 {
             let heads = cpu::histogram(&fragments.leaf_ids(view), 3);
             assert_eq!(areas.row(view), heads);
-            let drawn = occluded.leaf_ids(&scene, &views.views()[view]).unwrap();
+            let occlusion = Occlusion::of(&wall, &views.views()[view], 64);
+            let drawn = cpu::draw_leaf_ids_among(&scene, &views.views()[view], &occlusion);
             assert_eq!(drawn, fragments.leaf_ids(view));
         }
         // What the wall shows of itself counts as background: from behind, round leaf 2 there is

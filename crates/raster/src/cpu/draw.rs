@@ -1,6 +1,7 @@
 //! Leaves to a leaf-ID image with a depth buffer, as the paper draws them.
 
 use super::rasterise;
+use crate::occluders::Occlusion;
 use crate::snap::Snapper;
 use crate::{Fragment, LeafIdImage, Scene, View};
 
@@ -13,6 +14,18 @@ use crate::{Fragment, LeafIdImage, Scene, View};
 /// # Panics
 /// If the scene's resolution or pixels are out of range.
 pub fn draw_leaf_ids(scene: &Scene<'_>, view: &View) -> LeafIdImage {
+    draw(scene, view, None)
+}
+
+/// [`draw_leaf_ids`], but none where the nearest leaf is farther than what hides leaves there.
+///
+/// # Panics
+/// As [`draw_leaf_ids`].
+pub fn draw_leaf_ids_among(scene: &Scene<'_>, view: &View, occlusion: &Occlusion) -> LeafIdImage {
+    draw(scene, view, Some(occlusion))
+}
+
+fn draw(scene: &Scene<'_>, view: &View, occlusion: Option<&Occlusion>) -> LeafIdImage {
     scene.assert_in_range();
     let background = Fragment::new(u32::MAX, 0);
     let mut nearest = vec![background; scene.pixels_per_view()];
@@ -33,6 +46,14 @@ pub fn draw_leaf_ids(scene: &Scene<'_>, view: &View) -> LeafIdImage {
                 });
             },
         );
+    }
+    for (fragment, hidden_beyond) in nearest
+        .iter_mut()
+        .zip(occlusion.iter().flat_map(|o| &o.nearest))
+    {
+        if fragment.depth() > *hidden_beyond {
+            *fragment = background;
+        }
     }
     LeafIdImage {
         resolution: scene.resolution,

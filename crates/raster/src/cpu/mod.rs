@@ -7,7 +7,7 @@ mod histogram;
 mod runs;
 mod triangle;
 
-pub use draw::draw_leaf_ids;
+pub use draw::{draw_leaf_ids, draw_leaf_ids_among};
 pub use fragments::{
     LeafFragments, areas_of_heads, fragments, fragments_and_areas, fragments_within,
 };

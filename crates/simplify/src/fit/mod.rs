@@ -28,9 +28,10 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use secateur_model::{Budget, Foliage, Lod, OverMemory, Remedy};
-use secateur_raster::occluders::{Occluded, Occlusion};
+use secateur_raster::cpu::{draw_leaf_ids, draw_leaf_ids_among};
+use secateur_raster::occluders::Occlusion;
 use secateur_raster::{
-    CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, View, ViewSet, cpu,
+    CpuRasteriser, LeafIdImage, Rasteriser, Scene, TooManyFragments, View, ViewSet,
 };
 
 use self::coverage::{Coverage, is_covered_alike};
@@ -87,13 +88,6 @@ pub struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    fn among_occluders(&self) -> Option<Occluded<'a, CpuRasteriser>> {
-        self.occluders.map(|occluders| Occluded {
-            rasteriser: &CpuRasteriser,
-            occluders,
-        })
-    }
-
     /// What `of` makes of each view of what is left, of its number in its set, and of the
     /// original's leaf IDs in it; by set.
     fn of_views<T: Send>(
@@ -108,10 +102,7 @@ impl<'a> Fit<'a> {
             let left = self.scene(self.left, &all_left, views);
             let original = self.scene(self.original, &all, views);
             let room = Room::for_lists(budget, &left, FIT_NOT)?;
-            let fragments = match self.among_occluders() {
-                Some(occluded) => occluded.fragments_within(&left, room.most()),
-                None => CpuRasteriser.fragments_within(&left, room.most()),
-            };
+            let fragments = CpuRasteriser.fragments_within(&left, room.most());
             let fragments = fragments.map_err(|error| {
                 let too_many = error.downcast::<TooManyFragments>().expect(DRAWN);
                 room.lacks(&too_many, &left)
@@ -121,19 +112,22 @@ impl<'a> Fit<'a> {
             let fragments = fragments.into_views();
             let views = fragments.into_par_iter().zip(views.views()).enumerate();
             let made = views.map(|(number, (fragments, view))| {
-                let occlusion = self
-                    .occluders
-                    .map(|occluders| Occlusion::of(occluders, view, self.resolution));
-                let sized = SizedView::new(
-                    self.left,
-                    view,
-                    fragments,
-                    occlusion.as_slice(),
-                    self.resolution,
-                );
-                match originals {
-                    Some(originals) => of(sized, number, &originals.sets[set][number]),
-                    None => of(sized, number, &self.leaf_ids(&original, view)),
+                let known = originals.map(|originals| &originals.sets[set][number]);
+                let own_occlusion = match known {
+                    Some(_) => None,
+                    None => self.occlusion(view),
+                };
+                let occlusion =
+                    known.map_or(own_occlusion.as_ref(), |known| known.occlusion.as_ref());
+                let fragments = match occlusion {
+                    Some(occlusion) => occlusion.cut(&fragments),
+                    None => fragments,
+                };
+                let hiding = occlusion.map_or(&[][..], std::slice::from_ref);
+                let sized = SizedView::new(self.left, view, fragments, hiding, self.resolution);
+                match known {
+                    Some(known) => of(sized, number, &known.leaf_ids),
+                    None => of(sized, number, &leaf_ids(&original, view, occlusion)),
                 }
             });
             Ok(made.collect())
@@ -150,11 +144,10 @@ impl<'a> Fit<'a> {
         }
     }
 
-    fn leaf_ids(&self, scene: &Scene<'_>, view: &View) -> LeafIdImage {
-        match self.among_occluders() {
-            Some(occluded) => occluded.leaf_ids(scene, view).expect(DRAWN),
-            None => cpu::draw_leaf_ids(scene, view),
-        }
+    /// What hides leaves in a view.
+    fn occlusion(&self, view: &View) -> Option<Occlusion> {
+        let occluders = self.occluders?;
+        Some(Occlusion::of(occluders, view, self.resolution))
     }
 
     /// Whether what is left covers the views as the original does, so that no size is to be sought.
@@ -164,23 +157,33 @@ impl<'a> Fit<'a> {
         let pairs = pairs.flat_map(|(views, originals)| {
             let scene = self.scene(self.left, &all_left, views);
             let pairs = views.views().par_iter().zip(originals);
-            let drawn = pairs.map(|(view, original)| (original, self.leaf_ids(&scene, view)));
+            let drawn = pairs.map(|(view, original)| {
+                let left = leaf_ids(&scene, view, original.occlusion.as_ref());
+                (&original.leaf_ids, left)
+            });
             drawn.collect::<Vec<_>>()
         });
         is_covered_alike(pairs)
     }
 
-    /// The original's leaf IDs in all views, unless they would take more than [`MOST_SHARED_BYTES`].
+    /// The original in all views, unless that would take more than [`MOST_SHARED_BYTES`].
     fn draw_originals(&self) -> Option<DrawnOriginals> {
         let views: u64 = self.views.iter().map(|set| set.len() as u64).sum();
-        if 4 * views * u64::from(self.resolution).pow(2) > MOST_SHARED_BYTES {
+        let bytes_a_pixel = 4 + 4 * u64::from(self.occluders.is_some());
+        if bytes_a_pixel * views * u64::from(self.resolution).pow(2) > MOST_SHARED_BYTES {
             return None;
         }
         let all = Lod::original(self.original.leaves().len());
         let of_set = |views: &ViewSet| {
             let scene = self.scene(self.original, &all, views);
-            let drawn = views.views().par_iter();
-            drawn.map(|view| self.leaf_ids(&scene, view)).collect()
+            let drawn = views.views().par_iter().map(|view| {
+                let occlusion = self.occlusion(view);
+                DrawnOriginal {
+                    leaf_ids: leaf_ids(&scene, view, occlusion.as_ref()),
+                    occlusion,
+                }
+            });
+            drawn.collect()
         };
         Some(DrawnOriginals {
             views: self.views.to_vec(),
@@ -190,16 +193,30 @@ impl<'a> Fit<'a> {
     }
 }
 
+fn leaf_ids(scene: &Scene<'_>, view: &View, occlusion: Option<&Occlusion>) -> LeafIdImage {
+    match occlusion {
+        Some(occlusion) => draw_leaf_ids_among(scene, view, occlusion),
+        None => draw_leaf_ids(scene, view),
+    }
+}
+
 /// The most that is kept of an original from fit to fit.
 const MOST_SHARED_BYTES: u64 = 32 << 20;
 
-/// An original's leaf IDs in the views in which sizes are fitted, 4 bytes a pixel: fits of several levels
-/// of one plant share them.
+/// An original in the views in which sizes are fitted: fits of several levels of one plant share it.
 #[derive(Clone, Debug)]
 pub struct DrawnOriginals {
     views: Vec<ViewSet>,
     resolution: u32,
-    sets: Vec<Vec<LeafIdImage>>,
+    sets: Vec<Vec<DrawnOriginal>>,
+}
+
+/// An original in one view: 4 bytes a pixel, and 4 more among occluders.
+#[derive(Clone, Debug)]
+struct DrawnOriginal {
+    leaf_ids: LeafIdImage,
+    /// What hides leaves there; nothing without occluders.
+    occlusion: Option<Occlusion>,
 }
 
 impl DrawnOriginals {
