@@ -6,7 +6,7 @@
 
 use secateur_model::{Foliage, LeafId, Lod, RemovalOrder, Step};
 
-use crate::wood::hanging_on;
+use crate::wood::SortedWood;
 
 /// How often the order is cut anew, each time with as many triangles more as hang.
 const MOST_CUTS: usize = 4;
@@ -14,17 +14,42 @@ const MOST_CUTS: usize = 4;
 /// Wood that leaves hang on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldBy {
-    /// What is left of it.
-    pub wood: Foliage,
-    /// How far from it, or from a lower leaf that rests on it, a leaf may be, in world units.
-    pub largest_gap: f64,
+    wood: SortedWood,
+    largest_gap: f64,
 }
 
 impl HeldBy {
+    /// What is left of the wood, and how far from it, or from a lower leaf that rests on it, a leaf may be, in world
+    /// units.
+    pub fn new(wood: &Foliage, largest_gap: f64) -> Self {
+        Self {
+            wood: SortedWood::of(wood),
+            largest_gap,
+        }
+    }
+
+    /// The same wood with another gap.
+    #[must_use]
+    pub fn with_gap(&self, largest_gap: f64) -> Self {
+        Self {
+            largest_gap,
+            ..self.clone()
+        }
+    }
+
+    /// How far from the wood, or from a lower leaf that rests on it, a leaf may be, in world units.
+    pub fn largest_gap(&self) -> f64 {
+        self.largest_gap
+    }
+
+    /// As [`hanging_on`](crate::wood::hanging_on) this.
+    pub(crate) fn lowest(&self, leaves: &Foliage) -> Vec<Option<usize>> {
+        self.wood.hanging(leaves, self.largest_gap)
+    }
+
     /// The leaves of a level that hang in the air, by their names.
     pub fn hanging(&self, leaves: &Foliage, lod: &Lod) -> Vec<LeafId> {
-        let lowest = hanging_on(&lod.foliage(leaves), &self.wood, self.largest_gap);
-        let all = lod.all_leaves().zip(lowest);
+        let all = lod.all_leaves().zip(self.lowest(&lod.foliage(leaves)));
         all.filter_map(|((leaf, _), lowest)| lowest.map(|_| leaf))
             .collect()
     }
@@ -118,10 +143,7 @@ mod tests {
         let mut wood = Foliage::default();
         wood.push_leaf(&[LeafTriangle::plain(corners)], None)
             .unwrap();
-        HeldBy {
-            wood,
-            largest_gap: 0.9,
-        }
+        HeldBy::new(&wood, 0.9)
     }
 
     fn names(numbers: &[u32]) -> Vec<LeafId> {
@@ -133,10 +155,7 @@ mod tests {
         let foliage = leaves(&[0.0, 0.8, 1.5, 0.5]);
         let hanging = wall().hanging(&foliage, &Lod::original(4));
         assert_eq!(hanging, names(&[3]));
-        let nothing = HeldBy {
-            wood: Foliage::default(),
-            ..wall()
-        };
+        let nothing = HeldBy::new(&Foliage::default(), 0.9);
         assert_eq!(nothing.hanging(&foliage, &Lod::original(4)).len(), 4);
     }
 

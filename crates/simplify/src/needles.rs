@@ -353,10 +353,7 @@ mod tests {
         let floor = [(-9.0, -9.0), (30.0, -9.0), (-9.0, 30.0)]
             .map(|(x, z)| middle + DVec3::new(x, -1.0, z));
         let wood = foliage(&[&[LeafTriangle::plain(floor)]]);
-        let held_by = Arc::new(HeldBy {
-            wood,
-            largest_gap: 0.35,
-        });
+        let held_by = Arc::new(HeldBy::new(&wood, 0.35));
         let options = Options {
             held_by: Some(Arc::clone(&held_by)),
             resolution: Resolution::Pixels(64),
@@ -370,10 +367,7 @@ mod tests {
         assert_eq!(passes.sizes.as_ref().unwrap().len(), left);
         assert!(held_by.hanging(&crown, &passes.lod()).is_empty());
         // With less to hang on some more go, with the needles and the sizes that they had.
-        let nearer = HeldBy {
-            largest_gap: 0.2,
-            ..(*held_by).clone()
-        };
+        let nearer = held_by.with_gap(0.2);
         let before = passes.lod();
         let hanging = nearer.hanging(&crown, &before).len();
         assert!(0 < hanging && hanging < left, "{hanging}");

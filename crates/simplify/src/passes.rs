@@ -178,10 +178,7 @@ mod tests {
             .map(|(x, z)| middle.centre + middle.radius * DVec3::new(x, -0.8, z));
         let mut wood = Foliage::default();
         wood.push_leaf(&[LeafTriangle::plain(floor)], None).unwrap();
-        let held_by = HeldBy {
-            wood,
-            largest_gap: 0.12 * middle.radius,
-        };
+        let held_by = HeldBy::new(&wood, 0.12 * middle.radius);
         let options = Options {
             method: Method::Fsa(FsaOptions::default()),
             resolution: Resolution::Pixels(32),

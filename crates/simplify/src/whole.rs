@@ -22,7 +22,7 @@ use crate::fill::is_met;
 use crate::hanging_leaves::HeldBy;
 use crate::observe::observe;
 use crate::stage::Observer;
-use crate::wood::{Chosen, Parts, Wood, WoodBudget, hanging_on};
+use crate::wood::{Chosen, Parts, Wood, WoodBudget};
 use crate::{
     Error, Fitting, Options, Shared, Simplified, Target, Views, Warning, simplify_on,
     simplify_sharing, sphere_of,
@@ -298,8 +298,10 @@ impl<'a> WholePlant<'a> {
             ..options.clone()
         };
         let sketch = simplify_sharing(engine, &self.leaves, &sketch, Some(&mut *shared), observer)?;
-        let (mut wood, held_by) = self.held(plain, &sketch.lod, budget);
-        let leaf_gap = held_by.as_ref().map(|held_by| held_by.largest_gap);
+        let least = shared.least_gap_doubled();
+        let (mut wood, held_by, doubled) = self.held(plain, &sketch.lod, budget, least);
+        shared.gap_doubled = doubled;
+        let leaf_gap = held_by.as_ref().map(|held_by| held_by.largest_gap());
         options.held_by = held_by.map(Arc::new);
         options.target = Target::triangles((triangles - wood.triangles) as u64);
         let mut leaves = simplify_sharing(engine, &self.leaves, &options, Some(shared), observer)?;
@@ -336,35 +338,48 @@ impl<'a> WholePlant<'a> {
     /// The wood of a plant of a budget, with what its leaves are to hang on: wood that bears them
     /// within the largest distance that one has from the wood, or else within twice of it, four times
     /// and so on, where that takes at most [`MOST_HOLDING`] of the budget. `sketch` are leaves that are
-    /// left beside `plain` wood.
-    fn held(&self, plain: WoodLevel, sketch: &Lod, budget: Budget) -> (WoodLevel, Option<HeldBy>) {
+    /// left beside `plain` wood. How often that distance was doubled, at least `least_doubled` times, comes last.
+    fn held(
+        &self,
+        plain: WoodLevel,
+        sketch: &Lod,
+        budget: Budget,
+        least_doubled: u32,
+    ) -> (WoodLevel, Option<HeldBy>, u32) {
         let triangles = budget.triangles;
         let most = (MOST_HOLDING * triangles as f64) as usize;
         let of_leaves = triangles.saturating_sub(plain.triangles);
         let most_going = (MOST_GOING * of_leaves as f64) as usize;
-        for doubled in 0..MOST_DOUBLED {
+        let left = sketch.foliage(&self.leaves);
+        let sketch = (sketch, &left);
+        let Some(beside) = self.held_by(&plain.lod) else {
+            return (plain, None, MOST_DOUBLED);
+        };
+        for doubled in least_doubled..MOST_DOUBLED {
             let largest_gap = self.levels.leaf_gap() * f64::from(1 << doubled);
-            let Some(beside) = self.held_by(&plain.lod, largest_gap) else {
-                break;
-            };
+            let beside = beside.with_gap(largest_gap);
             let mut hanging_px = vec![0.0; self.leaves.leaves().len()];
             let hanging = self.add_hanging(sketch, &beside, triangles, &mut hanging_px);
             if hanging == 0 {
-                return (plain, Some(beside));
+                return (plain, Some(beside), doubled);
             }
             let wood = self.wood_of(&hanging_px, budget);
             let more = wood.triangles.saturating_sub(plain.triangles);
-            let Some(held_by) = self.held_by(&wood.lod, largest_gap) else {
-                break;
+            let held_by = match wood.lod == plain.lod {
+                true => beside,
+                false => match self.held_by(&wood.lod) {
+                    Some(held_by) => held_by.with_gap(largest_gap),
+                    None => break,
+                },
             };
             if more <= most {
                 let going = self.add_hanging(sketch, &held_by, triangles, &mut hanging_px);
                 if more + going <= most && going <= most_going {
-                    return (wood, Some(held_by));
+                    return (wood, Some(held_by), doubled);
                 }
             }
         }
-        (plain, None)
+        (plain, None, MOST_DOUBLED)
     }
 
     /// The wood of a plant of a budget.
@@ -385,13 +400,12 @@ impl<'a> WholePlant<'a> {
     /// pixels of all leaves that rest on it. Returns the number of their triangles.
     fn add_hanging(
         &self,
-        leaves: &Lod,
+        (leaves, left): (&Lod, &Foliage),
         held_by: &HeldBy,
         triangles: usize,
         hanging_px: &mut [f64],
     ) -> usize {
-        let left = leaves.foliage(&self.leaves);
-        let lowest = hanging_on(&left, &held_by.wood, held_by.largest_gap);
+        let lowest = held_by.lowest(left);
         let originals = leaves.leaves().map(|(leaf, _)| leaf.index());
         let donors = leaves.made().map(|(made, _)| made.donor.index());
         let names: Vec<usize> = originals.chain(donors).collect();
@@ -436,21 +450,19 @@ impl<'a> WholePlant<'a> {
         let left = leaves.lod.foliage(&self.leaves).triangles().len();
         let triangles = left + self.wood_beside(left);
         let plain = self.wood_of(&[], triangles.into());
-        let (wood, held_by) = self.held(plain, &leaves.lod, triangles.into());
+        let (wood, held_by, _) = self.held(plain, &leaves.lod, triangles.into(), 0);
         Ok(WholeLevel {
             leaves,
             wood: wood.lod,
             wood_triangles: wood.triangles,
-            leaf_gap: held_by.map(|held_by| held_by.largest_gap),
+            leaf_gap: held_by.map(|held_by| held_by.largest_gap()),
         })
     }
 
     /// What leaves hang on beside this wood; nothing where there is none.
-    fn held_by(&self, wood: &Lod, largest_gap: f64) -> Option<HeldBy> {
-        (wood.leaf_count() > 0).then(|| HeldBy {
-            wood: wood.foliage(&self.wood),
-            largest_gap,
-        })
+    fn held_by(&self, wood: &Lod) -> Option<HeldBy> {
+        let gap = self.levels.leaf_gap();
+        (wood.leaf_count() > 0).then(|| HeldBy::new(&wood.foliage(&self.wood), gap))
     }
 
     /// How many triangles wood has in the least plant in which leaves have `leaf_triangles`: by halving,

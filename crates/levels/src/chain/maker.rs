@@ -88,9 +88,13 @@ impl<'a> Maker<'a> {
         let [leaves, wood] = [tree.leaves(), tree.wood()];
         let of_leaves = &options.leaves;
         let (look, judging) = Look::new(tree, options, clock)?;
+        let shared = match &options.wanted {
+            Wanted::Triangles(_) => Shared::default,
+            Wanted::Heights(_) | Wanted::Distances(_) => Shared::for_search,
+        };
         let stands = match options.wood {
             WoodMode::Keep | WoodMode::Ignore => None,
-            _ => Some(Stands::of(tree, look.judge(), of_leaves, engine)?),
+            _ => Some(Stands::of(tree, look.judge(), of_leaves, engine, shared)?),
         };
         let dilated = match options.textures {
             Textures::Fit => dilated_textures(items)?,
@@ -104,7 +108,7 @@ impl<'a> Maker<'a> {
         Ok(Self {
             dilated: dilated.collect(),
             all: leaves.triangles().len() + wood.triangles().len(),
-            shared: RefCell::default(),
+            shared: RefCell::new(shared()),
             leaf_options: Options {
                 memory: memory.memory(),
                 most_fit_px: match &options.wanted {

@@ -27,12 +27,14 @@ pub(super) struct Stands<'a> {
 }
 
 impl<'a> Stands<'a> {
-    /// The plants that a judge tells apart, if each has leaves and wood of its own; else all as one.
+    /// The plants that a judge tells apart, if each has leaves and wood of its own; else all as one. `shared` makes what
+    /// the levels of one share.
     pub(super) fn of(
         tree: &'a WholeTree,
         judge: &DifferenceJudge,
         options: &Options,
         engine: &OpenEngine,
+        shared: fn() -> Shared,
     ) -> Result<Self, Error> {
         let all = [tree.leaves(), tree.wood()];
         let counts = all.map(|foliage| foliage.leaves().len());
@@ -52,7 +54,7 @@ impl<'a> Stands<'a> {
                     Ok(Stand {
                         plant: WholePlant::within(&items, leaves, wood, options, engine)?,
                         names: Some(names),
-                        shared: RefCell::default(),
+                        shared: RefCell::new(shared()),
                     })
                 };
                 apart.into_iter().map(stand).collect::<Result<_, Error>>()?
@@ -63,7 +65,7 @@ impl<'a> Stands<'a> {
                 vec![Stand {
                     plant: WholePlant::within(items, leaves, wood, options, engine)?,
                     names: None,
-                    shared: RefCell::default(),
+                    shared: RefCell::new(shared()),
                 }]
             }
         };
@@ -194,7 +196,7 @@ mod tests {
             ..Options::with_preset(Preset::Look, Target::triangle_share(1.0))
         };
         let engine = OpenEngine::cpu();
-        let stands = Stands::of(&tree, &judge, &options, &engine).unwrap();
+        let stands = Stands::of(&tree, &judge, &options, &engine, Shared::default).unwrap();
         let mut go_on = |_| ControlFlow::Continue(());
         let levels = stands
             .level(triangles.into(), &options, &engine, &mut go_on)

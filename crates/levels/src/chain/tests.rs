@@ -224,14 +224,15 @@ fn where_cards_go_for_what_their_switch_shows_the_meshes_stay() {
     };
     let [of_few, of_many] =
         [0, 1].map(|k| impostors[k].level.impostor.surface.triangles.len() as u64);
-    assert_eq!(ending(&free).0, [400, of_few, of_many]);
+    let [of_fine, of_coarse] = [0, 1].map(|k| made[k].triangles() as u64);
+    assert_eq!(ending(&free).0, [of_fine, of_few, of_many]);
     // Of a bound below what any switch shows the finest mesh alone is left, and each of the others is named.
     let least = [to_mesh, to_few, to_many, few_to_many]
         .into_iter()
         .fold(f64::INFINITY, f64::min);
     let (levels, notes) = ending(&bounded(0.9 * least));
-    assert_eq!(levels, [400]);
-    for triangles in [of_few, of_many, 250] {
+    assert_eq!(levels, [of_fine]);
+    for triangles in [of_few, of_many, of_coarse] {
         let left_out = format!("a level of {triangles} triangles is left out");
         assert!(
             notes.iter().any(|note| note.starts_with(&left_out)),
@@ -241,7 +242,7 @@ fn where_cards_go_for_what_their_switch_shows_the_meshes_stay() {
     // The mesh in whose place the few cards stood is back where the bound lets it be.
     if to_mesh < to_few.min(to_many) {
         let (levels, _) = ending(&bounded((to_mesh + to_few.min(to_many)) / 2.0));
-        assert_eq!(levels, [400, 250]);
+        assert_eq!(levels, [of_fine, of_coarse]);
     }
 }
 

@@ -44,7 +44,18 @@ impl PassContext<'_> {
             known,
             coarse,
         } = self.coarsening(shared.as_deref_mut());
-        let selection = self.selection(known.as_ref(), coarse.as_ref(), clock)?;
+        let target = match &mut shared {
+            Some(shared) => {
+                let mut curves = shared.curves.take();
+                let limit = self.options.leaf_triangles;
+                let mut shares_for = |target| limit.shares(self.foliage, target, &mut curves);
+                let target = shared.selection_target(self.target, |of| shares_for(of) == shares);
+                shared.curves = curves;
+                target
+            }
+            None => self.target,
+        };
+        let selection = self.selection(target, known.as_ref(), coarse.as_ref(), clock)?;
         if let (Some(shared), true) = (&mut shared, is_driven) {
             shared.keep(KeptOrder {
                 views: self.options.views.clone(),
@@ -104,7 +115,11 @@ impl PassContext<'_> {
         }
         let mut curves = shared.as_mut().and_then(|shared| shared.curves.take());
         let limit = self.options.leaf_triangles;
-        coarsening.shares = limit.shares(self.foliage, self.target, &mut curves);
+        let target = match &shared {
+            Some(shared) => shared.coarsening_target(self.target),
+            None => self.target,
+        };
+        coarsening.shares = limit.shares(self.foliage, target, &mut curves);
         coarsening.known = shared
             .as_mut()
             .and_then(|shared| shared.take(&self.options.views, &coarsening.shares));
@@ -125,11 +140,12 @@ impl PassContext<'_> {
     /// What the method chooses, or chose in an earlier run.
     fn selection(
         &self,
+        target: Target,
         known: Option<&KeptOrder>,
         coarse: Option<&Coarse>,
         clock: &mut Clock<'_>,
     ) -> Result<Selection, Error> {
-        let target = match self.target {
+        let target = match target {
             // The error that counts is the one against the leaves as they are.
             Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
             target => target,
@@ -144,7 +160,11 @@ impl PassContext<'_> {
             rasteriser: self.rasteriser,
             occluders: self.occluders,
         };
-        match known.filter(|known| known.reaches(&task)) {
+        let own = Task {
+            target: self.target,
+            ..task
+        };
+        match known.filter(|known| known.reaches(&own)) {
             Some(known) => Ok(known.selection()),
             None => self
                 .options

@@ -1,5 +1,7 @@
 //! How far leaves and pieces of wood hang in the air.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use rstar::RTree;
@@ -7,7 +9,7 @@ use rstar::primitives::GeomWithData;
 use secateur_model::{Foliage, LeafId};
 
 use super::bearing::{points_of, triangles_of};
-use super::support::{bounds, growing};
+use super::support::{Bounds, bounds, growing};
 
 /// For each leaf how far it is from the nearest wood, or from the nearest leaf that lies lower, in world
 /// units: 0 where they touch. So each leaf rests on wood, or on leaves that do.
@@ -57,46 +59,69 @@ pub fn leaf_gaps(leaves: &Foliage, wood: &Foliage) -> Vec<f64> {
 ///
 /// Lower and distances are as [`leaf_gaps`] has them.
 pub fn hanging_on(leaves: &Foliage, wood: &Foliage, largest_gap: f64) -> Vec<Option<usize>> {
-    let (wood, all) = (triangles_of(wood), triangles_of(leaves));
-    let points = |index: usize| {
-        let triangles = leaves.triangles_of(LeafId::from_index(index)).iter();
-        triangles.flat_map(|t| samples(t.corners))
-    };
-    // Whether there is any is found much sooner than which is nearest.
-    let is_near_wood = |index: usize| {
-        points(index).any(|point| {
-            let mut near = wood.locate_within_distance(point.to_array(), largest_gap.powi(2));
-            near.next().is_some()
-        })
-    };
-    let count = leaves.leaves().len();
-    let is_near_wood: Vec<bool> = (0..count).into_par_iter().map(is_near_wood).collect();
-    let height = |index: usize| leaves.leaf(LeafId::from_index(index)).centre().y;
-    let mut upward: Vec<usize> = (0..count).collect();
-    upward.sort_by(|a, b| height(*a).total_cmp(&height(*b)).then(a.cmp(b)));
-    let mut lowest: Vec<Option<usize>> = vec![None; count];
-    for leaf in upward {
-        if is_near_wood[leaf] {
-            continue;
+    SortedWood::of(wood).hanging(leaves, largest_gap)
+}
+
+/// The triangles of wood, sorted by where they are.
+#[derive(Clone, Debug)]
+pub(crate) struct SortedWood(Arc<RTree<GeomWithData<Bounds, u32>>>);
+
+impl PartialEq for SortedWood {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.size() == other.0.size() && self.0.iter().eq(other.0.iter())
+    }
+}
+
+impl SortedWood {
+    pub(crate) fn of(wood: &Foliage) -> Self {
+        Self(Arc::new(triangles_of(wood)))
+    }
+
+    /// [`hanging_on`] this.
+    pub(crate) fn hanging(&self, leaves: &Foliage, largest_gap: f64) -> Vec<Option<usize>> {
+        let points = |index: usize| {
+            let triangles = leaves.triangles_of(LeafId::from_index(index)).iter();
+            triangles.flat_map(|t| samples(t.corners))
+        };
+        // Whether there is any is found much sooner than which is nearest.
+        let is_near_wood = |index: usize| {
+            points(index).any(|point| {
+                let mut near = self
+                    .0
+                    .locate_within_distance(point.to_array(), largest_gap.powi(2));
+                near.next().is_some()
+            })
+        };
+        let count = leaves.leaves().len();
+        let is_near_wood: Vec<bool> = (0..count).into_par_iter().map(is_near_wood).collect();
+        let mut lowest: Vec<Option<usize>> = vec![None; count];
+        let mut upward: Vec<usize> = (0..count).filter(|leaf| !is_near_wood[*leaf]).collect();
+        if upward.is_empty() {
+            return lowest;
         }
-        let mut found = Some(leaf);
-        'points: for point in points(leaf) {
-            for near in all.locate_within_distance(point.to_array(), largest_gap.powi(2)) {
-                let other = near.data as usize;
-                if height(other) < height(leaf) {
-                    if lowest[other].is_none() {
-                        found = None;
-                        break 'points;
-                    }
-                    if found == Some(leaf) {
-                        found = lowest[other];
+        let all = triangles_of(leaves);
+        let height = |index: usize| leaves.leaf(LeafId::from_index(index)).centre().y;
+        upward.sort_by(|a, b| height(*a).total_cmp(&height(*b)).then(a.cmp(b)));
+        for leaf in upward {
+            let mut found = Some(leaf);
+            'points: for point in points(leaf) {
+                for near in all.locate_within_distance(point.to_array(), largest_gap.powi(2)) {
+                    let other = near.data as usize;
+                    if height(other) < height(leaf) {
+                        if lowest[other].is_none() {
+                            found = None;
+                            break 'points;
+                        }
+                        if found == Some(leaf) {
+                            found = lowest[other];
+                        }
                     }
                 }
             }
+            lowest[leaf] = found;
         }
-        lowest[leaf] = found;
+        lowest
     }
-    lowest
 }
 
 /// For each piece of wood how far it is from the one that it grows on, in world units: see

@@ -37,6 +37,7 @@ use secateur_raster::ViewSet;
 
 use bearing::{Bearing, Borne, Needs, needs};
 pub(crate) use crown::crown_and_rest;
+pub(crate) use gaps::SortedWood;
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
 use levels::{Level, collapsed, collapsed_to, joints, last_levels, levels};
 use loss::Judges;

@@ -170,8 +170,8 @@ pub(super) fn bounds(corners: [DVec3; 3]) -> Bounds {
 }
 
 /// A triangle with its box.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds(AABB<[f64; 3]>, [DVec3; 3]);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds(AABB<[f64; 3]>, [DVec3; 3]);
 
 impl RTreeObject for Bounds {
     type Envelope = AABB<[f64; 3]>;
