@@ -10,7 +10,7 @@ use super::cards::FAR_PX;
 use super::error::ChainError;
 use super::goals::Goals;
 use super::maker::{Made, Maker};
-use super::memory::MOST_TRIED;
+use super::memory::most_tried;
 use super::placed::{Place, Placed};
 use super::textures::Client;
 
@@ -24,11 +24,17 @@ const STEPS: usize = 10 * STEPS_A_HALF + 1;
 /// By how much the logarithm of the difference over its limit rises from step to step, until two levels tell.
 const USUAL_SLOPE: f64 = 0.0125;
 
+/// By how little and how much two levels may tell that it rises: any two differ by chance, too.
+const SLOPES: [f64; 2] = [0.006, 0.03];
+
+/// A guess goes at most this many steps beyond what is known, and later ones twice as far each.
+const MOST_AWAY: f64 = STEPS_A_HALF as f64;
+
 /// A search ends where the next level to try is fewer steps from what is known to do.
 const LEAST_GAIN: usize = 4;
 
 /// A level that reaches this share of what is allowed is light enough.
-const ENOUGH: f64 = 0.88;
+const ENOUGH: f64 = 0.85;
 
 /// A level that reaches this share of the goal of a search ends it.
 const NEAR: f64 = 0.95;
@@ -65,6 +71,8 @@ pub(super) struct Ladder<'a, 'm> {
     sharing: usize,
     steps: usize,
     goals: Goals,
+    /// By how much the logarithm of the difference rose from step to step where that was last seen.
+    slope: f64,
 }
 
 /// A step, and how many times the limits it is.
@@ -85,6 +93,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
                 false => work.sharings,
             },
             sharing: 0,
+            slope: USUAL_SLOPE,
             steps: (0..STEPS).take_while(has_more).count().max(1),
             goals: Goals::of(work.search_px),
             work,
@@ -111,7 +120,9 @@ impl<'a, 'm> Ladder<'a, 'm> {
         };
         for _ in 0..self.work.placed {
             let found = self.coarsest(heights, steps.clone(), guess, observer)?;
-            let Some((step, in_search)) = found.or_else(|| finer_than(beyond?, &steps)) else {
+            let slope = self.slope;
+            let finer = || finer_than(beyond?, slope, &steps);
+            let Some((step, in_search)) = found.or_else(finer) else {
                 break;
             };
             let made = self.level(step, observer)?.clone();
@@ -172,26 +183,25 @@ impl<'a, 'm> Ladder<'a, 'm> {
         first: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
-        let mut best = self.coarsest_so_shared(heights, steps.clone(), first, observer)?;
+        let best = self.coarsest_so_shared(heights, steps.clone(), (first, None), observer)?;
         // Of few pixels no sharing shows enough to be worth the time.
         if heights[0] <= FAR_PX {
             return Ok(best);
         }
-        loop {
-            let next = best.map_or(steps.start, |(step, _)| step + BETTER_BY);
-            if next >= steps.end {
-                return Ok(best);
-            }
-            match self.share_best(heights, next, observer)? {
-                Some(over) => best = Some((next, over)),
-                None => return Ok(best),
-            }
+        let next = best.map_or(steps.start, |(step, _)| step + BETTER_BY);
+        if next >= steps.end {
+            return Ok(best);
         }
+        let Some(over) = self.share_better(heights, next, observer)? else {
+            return Ok(best);
+        };
+        let known = (next, Some((next, over)));
+        self.coarsest_so_shared(heights, steps, known, observer)
     }
 
-    /// Shares triangles as does best at a step, and how many times the limits the level is then; nothing, and no other
-    /// sharing, where none does.
-    fn share_best(
+    /// Shares triangles otherwise, as does best at a step, and how many times the limits the level is then; nothing, and
+    /// no other sharing, where no other does.
+    fn share_better(
         &mut self,
         heights: &[f64],
         step: usize,
@@ -199,7 +209,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
     ) -> Result<Option<f64>, ChainError> {
         let (before, goal) = (self.sharing, self.goals.at(heights[0]));
         let mut best: Option<(usize, f64)> = None;
-        for sharing in 0..self.sharings.len() {
+        for sharing in (0..self.sharings.len()).filter(|sharing| *sharing != before) {
             self.sharing = sharing;
             let over = self.over(step, heights, observer)?;
             if over <= best.map_or(goal, |(_, least)| least) {
@@ -210,15 +220,16 @@ impl<'a, 'm> Ladder<'a, 'm> {
         Ok(best.map(|(_, over)| over))
     }
 
-    /// The coarsest of some steps that does, with triangles shared as they are.
+    /// The coarsest of some steps that does, with triangles shared as they are; beginning with a step, or with one that is
+    /// known to do.
     fn coarsest_so_shared(
         &mut self,
         heights: &[f64],
         steps: Range<usize>,
-        first: usize,
+        (first, known): (usize, Option<Tried>),
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
-        let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (None, None);
+        let (mut within, mut beyond): (Option<Tried>, Option<Tried>) = (known, None);
         let goal = self.goals.at(heights[0]);
         let near = if self.goals.are_known(heights[0]) {
             NEAR
@@ -233,14 +244,28 @@ impl<'a, 'm> Ladder<'a, 'm> {
             if low >= high || is_near || is_enough {
                 break;
             }
-            let next = guess((within, beyond), goal, (first, guesses), low..high);
+            let known = (within, beyond);
+            let next = guess(known, (goal, self.slope), (first, guesses), low..high);
             let over = self.over(next, heights, observer)?;
+            self.learn_slope(known, (next, over));
             match over <= goal {
                 true => within = Some((next, over)),
                 false => beyond = Some((next, over)),
             }
         }
         Ok(within)
+    }
+
+    /// Takes in what a level tells beside the nearest that was tried before it.
+    fn learn_slope(&mut self, (within, beyond): (Option<Tried>, Option<Tried>), tried: Tried) {
+        let others = [within, beyond].into_iter().flatten();
+        let Some(other) = others.min_by_key(|other| other.0.abs_diff(tried.0)) else {
+            return;
+        };
+        let slope = (tried.1 / other.1).ln() / (tried.0 as f64 - other.0 as f64);
+        if slope.is_finite() {
+            self.slope = slope.clamp(SLOPES[0], SLOPES[1]);
+        }
     }
 
     /// How many times the limits a level is in the pictures of a search: at the first height as its goal has it, at the
@@ -291,7 +316,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
 
     /// Drops levels while they are more than memory is taken for, those first that are most steps away.
     fn forget_far_from(&mut self, (step, sharing): (usize, usize)) {
-        let most = MOST_TRIED * self.maker.all;
+        let most = most_tried(self.maker.all);
         let mut kept: usize = self.made.values().map(Made::triangles).sum();
         while kept > most && self.made.len() > 1 {
             let others = self.made.keys().filter(|key| **key != (step, sharing));
@@ -310,8 +335,8 @@ pub(super) fn step_of_share(share: f64, of_step: usize) -> usize {
 
 /// The step to try where one was beyond the limits in pictures of its size, and those of a search then know of none that
 /// is not: large pictures need not show as many times as much of each. With nothing known of it in a search.
-fn finer_than((step, over): Tried, steps: &Range<usize>) -> Option<Tried> {
-    let by = (over.ln() / USUAL_SLOPE).ceil() as usize + FINER_BY;
+fn finer_than((step, over): Tried, slope: f64, steps: &Range<usize>) -> Option<Tried> {
+    let by = (over.ln() / slope).ceil() as usize + FINER_BY;
     let finer = step.checked_sub(by)?;
     steps.contains(&finer).then_some((finer, 0.0))
 }
@@ -326,7 +351,7 @@ fn triangles_of(step: usize, all: usize) -> usize {
 /// known. After some guesses the rest is halved, and while only one side is known each goes twice as far.
 fn guess(
     (within, beyond): (Option<Tried>, Option<Tried>),
-    goal: f64,
+    (goal, slope): (f64, f64),
     (first, guesses): (usize, u32),
     steps: Range<usize>,
 ) -> usize {
@@ -336,8 +361,8 @@ fn guess(
     let middle = (steps.start + last) as f64 / 2.0;
     // Each is further off than the one before, but not off the end.
     let away = |(step, over): Tried| {
-        let by = (above(over) / USUAL_SLOPE).abs().max(1.0);
-        let by = by * f64::from(2u32.pow(guesses.saturating_sub(1).min(8)));
+        let by = (above(over) / slope).abs().max(1.0);
+        let by = by.min(MOST_AWAY) * f64::from(2u32.pow(guesses.saturating_sub(1).min(8)));
         match over <= goal {
             true => (step as f64 + by).min(middle.max(step as f64 + 1.0)),
             false => step as f64 - by,
@@ -377,7 +402,8 @@ mod tests {
 
     #[test]
     fn the_next_step_is_where_the_goal_should_be_crossed() {
-        let known = |within, beyond, steps| guess((within, beyond), 1.0, (104, 1), steps);
+        let known =
+            |within, beyond, steps| guess((within, beyond), (1.0, USUAL_SLOPE), (104, 1), steps);
         assert_eq!(known(None, None, 1..300), 104);
         assert_eq!(known(None, None, 110..300), 110);
         // What is e^.3 times the limits is 24 steps beyond them.
@@ -411,8 +437,8 @@ mod tests {
                 ladder.over(step, &[60.0], &mut go_on).unwrap()
             });
             ladder.sharing = 0;
-            let found = ladder.share_best(&[60.0], step, &mut go_on).unwrap();
-            let least = overs.into_iter().fold(f64::INFINITY, f64::min);
+            let found = ladder.share_better(&[60.0], step, &mut go_on).unwrap();
+            let least = overs[1].min(overs[2]);
             assert_eq!(found, Some(least).filter(|least| *least <= goal));
             match found {
                 Some(over) => assert_eq!(overs[ladder.sharing], over),
@@ -428,9 +454,9 @@ mod tests {
     #[test]
     fn after_a_level_beyond_the_limits_a_finer_one_is_tried() {
         let beyond = (60, 1.22);
-        assert_eq!(finer_than(beyond, &(0..60)), Some((40, 0.0)));
-        assert_eq!(finer_than(beyond, &(41..60)), None);
-        assert_eq!(finer_than((10, 1.22), &(0..10)), None);
+        assert_eq!(finer_than(beyond, USUAL_SLOPE, &(0..60)), Some((40, 0.0)));
+        assert_eq!(finer_than(beyond, USUAL_SLOPE, &(41..60)), None);
+        assert_eq!(finer_than((10, 1.22), USUAL_SLOPE, &(0..10)), None);
     }
 
     #[test]

@@ -7,8 +7,15 @@ use secateur_simplify::{Error, check_run, take_plant};
 
 use super::options::{ChainOptions, Wanted};
 
-/// The most triangles that tried levels have together while they are kept, as a multiple of those of the plant.
-pub(super) const MOST_TRIED: usize = 2;
+/// The most triangles that tried levels have together while they are kept, as a multiple of those of the plant, and of
+/// how many at least: a search comes back to levels of small plants.
+const MOST_TRIED: usize = 2;
+const LEAST_TRIED: usize = 100_000;
+
+/// The most triangles that tried levels of a plant of so many have together while they are kept.
+pub(super) fn most_tried(triangles: usize) -> usize {
+    (MOST_TRIED * triangles).max(LEAST_TRIED)
+}
 
 /// What a triangle of a level that is kept takes, as it is drawn.
 const BYTES_A_DRAWN_TRIANGLE: u64 = 200;
@@ -66,7 +73,7 @@ fn take_all(
     if let Wanted::Triangles(_) = options.wanted {
         return Ok(());
     }
-    let triangles = MOST_TRIED * (leaves.triangles().len() + wood.triangles().len());
+    let triangles = most_tried(leaves.triangles().len() + wood.triangles().len());
     let bytes = BYTES_A_DRAWN_TRIANGLE * triangles as u64;
     let what = || format!("levels that are tried, of {triangles} triangles together,");
     budget.take(bytes, what, Remedy::FewerPixels)
