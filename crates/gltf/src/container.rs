@@ -219,10 +219,17 @@ fn word(four_bytes: &mut FourBytes<'_>, at: usize) -> Result<Option<usize>, Prob
     Ok(four_bytes(at)?.map(|bytes| u32::from_le_bytes(bytes) as usize))
 }
 
+/// How the file begins that Git LFS leaves where it has not fetched the file itself.
+const LFS_POINTER: &[u8] = b"version https://git-lfs";
+
 fn parse_json(bytes: &[u8]) -> Result<Value, Problem> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.is_empty() {
         return Err(Problem::NotGltf("it is empty".to_owned()));
+    }
+    if bytes.starts_with(LFS_POINTER) {
+        let reason = "it is a pointer of Git LFS, not the file itself: `git lfs pull` fetches that";
+        return Err(Problem::NotGltf(reason.to_owned()));
     }
     let root: Value = serde_json::from_slice(bytes)
         .map_err(|error| Problem::NotGltf(format!("its JSON cannot be parsed ({error})")))?;

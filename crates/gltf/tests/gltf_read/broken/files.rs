@@ -5,6 +5,10 @@ use super::*;
 #[test]
 fn files_that_are_no_gltf() {
     assert_eq!(refused(b""), "small.glb: is not glTF: it is empty");
+    assert_eq!(
+        refused(b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n"),
+        "small.glb: is not glTF: it is a pointer of Git LFS, not the file itself: `git lfs pull` fetches that"
+    );
     assert!(
         refused(b"\x89PNG\r\n").starts_with("small.glb: is not glTF: its JSON cannot be parsed")
     );
