@@ -7,7 +7,7 @@ use secateur_raster::{
 };
 
 use crate::resolution::least_resolution;
-use crate::{Method, Options};
+use crate::{Method, Options, sphere_of};
 
 /// What a fragment takes where it takes most: 8 bytes in its list, and 16 while the list of its
 /// view is made; later 8 in the A-buffer, half as many for lists that grow, and 4 to find it by its
@@ -82,12 +82,12 @@ pub(crate) fn take_run(
 /// # Errors
 /// [`OverMemory`] if it does not.
 pub fn check_run(budget: &Budget, leaves: &Foliage, options: &Options) -> Result<(), OverMemory> {
-    let Some(sphere) = leaves.bounding_sphere() else {
+    // What is out of range is refused later, in words that no memory helps.
+    let Ok(sphere) = sphere_of(leaves) else {
         return Ok(());
     };
     let views = options.first_views(sphere);
     let resolution = least_resolution(options);
-    // What is out of range is refused later, in words that no memory helps.
     if u64::from(resolution).pow(2) * views.len() as u64 > MAX_TOTAL_PIXELS {
         return Ok(());
     }
