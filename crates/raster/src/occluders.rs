@@ -200,6 +200,24 @@ mod tests {
     }
 
     #[test]
+    fn a_leaf_behind_a_wall_is_not_drawn_though_no_leaf_is_nearer() {
+        let (leaves, wall) = (foliage(&[(1.0, -1.0)]), foliage(&[(1.0, 0.0)]));
+        let views = before_and_behind();
+        let scene = Scene {
+            foliage: &leaves,
+            lod: &Lod::original(1),
+            views: &views,
+            resolution: 64,
+        };
+        let drawn = views.views().iter().map(|view| {
+            let occlusion = Occlusion::of(&wall, view, 64);
+            let image = cpu::draw_leaf_ids_among(&scene, view, &occlusion);
+            image.leaf_ids.contains(&1)
+        });
+        assert!(drawn.eq([false, true]));
+    }
+
+    #[test]
     fn a_leaf_that_is_drawn_alone_ends_there_too() {
         let leaves = foliage(&[(2.0, -1.0)]);
         let wall = foliage(&[(1.0, 0.0)]);

@@ -42,7 +42,8 @@ impl HeldBy {
         self.largest_gap
     }
 
-    /// As [`hanging_on`](crate::wood::hanging_on) this.
+    /// For each leaf the lowest leaf that it hangs on in the air; nothing where this wood holds it: see
+    /// [`hanging_on`](crate::wood::hanging_on).
     pub(crate) fn lowest(&self, leaves: &Foliage) -> Vec<Option<usize>> {
         self.wood.hanging(leaves, self.largest_gap)
     }

@@ -14,10 +14,10 @@ use crate::fit::DrawnOriginals;
 use crate::select::{Begun, Selection, Task};
 use crate::{Amount, Target, Views};
 
-/// In a search leaves become coarser for the next of so many targets that double the triangles. An order is good for
-/// all targets between two: with 8, and so at most 9 % more triangles a leaf, half of a level's time is saved on
-/// `sap_birch_hex_9k` and `ez_bush2`.
-const SEARCH_STEPS_A_DOUBLE: f64 = 8.0;
+/// In a search leaves become coarser for a rounded target: the next of eight from one number of triangles to twice as
+/// many, at most 9 % more. Levels between two such targets share an order. A default chain of `sap_birch_hex_9k` takes
+/// 46 instead of 69 s of processor time by that, one of `ez_bush2` 20 instead of 18.
+const TARGETS_A_DOUBLING: f64 = 8.0;
 
 /// In a search an order of leaves that become no coarser goes on to this share of the triangles that are asked for: to
 /// begin takes longer than to go on.
@@ -85,7 +85,7 @@ impl Shared {
         match target {
             Target::Triangles(Amount::Count(count)) if self.is_search => {
                 let doubles = (count.max(1) as f64).log2();
-                let next = (doubles * SEARCH_STEPS_A_DOUBLE).ceil() / SEARCH_STEPS_A_DOUBLE;
+                let next = (doubles * TARGETS_A_DOUBLING).ceil() / TARGETS_A_DOUBLING;
                 Target::triangles(next.exp2().round() as u64)
             }
             target => target,
@@ -110,7 +110,7 @@ impl Shared {
         match is_as_coarse(far) {
             true => far,
             // Fewer are asked of other leaves.
-            false => of((-SEARCH_STEPS_A_DOUBLE.recip()).exp2()),
+            false => of((-TARGETS_A_DOUBLING.recip()).exp2()),
         }
     }
 

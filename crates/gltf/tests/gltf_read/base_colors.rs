@@ -5,6 +5,7 @@ use secateur_gltf::Detail;
 use secateur_model::AlphaMode;
 use serde_json::{Value, json};
 
+use crate::roles::case;
 use crate::small_tree::SmallTree;
 use crate::textures::{encoded, kept, row, textured};
 
@@ -97,12 +98,9 @@ fn the_emission_of_a_black_material_is_its_colour() {
 
 #[test]
 fn a_strangers_diffuse_textures_are_read() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
-    let path = std::path::Path::new(folder).join("specgloss.glb");
-    if !path.is_file() {
-        eprintln!("SKIPPED: ../shared/cases/specgloss.glb is not there");
+    let Some(document) = case("specgloss.glb") else {
         return;
-    }
-    let tree = secateur_gltf::Tree::open(&path, &[]).unwrap();
+    };
+    let tree = document.into_tree(&[]).unwrap();
     assert_eq!(tree.foliage().cutouts().len(), 1);
 }

@@ -3,6 +3,7 @@
 use secateur_gltf::{Selector, TakenFor};
 use serde_json::json;
 
+use crate::roles::case;
 use crate::small_tree::SmallTree;
 
 /// Twenty quads strewn about, then a box that is one closed piece, each a
@@ -157,13 +158,10 @@ fn branches_on_cut_out_cards_are_no_wood() {
 
 #[test]
 fn a_strangers_cards_of_branches_are_leaves() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
-    let path = std::path::Path::new(folder).join("branchcards2.glb");
-    if !path.is_file() {
-        eprintln!("SKIPPED: ../shared/cases/branchcards2.glb is not there");
+    let Some(document) = case("branchcards2.glb") else {
         return;
-    }
-    let inspection = secateur_gltf::Document::open(&path).unwrap().inspect(&[]);
+    };
+    let inspection = document.inspect(&[]);
     let primitives = inspection.primitives.iter();
     let taken: Vec<TakenFor> = primitives.take(2).map(|p| p.taken_for).collect();
     assert_eq!(taken, [TakenFor::Wood, TakenFor::Foliage]);

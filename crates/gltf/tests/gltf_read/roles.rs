@@ -382,7 +382,7 @@ fn a_ray_meets_the_nearest_piece() {
 }
 
 /// A file of the shared folder of small cases, or `None`, said aloud.
-fn case(name: &str) -> Option<Document> {
+pub(crate) fn case(name: &str) -> Option<Document> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
     let path = PathBuf::from(folder).join(name);
     if path.is_file() {

@@ -7,6 +7,7 @@ use secateur_gltf::{Detail, VertexAlpha};
 use secateur_model::{Filters, Material, Mips, Wrap};
 use serde_json::{Value, json};
 
+use crate::roles::case;
 use crate::small_tree::{SQUARES, SmallTree};
 
 /// An image of one row with these alphas.
@@ -451,13 +452,9 @@ fn alpha_of_vertices_can_be_kept_and_ignored() {
 
 #[test]
 fn a_strangers_wind_data_hides_no_leaf() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
-    let path = std::path::Path::new(folder).join("windcolor_a0.glb");
-    if !path.is_file() {
-        eprintln!("SKIPPED: ../shared/cases/windcolor_a0.glb is not there");
+    let Some(document) = case("windcolor_a0.glb") else {
         return;
-    }
-    let document = secateur_gltf::Document::open(&path).unwrap();
+    };
     let warnings = document.inspect(&[]).warnings;
     assert!(
         warnings.iter().any(|warning| warning.contains("COLOR_0")),

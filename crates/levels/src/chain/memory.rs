@@ -7,14 +7,16 @@ use secateur_simplify::{Error, check_run, take_plant};
 
 use super::options::{ChainOptions, Wanted};
 
-/// The most triangles that tried levels have together while they are kept, as a multiple of those of the plant, and of
-/// how many at least: a search comes back to levels of small plants.
-const MOST_TRIED: usize = 2;
-const LEAST_TRIED: usize = 100_000;
+/// The most triangles that all kept levels of a search have together, as a multiple of the plant's triangles.
+const MOST_KEPT: usize = 2;
 
-/// The most triangles that tried levels of a plant of so many have together while they are kept.
-pub(super) fn most_tried(triangles: usize) -> usize {
-    (MOST_TRIED * triangles).max(LEAST_TRIED)
+/// As many triangles are kept of any plant, 20 MB as they are drawn: a search comes back to levels of small plants, and
+/// made one of `base.glb` seven times.
+const ALWAYS_KEPT: usize = 100_000;
+
+/// The most triangles that all kept levels of a search have together; `plant_triangles` are those of the plant.
+pub(super) fn most_kept(plant_triangles: usize) -> usize {
+    (MOST_KEPT * plant_triangles).max(ALWAYS_KEPT)
 }
 
 /// What a triangle of a level that is kept takes, as it is drawn.
@@ -73,7 +75,7 @@ fn take_all(
     if let Wanted::Triangles(_) = options.wanted {
         return Ok(());
     }
-    let triangles = most_tried(leaves.triangles().len() + wood.triangles().len());
+    let triangles = most_kept(leaves.triangles().len() + wood.triangles().len());
     let bytes = BYTES_A_DRAWN_TRIANGLE * triangles as u64;
     let what = || format!("levels that are tried, of {triangles} triangles together,");
     budget.take(bytes, what, Remedy::FewerPixels)

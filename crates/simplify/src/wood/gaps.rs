@@ -77,7 +77,7 @@ impl SortedWood {
         Self(Arc::new(triangles_of(wood)))
     }
 
-    /// [`hanging_on`] this.
+    /// What [`hanging_on`] returns for these leaves and this wood.
     pub(crate) fn hanging(&self, leaves: &Foliage, largest_gap: f64) -> Vec<Option<usize>> {
         let points = |index: usize| {
             let triangles = leaves.triangles_of(LeafId::from_index(index)).iter();
