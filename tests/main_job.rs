@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::program::{Bench, OAK_LEAVES};
+use crate::program::{Bench, OAK_LEAVES, assert_stages_add_up};
 
 fn number(record: &Value, pointer: &str) -> f64 {
     let value = record.pointer(pointer);
@@ -85,6 +85,19 @@ fn reports_have_their_keys() {
     assert_eq!(report["foliage"][0]["material"], "oak leaf");
     assert_eq!(report["run"]["arguments"][0], "simplify");
     assert!(report["audit"].is_string());
+}
+
+/// Of a whole plant most of the time is the wood's.
+#[test]
+fn stages_add_up_to_the_time() {
+    let bench = Bench::new();
+    let half = ["simplify", "oak.glb", "-o", "out.glb", "--triangles", "0.5"];
+    bench
+        .run(&[&half[..], &["--report", "r.json"]].concat())
+        .succeeded();
+    let report = bench.json("r.json");
+    assert_stages_add_up(&report);
+    assert!(number(&report, "/seconds/wood") > 0.0);
 }
 
 #[test]

@@ -189,6 +189,16 @@ impl Ran {
     }
 }
 
+/// Stages of a record add up to all of its time.
+#[track_caller]
+pub(crate) fn assert_stages_add_up(record: &Value) {
+    let seconds = record["seconds"].as_object().unwrap();
+    let total = seconds["total"].as_f64().unwrap();
+    let stages = seconds.iter().filter(|(stage, _)| *stage != "total");
+    let of_stages: f64 = stages.map(|(_, took)| took.as_f64().unwrap()).sum();
+    assert!((of_stages / total - 1.0).abs() < 0.05, "{seconds:?}");
+}
+
 /// A real tree of ../shared, where there is one.
 pub(crate) fn shared_tree(name: &str) -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/trees");

@@ -145,7 +145,8 @@ const makeCoarse = async (began, progress) => {
   const { key } = decisions;
   const share = kind === "level" ? level : FIRST.level;
   try {
-    const made = await engine.call("coarse", { settings: { ...share, effort: "fast" } }, progress);
+    const made = await engine.call("coarse", { settings: { ...share, effort: "fast", judged: false } }, progress);
+    made.report.level.difference = null;
     state.coarse = { ...resultFrom(made, "level", began), key };
     look();
     say();

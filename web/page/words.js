@@ -19,17 +19,19 @@ const looks = (difference) => {
   return "looks like another plant";
 };
 
-// What is said of a level, by its number or, where it is the only one, null: { title, cost, look, more }.
+// What is said of a level, by its number or, where it is the only one, null: { title, cost, look, more }. The difference
+// of a first answer is null: nobody measured it.
 const wordsOf = (level, original, k) => {
   const cost = `${number(level.triangles)} triangles · ${percentOf(level.triangles, original.triangles)}`;
   const from = level.distance > 0 ? `from ${metresOf(level.distance)} on` : "from the nearest on";
   const kind = { original: "The plant itself", impostor: "Pictures" }[level.kind] ?? (k === null ? "Lighter" : `Level ${k}`);
   const isOriginal = level.kind === "original";
-  const look = isOriginal ? from : `${looks(level.difference)} ${from}`;
+  const isJudged = !isOriginal && level.difference !== null;
+  const look = isJudged ? `${looks(level.difference)} ${from}` : isOriginal ? from : "a first answer";
   const leaves = level.leaves > 0 ? `${number(level.leaves)} leaves of ${number(level.foliage_triangles)} triangles, ${number(level.wood_triangles)} of wood` : null;
   const figures = [
     leaves,
-    isOriginal ? null : `difference ${figure(level.difference)}`,
+    isJudged ? `difference ${figure(level.difference)}` : null,
     level.pixels_high ? `${number(Math.round(level.pixels_high))} pixels high` : null,
     level.silhouette_iou === null || isOriginal ? null : `outline ${(100 * level.silhouette_iou).toFixed(1)} %`,
     level.pop ? `switch ${figure(level.pop)}` : null,

@@ -36,6 +36,10 @@ const LOOKED_AT_PX: f64 = 128.0;
 /// The height at which the nearest of several ways to share triangles is chosen: that of `measure`.
 const CHOSEN_AT_PX: f64 = 540.0;
 
+/// The stage in which wood is looked at and simplified, and triangles are shared between it and the leaves: all that a
+/// level takes beside its run over the leaves.
+const WOOD: &str = "wood";
+
 /// All that makes up a level.
 #[derive(Clone, Debug)]
 pub struct LevelParts {
@@ -56,7 +60,7 @@ pub struct LevelParts {
     pub difference: Option<Difference>,
     /// What has to be said of it.
     pub warnings: Vec<LevelWarning>,
-    /// How long its stages took after the run, in seconds.
+    /// How long its stages took beside those of the run, in seconds.
     pub seconds: Vec<(&'static str, f64)>,
 }
 
@@ -186,10 +190,14 @@ impl Plant {
     ) -> Result<Level, Error> {
         let simplify = self.completed(session, &options.simplify)?;
         let engine = session.engine(simplify.engine)?;
+        let start = Instant::now();
         let mut parts = match &options.level_of[..] {
             [] => self.simplified(simplify, &engine, observer)?,
             levels => self.parted(simplify, levels, &engine, observer)?,
         };
+        let of_run: f64 = parts.simplified.seconds.iter().map(|(_, took)| took).sum();
+        let beside = start.elapsed().as_secs_f64() - of_run;
+        parts.seconds.push((WOOD, beside.max(0.0)));
         let tree = self.tree();
         parts.timed("cutoffs", observer, |parts| {
             parts.choose_cutoffs(tree, options);
@@ -197,7 +205,9 @@ impl Plant {
         parts.timed("colors", observer, |parts| {
             parts.choose_colors(tree, options);
         })?;
-        parts.timed("difference", observer, |parts| parts.look(tree))?;
+        if options.judged {
+            parts.timed("difference", observer, |parts| parts.look(tree))?;
+        }
         Ok(Level {
             plant: self.clone(),
             parts,

@@ -24,6 +24,13 @@ pub struct LevelOptions {
     /// the last counts. A plant whose wood is ignored has leaves alone to name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub level_of: Vec<PartLevel>,
+    /// Whether it is looked at for how far it is from the plant: a first answer need not be.
+    #[serde(default = "yes")]
+    pub judged: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// Which alpha cutoffs a level has.
@@ -77,6 +84,7 @@ impl LevelOptions {
             cutoffs: CutoffChoice::default(),
             colors: ColorChoice::default(),
             level_of: Vec::new(),
+            judged: true,
         }
     }
 

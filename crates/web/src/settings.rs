@@ -4,7 +4,8 @@ use secateur::chain::{ImpostorChoice, LevelsOptions, Wanted};
 use secateur::{Amount, Effort, LevelOptions, Target};
 use serde::Deserialize;
 
-/// What a level is to be like: a [`LevelAmount`], and with `"effort"` how much work goes into it.
+/// What a level is to be like: a [`LevelAmount`], with `"effort"` how much work goes into it, and with
+/// `"judged": false` that nobody asks how far it looks from the plant.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 pub struct LevelSettings {
     /// How many triangles it has.
@@ -13,6 +14,9 @@ pub struct LevelSettings {
     /// How much work goes into it: `fast`, `normal` or `best`.
     #[serde(default)]
     pub effort: Effort,
+    /// Whether its difference is measured; 0 in its report where it is not.
+    #[serde(default = "yes")]
+    pub judged: bool,
 }
 
 /// How many triangles a level has: `{"amount": "share", "value": 0.25}`, a share of all triangles from 0 to 1, or
@@ -84,6 +88,7 @@ impl LevelSettings {
             LevelAmount::Triangles(count) => LevelOptions::to(Target::triangles(count)),
         };
         options.simplify.effort = self.effort;
+        options.judged = self.judged;
         options
     }
 }
@@ -146,7 +151,9 @@ mod tests {
         assert_eq!(fast.leaves.effort, Effort::Fast);
         let best = r#"{"amount": "share", "value": 0.5, "effort": "best"}"#;
         let best = LevelSettings::parse(best).unwrap().options();
-        assert_eq!(best.simplify.effort, Effort::Best);
+        assert!(best.simplify.effort == Effort::Best && best.judged);
+        let first = r#"{"amount": "share", "value": 0.5, "judged": false}"#;
+        assert!(!LevelSettings::parse(first).unwrap().options().judged);
     }
 
     #[test]

@@ -90,5 +90,6 @@ pub(crate) fn level_options(args: &args::Simplify, simplify: Options) -> LevelOp
         cutoffs: args.cutoffs.unwrap_or_default(),
         colors: args.colors.unwrap_or_default(),
         level_of: args.level_of.clone(),
+        judged: true,
     }
 }
