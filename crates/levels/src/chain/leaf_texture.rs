@@ -210,7 +210,7 @@ impl LeafTextures {
 }
 
 /// A power of two for a side where a pixel shows `texels` of its texels, not larger than it is.
-fn side_for(side: u32, texels: f64) -> u32 {
+pub(super) fn side_for(side: u32, texels: f64) -> u32 {
     let most = 1 << side.max(1).ilog2();
     let wanted = (f64::from(side) / texels)
         .ceil()
@@ -323,7 +323,7 @@ fn alpha_byte(share: f32, factor: f32) -> f32 {
 }
 
 /// The texels along a side that one of `count` covers, and how much of each.
-fn covered(texel: u32, count: u32, count_before: u32) -> Vec<(u32, f32)> {
+pub(super) fn covered(texel: u32, count: u32, count_before: u32) -> Vec<(u32, f32)> {
     let size = f64::from(count_before) / f64::from(count);
     let (start, end) = (f64::from(texel) * size, f64::from(texel + 1) * size);
     let last = (end.ceil() as u32).min(count_before);

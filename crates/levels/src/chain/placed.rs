@@ -1,14 +1,18 @@
 //! A level where it stands in a chain: with its textures, and judged as it is put down.
 
 use secateur_eval::{Difference, Shown};
+use secateur_gltf::chain::LevelTexture;
 use secateur_model::Surface;
 use secateur_simplify::{Observer, Progress};
 
+use super::cards::FAR_PX;
 use super::error::ChainError;
-use super::level_surfaces::retextured;
+use super::level_surfaces::{LevelSurfaces, retextured};
 use super::maker::{Made, Maker};
+use super::opaque_textures::smaller_opaque_textures;
 use super::stage_clock::ChainStage;
-use super::textures::{Chosen, Client};
+use super::texture_bytes::texture_bytes;
+use super::textures::{Chosen, Client, Textures};
 
 /// A level, where it is seen, and how far it looks from the plant there.
 #[derive(Clone)]
@@ -59,8 +63,8 @@ impl Place {
 /// high would be there by a judge without mip maps, and .09 of it in clients.
 pub(super) const LEAST_SHOWN: f64 = 0.5;
 
-/// Texels along a pixel that are tried, without mip maps, where those of about a pixel look too coarse and the plant's
-/// own fade.
+/// Texels along a pixel that are tried, without mip maps, where those of about a pixel look too coarse, and the plant's
+/// own fade or are far more than a far level needs.
 const TEXELS_A_PIXEL: [f64; 2] = [2.0, 4.0];
 
 /// A level with the textures that it has at a place.
@@ -102,27 +106,34 @@ impl Maker<'_> {
         let (level, range) = (&made.drawn.level, place.range);
         let mut chosen = client.choose(level, range, self.options.textures, place.is_first);
         let mut surfaces = retextured(level, &chosen.textures);
-        if !chosen.keeps_textures {
+        let is_beyond = |surfaces: &[Surface]| {
             let kept = self.look.over_in_search(&made.drawn, range[0]);
-            let most = kept.max(place.goal);
-            let is_beyond =
-                |surfaces: &[Surface]| self.look.over_of_surfaces(surfaces, range[0]) > most;
-            if is_beyond(&surfaces) {
-                let as_it_was = client.kept(level, range);
-                let fades = |shown: &Shown| shown.coverage_over_truth < LEAST_SHOWN;
-                let finer = TEXELS_A_PIXEL
-                    .iter()
-                    .filter(|_| fades(&as_it_was.as_drawn.end));
-                let own = finer
-                    .filter_map(|texels| client.fitted_without_mips(level, range, *texels))
-                    .map(|own| (retextured(level, &own.textures), own))
-                    .find(|(own, _)| !is_beyond(own));
-                if let Some((own_surfaces, own)) = own {
-                    (surfaces, chosen) = (own_surfaces, own);
-                } else if place.is_first || !fades(&as_it_was.as_drawn.begin) {
-                    chosen = as_it_was;
-                    surfaces = retextured(level, &chosen.textures);
-                }
+            self.look.over_of_surfaces(surfaces, range[0]) > kept.max(place.goal)
+        };
+        if !chosen.keeps_textures && is_beyond(&surfaces) {
+            let as_it_was = client.kept(level, range);
+            let fades = |shown: &Shown| shown.coverage_over_truth < LEAST_SHOWN;
+            let is_far = range[0] <= FAR_PX;
+            let finer = TEXELS_A_PIXEL
+                .iter()
+                .filter(|_| is_far || fades(&as_it_was.as_drawn.end));
+            let own = finer
+                .filter_map(|texels| client.fitted_without_mips(level, range, *texels))
+                .map(|own| (retextured(level, &own.textures), own))
+                .find(|(own, _)| !is_beyond(own));
+            if let Some((own_surfaces, own)) = own {
+                (surfaces, chosen) = (own_surfaces, own);
+            } else if place.is_first || !fades(&as_it_was.as_drawn.begin) {
+                chosen = as_it_was;
+                surfaces = retextured(level, &chosen.textures);
+            }
+        }
+        if !place.is_first && self.options.textures == Textures::Fit {
+            let pixels = client.pixels_a_unit(range[0]);
+            let smaller = self.with_smaller_opaque(level, &chosen.textures, pixels);
+            let dressed = smaller.map(|textures| (retextured(level, &textures), textures));
+            if let Some((dressed, textures)) = dressed.filter(|(dressed, _)| !is_beyond(dressed)) {
+                (surfaces, chosen.textures) = (dressed, textures);
             }
         }
         Ok(Dressed {
@@ -130,6 +141,21 @@ impl Maker<'_> {
             chosen,
             surfaces,
         })
+    }
+
+    /// These textures of a level with smaller ones for what is opaque, where a unit of length is `pixels` pixels; none
+    /// where that saves nothing.
+    fn with_smaller_opaque(
+        &self,
+        level: &LevelSurfaces,
+        textures: &[LevelTexture],
+        pixels: f64,
+    ) -> Option<Vec<LevelTexture>> {
+        let document = self.tree.items().document();
+        let opaque = smaller_opaque_textures(level, document, pixels);
+        let bytes = |own: &[LevelTexture]| texture_bytes(document, &level.materials, own);
+        let all = [textures, &opaque].concat();
+        (bytes(&all) < bytes(textures)).then_some(all)
     }
 
     /// The share of what there is that a client shows of a level where it ends, if it ends at this height in pixels.

@@ -191,7 +191,7 @@ impl<'a> Client<'a> {
         // Textures for the middle of the range are less sharp, and change less from its beginning to its end.
         let middle = (range[0] * range[1]).sqrt();
         for height in [range[0], middle] {
-            let fits = FittedTextures::of(level, height / self.plant_height);
+            let fits = FittedTextures::of(level, self.pixels_a_unit(height));
             for mips in mips_to_try(range[0]) {
                 let with = |outline: Outline| with_least_error(&fits, mips, outline, of);
                 let Some(tried) = with(Outline::Exact) else {
@@ -237,6 +237,11 @@ impl<'a> Client<'a> {
         }
     }
 
+    /// How many pixels a unit of length is where the screen shows the plant so high.
+    pub(super) fn pixels_a_unit(&self, pixels_high: f64) -> f64 {
+        pixels_high / self.plant_height
+    }
+
     /// A level with textures of so many texels along a pixel where it begins, which show what they show there at any
     /// distance; none where it has none to make.
     pub(super) fn fitted_without_mips(
@@ -245,7 +250,7 @@ impl<'a> Client<'a> {
         range: [f64; 2],
         texels_a_pixel: f64,
     ) -> Option<Chosen> {
-        let fits = FittedTextures::of(level, texels_a_pixel * range[0] / self.plant_height);
+        let fits = FittedTextures::of(level, texels_a_pixel * self.pixels_a_unit(range[0]));
         let of = |textures| self.with_textures(level, textures, range);
         with_least_error(&fits, Mips::None, Outline::Exact, of)
     }
