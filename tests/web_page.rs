@@ -281,7 +281,7 @@ fn a_first_answer_is_shown_until_the_chain_is_there() {
     let Some(mut tab) = opened(DESKTOP) else {
         return;
     };
-    tab.ask("void page.open({ grown: { species: 'oak', leaves: 300, seed: 2 } })");
+    tab.ask("void page.open({ grown: { species: 'oak', leaves: 120, seed: 2 } })");
     wait_for(&mut tab, "!page.state.isBusy && page.state.source !== null");
     tab.ask("page.decisions.decide({ levels: 'shares', shares: [0.5, 0.1] })");
     tab.ask("void (window.seen = [], new MutationObserver(() => page.state.coarse && window.seen.push([page.stage.view.mode, page.stage.levels === page.state.coarse.taken, document.querySelector('#of-home').hidden, document.querySelector('#notes').innerText])).observe(document.querySelector('#notes'), { childList: true }))");

@@ -266,7 +266,7 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
         "{distances:?}"
     );
     // Levels for heights on the screen are meshes where it shows them large.
-    let heights = lods(&["--max-difference", "0.34"]);
+    let heights = lods(&["--max-difference", "0.34", "--screen-height", "270"]);
     let is_near = |level: &&Value| level["pixels_high"].as_f64().is_some_and(|px| px > 100.0);
     let mut near = levels(&heights).iter().filter(is_near);
     assert!(!near.any(|level| is_cards(&level)));

@@ -1,5 +1,7 @@
 //! The bytes that the page hands out are those of the program.
 
+use std::iter;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use secateur_plant::{GrowOptions, Species, grow};
@@ -19,19 +21,19 @@ const PLANTS: [(Species, u32); 5] = [
 ];
 
 /// What is decided in the page, and the words after `secateur simplify|lods plant.glb -o OUTPUT`.
-fn settings() -> [(Value, &'static [&'static str]); 3] {
+fn settings(effort: &str) -> [(Value, Vec<&str>); 3] {
     [
         (
             json!({"kind": "level", "level": {"amount": "share", "value": 0.3}, "effort": "normal"}),
-            &["simplify", "--triangles", "0.3"],
+            vec!["simplify", "--triangles", "0.3"],
         ),
         (
-            json!({"kind": "level", "level": {"amount": "triangles", "value": 1500}, "effort": "best"}),
-            &["simplify", "--triangles", "1500", "--effort", "best"],
+            json!({"kind": "level", "level": {"amount": "triangles", "value": 1500}, "effort": effort}),
+            vec!["simplify", "--triangles", "1500", "--effort", effort],
         ),
         (
             json!({"kind": "chain", "levels": "shares", "shares": [0.3, 0.1], "effort": "fast"}),
-            &["lods", "--levels", "0.3,0.1", "--effort", "fast"],
+            vec!["lods", "--levels", "0.3,0.1", "--effort", "fast"],
         ),
     ]
 }
@@ -90,20 +92,22 @@ fn the_bytes_of_the_page_are_those_of_the_program() {
         return;
     };
     let mut equal = 0;
-    for (species, leaves) in PLANTS {
+    // The best that there is takes a browser long: of one plant it is enough.
+    let efforts = iter::once("best").chain(iter::repeat("fast"));
+    for ((species, leaves), effort) in PLANTS.into_iter().zip(efforts) {
         let plant = grow(species, &GrowOptions { leaves, seed: 7 }).unwrap();
         let glb = secateur::plant_into_glb(plant);
         let text = STANDARD.encode(&glb);
         tab.ask(&format!(
             "page.open({{ files: [new File([Uint8Array.from(atob('{text}'), (c) => c.charCodeAt(0))], 'plant.glb')] }})"
         ));
-        for (decided, words) in settings() {
+        for (decided, words) in settings(effort) {
             let bench = Bench::new();
             bench.put("plant.glb", &glb);
             let page = of_page(&mut tab, &decided);
             assert_eq!(
                 page,
-                of_program(&bench, words),
+                of_program(&bench, &words),
                 "{} {words:?}",
                 species.name()
             );
@@ -116,8 +120,5 @@ fn the_bytes_of_the_page_are_those_of_the_program() {
         ));
         assert!(grown.as_u64().unwrap() > 1000, "{name}: {grown}");
     }
-    eprintln!(
-        "equal to the program's: {equal} of {}",
-        PLANTS.len() * settings().len()
-    );
+    eprintln!("equal to the program's: {equal} files or chains");
 }
