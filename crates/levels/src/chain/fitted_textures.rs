@@ -1,6 +1,5 @@
 //! The textures that the materials of a level may have.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use secateur_gltf::chain::LevelTexture;
@@ -15,24 +14,25 @@ pub(super) struct FittedTextures(Vec<(usize, LeafTextures)>);
 impl FittedTextures {
     /// Where a unit of length is `pixels` pixels.
     pub(super) fn of(level: &LevelSurfaces, pixels: f64) -> Self {
-        let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
-        let textures = |material: usize| {
-            let pairs = level.surfaces.iter().zip(&level.materials);
-            let own = pairs.filter(|(_, other)| **other == Some(material));
-            let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
+        let textures = |(material, surfaces): (usize, Vec<&Surface>)| {
             let look = &surfaces.first()?.material;
             let AlphaMode::Mask(cutoff) = look.alpha_mode else {
                 return None;
             };
             let original = look.texture.as_ref()?;
             let seen = Seen::of(&surfaces)?;
-            let side = (f64::from(original.width) * f64::from(original.height)).sqrt();
-            let texels = seen.density * side / pixels;
+            let texels = seen.texels_a_pixel(original, pixels);
             // The factor's alpha is tested with the texture's.
             let cutoff = cutoff / look.base_color[3];
             LeafTextures::new(original, cutoff, &seen, texels).map(|of| (material, of))
         };
-        Self(materials.into_iter().filter_map(textures).collect())
+        Self(
+            level
+                .by_material()
+                .into_iter()
+                .filter_map(textures)
+                .collect(),
+        )
     }
 
     /// Whether no material has a texture to make another of.

@@ -45,7 +45,7 @@ pub(super) struct Seen {
     /// Texture coordinates of points spread evenly over the triangles.
     points: Vec<Vec2>,
     /// Length in the texture over length in the world.
-    pub(super) density: f64,
+    density: f64,
 }
 
 impl Seen {
@@ -88,6 +88,12 @@ impl Seen {
         };
         let points = (0..SAMPLES).map(point).collect();
         Some(Self { points, density })
+    }
+
+    /// How many texels of a texture, along a side, a pixel shows on the mean where a unit of length is `pixels` pixels.
+    pub(super) fn texels_a_pixel(&self, texture: &Texture, pixels: f64) -> f64 {
+        let side = (f64::from(texture.width) * f64::from(texture.height)).sqrt();
+        self.density * side / pixels
     }
 
     /// Whether a texture passes the test, point by point.

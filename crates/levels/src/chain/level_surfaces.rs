@@ -1,5 +1,6 @@
 //! What is drawn of a level, and which textures it shows.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use secateur_gltf::DrawnSurface;
@@ -20,6 +21,17 @@ impl LevelSurfaces {
             materials: drawn.iter().map(|drawn| drawn.material).collect(),
             surfaces: drawn.into_iter().map(|drawn| drawn.surface).collect(),
         }
+    }
+
+    /// The surfaces of each material, by its number; those without one are left out.
+    pub(super) fn by_material(&self) -> BTreeMap<usize, Vec<&Surface>> {
+        let mut all: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
+        for (surface, material) in self.surfaces.iter().zip(&self.materials) {
+            if let Some(material) = material {
+                all.entry(*material).or_default().push(surface);
+            }
+        }
+        all
     }
 }
 

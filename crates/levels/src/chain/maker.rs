@@ -366,10 +366,12 @@ impl<'a> Maker<'a> {
     }
 }
 
-/// Which colours clear texels have in a level of these textures of its own.
+/// Which colours clear texels have in a level of these textures of its own; opaque ones have no clear texels.
 fn clear_texels(textures: &[LevelTexture]) -> ClearTexels {
-    match textures {
-        [] => ClearTexels::Keep,
-        _ => ClearTexels::Dilate,
+    let is_clear = |texel: &[u8]| texel[3] < u8::MAX;
+    let has_clear = |own: &LevelTexture| own.texture.rgba.chunks_exact(4).any(is_clear);
+    match textures.iter().any(has_clear) {
+        true => ClearTexels::Dilate,
+        false => ClearTexels::Keep,
     }
 }

@@ -1,6 +1,5 @@
 //! Textures without holes, as small as the distance of a level lets them be.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -26,11 +25,7 @@ pub(super) fn smaller_opaque_textures(
     document: &Document,
     pixels: f64,
 ) -> Vec<LevelTexture> {
-    let materials: BTreeSet<usize> = level.materials.iter().copied().flatten().collect();
-    let texture = |material: usize| {
-        let pairs = level.surfaces.iter().zip(&level.materials);
-        let own = pairs.filter(|(_, other)| **other == Some(material));
-        let surfaces: Vec<&Surface> = own.map(|(surface, _)| surface).collect();
+    let texture = |(material, surfaces): (usize, Vec<&Surface>)| {
         let look = &surfaces.first()?.material;
         let shows_base_color = shows_base_color(document, material, look);
         let original = look.texture.as_ref().filter(|_| shows_base_color)?;
@@ -40,7 +35,11 @@ pub(super) fn smaller_opaque_textures(
             keeps_sampler: true,
         })
     };
-    materials.into_iter().filter_map(texture).collect()
+    level
+        .by_material()
+        .into_iter()
+        .filter_map(texture)
+        .collect()
 }
 
 /// Whether an opaque material shows its base colour texture, and that image nowhere else: not an emission, for one.
@@ -52,15 +51,14 @@ fn shows_base_color(document: &Document, material: usize, look: &Material) -> bo
 }
 
 fn smaller(original: &Texture, surfaces: &[&Surface], pixels: f64) -> Option<Texture> {
+    let texels = Seen::of(surfaces)?.texels_a_pixel(original, pixels) / TEXELS_A_PIXEL;
     let sides = [original.width, original.height];
-    let texels = sides.map(f64::from).iter().product::<f64>();
-    let density = Seen::of(surfaces)?.density * texels.sqrt() / pixels;
-    let size = sides.map(|side| side_for(side, density / TEXELS_A_PIXEL));
-    let left = size.map(f64::from).iter().product::<f64>();
-    (left <= MOST_TEXELS * texels).then(|| means(original, size))
+    let size = sides.map(|side| side_for(side, texels));
+    let count = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+    (count(size) <= MOST_TEXELS * count(sides)).then(|| means(original, size))
 }
 
-/// The mean colours of a texture, as light, in so many columns and rows.
+/// The texture reduced to this width and height in texels: each texel is the mean of what it covers, in linear light.
 fn means(original: &Texture, [width, height]: [u32; 2]) -> Texture {
     let columns: Vec<_> = (0..width)
         .map(|x| covered(x, width, original.width))
@@ -139,5 +137,43 @@ mod tests {
         assert_eq!(made.wrap, texture.wrap);
         let halves = [0, made.rgba.len() - 4].map(|at| &made.rgba[at..at + 4]);
         assert_eq!(halves, [[200, 0, 0, 255], [0, 0, 200, 255]]);
+    }
+
+    /// A PNG of one texel.
+    const TEXEL: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGMIcDAAAAGkAMG0YjvAAAAAAElFTkSuQmCC";
+
+    /// The emission of a black scan is drawn as its colour: the base colour must not become that. Cut-out materials are
+    /// fitted elsewhere.
+    #[test]
+    fn only_opaque_base_colours_get_smaller() {
+        let gltf = serde_json::json!({
+            "asset": { "version": "2.0" },
+            "images": [{ "uri": TEXEL }, { "uri": TEXEL }],
+            "textures": [{ "source": 0 }, { "source": 1 }],
+            "materials": [
+                { "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } },
+                { "emissiveTexture": { "index": 1 }, "emissiveFactor": [1, 1, 1] },
+                {
+                    "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+                    "emissiveTexture": { "index": 1 },
+                },
+            ],
+        });
+        let document = Document::from_bytes("plant.gltf", gltf.to_string().into_bytes(), None);
+        let document = document.unwrap();
+        let look = |is_unlit: bool, alpha_mode: AlphaMode| {
+            let (_, surface) = square();
+            let mut material = Material::clone(&surface.material);
+            (material.finish.is_unlit, material.alpha_mode) = (is_unlit, alpha_mode);
+            material
+        };
+        let shows = |material, is_unlit, alpha_mode| {
+            shows_base_color(&document, material, &look(is_unlit, alpha_mode))
+        };
+        assert!(shows(0, false, AlphaMode::Opaque) && shows(0, true, AlphaMode::Opaque));
+        assert!(!shows(0, false, AlphaMode::Mask(0.5)));
+        assert!(!shows(1, true, AlphaMode::Opaque));
+        // Emissions are drawn without light.
+        assert!(!shows(2, true, AlphaMode::Opaque) && shows(2, false, AlphaMode::Opaque));
     }
 }
