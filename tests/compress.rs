@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use secateur::chain::{ImpostorChoice, Wanted};
+use secateur::chain::Wanted;
 use secateur::{Amount, Document, Layout, LevelsOptions, Plant, WriteOptions};
 
 use crate::program::{Bench, shared_tree};
@@ -12,7 +12,6 @@ use crate::validator::assert_valid;
 fn both_ways(bench: &Bench, plant: &Plant) -> [Vec<PathBuf>; 2] {
     let options = LevelsOptions {
         wanted: Wanted::Triangles(vec![Amount::Share(0.3), Amount::Share(0.12)]),
-        impostor: ImpostorChoice::None,
         ..LevelsOptions::default()
     };
     let levels = plant.levels(&options).unwrap().named("plant");

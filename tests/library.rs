@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use secateur::chain::{BadOptions, ChainError, Layout, LevelsOptions, Wanted};
 use secateur::plant::{GrowOptions, Species};
 use secateur::{
-    Effort, Error, LevelOptions, Memory, OpenEngine, Opening, Plant, Session, Target, Versioned,
-    WoodMode, judge,
+    Amount, Effort, Error, LevelOptions, Memory, OpenEngine, Opening, Plant, Session, Target,
+    Versioned, WoodMode, judge,
 };
 use serde_json::Value;
 
@@ -116,23 +116,38 @@ fn a_tenth_of_a_real_oak_has_the_bytes_of_the_program() {
 #[test]
 fn levels_have_the_bytes_of_the_program() {
     let bench = Bench::new();
-    levels_of_both(&bench, "oak.glb", Effort::Fast);
     let bush = ["grow", "bush", "--leaves", "40", "-o", "bush.glb"];
     bench.run(&bush).succeeded();
-    levels_of_both(&bench, "bush.glb", Effort::Normal);
+    // Heights follow the screen; on the usual one it is a user of README who compares.
+    let mut small = LevelsOptions::default();
+    small.screen.height_px = 270.0;
+    let of_small = ["--screen-height", "270"];
+    levels_of_both(&bench, "bush.glb", &of_small, &small);
+
+    let mut fast = small;
+    fast.leaves.effort = Effort::Fast;
+    let arguments = [&of_small[..], &["--effort", "fast"]].concat();
+    levels_of_both(&bench, "oak.glb", &arguments, &fast);
+
+    // No picture is put after numbers of triangles that nobody asked for one after.
+    let shares = LevelsOptions {
+        wanted: Wanted::Triangles(vec![Amount::Share(0.5), Amount::Share(0.2)]),
+        max_difference: 1.0,
+        ..fast
+    };
+    let few = ["--levels", "0.5,0.2", "--max-difference", "1"];
+    levels_of_both(&bench, "oak.glb", &[&arguments[..], &few].concat(), &shares);
 }
 
-fn levels_of_both(bench: &Bench, plant: &str, effort: Effort) {
-    let lods = ["lods", plant, "-o", "of-program", "--effort"];
+fn levels_of_both(bench: &Bench, plant: &str, arguments: &[&str], options: &LevelsOptions) {
+    let lods = ["lods", plant, "-o", "of-program"];
     let record = ["--report", "lods.json", "--overwrite"];
-    let run = [&lods[..], &[effort.name()], &record].concat();
+    let run = [&lods[..], arguments, &record].concat();
     bench.run(&run).succeeded();
     let report: Value = serde_json::from_slice(&bench.read("lods.json")).unwrap();
-    assert_eq!(report["effort"], effort.name());
+    assert_eq!(report["effort"], options.leaves.effort.name());
     let plant = Plant::open(bench.path(plant)).unwrap();
-    let mut options = LevelsOptions::default();
-    options.leaves.effort = effort;
-    let levels = plant.levels(&options).unwrap();
+    let levels = plant.levels(options).unwrap();
     let within =
         |level: &secateur::chain::LevelReport| level.difference.over(options.limits()) <= 1.0;
     assert!(
@@ -142,15 +157,15 @@ fn levels_of_both(bench: &Bench, plant: &str, effort: Effort) {
             .iter()
             .all(|level| within(&level.report))
     );
-    levels
-        .write(bench.path("of-library"), Layout::Files)
-        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    levels.write(folder.path(), Layout::Files).unwrap();
     let files = levels.to_bytes(Layout::Files).unwrap().files;
     assert!(files.len() > 1 && files.len() == levels.chain.levels.len());
     for file in files {
-        let of = |folder: &str| bench.read(&format!("{folder}/{}", file.name));
-        assert!(of("of-library") == file.bytes, "{}", file.name);
-        assert!(of("of-program") == file.bytes, "{}", file.name);
+        let of_library = std::fs::read(folder.path().join(&file.name)).unwrap();
+        assert!(of_library == file.bytes, "{}", file.name);
+        let of_program = bench.read(&format!("of-program/{}", file.name));
+        assert!(of_program == file.bytes, "{}", file.name);
     }
 }
 
@@ -292,7 +307,9 @@ fn levels_say_what_they_cost() {
         },
     )
     .unwrap();
-    let levels = oak.levels(&LevelsOptions::default()).unwrap();
+    let mut options = LevelsOptions::default();
+    options.screen.height_px = 270.0;
+    let levels = oak.levels(&options).unwrap();
     for (layout, place) in [
         (Layout::Files, "files"),
         (Layout::Siblings, "one.glb"),

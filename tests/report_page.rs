@@ -20,7 +20,10 @@ const CASES: [&str; 8] = [
 fn a_report_works_in_a_browser() {
     let bench = Bench::new();
     let run = ["study", "oak.glb", "-o", "s", "--levels", "0.5,0.1"];
-    bench.run(&[&run[..], &CASES].concat()).succeeded();
+    let quickly = ["--views", "icosahedron"];
+    bench
+        .run(&[&run[..], &quickly, &CASES].concat())
+        .succeeded();
     let Some((visits, console)) = visit(&bench.path("s/report.html"), &[390, 1440]) else {
         return;
     };

@@ -137,7 +137,7 @@ fn chain_options(args: &args::Demo) -> ChainOptions {
     ChainOptions {
         wanted: Wanted::Triangles(LEVELS_PERCENT.map(share).to_vec()),
         original: false,
-        impostor: Choice::None,
+        impostor: Some(Choice::None),
         ..options
     }
 }

@@ -82,7 +82,7 @@ fn options(args: &args::Stand) -> StandOptions {
     let mut levels = LevelsOptions::default();
     levels.screen.height_px = f64::from(args.screen_height);
     levels.cost = args.cost;
-    levels.impostor = args.impostor;
+    levels.impostor = Some(args.impostor);
     levels.leaves.effort = args.effort;
     levels.leaves.engine = args.engine;
     levels.leaves.memory = args.memory.memory;

@@ -19,6 +19,7 @@ use super::survey::{Group, Survey};
 use super::tree::LeafSource;
 use super::vertex_alpha::{self, VertexAlphas};
 use super::write::check_references;
+use super::write::old_normals::NormalsOfParts;
 use super::{Document, GltfError, Inspection, Selector, Tree, WholeTree};
 use secateur_model::{Budget, Facing, Foliage, Leaf, LeafId, LeafTriangle, Note};
 
@@ -89,6 +90,7 @@ impl Document {
                 ..
             }) => Ok(Tree {
                 document: self.decided(selectors, vertex_alpha_counts),
+                old_normals: NormalsOfParts::of(parts.len()),
                 parts,
                 others,
                 levels_inside,
@@ -123,6 +125,7 @@ impl Document {
         let items = items.map_err(|problem| self.error(Fault::from(problem)))?;
         let tree = Tree {
             document: self.decided(selectors, vertex_alpha_counts),
+            old_normals: NormalsOfParts::of(parts.len()),
             parts,
             others,
             levels_inside,

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::levels_inside::LevelsInside;
 use super::parts::Part;
+use super::write::old_normals::NormalsOfParts;
 use super::{Document, GltfError, Inspection, Selector};
 use secateur_model::{Foliage, Leaf, LeafId, Memory};
 
@@ -25,6 +26,8 @@ pub struct Tree {
     pub(crate) leaf_triangles: Vec<u32>,
     /// From this leaf on they are pieces of wood.
     pub(crate) first_of_wood: LeafId,
+    /// What writing a level found out about the normals of parts.
+    pub(crate) old_normals: NormalsOfParts,
     pub(crate) inspection: Inspection,
 }
 

@@ -106,7 +106,6 @@ impl ChainSettings {
     pub fn options(&self) -> LevelsOptions {
         let mut usual = LevelsOptions::default();
         usual.leaves.effort = self.effort;
-        let may_end_in_pictures = self.impostor && !matches!(self.wanted, WantedLevels::Shares(_));
         LevelsOptions {
             wanted: match &self.wanted {
                 WantedLevels::Heights => usual.wanted,
@@ -117,10 +116,7 @@ impl ChainSettings {
             },
             max_difference: self.max_difference.unwrap_or(usual.max_difference),
             original: self.original,
-            impostor: match may_end_in_pictures {
-                true => usual.impostor,
-                false => ImpostorChoice::None,
-            },
+            impostor: (!self.impostor).then_some(ImpostorChoice::None),
             ..usual
         }
     }
@@ -141,7 +137,7 @@ mod tests {
         let chain = |json| ChainSettings::parse(json).unwrap().options();
         assert_eq!(chain(r#"{"levels": "heights"}"#), LevelsOptions::default());
         let shares = chain(r#"{"levels": "shares", "values": [0.5, 0.1], "original": false}"#);
-        assert_eq!(shares.impostor, ImpostorChoice::None);
+        assert_eq!(shares.chosen_impostor(), ImpostorChoice::None);
         assert!(!shares.original);
         let far = chain(r#"{"levels": "distances", "values": [5, 20], "maxDifference": 0.5}"#);
         assert_eq!(far.wanted, Wanted::Distances(vec![5.0, 20.0]));

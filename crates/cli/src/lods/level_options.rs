@@ -2,14 +2,13 @@
 
 use secateur::{Amount, Options};
 use secateur_levels::chain::{ChainOptions, Wanted};
-use secateur_levels::impostor::Choice;
 
 use super::super::args;
 
 pub(crate) fn options(args: &args::Lods) -> ChainOptions {
     let wanted = match (&args.levels[..], &args.triangles[..], &args.distances) {
         (.., Some(distances)) => Wanted::Distances(distances.0.clone()),
-        ([], [], None) => Wanted::Heights(ChainOptions::usual_heights_px(args.screen.height_px)),
+        ([], [], None) => Wanted::UsualHeights,
         ([], counts, _) => Wanted::Triangles(counts.iter().map(|n| Amount::Count(*n)).collect()),
         (shares, ..) => Wanted::Triangles(shares.iter().map(|r| Amount::Share(*r)).collect()),
     };
@@ -23,14 +22,9 @@ pub(crate) fn options(args: &args::Lods) -> ChainOptions {
         shows_what_is_left: usual.leaves.shows_what_is_left,
         ..Options::with_preset(args.preset.into(), usual.leaves.target)
     };
-    let impostor = match (args.impostor, &wanted) {
-        (Some(choice), _) => choice,
-        (None, Wanted::Triangles(_)) => Choice::None,
-        (None, _) => Choice::Auto,
-    };
     ChainOptions {
         wanted,
-        impostor,
+        impostor: args.impostor,
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
         textures: args.textures.unwrap_or_default(),

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use rustc_hash::FxHashMap;
 use serde_json::{Value, json};
 
 use super::bounds::bounds;
@@ -53,7 +54,7 @@ pub(super) struct Draft<'d> {
     pub(super) notes: Vec<String>,
     /// How what is new is compressed: as the document is.
     pub(super) compression: Option<Compression>,
-    gathered: HashMap<(usize, Role, Rc<[u32]>), usize>,
+    gathered: FxHashMap<(usize, Role, Rc<[u32]>), usize>,
 }
 
 impl<'d> Draft<'d> {
@@ -66,7 +67,7 @@ impl<'d> Draft<'d> {
             view_origins: Vec::new(),
             notes: Vec::new(),
             compression: Compression::of(&document.root),
-            gathered: HashMap::new(),
+            gathered: FxHashMap::default(),
         }
     }
 

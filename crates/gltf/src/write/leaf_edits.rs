@@ -2,9 +2,10 @@
 //! beside it; and which of the places that draw a mesh are edited alike, so that
 //! they can share one.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use glam::{DMat3, DMat4, DVec3};
+use rustc_hash::FxHashMap;
 
 use super::references::len;
 use super::vertices::Resize;
@@ -35,7 +36,7 @@ pub(super) struct LeafEdits<'t> {
     leaves: Vec<u32>,
     starts: Vec<u32>,
     /// New leaves by the part of their donor, with their area scales.
-    made: HashMap<usize, Vec<(&'t NewLeaf, f64)>>,
+    made: FxHashMap<usize, Vec<(&'t NewLeaf, f64)>>,
 }
 
 /// A corner of a new leaf in its part's primitive.
@@ -78,7 +79,7 @@ impl<'t> LeafEdits<'t> {
             leaves[*slot as usize] = leaf as u32;
             *slot += 1;
         }
-        let mut made: HashMap<usize, Vec<(&NewLeaf, f64)>> = HashMap::new();
+        let mut made: FxHashMap<usize, Vec<(&NewLeaf, f64)>> = FxHashMap::default();
         for (leaf, area_scale) in lod.made() {
             let part = tree.leaf_sources[leaf.donor.index()].part as usize;
             made.entry(part).or_default().push((leaf, area_scale));
@@ -282,7 +283,7 @@ const MOST_TRIED: usize = 64;
 /// place and hold numbers of `places`.
 pub(super) fn group_by_edits(tree: &Tree, edits: &LeafEdits, places: &[&Use]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    let mut known: HashMap<(Changes, MadeLeaves), Vec<usize>> = HashMap::new();
+    let mut known: FxHashMap<(Changes, MadeLeaves), Vec<usize>> = FxHashMap::default();
     for (number, place) in places.iter().enumerate() {
         let key = (changes(tree, edits, place), made(tree, edits, place));
         let alike = known.entry(key).or_default();

@@ -25,7 +25,7 @@ mod leaf_edits;
 mod lod_document;
 mod meshes;
 mod nodes;
-mod old_normals;
+pub(crate) mod old_normals;
 mod packing;
 mod plant;
 mod primitive;

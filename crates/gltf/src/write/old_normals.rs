@@ -1,6 +1,8 @@
 //! Normals of new triangles of solid surfaces: each has its own where the old ones are flat-shaded, and where those of
 //! its corners say nothing of it.
 
+use std::sync::{Arc, OnceLock};
+
 use glam::DVec3;
 use serde_json::Value;
 
@@ -27,8 +29,35 @@ const LEAST_ALONG: f64 = 0.4;
 /// .85 have: its bark is shaded as it is on purpose.
 const LEAST_FOLLOWING: f64 = 0.95;
 
+/// The normals of the parts of a tree that levels asked for: the same for every level.
+#[derive(Clone, Debug)]
+pub(crate) struct NormalsOfParts(Vec<OnceLock<Option<Arc<OldNormals>>>>);
+
+impl NormalsOfParts {
+    /// Of so many parts nothing is known.
+    pub(crate) fn of(parts: usize) -> Self {
+        Self(vec![OnceLock::new(); parts])
+    }
+
+    /// Those of a part, which is this primitive of the document; nothing where there are no normals.
+    pub(super) fn of_part(
+        &self,
+        part: usize,
+        document: &Document,
+        primitive: &Value,
+        triangles: &[[u32; 3]],
+    ) -> Result<Option<Arc<OldNormals>>, Fault> {
+        if let Some(known) = self.0[part].get() {
+            return Ok(known.clone());
+        }
+        let found = OldNormals::of(document, primitive, triangles)?.map(Arc::new);
+        Ok(self.0[part].get_or_init(|| found).clone())
+    }
+}
+
 /// The normals of a primitive.
-pub(super) struct OldNormals {
+#[derive(Debug)]
+pub(crate) struct OldNormals {
     /// The normal of each vertex, of unit length.
     normals: Vec<DVec3>,
     /// Whether the corners of each triangle have the normal of the triangle itself.
@@ -43,7 +72,7 @@ pub(super) struct OldNormals {
 
 impl OldNormals {
     /// Nothing where there are no normals.
-    pub(super) fn of(
+    fn of(
         document: &Document,
         primitive: &Value,
         triangles: &[[u32; 3]],

@@ -1,21 +1,19 @@
 //! One primitive with fewer leaves, or leaves of another size.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::rc::Rc;
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use serde_json::Value;
 
 use super::draft::{Draft, NewElements, Role, gather_bytes, is_all_zero};
 use super::grid::{Grid, elements_like};
 use super::leaf_edits::{Blend, LeafEdits, MadeCorner};
-use super::old_normals::OldNormals;
 use super::references::as_index;
 use super::vertices::{KeptTriangle, Resize, Vertices, corner_vertices, shared_vertices};
 use crate::accessor::{Component, Elements, Shape};
 use crate::error::{At, Fault, Problem};
-use crate::parts::Part;
 use crate::roles;
 use crate::tree::Tree;
 
@@ -34,7 +32,7 @@ pub(super) fn rewrite_primitive(
         blends,
         surfaces,
         normals,
-    } = kept_triangles(draft, edits, part_number, part)?;
+    } = kept_triangles(draft, tree, edits, part_number)?;
     if kept.is_empty() {
         return Ok(None);
     }
@@ -91,12 +89,12 @@ struct Kept {
     resizes: Vec<Resize>,
     /// By resize: old vertices, and how much what it moves has of each, where it has not all
     /// of one.
-    blends: HashMap<u32, ([u32; 3], [f64; 3])>,
+    blends: FxHashMap<u32, ([u32; 3], [f64; 3])>,
     /// By resize: the old vertex of whose surface what it moves is, where that has texture
     /// coordinates of another one.
-    surfaces: HashMap<u32, u32>,
+    surfaces: FxHashMap<u32, u32>,
     /// By resize: the normal of what it moves, where that is the triangle's own.
-    normals: HashMap<u32, DVec3>,
+    normals: FxHashMap<u32, DVec3>,
 }
 
 /// The old vertices that new ones are copies of.
@@ -108,7 +106,7 @@ struct Sources {
 }
 
 impl Sources {
-    fn of(vertices: &Vertices, surfaces: &HashMap<u32, u32>) -> Self {
+    fn of(vertices: &Vertices, surfaces: &FxHashMap<u32, u32>) -> Self {
         let textures: Rc<[u32]> = vertices.sources.as_slice().into();
         let mut of_surfaces = Rc::clone(&textures);
         if !surfaces.is_empty() {
@@ -135,20 +133,22 @@ impl Sources {
 
 fn kept_triangles(
     draft: &Draft,
+    tree: &Tree,
     edits: &LeafEdits,
     part_number: usize,
-    part: &Part,
 ) -> Result<Kept, Fault> {
+    let part = &tree.parts[part_number];
     let triangles = draft.document.triangles(part.mesh, part.primitive)?;
     let mut made = Made {
         kept: Kept::of_old(edits, part_number, &triangles),
         old: &triangles,
-        placed: HashMap::new(),
+        placed: FxHashMap::default(),
     };
     let old_normals = match edits.has_made(part_number) {
         true => {
             let primitive = draft.document.primitive(part.mesh, part.primitive)?;
-            OldNormals::of(draft.document, primitive, &triangles)?
+            let known = &tree.old_normals;
+            known.of_part(part_number, draft.document, primitive, &triangles)?
         }
         false => None,
     };
@@ -195,9 +195,9 @@ impl Kept {
                 })
                 .collect(),
             resizes,
-            blends: HashMap::new(),
-            surfaces: HashMap::new(),
-            normals: HashMap::new(),
+            blends: FxHashMap::default(),
+            surfaces: FxHashMap::default(),
+            normals: FxHashMap::default(),
         }
     }
 }
@@ -217,7 +217,7 @@ struct Made<'a> {
     kept: Kept,
     old: &'a [[u32; 3]],
     /// The resizes that move corners to their places.
-    placed: HashMap<CornerKey, u32>,
+    placed: FxHashMap<CornerKey, u32>,
 }
 
 impl Made<'_> {
@@ -288,8 +288,8 @@ enum Mover {
 struct Moves<'a> {
     vertices: &'a Vertices,
     resizes: &'a [Resize],
-    blends: &'a HashMap<u32, ([u32; 3], [f64; 3])>,
-    normals: &'a HashMap<u32, DVec3>,
+    blends: &'a FxHashMap<u32, ([u32; 3], [f64; 3])>,
+    normals: &'a FxHashMap<u32, DVec3>,
     sources: Sources,
     place: String,
 }

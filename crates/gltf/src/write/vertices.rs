@@ -1,8 +1,7 @@
 //! Which vertices a primitive still needs, and which of them move.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 /// A leaf that changes size, in the primitive's local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +108,7 @@ fn vertices_in_list(vertex_count: usize, kept: &[KeptTriangle]) -> Vertices {
 
     let mut first_size = vec![UNUSED; vertex_count];
     let mut copies: Vec<(u32, u32)> = Vec::new();
-    let mut copy_of: HashMap<(u32, u32), usize> = HashMap::new();
+    let mut copy_of: FxHashMap<(u32, u32), usize> = FxHashMap::default();
     for triangle in kept {
         for (corner, size) in triangle.corners.into_iter().zip(sizes_of(triangle)) {
             let first = &mut first_size[corner as usize];

@@ -73,7 +73,7 @@ fn levels_of_few_pixels_do_not_fade_in_clients() {
     let options = ChainOptions {
         wanted: Wanted::Heights(HEIGHTS_PX[..6].to_vec()),
         max_difference: 0.28,
-        impostor: Choice::None,
+        impostor: Some(Choice::None),
         original: true,
         ..options(&[])
     };
@@ -122,7 +122,11 @@ fn a_further_impostor_pays_by_what_is_dear() {
 
 #[test]
 fn usual_heights_end_where_a_plant_is_a_block() {
-    let usual = ChainOptions::usual_heights_px;
+    let usual = |height_px| {
+        let mut options = ChainOptions::default();
+        options.screen.height_px = height_px;
+        options.heights_px()
+    };
     assert_eq!(usual(1080.0), HEIGHTS_PX);
     assert_eq!(usual(16.0), [16.0, 8.0]);
     assert_eq!(usual(480.0).last(), Some(&(32.0 * 480.0 / 1080.0)));

@@ -57,7 +57,7 @@ impl Maker<'_> {
         notes: &mut Vec<Note>,
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
-        let choice = self.options.impostor;
+        let choice = self.options.chosen_impostor();
         if choice == Choice::None {
             return Ok(Vec::new());
         }
@@ -165,7 +165,7 @@ impl Maker<'_> {
         notes: &mut Vec<Note>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<PlacedImpostor>, ChainError> {
-        let (choice, height) = (self.options.impostor, *height);
+        let (choice, height) = (self.options.chosen_impostor(), *height);
         let mesh = placed.last();
         let mesh_triangles = self.triangles_beside(mesh.map(|mesh| &mesh.made));
         poll(observer)?;

@@ -147,13 +147,13 @@ pub(super) fn lightest(
     observer: &mut Observer<'_>,
 ) -> Result<(Vec<Placed>, Vec<PlacedImpostor>), ChainError> {
     let mut places = maker.heights();
-    if maker.options.impostor.is_demanded() && places.len() > 1 {
+    if maker.options.chosen_impostor().is_demanded() && places.len() > 1 {
         places.pop();
     }
     let heights: Vec<f64> = places.iter().map(|(height, _)| *height).collect();
     let most_of_before = match maker.options.wanted {
         Wanted::Distances(_) => MOST_OF_ASKED,
-        Wanted::Heights(_) | Wanted::Triangles(_) => MOST_OF_BEFORE,
+        Wanted::UsualHeights | Wanted::Heights(_) | Wanted::Triangles(_) => MOST_OF_BEFORE,
     };
     let mut ladder = Ladder::new(maker, client);
     // The levels, each with its step and the place where it begins.
@@ -173,7 +173,7 @@ pub(super) fn lightest(
         let [done, of] = [place, places.len()];
         Progress::Level { done, of }.tell(observer)?;
         let height = heights[place];
-        let is_far = maker.options.impostor == Choice::Auto && height <= FAR_PX;
+        let is_far = maker.options.chosen_impostor() == Choice::Auto && height <= FAR_PX;
         if is_far && place >= may_have_cards {
             far = far_cards_at(&found, place, cards, observer)?;
             if !far.is_empty() {

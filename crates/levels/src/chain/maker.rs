@@ -90,7 +90,7 @@ impl<'a> Maker<'a> {
         let (look, judging) = Look::new(tree, options, clock)?;
         let shared = match &options.wanted {
             Wanted::Triangles(_) => Shared::default,
-            Wanted::Heights(_) | Wanted::Distances(_) => Shared::for_search,
+            Wanted::UsualHeights | Wanted::Heights(_) | Wanted::Distances(_) => Shared::for_search,
         };
         let stands = match options.wood {
             WoodMode::Keep | WoodMode::Ignore => None,
@@ -113,7 +113,7 @@ impl<'a> Maker<'a> {
                 memory: memory.memory(),
                 most_fit_px: match &options.wanted {
                     Wanted::Triangles(_) => options.leaves.most_fit_px,
-                    Wanted::Heights(_) | Wanted::Distances(_) => {
+                    Wanted::UsualHeights | Wanted::Heights(_) | Wanted::Distances(_) => {
                         options.leaves.effort.work().search_fit_px
                     }
                 },
@@ -270,9 +270,10 @@ impl<'a> Maker<'a> {
     pub(super) fn heights(&self) -> Vec<(f64, String)> {
         match &self.options.wanted {
             Wanted::Triangles(_) => Vec::new(),
-            Wanted::Heights(heights) => {
-                let words = |height: &f64| (*height, in_pixels(*height));
-                heights.iter().map(words).collect()
+            Wanted::UsualHeights | Wanted::Heights(_) => {
+                let heights = self.options.heights_px();
+                let words = |height| (height, in_pixels(height));
+                heights.into_iter().map(words).collect()
             }
             Wanted::Distances(distances) => {
                 let screen = self.options.screen;

@@ -65,7 +65,9 @@ fn take_all(
     }
     let highest_px = match &options.wanted {
         Wanted::Triangles(_) => options.screen.height_px,
-        Wanted::Heights(heights) => heights.first().copied().unwrap_or_default(),
+        Wanted::UsualHeights | Wanted::Heights(_) => {
+            options.heights_px().first().copied().unwrap_or_default()
+        }
         Wanted::Distances(_) => MOST_SIDE_PX,
     };
     let side_px = highest_px.min(MOST_SIDE_PX);

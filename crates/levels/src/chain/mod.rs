@@ -78,7 +78,7 @@ pub fn chain(
             let placed = asked(&maker, amounts, &client, &mut notes, observer)?;
             (placed, Vec::new())
         }
-        Wanted::Heights(_) | Wanted::Distances(_) => {
+        Wanted::UsualHeights | Wanted::Heights(_) | Wanted::Distances(_) => {
             lightest(&maker, &mut cards, &client, &mut notes, observer)?
         }
     };

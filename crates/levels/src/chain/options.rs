@@ -35,6 +35,8 @@ pub const DISTANCES: RangeInclusive<f64> = 0.01..=1e6;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Wanted {
+    /// As [`Heights`](Self::Heights), for [`HEIGHTS_PX`] in proportion to the height of the screen.
+    UsualHeights,
     /// Levels of these numbers of triangles of the whole plant, finest first.
     Triangles(Vec<Amount>),
     /// For each of these heights on the screen in pixels, the largest first, the fewest triangles within the
@@ -65,8 +67,9 @@ pub struct ChainOptions {
     pub leaves: Options,
     /// What becomes of the wood; it stays as it is for [`WoodMode::Keep`] and [`WoodMode::Ignore`].
     pub wood: WoodMode,
-    /// Which impostor the chain ends in.
-    pub impostor: Choice,
+    /// Which impostor the chain ends in. Where nothing is said [`Choice::Auto`] for heights and distances, and none
+    /// after levels of numbers of triangles.
+    pub impostor: Option<Choice>,
     /// How many levels coarser what casts a level's shadow is, 0 to 2.
     pub shadow_steps: usize,
     /// The largest difference between a level and the next where they switch; a level that would differ more from
@@ -102,14 +105,14 @@ impl Default for ChainOptions {
         // Levels have figures of their own, from views that drove none of them.
         leaves.shows_what_is_left = false;
         Self {
-            wanted: Wanted::Heights(HEIGHTS_PX.to_vec()),
+            wanted: Wanted::UsualHeights,
             screen: Screen::default(),
             max_difference: Limits::GOOD.difference,
             original: true,
             plant_height_m: None,
             leaves,
             wood: WoodMode::Auto,
-            impostor: Choice::Auto,
+            impostor: None,
             shadow_steps: 1,
             max_pop: None,
             textures: Textures::Fit,
@@ -126,13 +129,28 @@ impl ChainOptions {
         Limits::of_difference(self.max_difference)
     }
 
-    /// The heights for which a screen of this height has levels where nothing else is asked for: [`HEIGHTS_PX`] in its
-    /// proportion, those of 8 pixels and more, and the first in any case.
-    pub fn usual_heights_px(screen_height_px: f64) -> Vec<f64> {
-        let heights = HEIGHTS_PX.map(|height| height * screen_height_px / HEIGHTS_PX[0]);
-        let [first, others @ ..] = heights;
-        let others = others.into_iter().filter(|height| *height >= LEAST_PX);
-        std::iter::once(first).chain(others).collect()
+    /// The heights on the screen in pixels that levels are sought for, the largest first; none where numbers of
+    /// triangles or distances are asked for. The usual ones are those of 8 pixels and more, and the first in any case.
+    pub fn heights_px(&self) -> Vec<f64> {
+        match &self.wanted {
+            Wanted::UsualHeights => {
+                let heights =
+                    HEIGHTS_PX.map(|height| height * self.screen.height_px / HEIGHTS_PX[0]);
+                let [first, others @ ..] = heights;
+                let others = others.into_iter().filter(|height| *height >= LEAST_PX);
+                std::iter::once(first).chain(others).collect()
+            }
+            Wanted::Heights(heights) => heights.clone(),
+            Wanted::Triangles(_) | Wanted::Distances(_) => Vec::new(),
+        }
+    }
+
+    /// Which impostor the chain ends in, whether that was said or not.
+    pub fn chosen_impostor(&self) -> Choice {
+        self.impostor.unwrap_or(match self.wanted {
+            Wanted::Triangles(_) => Choice::None,
+            Wanted::UsualHeights | Wanted::Heights(_) | Wanted::Distances(_) => Choice::Auto,
+        })
     }
 
     /// Whether there are levels, not too many, ever coarser ones, and all numbers are in range.
@@ -152,6 +170,7 @@ impl ChainOptions {
                     amounts.windows(2).all(|w| of(&w[0]) > of(&w[1])),
                 )
             }
+            Wanted::UsualHeights => (HEIGHTS_PX.len(), true),
             Wanted::Heights(heights) => (heights.len(), heights.windows(2).all(|w| w[0] > w[1])),
             Wanted::Distances(distances) => {
                 (distances.len(), distances.windows(2).all(|w| w[0] < w[1]))
@@ -186,7 +205,8 @@ impl ChainOptions {
             (count, _) if count > MAX_LEVELS => Err(BadOptions::TooManyLevels(count)),
             // After numbers of triangles an impostor is a level more.
             (MAX_LEVELS, _)
-                if self.impostor != Choice::None && matches!(self.wanted, Wanted::Triangles(_)) =>
+                if self.chosen_impostor() != Choice::None
+                    && matches!(self.wanted, Wanted::Triangles(_)) =>
             {
                 Err(BadOptions::NoRoomForImpostor)
             }

@@ -56,7 +56,7 @@ pub(super) fn options(distances: &[f64]) -> ChainOptions {
         plant_height_m: None,
         leaves,
         wood: WoodMode::Auto,
-        impostor: Choice::Auto,
+        impostor: Some(Choice::Auto),
         shadow_steps: 0,
         max_pop: None,
         textures: Textures::Fit,
@@ -320,7 +320,7 @@ fn the_fewest_triangles_stand_where_nothing_is_seen_of_a_plant() {
                 obstacles: vec![courtyard(&maker, 1.2 * radius)],
             }),
             max_pop: Some(0.1),
-            impostor,
+            impostor: Some(impostor),
             ..free.clone()
         };
         let made = chain(&tree, &options, &engine, &mut go_on).unwrap();

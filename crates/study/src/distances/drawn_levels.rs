@@ -31,7 +31,7 @@ fn chain_options(wanted: Wanted, impostor: Choice, leaves: &Options) -> ChainOpt
         original: false,
         plant_height_m: None,
         leaves: leaves.clone(),
-        impostor,
+        impostor: Some(impostor),
         shadow_steps: 1,
         max_pop: None,
         // The judge sees how far meshes look from the plant, not what a client's mips make of them.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::cutoffs::Cutoffs;
 use super::super::files::WriteOptions;
+use super::super::old_normals::NormalsOfParts;
 use super::super::staged_files::{CommitError, StagedFiles};
 use super::{ChainFiles, Layout, Level};
 use crate::Document;
@@ -177,6 +178,7 @@ impl Tree {
         let parts = document.parts().map_err(|fault| document.error(fault))?;
         Ok(Tree {
             document,
+            old_normals: NormalsOfParts::of(parts.len()),
             parts,
             others: Vec::new(),
             levels_inside: LevelsInside::default(),
