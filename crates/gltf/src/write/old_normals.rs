@@ -34,7 +34,7 @@ const LEAST_FOLLOWING: f64 = 0.95;
 pub(crate) struct NormalsOfParts(Vec<OnceLock<Option<Arc<OldNormals>>>>);
 
 impl NormalsOfParts {
-    /// Of so many parts nothing is known.
+    /// A tree of this number of parts, of none of which a level asked for the normals yet.
     pub(crate) fn of(parts: usize) -> Self {
         Self(vec![OnceLock::new(); parts])
     }
