@@ -375,3 +375,24 @@ fn vertices_of_what_is_made_of_old_corners_keep_their_skin() {
     assert_eq!(before.len(), now.len() + 1);
     assert!(now.iter().all(|vertex| before.contains(vertex)));
 }
+
+/// Bark without normals says nothing of leaves that have some, when both are asked for and again.
+#[test]
+fn each_part_has_normals_of_its_own() {
+    let mut fixture = Fixture::new();
+    let attributes = json!({
+        "POSITION": fixture.vectors(&squares(1)),
+        "NORMAL": fixture.vectors(&[[0.0, 0.0, 1.0]; 4]),
+    });
+    let indices = fixture.indices(UNSIGNED_SHORT, &square_indices(1));
+    let tree = fixture.with_leaves(attributes, Some(indices)).tree();
+    let has_normals = [0, 1, 0, 1].map(|number| {
+        let (part, document) = (&tree.parts[number], &tree.document);
+        let primitive = document.primitive(part.mesh, part.primitive).unwrap();
+        let triangles = document.triangles(part.mesh, part.primitive).unwrap();
+        let known = &tree.old_normals;
+        let normals = known.of_part(number, document, primitive, &triangles);
+        normals.unwrap().is_some()
+    });
+    assert_eq!(has_normals, [false, true, false, true]);
+}
