@@ -22,7 +22,7 @@ pub(crate) const WOOD_POINTS: f64 = 0.0;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Reason {
-    /// How much it counts: names 2 to 4, pieces up to 4, cut-outs 3, colour 1.
+    /// How much it counts: names 2 to 4, pieces up to 4 (lumps 8), cut-outs 3, colour 1.
     /// From 2 in sum a primitive is foliage, up to 0 it is wood.
     pub points: f64,
     /// What was found, as a phrase for people.
@@ -100,7 +100,7 @@ pub(crate) fn gather(
     let found = found.map(|((mut reasons, of_texture), group)| {
         reasons.extend(of_texture.reasons);
         Evidence {
-            is_mixed: add_pieces(&mut reasons, group),
+            is_mixed: add_pieces(&mut reasons, group, of_texture.is_cut_out),
             reasons,
             is_cut_out: of_texture.is_cut_out,
         }
@@ -252,7 +252,7 @@ fn add_color(reasons: &mut Vec<Reason>, [red, green, blue]: [f64; 3]) {
 }
 
 /// Adds what the pieces say; returns whether they look like leaves and wood in one.
-fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) -> bool {
+fn add_pieces(reasons: &mut Vec<Reason>, group: &Group, is_cut_out: bool) -> bool {
     const ENOUGH: usize = 16;
     const MOST: f64 = 0.8;
     const FEW: f64 = 0.3;
@@ -264,6 +264,14 @@ fn add_pieces(reasons: &mut Vec<Reason>, group: &Group) -> bool {
     let pieces =
         shape_evidence::sum_up(&geometry.positions, &geometry.triangles, geometry.pieces());
     let is_mixed = pieces.are_leaves_and_wood(group.placements);
+    if pieces.are_lumps(group.placements) && !is_cut_out {
+        let text = match pieces.count {
+            1 => "its only piece is round and of many triangles".to_owned(),
+            count => format!("its {count} pieces are round and of many triangles each"),
+        };
+        reasons.push(Reason::new(-8.0, text));
+        return is_mixed;
+    }
     let Pieces {
         count,
         leaf_like,

@@ -37,6 +37,14 @@ impl Pieces {
         self.leaf_like * placements >= ENOUGH
             && self.leaf_like_share.min(self.stem_like_share) >= LEAST_SHARE
     }
+
+    /// Whether they are a few large round ones, placed `placements` times, as crowns are that are modelled as a solid:
+    /// no leaves, whatever their name.
+    pub(crate) fn are_lumps(&self, placements: usize) -> bool {
+        const MANY: usize = 16;
+        const MOST: f64 = 0.95;
+        self.count * placements < MANY && self.stem_like_share >= MOST
+    }
 }
 
 /// Sums the pieces up.

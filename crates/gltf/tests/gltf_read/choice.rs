@@ -278,6 +278,43 @@ fn one_card_drawn_many_times_is_many_leaves() {
     );
 }
 
+/// A ball of `rings` rings of `rings` corners, without poles.
+fn ball(rings: u16) -> (Vec<f32>, Vec<u16>) {
+    let turn = |k: u16, whole: f32| f32::from(k) / f32::from(rings) * whole;
+    let corners = (0..rings).flat_map(|ring| {
+        let (sin, cos) = turn(2 * ring + 1, std::f32::consts::FRAC_PI_2).sin_cos();
+        (0..rings).map(move |k| {
+            let (z, x) = turn(k, std::f32::consts::TAU).sin_cos();
+            [sin * x, cos, sin * z]
+        })
+    });
+    let quads = (0..rings - 1).flat_map(|ring| (0..rings).map(move |k| (ring, k)));
+    let triangles = quads.flat_map(|(ring, k)| {
+        let [a, b] = [k, (k + 1) % rings].map(|k| ring * rings + k);
+        [a, b, a + rings, b, b + rings, a + rings]
+    });
+    (corners.flatten().collect(), triangles.collect())
+}
+
+#[test]
+fn lumps_are_no_leaves_whatever_their_name() {
+    let mut tree = SmallTree::empty();
+    for (material, (positions, indices)) in [ball(12), ball(8)].into_iter().enumerate() {
+        let positions = tree.floats("VEC3", &positions);
+        let indices = tree.shorts("SCALAR", &indices);
+        tree.primitive(json!({
+            "attributes": {"POSITION": positions}, "indices": indices, "material": material
+        }));
+    }
+    let tree = tree.set("/materials", json!([{"name": "leaves"}, {"name": "stone"}]));
+    let found = &tree.document().inspect(&[]).primitives[0];
+    assert_eq!(found.taken_for, TakenFor::Wood);
+    assert_eq!(
+        found.reasons[0].text,
+        "its only piece is round and of many triangles"
+    );
+}
+
 #[test]
 fn an_inspection_reads_well_and_is_json() {
     let inspection = quads_and_box().document().inspect(&[]);
