@@ -112,7 +112,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<(usize, Placed)>, ChainError> {
         let mut steps = first..self.steps;
-        let mut best = None;
+        let mut best: Option<(usize, Placed)> = None;
         let mut beyond: Option<Tried> = None;
         let mut guess = match is_finest {
             true => FIRST,
@@ -123,7 +123,13 @@ impl<'a, 'm> Ladder<'a, 'm> {
             let found = self.coarsest(heights, steps.clone(), guess, observer)?;
             let slope = self.slope;
             let finer = || finer_than(beyond?, slope, &steps);
-            let Some((step, in_search)) = found.or_else(finer) else {
+            // Pictures of its size take longer than a step or two are worth.
+            let pays = |step: usize| {
+                best.as_ref()
+                    .is_none_or(|(best, _)| step >= best + LEAST_GAIN)
+            };
+            let Some((step, in_search)) = found.or_else(finer).filter(|(step, _)| pays(*step))
+            else {
                 break;
             };
             let made = self.level(step, observer)?.clone();
@@ -146,7 +152,9 @@ impl<'a, 'm> Ladder<'a, 'm> {
             if over > 0.0 && in_search > 0.0 {
                 self.goals.learn(heights[0], over / in_search);
             }
-            if steps.is_empty() || (ENOUGH..=1.0).contains(&over) {
+            // What serves at further heights, too, is mostly no lighter for those than it must be.
+            let is_enough = over >= ENOUGH || heights.len() > 1;
+            if steps.is_empty() || over <= 1.0 && is_enough {
                 break;
             }
             guess = step;
