@@ -306,7 +306,9 @@ fn lumps_are_no_leaves_whatever_their_name() {
             "attributes": {"POSITION": positions}, "indices": indices, "material": material
         }));
     }
-    let tree = tree.set("/materials", json!([{"name": "leaves"}, {"name": "stone"}]));
+    let green = json!({"baseColorFactor": [0.1, 0.6, 0.1, 1.0]});
+    let leaves = json!({"name": "leaves", "pbrMetallicRoughness": green});
+    let tree = tree.set("/materials", json!([leaves, {"name": "stone"}]));
     let found = &tree.document().inspect(&[]).primitives[0];
     assert_eq!(found.taken_for, TakenFor::Wood);
     assert_eq!(

@@ -21,6 +21,7 @@ mod level_surfaces;
 mod look;
 mod maker;
 mod memory;
+mod next_step;
 mod opaque_textures;
 mod options;
 mod placed;

@@ -40,9 +40,9 @@ pub(super) struct Level {
 /// .1 has a FLIP of .0196 instead of .0188 at a tenth.
 const NORMAL_WEIGHT: f64 = 0.05;
 
-/// [`NORMAL_WEIGHT`] of collapses over all pieces, as a share of the size of the plant. Of .005, .02 and .06: for 1,080
-/// pixels a potted plant of lumps needs 9,592, 7,892 and 7,238 of 19,604 triangles, a bare tree of 1,584 as many with
-/// all three; for 270 pixels that tree needs 638, 610 and 665.
+/// [`NORMAL_WEIGHT`] of collapses over all pieces, as a share of the size of the plant. With .005, .02 and .06 `lods` needs
+/// 9,592, 7,892 and 7,238 of the 19,604 triangles of `assets/plant2.glb` (Steun/creative-day-plants) for 1,080 pixels. A
+/// bare tree needs the fewest for 270 pixels with .02.
 pub(super) const EVEN_NORMAL_WEIGHT: f32 = 0.02;
 
 /// What a level loses at most: what shows nothing of a piece may still bear leaves and twigs.
