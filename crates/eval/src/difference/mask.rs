@@ -10,26 +10,42 @@ const LEAST_COVERAGE: f32 = 0.1;
 pub(crate) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {
     let pairs = a.iter().zip(b);
     let is_plant: Vec<bool> = pairs.map(|(a, b)| a.max(*b) >= LEAST_COVERAGE).collect();
-    let across = grown(&is_plant, width, 1);
-    let all = grown(&across, width, width);
+    let all = grown(&is_plant, width, GROWN_BY_PX);
     (0..)
         .zip(all)
         .filter_map(|(k, is)| is.then_some(k))
         .collect()
 }
 
-/// A mask grown both ways along a row (`step` 1) or a column (`step` of a row's width).
-fn grown(mask: &[bool], width: usize, step: usize) -> Vec<bool> {
+/// Of some pixels those that a filter of this reach in pixels may tell apart, where `differs` says which pixels of two
+/// pictures are not the same.
+pub(super) fn told_apart(pixels: &[u32], differs: &[bool], width: usize, reach: usize) -> Vec<u32> {
+    let is_reached = grown(differs, width, reach);
+    let reached = pixels.iter().filter(|k| is_reached[**k as usize]);
+    reached.copied().collect()
+}
+
+/// A mask grown by so many pixels both ways along its rows, and then along its columns.
+fn grown(mask: &[bool], width: usize, by_px: usize) -> Vec<bool> {
+    let across = grown_along(mask, width, 1, by_px);
+    grown_along(&across, width, width, by_px)
+}
+
+/// A mask grown along a row (`step` 1) or a column (`step` of a row's width).
+fn grown_along(mask: &[bool], width: usize, step: usize, by_px: usize) -> Vec<bool> {
     let mut grown = mask.to_vec();
     let (height, is_along_row) = (mask.len() / width.max(1), step == 1);
     let count = if is_along_row { width } else { height };
     for k in (0..mask.len()).filter(|k| mask[*k]) {
         let at = if is_along_row { k % width } else { k / width };
-        for away in 1..=GROWN_BY_PX {
-            if at >= away {
+        // Beside another pixel of the mask, that one grows on.
+        if at > 0 && !mask[k - step] {
+            for away in 1..=by_px.min(at) {
                 grown[k - away * step] = true;
             }
-            if at + away < count {
+        }
+        if at + 1 < count && !mask[k + step] {
+            for away in 1..=by_px.min(count - 1 - at) {
                 grown[k + away * step] = true;
             }
         }
@@ -52,5 +68,14 @@ mod tests {
         assert_eq!(judged_pixels(&b, &a, 5), expected);
         (a[0], b[19]) = (0.0, 1.0);
         assert_eq!(judged_pixels(&a, &b, 5), [7, 8, 9, 12, 13, 14, 17, 18, 19]);
+    }
+
+    /// In 5 x 4 pixels two that differ reach by one: of four pixels three are told apart.
+    #[test]
+    fn pixels_within_reach_are_told_apart() {
+        let mut differs = [false; 20];
+        (differs[0], differs[19]) = (true, true);
+        assert_eq!(told_apart(&[1, 6, 12, 13], &differs, 5, 1), [1, 6, 13]);
+        assert!(told_apart(&[3, 8], &differs, 5, 0).is_empty());
     }
 }

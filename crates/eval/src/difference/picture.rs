@@ -9,9 +9,9 @@ use super::blocks::{
     LEAST_JUDGED, LEAST_WOOD, ViewScores, largest_coverage_difference, worst_and_mean,
 };
 use super::frame::Frame;
-use super::mask::judged_pixels;
+use super::mask::{judged_pixels, told_apart};
 use crate::cut_mask::CutMasks;
-use crate::flip::{CutOutFlip, FilteredCutOut};
+use crate::flip::{CutOutFlip, FilteredCutOut, reach_px};
 use crate::render::{CutOut, CutOutRoles, draw_cut_out};
 use crate::visibility::AlphaFrom;
 
@@ -24,6 +24,7 @@ const MOSTLY: f32 = 0.5;
 /// A plant from one view: what pictures of its levels are compared with.
 #[derive(Debug)]
 pub(super) struct PlantPicture {
+    rgb: Vec<[f32; 3]>,
     coverage: Vec<f32>,
     /// By pixel, the share of its samples that show wood.
     wood: Vec<f32>,
@@ -57,6 +58,7 @@ impl PlantPicture {
         let filtered = FilteredCutOut::of(drawn.size, &drawn.rgb, &drawn.coverage);
         Self {
             flip: CutOutFlip::of(&filtered, &BACKGROUNDS),
+            rgb: drawn.rgb,
             coverage: drawn.coverage,
             wood: drawn.core,
         }
@@ -67,11 +69,19 @@ impl PlantPicture {
         self.coverage.iter().map(|part| f64::from(*part)).sum()
     }
 
+    /// By pixel, whether a level, drawn in the same frame, shows anything else there.
+    fn differs(&self, level: &CutOut) -> Vec<bool> {
+        let coverage = self.coverage.iter().zip(&level.coverage);
+        let pixels = self.rgb.iter().zip(&level.rgb).zip(coverage);
+        pixels.map(|((a, b), (c, d))| a != b || c != d).collect()
+    }
+
     /// How far a level, drawn in the same frame, is from this plant.
     pub(super) fn scores(&self, DrawnPlant(level): &DrawnPlant, frame: &Frame) -> ViewScores {
         let width = (frame.lens.width / frame.samples) as usize;
         let judged = judged_pixels(&self.coverage, &level.coverage, width);
-        let filtered = FilteredCutOut::at(&judged, level.size, &level.rgb, &level.coverage);
+        let told = told_apart(&judged, &self.differs(level), width, reach_px());
+        let filtered = FilteredCutOut::at(&told, level.size, &level.rgb, &level.coverage);
         let [columns, rows] = frame.blocks();
         let block_of = |pixel: u32| frame.block_of(pixel);
         let is_wood = |pixel: &u32| self.wood[*pixel as usize] >= MOSTLY;
@@ -81,7 +91,8 @@ impl PlantPicture {
             worst_and_mean(least, (pixels, errors), frame.block_px, count, block_of)
         };
         let (mut worst_block, mut mean, mut worst_wood) = (0.0f64, 0.0f64, 0.0f64);
-        for errors in self.flip.errors(&filtered, &judged) {
+        for of_told in self.flip.errors(&filtered, &told) {
+            let errors = with_zeros(&judged, &told, of_told);
             let [worst, of_all] = of_block(LEAST_JUDGED, &judged, &errors);
             let pairs = judged.iter().zip(&errors);
             let of_wood = pairs.filter(|(pixel, _)| is_wood(pixel));
@@ -103,4 +114,14 @@ impl PlantPicture {
             ),
         }
     }
+}
+
+/// The errors at all `judged` pixels, of those at some of them: elsewhere there is none.
+fn with_zeros(judged: &[u32], some: &[u32], errors: Vec<f32>) -> Vec<f32> {
+    let mut known = some.iter().zip(errors).peekable();
+    let error = |pixel: &u32| {
+        let here = known.next_if(|(at, _)| *at == pixel);
+        here.map_or(0.0, |(_, error)| error)
+    };
+    judged.iter().map(error).collect()
 }

@@ -20,7 +20,7 @@ const BLUE_YELLOW: [(f32, f32); 2] = [(34.1, 0.04), (13.5, 0.025)];
 const FEATURE_WIDTH: f32 = 0.082;
 
 /// Pixels from the middle of the widest filter of the eye to its end: three standard deviations.
-fn radius_px() -> usize {
+pub(crate) fn reach_px() -> usize {
     let widest = BLUE_YELLOW[0].1;
     (3.0 * deviation_px(widest)).ceil() as usize
 }
@@ -34,7 +34,7 @@ fn deviation_px(width: f32) -> f32 {
 /// widest filter ends.
 fn bell(width: f32) -> Vec<f32> {
     let deviation = deviation_px(width);
-    let radius = radius_px().min((5.7 * deviation).ceil() as usize) as i32;
+    let radius = reach_px().min((5.7 * deviation).ceil() as usize) as i32;
     let value = |x: i32| (-0.5 * (x as f32 / deviation).powi(2)).exp();
     (-radius..=radius).map(value).collect()
 }
@@ -186,7 +186,7 @@ impl Grid {
         }
         let mut is_reached = vec![vec![false; columns]; height];
         for (y, is_wanted) in is_wanted.iter().enumerate() {
-            let rows = y.saturating_sub(radius_px())..(y + radius_px() + 1).min(height);
+            let rows = y.saturating_sub(reach_px())..(y + reach_px() + 1).min(height);
             for column in (0..columns).filter(|column| is_wanted[*column]) {
                 for is_reached in &mut is_reached[rows.clone()] {
                     is_reached[column] = true;
