@@ -19,6 +19,10 @@ use crate::{Amount, Target, Views};
 /// 46 instead of 69 s of processor time by that, one of `ez_bush2` 20 instead of 18.
 const TARGETS_A_DOUBLING: f64 = 8.0;
 
+/// A plant of fewer leaves than this has its own targets: 9 % of its triangles may be a whole leaf, which then goes where
+/// all could become coarser. A palm of 9 fronds of 1,024 triangles each kept all of them down to 64 pixels.
+const FEWEST_ROUNDED: usize = 100;
+
 /// In a search an order of leaves that become no coarser goes on to this share of the triangles that are asked for: to
 /// begin takes longer than to go on.
 const SEARCHED_SHARE: f64 = 0.5;
@@ -80,10 +84,11 @@ impl Shared {
         }
     }
 
-    /// The target that leaves become coarser for.
-    pub(crate) fn coarsening_target(&self, target: Target) -> Target {
+    /// The target that so many leaves become coarser for.
+    pub(crate) fn coarsening_target(&self, target: Target, leaf_count: usize) -> Target {
+        let is_rounded = self.is_search && leaf_count >= FEWEST_ROUNDED;
         match target {
-            Target::Triangles(Amount::Count(count)) if self.is_search => {
+            Target::Triangles(Amount::Count(count)) if is_rounded => {
                 let doubles = (count.max(1) as f64).log2();
                 let next = (doubles * TARGETS_A_DOUBLING).ceil() / TARGETS_A_DOUBLING;
                 Target::triangles(next.exp2().round() as u64)
@@ -144,11 +149,11 @@ mod tests {
     fn in_a_search_targets_near_each_other_have_leaves_as_coarse() {
         let alone = Shared::default();
         assert_eq!(
-            alone.coarsening_target(Target::triangles(950)),
+            alone.coarsening_target(Target::triangles(950), 100),
             Target::triangles(950)
         );
         let search = Shared::for_search();
-        let coarsening = |count| search.coarsening_target(Target::triangles(count));
+        let coarsening = |count| search.coarsening_target(Target::triangles(count), 100);
         // 2^10 and the eighths of a double before it: 939 and 861.
         for count in [940, 950, 1_000, 1_024] {
             assert_eq!(coarsening(count), Target::triangles(1_024));
@@ -156,7 +161,10 @@ mod tests {
         assert_eq!(coarsening(930), Target::triangles(939));
         assert_eq!(coarsening(0), Target::triangles(1));
         let leaves = Target::leaves(7);
-        assert_eq!(search.coarsening_target(leaves), leaves);
+        assert_eq!(search.coarsening_target(leaves, 100), leaves);
+        // Of few leaves one would go for it.
+        let own = Target::triangles(930);
+        assert_eq!(search.coarsening_target(own, 99), own);
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl PassContext<'_> {
         let mut curves = shared.as_mut().and_then(|shared| shared.curves.take());
         let limit = self.options.leaf_triangles;
         let target = match &shared {
-            Some(shared) => shared.coarsening_target(self.target),
+            Some(shared) => shared.coarsening_target(self.target, self.foliage.leaves().len()),
             None => self.target,
         };
         coarsening.shares = limit.shares(self.foliage, target, &mut curves);
