@@ -92,6 +92,10 @@ impl<'a, 'm> Ladder<'a, 'm> {
         (first, is_finest): (usize, bool),
         observer: &mut Observer<'_>,
     ) -> Result<Option<(usize, Placed)>, ChainError> {
+        if self.maker.tree.leaves().leaves().is_empty() {
+            // Which sharing looks best of a few large pieces changes from height to height.
+            self.sharing = 0;
+        }
         let mut steps = first..self.steps;
         let mut best: Option<(usize, Placed)> = None;
         let mut beyond: Option<Tried> = None;
