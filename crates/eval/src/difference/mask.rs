@@ -17,15 +17,20 @@ pub(crate) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {
         .collect()
 }
 
-/// Of some pixels those that a filter of this reach in pixels may tell apart, where `differs` says which pixels of two
-/// pictures are not the same.
-pub(super) fn told_apart(pixels: &[u32], differs: &[bool], width: usize, reach: usize) -> Vec<u32> {
-    let is_reached = grown(differs, width, reach);
-    let reached = pixels.iter().filter(|k| is_reached[**k as usize]);
-    reached.copied().collect()
+/// Those of `pixels` that lie no more than `reach_px` rows and columns from one where two pictures differ: with filters
+/// of this reach FLIP is 0 at all others. `differs` is by pixel, row by row.
+pub(super) fn near_difference(
+    pixels: &[u32],
+    differs: &[bool],
+    width: usize,
+    reach_px: usize,
+) -> Vec<u32> {
+    let is_near = grown(differs, width, reach_px);
+    let near = pixels.iter().filter(|k| is_near[**k as usize]);
+    near.copied().collect()
 }
 
-/// A mask grown by so many pixels both ways along its rows, and then along its columns.
+/// A mask grown by `by_px` pixels both ways along its rows, and then along its columns.
 fn grown(mask: &[bool], width: usize, by_px: usize) -> Vec<bool> {
     let across = grown_along(mask, width, 1, by_px);
     grown_along(&across, width, width, by_px)
@@ -38,7 +43,7 @@ fn grown_along(mask: &[bool], width: usize, step: usize, by_px: usize) -> Vec<bo
     let count = if is_along_row { width } else { height };
     for k in (0..mask.len()).filter(|k| mask[*k]) {
         let at = if is_along_row { k % width } else { k / width };
-        // Beside another pixel of the mask, that one grows on.
+        // Where the next pixel is in the mask too, it grows to that side, and farther.
         if at > 0 && !mask[k - step] {
             for away in 1..=by_px.min(at) {
                 grown[k - away * step] = true;
@@ -70,12 +75,12 @@ mod tests {
         assert_eq!(judged_pixels(&a, &b, 5), [7, 8, 9, 12, 13, 14, 17, 18, 19]);
     }
 
-    /// In 5 x 4 pixels two that differ reach by one: of four pixels three are told apart.
+    /// The first and the last of 5 x 4 pixels differ: three of four others are next to them.
     #[test]
-    fn pixels_within_reach_are_told_apart() {
+    fn pixels_near_a_difference_are_found() {
         let mut differs = [false; 20];
         (differs[0], differs[19]) = (true, true);
-        assert_eq!(told_apart(&[1, 6, 12, 13], &differs, 5, 1), [1, 6, 13]);
-        assert!(told_apart(&[3, 8], &differs, 5, 0).is_empty());
+        assert_eq!(near_difference(&[1, 6, 12, 13], &differs, 5, 1), [1, 6, 13]);
+        assert!(near_difference(&[3, 8], &differs, 5, 0).is_empty());
     }
 }

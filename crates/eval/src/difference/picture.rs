@@ -9,7 +9,7 @@ use super::blocks::{
     LEAST_JUDGED, LEAST_WOOD, ViewScores, largest_coverage_difference, worst_and_mean,
 };
 use super::frame::Frame;
-use super::mask::{judged_pixels, told_apart};
+use super::mask::{judged_pixels, near_difference};
 use crate::cut_mask::CutMasks;
 use crate::flip::{CutOutFlip, FilteredCutOut, reach_px};
 use crate::render::{CutOut, CutOutRoles, draw_cut_out};
@@ -69,19 +69,29 @@ impl PlantPicture {
         self.coverage.iter().map(|part| f64::from(*part)).sum()
     }
 
-    /// By pixel, whether a level, drawn in the same frame, shows anything else there.
+    /// By pixel, whether a level, drawn in the same frame, has another colour or coverage there.
     fn differs(&self, level: &CutOut) -> Vec<bool> {
         let coverage = self.coverage.iter().zip(&level.coverage);
         let pixels = self.rgb.iter().zip(&level.rgb).zip(coverage);
         pixels.map(|((a, b), (c, d))| a != b || c != d).collect()
     }
 
+    /// FLIP of a level, drawn in the same frame, at these pixels, before each background. It is found near what differs;
+    /// elsewhere it is 0.
+    fn errors(&self, level: &CutOut, pixels: &[u32]) -> Vec<Vec<f32>> {
+        let width = level.size[0] as usize;
+        let near = near_difference(pixels, &self.differs(level), width, reach_px());
+        let filtered = FilteredCutOut::at(&near, level.size, &level.rgb, &level.coverage);
+        let before = self.flip.errors(&filtered, &near);
+        before
+            .map(|errors| with_zeros(pixels, &near, errors))
+            .collect()
+    }
+
     /// How far a level, drawn in the same frame, is from this plant.
     pub(super) fn scores(&self, DrawnPlant(level): &DrawnPlant, frame: &Frame) -> ViewScores {
         let width = (frame.lens.width / frame.samples) as usize;
         let judged = judged_pixels(&self.coverage, &level.coverage, width);
-        let told = told_apart(&judged, &self.differs(level), width, reach_px());
-        let filtered = FilteredCutOut::at(&told, level.size, &level.rgb, &level.coverage);
         let [columns, rows] = frame.blocks();
         let block_of = |pixel: u32| frame.block_of(pixel);
         let is_wood = |pixel: &u32| self.wood[*pixel as usize] >= MOSTLY;
@@ -91,8 +101,7 @@ impl PlantPicture {
             worst_and_mean(least, (pixels, errors), frame.block_px, count, block_of)
         };
         let (mut worst_block, mut mean, mut worst_wood) = (0.0f64, 0.0f64, 0.0f64);
-        for of_told in self.flip.errors(&filtered, &told) {
-            let errors = with_zeros(&judged, &told, of_told);
+        for errors in self.errors(level, &judged) {
             let [worst, of_all] = of_block(LEAST_JUDGED, &judged, &errors);
             let pairs = judged.iter().zip(&errors);
             let of_wood = pairs.filter(|(pixel, _)| is_wood(pixel));
@@ -116,12 +125,50 @@ impl PlantPicture {
     }
 }
 
-/// The errors at all `judged` pixels, of those at some of them: elsewhere there is none.
-fn with_zeros(judged: &[u32], some: &[u32], errors: Vec<f32>) -> Vec<f32> {
-    let mut known = some.iter().zip(errors).peekable();
+/// FLIP at all `pixels`: `errors` at those of `near`, which is part of them in the same order, and 0 elsewhere.
+fn with_zeros(pixels: &[u32], near: &[u32], errors: Vec<f32>) -> Vec<f32> {
+    let mut known = near.iter().zip(errors).peekable();
     let error = |pixel: &u32| {
         let here = known.next_if(|(at, _)| *at == pixel);
         here.map_or(0.0, |(_, error)| error)
     };
-    judged.iter().map(error).collect()
+    pixels.iter().map(error).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A green square of 48 x 40 pixels' middle, with one pixel of this red and another of this coverage.
+    fn drawn(red: f32, share: f32) -> CutOut {
+        let at = |x: usize, y: usize| y * 48 + x;
+        let mut coverage = vec![0.0; 48 * 40];
+        for y in 8..32 {
+            coverage[at(8, y)..at(40, y)].fill(1.0);
+        }
+        coverage[at(36, 12)] = share;
+        let mut rgb: Vec<[f32; 3]> = coverage.iter().map(|c| [0.1 * c, 0.3 * c, 0.0]).collect();
+        rgb[at(12, 28)][0] = red;
+        CutOut {
+            size: [48, 40],
+            core: vec![0.0; coverage.len()],
+            rgb,
+            coverage,
+        }
+    }
+
+    /// The same bits as where FLIP is found at all pixels, of a level with another colour, another coverage, or both.
+    #[test]
+    fn flip_is_zero_far_from_what_differs() {
+        let plant = PlantPicture::of(DrawnPlant(drawn(0.1, 1.0)));
+        let all: Vec<u32> = (0..48 * 40).collect();
+        for (red, share) in [(0.1, 1.0), (0.6, 1.0), (0.1, 0.4), (0.6, 0.4)] {
+            let level = drawn(red, share);
+            let everywhere = FilteredCutOut::of(level.size, &level.rgb, &level.coverage);
+            let expected: Vec<Vec<f32>> = plant.flip.errors(&everywhere, &all).collect();
+            assert_eq!(plant.errors(&level, &all), expected);
+            let told = expected[0].iter().filter(|error| **error > 0.0).count();
+            assert!(told < all.len() / 2 && (told > 100) == (red > 0.1 || share < 1.0));
+        }
+    }
 }

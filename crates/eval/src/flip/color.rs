@@ -1,5 +1,6 @@
 //! Colours as FLIP compares them.
 
+use glam::Vec3A;
 use image::RgbaImage;
 
 use crate::LINEAR_FROM_SRGB;
@@ -49,30 +50,31 @@ pub(super) struct ColorScale {
 impl ColorScale {
     pub(super) fn new() -> Self {
         let colors = Colors::new();
-        let lab = colors.hunt_lab([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-        let [lightness, a, b] = lab.map(|[green, blue]| green - blue);
-        let largest = (lightness.abs() + a.hypot_of(b)).powf(COLOR_EXPONENT);
+        let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| colors.hunt_lab(rgb));
+        let color = (green[1] - blue[1]).hypot_of(green[2] - blue[2]);
+        let largest = ((green[0] - blue[0]).abs() + color).powf(COLOR_EXPONENT);
         Self {
             largest,
             end_of_small: SMALL * largest,
         }
     }
 
-    #[inline]
-    pub(super) fn of(&self, difference: f32) -> f32 {
-        let difference = power(difference, COLOR_EXPONENT);
-        let small = difference * (MOST_OF_SMALL / self.end_of_small);
-        let beyond = (difference - self.end_of_small) / (self.largest - self.end_of_small);
-        let large = MOST_OF_SMALL + beyond * (1.0 - MOST_OF_SMALL);
-        if difference < self.end_of_small {
-            small
-        } else {
-            large
-        }
+    pub(super) fn of<const N: usize>(&self, differences: [f32; N]) -> [f32; N] {
+        differences.map(|difference| {
+            let difference = power(difference, COLOR_EXPONENT);
+            let small = difference * (MOST_OF_SMALL / self.end_of_small);
+            let beyond = (difference - self.end_of_small) / (self.largest - self.end_of_small);
+            let large = MOST_OF_SMALL + beyond * (1.0 - MOST_OF_SMALL);
+            if difference < self.end_of_small {
+                small
+            } else {
+                large
+            }
+        })
     }
 }
 
-/// Ways between spaces of colours, for several colours at a time: the processor takes some in the time of one.
+/// Ways between spaces of colours.
 pub(super) struct Colors {
     linear: [f32; 256],
     xyz_from_rgb: [[f32; 3]; 3],
@@ -98,7 +100,7 @@ impl Colors {
         let mut planes = [(); 3].map(|()| Vec::with_capacity(image.len() / 4));
         for pixel in image.pixels() {
             let [r, g, b, _] = pixel.0.map(|byte| self.linear[usize::from(byte)]);
-            let [[x], [y], [z]] = self.relative_xyz([[r], [g], [b]]);
+            let [x, y, z] = self.relative_xyz([r, g, b]);
             let opponent = [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)];
             for (plane, value) in planes.iter_mut().zip(opponent) {
                 plane.push(value);
@@ -108,74 +110,46 @@ impl Colors {
     }
 
     /// XYZ over that of white.
-    #[inline]
-    pub(super) fn relative_xyz<const N: usize>(&self, rgb: [[f32; N]; 3]) -> [[f32; N]; 3] {
-        let mut xyz = product(&self.xyz_from_rgb, rgb);
-        for (values, white) in xyz.iter_mut().zip(self.white) {
-            for value in values {
-                *value /= white;
-            }
-        }
-        xyz
+    pub(super) fn relative_xyz(&self, rgb: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = product(&self.xyz_from_rgb, rgb);
+        [x / self.white[0], y / self.white[1], z / self.white[2]]
     }
 
     /// Back from opponent colours, as far as a screen shows them.
-    #[inline]
-    pub(super) fn rgb_of_opponent<const N: usize>(
-        &self,
-        [lightness, red_green, yellow_blue]: [[f32; N]; 3],
-    ) -> [[f32; N]; 3] {
-        let mut xyz = [[0.0; N]; 3];
-        for k in 0..N {
-            let y = (lightness[k] + 16.0) / 116.0;
-            xyz[0][k] = (y + red_green[k] / 500.0) * self.white[0];
-            xyz[1][k] = y * self.white[1];
-            xyz[2][k] = (y - yellow_blue[k] / 200.0) * self.white[2];
-        }
-        let mut rgb = product(&self.rgb_from_xyz, xyz);
-        for value in rgb.iter_mut().flatten() {
-            *value = value.clamp(0.0, 1.0);
-        }
-        rgb
+    pub(super) fn rgb_of_opponent(&self, [y, cx, cz]: [f32; 3]) -> [f32; 3] {
+        let y = (y + 16.0) / 116.0;
+        let [x, z] = [y + cx / 500.0, y - cz / 200.0];
+        let xyz = [x * self.white[0], y * self.white[1], z * self.white[2]];
+        product(&self.rgb_from_xyz, xyz).map(|x| x.clamp(0.0, 1.0))
     }
 
     /// L*a*b*, with a* and b* the less the darker it is.
-    #[inline]
-    pub(super) fn hunt_lab<const N: usize>(&self, rgb: [[f32; N]; 3]) -> [[f32; N]; 3] {
-        let [x, y, z] = self.relative_xyz(rgb).map(lab_roots);
-        let mut lab = [[0.0; N]; 3];
-        for k in 0..N {
-            let lightness = 116.0 * y[k] - 16.0;
-            lab[0][k] = lightness;
-            lab[1][k] = 0.01 * lightness * (500.0 * (x[k] - y[k]));
-            lab[2][k] = 0.01 * lightness * (200.0 * (y[k] - z[k]));
-        }
-        lab
+    pub(super) fn hunt_lab(&self, rgb: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = lab_roots(self.relative_xyz(rgb));
+        let lightness = 116.0 * y - 16.0;
+        let [a, b] = [500.0 * (x - y), 200.0 * (y - z)].map(|c| 0.01 * lightness * c);
+        [lightness, a, b]
     }
 }
 
 /// What L*a*b* takes of parts of white's XYZ: cube roots, and a line where it is dark. Two steps of Halley's make
 /// the roots of a first guess exact to the last bit or two.
-#[inline]
-fn lab_roots<const N: usize>(parts: [f32; N]) -> [f32; N] {
+fn lab_roots(parts: [f32; 3]) -> [f32; 3] {
     const KNEE: f32 = 6.0 / 29.0;
     /// Of the bits of 1, two thirds, less what makes the error of the guess even.
     const GUESS: u32 = 709_921_077;
-    let mut roots = [0.0; N];
-    for (root, part) in roots.iter_mut().zip(parts) {
-        let mut halley = f32::from_bits(part.to_bits() / 3 + GUESS);
-        for _ in 0..2 {
-            let cube = halley * halley * halley;
-            halley *= (cube + 2.0 * part) / (2.0 * cube + part);
-        }
-        let line = part / (3.0 * KNEE * KNEE) + 4.0 / 29.0;
-        *root = if part > KNEE * KNEE * KNEE {
-            halley
-        } else {
-            line
-        };
+    let parts = Vec3A::from_array(parts);
+    let guess = parts
+        .to_array()
+        .map(|t| f32::from_bits(t.to_bits() / 3 + GUESS));
+    let mut root = Vec3A::from_array(guess);
+    for _ in 0..2 {
+        let cube = root * root * root;
+        root *= (cube + 2.0 * parts) / (2.0 * cube + parts);
     }
-    roots
+    let line = parts / (3.0 * KNEE * KNEE) + 4.0 / 29.0;
+    let is_bright = parts.cmpgt(Vec3A::splat(KNEE * KNEE * KNEE));
+    Vec3A::select(is_bright, root, line).to_array()
 }
 
 /// A positive number to a power, within some millionths, in a fraction of the time of `f32::powf`, and with the same
@@ -220,15 +194,8 @@ fn exp2(power: f32) -> f32 {
     series * f32::from_bits(((whole + 127) as u32) << 23)
 }
 
-#[inline]
-fn product<const N: usize>(matrix: &[[f32; 3]; 3], [a, b, c]: [[f32; N]; 3]) -> [[f32; N]; 3] {
-    matrix.map(|row| {
-        let mut sums = [0.0; N];
-        for k in 0..N {
-            sums[k] = row[0] * a[k] + row[1] * b[k] + row[2] * c[k];
-        }
-        sums
-    })
+fn product(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
+    matrix.map(|row| row[0] * a + row[1] * b + row[2] * c)
 }
 
 #[cfg(test)]
@@ -246,7 +213,7 @@ mod tests {
         }
         for k in 0..2000 {
             let part = k as f32 / 1900.0;
-            let [root, ..] = lab_roots([part, 0.5]);
+            let [root, ..] = lab_roots([part, 0.5, 1.0]);
             let expected = match part > 0.008_856_452 {
                 true => part.cbrt(),
                 false => part * 7.787_037 + 0.137_931_03,

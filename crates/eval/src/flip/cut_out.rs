@@ -4,11 +4,11 @@
 //! light. The filters of FLIP are linear, and a grey has no chroma, so the plant and its coverage are filtered
 //! once, whatever the grey.
 
-use super::color::{Colors, HypotOf};
+use super::color::{ColorScale, Colors, HypotOf};
 use super::filters::{
     Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, Responses, blue_yellow, gaussian, responses,
 };
-use super::{FlipPicture, FlipPixels, RUN, run_of, set_run};
+use super::{FlipPicture, FlipPixel};
 
 /// A plant as the filters of FLIP leave it, before any background.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl FilteredCutOut {
         let colors = Colors::new();
         let mut planes = [(); 3].map(|()| vec![0.0; rgb.len()]);
         for k in (0..rgb.len()).filter(|k| coverage[*k] != 0.0) {
-            let [[x], [y], [z]] = colors.relative_xyz(rgb[k].map(|channel| [channel]));
+            let [x, y, z] = colors.relative_xyz(rgb[k]);
             (planes[0][k], planes[1][k], planes[2][k]) = (y, 500.0 * (x - y), 200.0 * (y - z));
         }
         let [luminance, red_green, yellow_blue] = planes;
@@ -59,64 +59,50 @@ impl FilteredCutOut {
         }
     }
 
-    /// Pixels before a grey, in linear light, which alone has these L*, a* and b*. Where the filters find nothing they
-    /// are those of the grey.
-    #[inline(never)]
-    fn run(&self, first: usize, (grey, bare): (f32, [f32; 3]), colors: &Colors) -> FlipPixels {
-        let of = |plane: &Vec<f32>| run_of(plane, first);
-        let [luminance, coverage, red_green, yellow_blue] = self.seen.each_ref().map(of);
-        let mut lightness = [0.0; RUN];
-        for k in 0..RUN {
-            lightness[k] = 116.0 * (luminance[k] + (1.0 - coverage[k]) * grey) - 16.0;
-        }
-        let opponent = [lightness, red_green, yellow_blue];
-        let mut lab = colors.hunt_lab(colors.rgb_of_opponent(opponent));
-        for (values, bare) in lab.iter_mut().zip(bare) {
-            for (value, coverage) in values.iter_mut().zip(coverage) {
-                *value = if coverage != 0.0 { *value } else { bare };
+    /// A pixel before a grey, in linear light. Where the filters find nothing it is that of the grey alone.
+    fn pixel(&self, k: usize, grey: f32, colors: &Colors, bare: FlipPixel) -> FlipPixel {
+        let [luminance, coverage, red_green, yellow_blue] = self.seen.each_ref().map(|p| p[k]);
+        let lab = match coverage != 0.0 {
+            true => {
+                let y = luminance + (1.0 - coverage) * grey;
+                let opponent = [116.0 * y - 16.0, red_green, yellow_blue];
+                colors.hunt_lab(colors.rgb_of_opponent(opponent))
             }
-        }
-        let [edges, points] = [0, 1].map(|feature: usize| {
-            let [plant, cover] = [&self.of_plant[feature], &self.of_coverage[feature]]
-                .map(|found| [of(&found.across), of(&found.down)]);
-            let mut strengths = [0.0; RUN];
-            for (k, strength) in strengths.iter_mut().enumerate() {
-                let [across, down] = [0, 1].map(|way: usize| plant[way][k] - grey * cover[way][k]);
-                *strength = across.hypot_of(down);
-            }
-            strengths
+            false => bare.lab,
+        };
+        let [edge, point] = [0, 1].map(|feature| {
+            let (plant, cover) = (&self.of_plant[feature], &self.of_coverage[feature]);
+            let across = plant.across[k] - grey * cover.across[k];
+            across.hypot_of(plant.down[k] - grey * cover.down[k])
         });
-        let [lightness, a, b] = lab;
-        [lightness, a, b, edges, points]
+        FlipPixel { lab, edge, point }
     }
 
     /// The picture before a grey, in linear light.
     fn before(&self, grey: f32) -> FlipPicture {
         let colors = Colors::new();
-        let count = self.seen[0].len();
         // Far from the plant all pixels are alike.
         let bare = bare(grey, &colors);
-        let [lightness, a, b] = bare;
-        let mut planes = [lightness, a, b, 0.0, 0.0].map(|value| vec![value; count]);
+        let mut pixels = vec![bare; self.seen[0].len()];
         for (y, run) in self.grid.rows() {
-            let row = y * self.size[0] as usize;
-            for first in run.step_by(RUN).map(|x| row + x) {
-                let found = self.run(first, (grey, bare), &colors);
-                for (plane, values) in planes.iter_mut().zip(found) {
-                    set_run(plane, first, &values);
-                }
+            for k in run.map(|x| y * self.size[0] as usize + x) {
+                pixels[k] = self.pixel(k, grey, &colors, bare);
             }
         }
         FlipPicture {
             size: self.size,
-            planes,
+            pixels,
         }
     }
 }
 
-/// L*, a* and b* of a grey alone.
-fn bare(grey: f32, colors: &Colors) -> [f32; 3] {
-    colors.hunt_lab([[grey]; 3]).map(|[value]| value)
+/// A pixel of a grey alone.
+fn bare(grey: f32, colors: &Colors) -> FlipPixel {
+    FlipPixel {
+        lab: colors.hunt_lab([grey; 3]),
+        edge: 0.0,
+        point: 0.0,
+    }
 }
 
 /// A plant as FLIP sees it before each of some greys: what others are compared with.
@@ -144,11 +130,15 @@ impl CutOutFlip {
         other: &'a FilteredCutOut,
         pixels: &'a [u32],
     ) -> impl Iterator<Item = Vec<f32>> + 'a {
-        let colors = Colors::new();
+        let (scale, colors) = (ColorScale::new(), Colors::new());
         self.before.iter().map(move |(grey, picture)| {
             assert_eq!(picture.size, other.size, "one size");
-            let before = (*grey, bare(*grey, &colors));
-            picture.errors_at(pixels, |first| other.run(first, before, &colors))
+            let bare = bare(*grey, &colors);
+            let pair = |k: &u32| {
+                let other = other.pixel(*k as usize, *grey, &colors, bare);
+                (picture.pixels[*k as usize], other)
+            };
+            scale.errors(pixels.iter().map(pair))
         })
     }
 }
@@ -209,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Where one pixel differs, so do those that the filters reach it from, and no others, by whatever bits.
+    /// Where one pixel has another colour, FLIP is above 0 as far as the filters reach, and 0 beyond.
     #[test]
     fn errors_reach_as_far_as_filters_do() {
         let (rgb, coverage) = plant(0.0);

@@ -24,26 +24,17 @@ use filters::{Grid, LIGHTNESS_WIDTH, RED_GREEN_WIDTH, blue_yellow, features, gau
 /// pixels, seen from .7 m.
 pub(crate) const PIXELS_PER_DEGREE: f32 = 67.0;
 
-/// A picture as FLIP sees it.
+/// A picture as FLIP sees it, row by row.
 #[derive(Clone, Debug)]
 pub(crate) struct FlipPicture {
     size: [u32; 2],
-    /// Row by row: L*, a* and b* as far as the eye tells them apart at that lightness (Hunt), and how strong edges
-    /// and points are.
-    planes: [Vec<f32>; 5],
+    pixels: Vec<FlipPixel>,
 }
-
-/// What some pixels that follow each other have of the planes of a [`FlipPicture`].
-type FlipPixels = [[f32; RUN]; 5];
-
-/// So many pixels are looked at together: the processor does several in the time of one.
-const RUN: usize = 16;
 
 impl FlipPicture {
     /// Of a picture without transparency, at the usual 67 pixels a degree.
     pub(crate) fn of(image: &RgbaImage) -> Self {
-        let size = [image.width(), image.height()];
-        let grid = Grid::whole(size[0] as usize, size[1] as usize);
+        let grid = Grid::whole(image.width() as usize, image.height() as usize);
         let colors = Colors::new();
         let [mut y, mut cx, mut cz] = colors.opponent(image);
         let mut grey = y.clone();
@@ -54,18 +45,14 @@ impl FlipPicture {
         y = grid.filtered(&y, &gaussian(LIGHTNESS_WIDTH));
         cx = grid.filtered(&cx, &gaussian(RED_GREEN_WIDTH));
         cz = blue_yellow(&grid, &cz);
-        let mut lab = [(); 3].map(|()| vec![0.0; y.len()]);
-        for first in (0..y.len()).step_by(RUN) {
-            let opponent = [&y, &cx, &cz].map(|plane| run_of(plane, first));
-            let found = colors.hunt_lab(colors.rgb_of_opponent(opponent));
-            for (plane, values) in lab.iter_mut().zip(found) {
-                set_run(plane, first, &values);
-            }
-        }
-        let [lightness, a, b] = lab;
+        let pixel = |k: usize| FlipPixel {
+            lab: colors.hunt_lab(colors.rgb_of_opponent([y[k], cx[k], cz[k]])),
+            edge: edges[k],
+            point: points[k],
+        };
         Self {
-            size,
-            planes: [lightness, a, b, edges, points],
+            size: [image.width(), image.height()],
+            pixels: (0..y.len()).map(pixel).collect(),
         }
     }
 
@@ -75,24 +62,12 @@ impl FlipPicture {
     /// If they are of other sizes.
     pub(crate) fn errors(&self, other: &Self) -> Vec<f32> {
         assert_eq!(self.size, other.size, "one size");
-        let all: Vec<u32> = (0..self.planes[0].len() as u32).collect();
-        self.errors_at(&all, |first| other.run(first))
-    }
-
-    /// FLIP at pixels, in order, against what `other` has from some pixel on.
-    fn errors_at(&self, pixels: &[u32], other: impl Fn(usize) -> FlipPixels) -> Vec<f32> {
-        let scale = ColorScale::new();
-        let mut errors = Vec::with_capacity(pixels.len());
-        for of_run in pixels.chunk_by(|a, b| *a as usize / RUN == *b as usize / RUN) {
-            let first = of_run[0] as usize / RUN * RUN;
-            let found = scale.errors(&self.run(first), &other(first));
-            errors.extend(of_run.iter().map(|k| found[*k as usize - first]));
-        }
-        errors
-    }
-
-    fn run(&self, first: usize) -> FlipPixels {
-        self.planes.each_ref().map(|plane| run_of(plane, first))
+        let pairs = self
+            .pixels
+            .iter()
+            .copied()
+            .zip(other.pixels.iter().copied());
+        ColorScale::new().errors(pairs)
     }
 
     /// Mean FLIP of one against the other.
@@ -100,44 +75,53 @@ impl FlipPicture {
     /// # Panics
     /// If they are of other sizes, or of none.
     pub(crate) fn mean_error(&self, other: &Self) -> f64 {
-        let errors = self.errors(other);
-        assert!(!errors.is_empty(), "at least one pixel");
-        let count = errors.len() as f64;
-        errors.into_iter().map(f64::from).sum::<f64>() / count
+        assert!(!self.pixels.is_empty(), "at least one pixel");
+        let sum: f64 = self.errors(other).into_iter().map(f64::from).sum();
+        sum / self.pixels.len() as f64
     }
 }
 
-/// A run of a plane from a pixel on, 0 beyond its end.
-fn run_of(plane: &[f32], first: usize) -> [f32; RUN] {
-    let rest = &plane[first..];
-    rest.first_chunk().copied().unwrap_or_else(|| {
-        let mut run = [0.0; RUN];
-        run[..rest.len()].copy_from_slice(rest);
-        run
-    })
+/// A pixel as FLIP sees it.
+#[derive(Clone, Copy, Debug)]
+struct FlipPixel {
+    /// L*, and a* and b* as far as the eye tells them apart at that lightness (Hunt).
+    lab: [f32; 3],
+    edge: f32,
+    point: f32,
 }
 
-/// Puts a run into a plane, as far as that reaches.
-fn set_run(plane: &mut [f32], first: usize, values: &[f32; RUN]) {
-    let end = plane.len().min(first + RUN);
-    plane[first..end].copy_from_slice(&values[..end - first]);
-}
+/// So many pixels are compared at a time: the processor takes several powers in the time of one.
+const PIXELS_AT_A_TIME: usize = 16;
 
 impl ColorScale {
     /// FLIP of pixels against others, 0 to 1 each.
-    #[inline(never)]
-    fn errors(&self, a: &FlipPixels, b: &FlipPixels) -> [f32; RUN] {
-        let mut errors = [0.0; RUN];
-        for (k, error) in errors.iter_mut().enumerate() {
-            let [lightness, red_green, blue_yellow, edge, point] =
-                [0, 1, 2, 3, 4].map(|plane: usize| a[plane][k] - b[plane][k]);
-            let difference = lightness.abs() + red_green.hypot_of(blue_yellow);
-            let feature = (edge.abs().max(point.abs()) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
-            let found = power(self.of(difference), 1.0 - feature);
-            // Where colours are the same FLIP is 0, whatever the edges are.
-            *error = if difference == 0.0 { 0.0 } else { found };
+    fn errors(&self, pairs: impl Iterator<Item = (FlipPixel, FlipPixel)>) -> Vec<f32> {
+        let mut errors = Vec::with_capacity(pairs.size_hint().0);
+        let mut pairs = pairs.fuse();
+        loop {
+            let mut differences = [0.0; PIXELS_AT_A_TIME];
+            let mut exponents = [0.0; PIXELS_AT_A_TIME];
+            let mut count = 0;
+            let places = differences.iter_mut().zip(&mut exponents);
+            for ((difference, exponent), (a, b)) in places.zip(&mut pairs) {
+                let [lightness, red_green, blue_yellow] = [0, 1, 2].map(|k| a.lab[k] - b.lab[k]);
+                *difference = lightness.abs() + red_green.hypot_of(blue_yellow);
+                let (edge, point) = ((a.edge - b.edge).abs(), (a.point - b.point).abs());
+                let feature = (edge.max(point) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
+                *exponent = 1.0 - feature;
+                count += 1;
+            }
+            let colors = self.of(differences);
+            let found: [f32; PIXELS_AT_A_TIME] = std::array::from_fn(|k| {
+                let error = power(colors[k], exponents[k]);
+                // Where colours are the same FLIP is 0, whatever the edges are.
+                if differences[k] == 0.0 { 0.0 } else { error }
+            });
+            errors.extend_from_slice(&found[..count]);
+            if count < PIXELS_AT_A_TIME {
+                return errors;
+            }
         }
-        errors
     }
 }
 
