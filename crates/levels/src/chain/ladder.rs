@@ -323,12 +323,82 @@ fn triangles_of(step: usize, all: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use secateur_plant::Species;
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    use glam::{DMat3, DVec3};
+    use secateur_gltf::{Document, Selector, WholeTree, surfaces_to_glb};
+    use secateur_model::Surface;
+    use secateur_plant::{GrowOptions, Species, grow};
     use secateur_raster::OpenEngine;
 
     use super::*;
     use crate::chain::ChainOptions;
     use crate::chain::tests::{go_on, grown, options};
+
+    /// Nine fronds around a stem, each an arch of 1,024 triangles; leaves, or solid surface.
+    fn fronds(are_leaves: bool) -> WholeTree {
+        const CELLS: [u32; 2] = [8, 64];
+        let oak = grow(Species::Oak, &GrowOptions { leaves: 1, seed: 1 }).unwrap();
+        let mut fronds = Surface::empty(Arc::clone(&oak.wood.material));
+        for frond in 0..9 {
+            let turn = DMat3::from_rotation_y(TAU * f64::from(frond) / 9.0);
+            let first = fronds.positions.len() as u32;
+            for row in 0..=CELLS[1] {
+                for column in 0..=CELLS[0] {
+                    let [across, along] = [(column, CELLS[0]), (row, CELLS[1])]
+                        .map(|(k, of)| f64::from(k) / f64::from(of));
+                    let wide = 0.3 * (1.0 - along).max(0.05) * (across - 0.5);
+                    let at = DVec3::new(wide, 1.0 + along - 1.5 * along * along, 0.1 + along);
+                    fronds.positions.push(turn * at);
+                }
+            }
+            let corner = |column: u32, row: u32| first + row * (CELLS[0] + 1) + column;
+            for (column, row) in (0..CELLS[0]).flat_map(|x| (0..CELLS[1]).map(move |y| (x, y))) {
+                let [a, b] = [column, column + 1].map(|column| corner(column, row));
+                let [c, d] = [column, column + 1].map(|column| corner(column, row + 1));
+                fronds.triangles.extend([[a, c, b], [b, c, d]]);
+            }
+        }
+        Arc::make_mut(&mut fronds.material).double_sided = true;
+        let glb = surfaces_to_glb("palm", &[(fronds, are_leaves)]);
+        let document = Document::from_bytes("palm.glb", glb, None).unwrap();
+        let foliage: Vec<Selector> = are_leaves
+            .then(|| "all".parse().unwrap())
+            .into_iter()
+            .collect();
+        document.into_whole_tree(&foliage).unwrap()
+    }
+
+    /// To remove one of nine leaves shows at once; all of them as coarser arches do not.
+    #[test]
+    fn few_leaves_of_many_triangles_become_coarser_and_all_stay() {
+        let (tree, engine) = (fronds(true), OpenEngine::cpu());
+        let options = options(&[20.0]);
+        let maker = Maker::new(&tree, &options, &engine).unwrap();
+        let client = maker.client();
+        let mut ladder = Ladder::new(&maker, &client);
+        for step in (3..100).step_by(12) {
+            let level = ladder.level(step, &mut go_on).unwrap();
+            let left = level.leaves.foliage(tree.leaves());
+            assert_eq!(left.leaves().len(), 9, "of {} triangles", level.triangles());
+        }
+    }
+
+    /// How triangles were shared best at a nearer height is forgotten: far off nothing else would be tried.
+    #[test]
+    fn a_plant_without_leaves_shares_evenly_at_first_at_each_height() {
+        let (tree, engine) = (fronds(false), OpenEngine::cpu());
+        assert!(tree.leaves().leaves().is_empty());
+        let options = options(&[20.0]);
+        let maker = Maker::new(&tree, &options, &engine).unwrap();
+        let client = maker.client();
+        let mut ladder = Ladder::new(&maker, &client);
+        ladder.sharing = 1;
+        let found = ladder.lightest(&[16.0], 8.0, (0, true), &mut go_on);
+        assert!(found.unwrap().is_some());
+        assert!(ladder.made.keys().all(|(_, sharing)| *sharing == 0));
+    }
 
     /// At some steps another sharing than the first looks best, at some none is within the limits.
     #[test]
