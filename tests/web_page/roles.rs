@@ -62,7 +62,7 @@ fn words(tab: &mut Tab) -> Vec<String> {
 fn assert_same_bytes(tab: &mut Tab, bench: &Bench) -> Vec<String> {
     let page = of_page(
         tab,
-        &json!({"kind": "level", "level": {"amount": "share", "value": 0.3}}),
+        &json!({"kind": "level", "level": {"amount": "share", "value": 0.3}, "effort": "fast"}),
     );
     let words = words(tab);
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
