@@ -65,7 +65,7 @@ impl Maker<'_> {
             None => (&self.look.original, self.all, &[][..]),
         };
         let textures = texture_bytes(document, &level.materials, own);
-        let parts = LevelParts::before_writing(triangles, level.surfaces.len(), textures);
+        let parts = LevelParts::before_writing(triangles, level.draws(), textures);
         self.options.cost.cost(parts)
     }
 

@@ -1,6 +1,6 @@
 //! What is drawn of a level, and which textures it shows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use secateur_gltf::DrawnSurface;
@@ -21,6 +21,11 @@ impl LevelSurfaces {
             materials: drawn.iter().map(|drawn| drawn.material).collect(),
             surfaces: drawn.into_iter().map(|drawn| drawn.surface).collect(),
         }
+    }
+
+    /// Primitives that are drawn of it as it is written: one mesh, in which what has one material is one primitive.
+    pub(super) fn draws(&self) -> usize {
+        self.materials.iter().collect::<BTreeSet<_>>().len()
     }
 
     /// The surfaces of each material, by its number; those without one are left out.
@@ -66,5 +71,23 @@ pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTex
             });
         }
         *shown = Some(texture);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_one_material_are_drawn_at_once() {
+        let draws = |materials: &[Option<usize>]| {
+            let level = LevelSurfaces {
+                surfaces: Vec::new(),
+                materials: materials.to_vec(),
+            };
+            level.draws()
+        };
+        assert_eq!(draws(&[Some(3); 13]), 1, "the blades of a tuft of grass");
+        assert_eq!(draws(&[Some(3), None, Some(3), Some(5), None]), 3);
     }
 }
