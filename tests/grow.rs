@@ -1,5 +1,7 @@
 //! Growing plants, as input to everything else.
 
+use serde_json::Value;
+
 use crate::program::Bench;
 
 #[test]
@@ -156,6 +158,55 @@ fn levels_of_detail_are_trees_with_fewer_branches() {
     let [_, last, last_wood] = level(&[&["4"], &scheme[..]].concat());
     assert!(last < merged && last_wood < merged_wood);
     assert_eq!(last, 1);
+}
+
+/// Thicknesses in metres, the finest level first however they are written, and the paper's heights over radii.
+#[test]
+fn thresholds_of_ones_own_stand_in_place_of_a_scheme() {
+    let bench = Bench::new();
+    let grow = ["grow", "oak", "-o", "lod.glb", "--leaves", "300"];
+    let rest = ["--report", "r.json", "--lod-method", "merge", "--lod"];
+    let level = |number: &str, thresholds: &str| {
+        let own = [number, "--thresholds", thresholds];
+        bench.run(&[&grow[..], &rest, &own].concat()).succeeded();
+        let report = bench.json("r.json");
+        [report["lod"].clone(), report["leaves"].clone()]
+    };
+    let [fine, leaves] = level("1", "0.02,0.01");
+    assert_eq!(fine["levels"], 2);
+    assert_eq!(
+        (&fine["thickness_m"], &fine["threshold"]),
+        (&0.01.into(), &Value::Null)
+    );
+    let [coarse, fewer] = level("2", "0.01,0.02");
+    assert_eq!(coarse["thickness_m"], 0.02);
+    assert!(coarse["sticks_replaced"].as_u64() > fine["sticks_replaced"].as_u64());
+    assert!(fewer.as_u64() < leaves.as_u64());
+    let [by_hr, _] = level("2", "hr:500,250");
+    assert_eq!(
+        (&by_hr["threshold"], &by_hr["thickness_m"]),
+        (&250.0.into(), &Value::Null)
+    );
+    let misused = |own: &[&str], said: &str| {
+        let lod = ["--lod", "1", "--lod-method", "merge"];
+        bench
+            .run(&[&grow[..], &lod, own].concat())
+            .misused_saying(&[said]);
+    };
+    for bad in ["0.01,0.03,0.02", "-0.01,-0.02", "nan", "0"] {
+        misused(
+            &["--thresholds", bad],
+            "are no thresholds: write thicknesses in metres",
+        );
+    }
+    misused(
+        &["--thresholds", "0.01", "--scheme", "50-50"],
+        "cannot be used with",
+    );
+    let by_chain = ["--lod", "1", "--thresholds", "0.01"];
+    bench
+        .run(&[&grow[..], &by_chain].concat())
+        .misused_saying(&["--thresholds is for --lod-method merge"]);
 }
 
 #[test]

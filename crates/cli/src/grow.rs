@@ -46,8 +46,11 @@ struct GrownLodRecord {
     level: usize,
     /// How many there are.
     levels: usize,
-    /// merge: the thinnest stick that is left as it was, in metres, if any is.
+    /// merge: sticks above this height over radius (HR) were replaced; null where all were that can
+    /// be, or the threshold is a thickness.
     threshold: Option<f64>,
+    /// merge: sticks thinner than this were replaced, in metres; null by HR.
+    thickness_m: Option<f64>,
     /// merge: sticks that others stand for.
     sticks_replaced: Option<usize>,
     leaves_original: usize,
@@ -59,7 +62,8 @@ impl From<&BranchLevel> for GrownLodRecord {
             method: text(level.method),
             level: level.level,
             levels: level.levels,
-            threshold: level.threshold_m,
+            threshold: level.height_over_radius,
+            thickness_m: level.thickness_m,
             sticks_replaced: level.sticks_replaced,
             leaves_original: level.leaves_original,
         }
@@ -84,6 +88,9 @@ struct Size {
 /// Grows a plant, writes it, and reports what it is.
 pub(crate) fn run(args: &args::Grow, common: &Common) -> Result<Printed, Failure> {
     let mut work = Work::on("grow");
+    if args.thresholds.is_some() && args.lod_method != BranchMethod::Merge {
+        return Err(Failure::usage("--thresholds is for --lod-method merge"));
+    }
     let input = Path::new(&args.species);
     Outputs::beside([input])
         .and(&args.output, output::check_glb)?
@@ -164,6 +171,7 @@ fn grown(
         amount,
         method: args.lod_method,
         scheme: args.scheme.clone(),
+        thresholds: args.thresholds.clone(),
         cluster_size: args.cluster_size,
     };
     let (plant, level) = source.grow_level(args.leaves, args.seed, &options)?;

@@ -3,7 +3,10 @@
 use std::str::FromStr;
 
 use crate::rule_source::RuleSourceError;
-use crate::{Chain, ClusterSize, Metric, Record, Scheme, Skeleton, check_depth, merge_levels};
+use crate::{
+    Chain, ClusterSize, Metric, Record, Scheme, Skeleton, StickSize, Thresholds, check_depth,
+    merge_below, merge_levels,
+};
 
 /// Which level is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +42,7 @@ pub enum BranchMethod {
     /// Paths of branches, the longest branching first; every prefix is a plant
     #[default]
     Chain,
-    /// Sticks and leaf clusters merged from the twigs down, by a scheme
+    /// Sticks and leaf clusters merged from the twigs down, by a scheme or thresholds
     Merge,
 }
 
@@ -52,6 +55,8 @@ pub struct BranchLevelOptions {
     pub method: BranchMethod,
     /// Merge: which share of the sticks each level takes away.
     pub scheme: Scheme,
+    /// Merge: in place of the scheme, which sticks each level replaces.
+    pub thresholds: Option<Thresholds>,
     /// Merge: how large clusters of leaves are.
     pub cluster_size: ClusterSize,
 }
@@ -65,8 +70,11 @@ pub struct BranchLevel {
     pub level: usize,
     /// How many there are.
     pub levels: usize,
-    /// Merge: the thinnest stick that is left as it was, in metres, if any is.
-    pub threshold_m: Option<f64>,
+    /// Merge: sticks above this height over radius (HR) were replaced; none where all were that
+    /// can be, or where the threshold is a thickness.
+    pub height_over_radius: Option<f64>,
+    /// Merge: sticks thinner than this were replaced, in metres; none by HR.
+    pub thickness_m: Option<f64>,
     /// Merge: sticks that others stand for.
     pub sticks_replaced: Option<usize>,
     /// Leaves of the plant itself.
@@ -86,7 +94,7 @@ impl BranchLevelOptions {
         })?;
         match self.method {
             BranchMethod::Chain => self.of_chain(name, skeleton),
-            BranchMethod::Merge => self.of_scheme(name, skeleton),
+            BranchMethod::Merge => self.of_merging(name, skeleton),
         }
     }
 
@@ -107,19 +115,23 @@ impl BranchLevelOptions {
             method: self.method,
             level,
             levels: chain.levels(),
-            threshold_m: None,
+            height_over_radius: None,
+            thickness_m: None,
             sticks_replaced: None,
             leaves_original: skeleton.leaves.len(),
         };
         Ok((chain.skeleton(level), facts))
     }
 
-    fn of_scheme(
+    fn of_merging(
         &self,
         name: &str,
         skeleton: &Skeleton,
     ) -> Result<(Skeleton, BranchLevel), RuleSourceError> {
-        let levels = merge_levels(skeleton, &self.scheme, self.cluster_size);
+        let levels = match &self.thresholds {
+            Some(thresholds) => merge_below(skeleton, thresholds, self.cluster_size),
+            None => merge_levels(skeleton, &self.scheme, self.cluster_size),
+        };
         let count = levels.len();
         let number = match self.amount {
             BranchAmount::Level(level) => level,
@@ -132,11 +144,15 @@ impl BranchLevelOptions {
         check(name, number, count)?;
         let level = levels.into_iter().nth(number - 1);
         let level = level.expect("the number of a level was checked");
+        let of = self.thresholds.as_ref().map(Thresholds::of);
+        let is_thickness = of == Some(StickSize::Thickness);
+        let threshold = Some(level.threshold).filter(|threshold| threshold.is_finite());
         let facts = BranchLevel {
             method: self.method,
             level: number,
             levels: count,
-            threshold_m: Some(level.threshold).filter(|threshold| threshold.is_finite()),
+            height_over_radius: threshold.filter(|_| !is_thickness),
+            thickness_m: threshold.filter(|_| is_thickness),
             sticks_replaced: Some(level.replaced),
             leaves_original: skeleton.leaves.len(),
         };

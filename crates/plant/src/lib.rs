@@ -69,8 +69,8 @@ pub use grow::{
 };
 pub use language::{Rules, RulesError};
 pub use merge::{
-    ClusterSize, MergedLevel, Scheme, SchemeError, height_over_radius, merge_at, merge_levels,
-    merge_order,
+    ClusterSize, MergedLevel, Scheme, SchemeError, StickSize, Thresholds, ThresholdsError,
+    height_over_radius, merge_at, merge_below, merge_levels, merge_order,
 };
 pub use rule_source::{RuleSource, RuleSourceError};
 pub use secateur_model::{PlantSkeleton, Random, Segment, SegmentIndex};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use secateur_plant::{BranchAmount, BranchMethod, ClusterSize, MAX_LEAVES, Scheme};
+use secateur_plant::{BranchAmount, BranchMethod, ClusterSize, MAX_LEAVES, Scheme, Thresholds};
 
 #[derive(Args, Debug)]
 pub(crate) struct Grow {
@@ -22,7 +22,8 @@ pub(crate) struct Grow {
     pub(crate) seed: u64,
     /// Write only a level of detail of the plant: K for the first K paths of its chain of branches,
     /// or a share of the leaves such as 0.25 for as many paths as bear at most that share; with
-    /// `--lod-method merge`, K for level K of the scheme.
+    /// `--lod-method merge`, K for level K of the scheme or
+    /// the thresholds, the finest first.
     #[arg(long, value_name = "K|R", allow_negative_numbers = true)]
     pub(crate) lod: Option<BranchAmount>,
     /// How levels of detail are made.
@@ -36,6 +37,16 @@ pub(crate) struct Grow {
         requires = "lod"
     )]
     pub(crate) scheme: Scheme,
+    /// merge: in place of the scheme, how thick a stick must be to stay, in metres, a level each; or
+    /// with `hr:` before the numbers its largest height over radius.
+    #[arg(
+        long,
+        value_name = "M,M,...|hr:N,N,...",
+        requires = "lod",
+        conflicts_with = "scheme",
+        allow_hyphen_values = true
+    )]
+    pub(crate) thresholds: Option<Thresholds>,
     /// merge: how large clusters of leaves are.
     #[arg(long, value_enum, default_value_t = ClusterSize::Paper, requires = "lod")]
     pub(crate) cluster_size: ClusterSize,

@@ -4,13 +4,14 @@ use super::clusters::{Card, ClusterSize, Disc};
 use super::merging::Merging;
 use super::scheme::Scheme;
 use super::sticks::{in_order, replaced_below, thresholds};
+use super::thresholds::{StickSize, Thresholds};
 use crate::{LeafPose, Segment, SegmentIndex, Skeleton};
 
 /// A level of detail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergedLevel {
-    /// The HR above which sticks were replaced; minus infinity if all that can be
-    /// were.
+    /// The HR above which sticks were replaced, minus infinity if all that can be were; by
+    /// [`merge_below`] the threshold as it was given.
     pub threshold: f64,
     /// How many sticks were.
     pub replaced: usize,
@@ -27,7 +28,10 @@ pub struct MergedLevel {
 /// # Panics
 /// If a segment's parent is not an earlier one.
 pub fn merge_levels(skeleton: &Skeleton, scheme: &Scheme, size: ClusterSize) -> Vec<MergedLevel> {
-    let sticks = in_order(&replaced_below(&skeleton.segments));
+    let sticks = in_order(&replaced_below(
+        &skeleton.segments,
+        StickSize::HeightOverRadius,
+    ));
     let shares = scheme.shares_gone();
     let thresholds = thresholds(&sticks, skeleton.segments.len(), &shares);
     levels(skeleton, &sticks, &thresholds, size)
@@ -44,8 +48,30 @@ pub fn merge_at(skeleton: &Skeleton, thresholds: &[f64], size: ClusterSize) -> V
         fall && !thresholds.iter().any(|t| t.is_nan()),
         "thresholds fall"
     );
-    let sticks = in_order(&replaced_below(&skeleton.segments));
+    let sticks = in_order(&replaced_below(
+        &skeleton.segments,
+        StickSize::HeightOverRadius,
+    ));
     levels(skeleton, &sticks, thresholds, size)
+}
+
+/// The levels of a plant at thresholds of HR or of thickness, the finest first.
+///
+/// # Panics
+/// If a segment's parent is not an earlier one.
+pub fn merge_below(
+    skeleton: &Skeleton,
+    thresholds: &Thresholds,
+    size: ClusterSize,
+) -> Vec<MergedLevel> {
+    let sticks = in_order(&replaced_below(&skeleton.segments, thresholds.of()));
+    let signed = thresholds.values().iter().map(|t| thresholds.signed(*t));
+    let signed: Vec<f64> = signed.collect();
+    let mut levels = levels(skeleton, &sticks, &signed, size);
+    for level in &mut levels {
+        level.threshold = thresholds.signed(level.threshold);
+    }
+    levels
 }
 
 fn levels(

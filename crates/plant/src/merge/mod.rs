@@ -38,9 +38,11 @@ mod merging;
 mod order;
 mod scheme;
 mod sticks;
+mod thresholds;
 
 pub use clusters::ClusterSize;
-pub use levels::{MergedLevel, merge_at, merge_levels};
+pub use levels::{MergedLevel, merge_at, merge_below, merge_levels};
 pub use order::merge_order;
 pub use scheme::{Scheme, SchemeError};
 pub use sticks::height_over_radius;
+pub use thresholds::{StickSize, Thresholds, ThresholdsError};

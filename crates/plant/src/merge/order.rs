@@ -8,6 +8,7 @@ use secateur_model::{
 use super::clusters::{Card, ClusterSize, Disc};
 use super::merging::{ClusterPart, Merging};
 use super::sticks::{in_order, replaced_below};
+use super::thresholds::StickSize;
 
 /// Merges leaves until `leaves` are left: stick by stick, the largest HR first, two
 /// leaves or clusters at a time into one, so that every step is one leaf less.
@@ -27,7 +28,10 @@ pub fn merge_order(
     size: ClusterSize,
     leaves: usize,
 ) -> RemovalOrder {
-    let sticks = in_order(&replaced_below(&skeleton.segments));
+    let sticks = in_order(&replaced_below(
+        &skeleton.segments,
+        StickSize::HeightOverRadius,
+    ));
     let mut builder = Builder::new(foliage, skeleton, size);
     // To the end, whatever the target: where the last step leaves its clusters
     // depends on what moves after it.

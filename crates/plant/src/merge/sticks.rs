@@ -1,5 +1,6 @@
 //! Which sticks go at a threshold, and in which order.
 
+use super::thresholds::StickSize;
 use crate::Segment;
 
 /// HR: the height of a stick's start above the ground over its radius there.
@@ -11,18 +12,18 @@ pub fn height_over_radius(stick: &Segment, ground_m: f64) -> f64 {
     (stick.start.y - ground_m) / stick.start_radius_m
 }
 
-/// For each stick the threshold below which it is replaced: the least HR of it and
-/// of all that grows on it, so that what is replaced is always whole subtrees.
+/// For each stick the threshold below which it is replaced: the least slenderness (HR, or how thin
+/// it is) of it and of all that grows on it, so that what is replaced is always whole subtrees.
 /// Nothing for roots.
 ///
 /// # Panics
 /// If a parent is not an earlier stick.
-pub(super) fn replaced_below(sticks: &[Segment]) -> Vec<Option<f64>> {
+pub(super) fn replaced_below(sticks: &[Segment], size: StickSize) -> Vec<Option<f64>> {
     let roots = sticks.iter().filter(|stick| stick.parent.is_none());
     let ground_m = roots.map(|root| root.start.y).fold(f64::INFINITY, f64::min);
     let mut least: Vec<f64> = sticks
         .iter()
-        .map(|stick| height_over_radius(stick, ground_m))
+        .map(|stick| size.slenderness(stick, ground_m))
         .collect();
     for index in (0..sticks.len()).rev() {
         if let Some(parent) = sticks[index].parent {

@@ -6,7 +6,8 @@ use secateur_eval::{Judging, measure};
 use secateur_model::{Foliage, LeafId, LeafTriangle, Lod, PlantSkeleton};
 use secateur_plant::{
     ClusterSize, GrowOptions, LeafKind, LeafPose, MergedLevel, Scheme, Segment, SegmentIndex,
-    Skeleton, Species, grow_skeleton, height_over_radius, merge_at, merge_levels, merge_order,
+    Skeleton, Species, grow_skeleton, height_over_radius, merge_at, merge_below, merge_levels,
+    merge_order,
 };
 
 fn stick(parent: Option<usize>, start: DVec3, end: DVec3, radius_m: f64) -> Segment {
@@ -120,6 +121,19 @@ fn a_threshold_is_above_the_ground_and_lets_its_equals_stay() {
     }
     assert_eq!(replaced(&plant, at_s34), 0);
     assert_eq!(replaced(&plant, at_s34 - 1e-9), 3);
+}
+
+/// S3,4 to S3,7 are 10 cm thick, S2,2 and S2,3 are 20, S4,14 and S4,15 on S3,7 are 30.
+#[test]
+fn thinner_sticks_go_but_for_what_bears_thicker_ones() {
+    let plant = figure_4();
+    let below = |text: &str| merge_below(&plant, &text.parse().unwrap(), ClusterSize::Paper);
+    let replaced = |text: &str| -> Vec<usize> { below(text).iter().map(|l| l.replaced).collect() };
+    // Equals stay; S2,3 and S3,7 stay below what they bear, and the root always.
+    assert_eq!(replaced("0.1,0.15,0.25,0.31"), [0, 3, 4, 8]);
+    assert_eq!(below("0.15,0.1")[1].threshold, 0.15);
+    let by_hr = merge_at(&plant, &[30.0, 15.0], ClusterSize::Paper);
+    assert_eq!(below("hr:15,30"), by_hr);
 }
 
 #[test]
