@@ -206,7 +206,7 @@ fn thresholds_of_ones_own_stand_in_place_of_a_scheme() {
     let by_chain = ["--lod", "1", "--thresholds", "0.01"];
     bench
         .run(&[&grow[..], &by_chain].concat())
-        .misused_saying(&["--thresholds is for --lod-method merge"]);
+        .failed_with(2, &["--thresholds is for --lod-method merge"]);
 }
 
 #[test]

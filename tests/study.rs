@@ -2,6 +2,7 @@
 
 mod committed;
 mod distances;
+mod walk;
 mod whole;
 
 use secateur::plant_to_glb;
@@ -130,6 +131,7 @@ fn what_cannot_be_studied_is_one_sentence() {
     run(&["oak.glb", "--case", "nonsense"]).failed_saying(&["`nonsense", "no method"]);
     run(&["--redraw"]).failed_saying(&["no rows"]);
     run(&["--plan", "methods"]).failed_saying(&["no tree was given"]);
+    run(&["--plan", "walk", "--only", "elm"]).failed_saying(&["no tree", "elm"]);
     run(&["oak.glb", "--only", "elm"]).failed_saying(&["no tree", "elm"]);
     run(&["oak.glb", "--plan", "scene", "--levels", "0"]).failed_saying(&["no triangles"]);
     assert!(!bench.path("s").exists(), "nothing is begun");

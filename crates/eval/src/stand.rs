@@ -13,6 +13,7 @@ use crate::camera::ViewAxes;
 use crate::cut_mask::CutMasks;
 use crate::lens::Lens;
 use crate::shading::Lighting;
+use crate::srgb::{LINEAR_FROM_SRGB, srgb_byte};
 use strip::{Pixels, Strip};
 
 mod compare;
@@ -244,6 +245,30 @@ impl StandPicture {
                 *pixel = *next.image.get_pixel(x, y);
                 mixed.shown[k] = next.shown[k];
                 mixed.coverage[k] = next.coverage[k];
+            }
+        }
+        mixed
+    }
+
+    /// This picture with another behind its plants; `plain` is what the same camera sees where nothing stands.
+    ///
+    /// # Panics
+    /// If the pictures are of other sizes.
+    pub fn before(&self, behind: &RgbaImage, plain: &RgbaImage) -> Self {
+        let size = self.image.dimensions();
+        assert_eq!(
+            [size; 2],
+            [behind.dimensions(), plain.dimensions()],
+            "one camera"
+        );
+        let mut mixed = self.clone();
+        let pixels = mixed.image.pixels_mut().zip(&self.coverage);
+        for ((pixel, coverage), (behind, plain)) in pixels.zip(behind.pixels().zip(plain.pixels()))
+        {
+            for k in 0..3 {
+                let bytes = [pixel[k], behind[k], plain[k]];
+                let [own, behind, plain] = bytes.map(|byte| LINEAR_FROM_SRGB[usize::from(byte)]);
+                pixel[k] = srgb_byte(own + (1.0 - coverage) * (behind - plain));
             }
         }
         mixed

@@ -135,6 +135,14 @@ pub const DIFFERENCE_PX: u32 = 300;
 pub const DIFFERENCE_COLUMN: Column =
     drawn("difference_300", "Difference at 300 px", Direction::Lower);
 
+/// How high the crown is left, as a share of the original's: from the lowest to the highest corner of a leaf. Rows that
+/// are older lack it.
+pub(crate) const CROWN_HEIGHT_COLUMN: Column = drawn(
+    "crown_height_kept",
+    "Crown height kept",
+    Direction::NearerToOne,
+);
+
 /// Up to which width the program has pictures judged over frames if it is not told: of larger ones that takes
 /// longer than all else.
 pub const FRAMES_UP_TO_PX: u32 = 128;

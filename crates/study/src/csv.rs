@@ -1,6 +1,6 @@
 //! Rows as CSV, for spreadsheets.
 
-use crate::{COLUMNS, Column, DIFFERENCE_COLUMN, DRAWN_COLUMNS, Row, Values};
+use crate::{COLUMNS, Column, DIFFERENCE_COLUMN, DRAWN_COLUMNS, Row, Values, WalkFrame};
 
 /// Rows as CSV: a line of names, a line each; no per-view values. Text that a spreadsheet would
 /// take for a formula has an apostrophe before it.
@@ -22,6 +22,10 @@ pub fn to_csv(rows: &[Row]) -> String {
         .collect();
     for column in &with_difference {
         text += &format!(",{}", column.key);
+    }
+    let has_walk = rows.iter().any(|row| row.walk.is_some());
+    if has_walk {
+        text += ",triangles_original,switches,step,step_original,pop";
     }
     text += ",engine,adapter,version,commit,machine,command\n";
     for row in rows {
@@ -57,6 +61,9 @@ pub fn to_csv(rows: &[Row]) -> String {
                 .iter()
                 .map(|column| cell(&row.values, column)),
         );
+        if has_walk {
+            cells.extend(cells_of_walk(row.walk.as_ref()));
+        }
         cells.push(bare(&row.engine));
         cells.push(quoted(row.adapter.as_deref().unwrap_or("")));
         cells.extend([bare(&row.version), bare(&row.commit)]);
@@ -65,6 +72,21 @@ pub fn to_csv(rows: &[Row]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// What was seen in a frame of a walk; empty cells of other rows.
+fn cells_of_walk(frame: Option<&WalkFrame>) -> [String; 5] {
+    let of = |value: fn(&WalkFrame) -> Option<f64>| {
+        let value = frame.and_then(value);
+        value.map_or(String::new(), |value| value.to_string())
+    };
+    [
+        of(|frame| Some(frame.triangles_original as f64)),
+        of(|frame| Some(frame.switches as f64)),
+        of(|frame| frame.step),
+        of(|frame| frame.step_original),
+        of(|frame| frame.pop),
+    ]
 }
 
 /// A cell of text in quotes.
@@ -107,6 +129,27 @@ mod tests {
             lines[1]
         );
         assert!(lines[1].contains("\"a \"\"machine\"\"\""));
+    }
+
+    #[test]
+    fn frames_of_a_walk_have_columns_of_their_own() {
+        let mut frame = row("merge", 1.0, 0.0, 2.0);
+        frame.walk = Some(WalkFrame {
+            frame: 3,
+            is_turn: false,
+            has_panorama: false,
+            triangles_original: 70,
+            switches: 2,
+            step: Some(0.5),
+            step_original: Some(0.25),
+            pop: None,
+        });
+        let other = row("vds", 0.5, 1.0, 2.0);
+        let csv = to_csv(&[frame, other.clone()]);
+        let lines: Vec<&str> = csv.lines().collect();
+        assert!(lines[0].contains(",triangles_original,switches,step,step_original,pop,engine,"));
+        assert!(lines[1].contains(",70,2,0.5,0.25,,cpu,") && lines[2].contains(",,,,,,cpu,"));
+        assert!(!to_csv(&[other]).contains("switches"));
     }
 
     /// Rows can come from elsewhere: every column of text is defused, and none adds cells.

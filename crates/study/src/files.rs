@@ -12,6 +12,9 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
 
 /// Whether a path of a row is a picture that a study wrote: rows can come from elsewhere.
 pub(crate) fn is_picture(path: &str) -> bool {
-    let name = path.strip_prefix("pictures/");
-    name.is_some_and(|name| !name.contains(['/', '\\']) && name.ends_with(".jpg"))
+    let is_in = |folder: &str, ending: &str| {
+        let name = path.strip_prefix(folder);
+        name.is_some_and(|name| !name.contains(['/', '\\']) && name.ends_with(ending))
+    };
+    is_in("pictures/", ".jpg") || is_in("walk/", ".png")
 }

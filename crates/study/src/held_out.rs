@@ -6,6 +6,9 @@ use super::{JudgedLeaves, Row};
 
 /// Who judged the rows, in sentences.
 pub(crate) fn who_judged(rows: &[Row]) -> String {
+    if !rows.is_empty() && rows.iter().all(|row| row.walk.is_some()) {
+        return "Frames of the walk are judged each by itself, against full geometry.".to_owned();
+    }
     let by = |views| rows.iter().any(|row| row.judged_by == views);
     let held_out = "Judged by four sets of 12 held-out views (icosahedra, 3 radii away, 60 degrees, 512 x 512), none nearer than 10 degrees to a view of the sets that drive by default, each with a VMI of its own: values are means over the four, and beside them stands the worst.";
     let icosahedron = "one icosahedron of 12 views, the paper's, each 10.8 degrees from a driving view where a direction at random is 18: that flatters methods that are driven by views.";

@@ -19,7 +19,8 @@ use secateur_model::{Foliage, Lod, Surface};
 use secateur_simplify::sphere_of;
 
 use crate::columns::{
-    DIFFERENCE_COLUMN, DIFFERENCE_PX, DRAWN_WIDTHS_PX, values_as_drawn, values_of_original,
+    CROWN_HEIGHT_COLUMN, DIFFERENCE_COLUMN, DIFFERENCE_PX, DRAWN_WIDTHS_PX, values_as_drawn,
+    values_of_original,
 };
 use crate::files::make_folder;
 use crate::job::StudyRun;
@@ -131,25 +132,17 @@ impl<'a> LevelJudge<'a> {
         let judges_too = |set| judging.views_that_judge(set, centre) > 0;
         let (kept_overlap, overlap_with) = self.overlap(run, ran)?;
         let left = ran.lod.foliage(foliage);
-        let provenance = self.host.provenance();
         let mut row = Row {
-            schema_version: Row::SCHEMA_VERSION,
-            tree: self.identity.tree.clone(),
-            tree_sha256: self.identity.tree_sha256.clone(),
             method: case.method().to_owned(),
             setting: case.setting(),
             change: case.perturbation().name(),
             seed: seed.unwrap_or(0),
             level: ran.level,
             level_of: case.level_of(),
-            judged_by: self.identity.judged_by,
-            judged_leaves: self.identity.judged_leaves,
             is_driven_by_judging_views: ran.driving.iter().any(judges_too),
             leaves_original: foliage.leaves().len() as u64,
             leaves_final: left.leaves().len() as u64,
             triangles_final: left.triangles().len() as u64,
-            whole: None,
-            seen_from: None,
             seconds: ran.seconds,
             peak_rss_bytes: ran.peak_rss_bytes,
             resolution: ran.resolution,
@@ -161,22 +154,18 @@ impl<'a> LevelJudge<'a> {
             rigs: (measured.rigs.iter().zip(&pictured.rigs))
                 .map(|(counted, pictured)| joined(&counted.overall, &pictured.overall))
                 .collect(),
-            per_view: Vec::new(),
-            original: Values::new(),
-            original_without_mips: Values::new(),
             engine: ran.engine.clone(),
             adapter: ran.adapter.clone(),
-            version: self.identity.version.clone(),
-            commit: provenance.commit,
-            machine: provenance.machine,
             command: in_folder(&case.command(self.path, ran.level, seed), self.folder),
-            picture: String::new(),
-            difference: String::new(),
+            ..Row::blank(self.identity, self.host.provenance())
         };
         let height_px = f64::from(DIFFERENCE_PX);
         let looks = (self.difference).difference(&surfaces, height_px, ViewCount::All);
         let key = DIFFERENCE_COLUMN.key.to_owned();
         row.values.insert(key, Some(looks.difference));
+        let kept = crown_height(&left) / crown_height(foliage);
+        let kept = Some(kept).filter(|kept| kept.is_finite());
+        row.values.insert(CROWN_HEIGHT_COLUMN.key.to_owned(), kept);
         let drawn = self.drawn.iter().map(|drawn| drawn.measure(&surfaces));
         let drawn: Vec<AsDrawnMeasurement> = drawn.collect();
         row.values.extend(drawn.iter().flat_map(values_as_drawn));
@@ -232,6 +221,18 @@ impl<'a> LevelJudge<'a> {
         let label = overlap.map_or(String::new(), |_| label);
         Ok((overlap, label))
     }
+}
+
+/// From the lowest to the highest corner of leaves, in world units; minus infinity where there are none.
+fn crown_height(leaves: &Foliage) -> f64 {
+    let heights = leaves
+        .triangles()
+        .iter()
+        .flat_map(|t| t.corners.map(|c| c.y));
+    let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], y| {
+        [low.min(y), high.max(y)]
+    });
+    high - low
 }
 
 /// A command with paths as they are seen from the study's folder, which lies elsewhere on

@@ -15,6 +15,7 @@
 
 mod as_options;
 mod better_rivals;
+mod branch_metrics;
 mod case;
 mod chart;
 mod columns;
@@ -64,6 +65,7 @@ mod timed;
 mod tree_hash;
 mod tree_itself;
 mod triangle_levels;
+mod walk;
 mod whole;
 
 pub use case::{Case, LevelOf};
@@ -90,4 +92,5 @@ pub use run::{StudyOptions, redraw, run};
 pub use summary::{Group, Point, Spread, groups, overlap, pareto, spread, summarise};
 pub use table::markdown_escaped;
 pub use tree_hash::{file_sha256, tree_sha256};
+pub use walk::WalkFrame;
 pub use whole::WholeCounts;

@@ -101,6 +101,12 @@ pub(crate) fn chain(branch_metric: Metric) -> Case {
     Case::of(Method::Chain(ChainOptions { branch_metric }))
 }
 
+/// The chain by all of its metrics, the paper's own first.
+pub(crate) fn by_metrics() -> Vec<Case> {
+    let first = chain(Metric::default());
+    std::iter::once(first).chain(other_chains()).collect()
+}
+
 /// The chain by the metrics that its paper does not prefer.
 pub(crate) fn other_chains() -> [Case; 3] {
     [Metric::Children, Metric::Descendants, Metric::LongestPath].map(chain)

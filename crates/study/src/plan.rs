@@ -5,8 +5,8 @@ use secateur_simplify::vds::{Resize, Ties};
 use secateur_simplify::{FieldOfView, Views};
 
 use crate::named_cases::{
-    by_branches, coverage_kept, fsa, fsa_of_surfaces, fsa_without_slivers, information, look,
-    meshopt, other_chains, resized, shared_deficit, stochastic, stochastic_of_half_area,
+    by_branches, by_metrics, coverage_kept, fsa, fsa_of_surfaces, fsa_without_slivers, information,
+    look, meshopt, other_chains, resized, shared_deficit, stochastic, stochastic_of_half_area,
     stochastic_of_seed,
 };
 use crate::{Case, Perturbation, paper};
@@ -28,6 +28,11 @@ pub enum Plan {
     /// Whole plants at shares of all triangles, beside leaves alone and gltfpack on the whole file, where that
     /// is found.
     Whole,
+    /// A walk through grown woods, frame by frame: the two schemes of merging and the branch chain beside full
+    /// geometry.
+    Walk,
+    /// The branch chain by each of its four metrics, on five grown species.
+    Metrics,
     /// Whole plants at distances: levels for these beside fixed shares, impostors beside meshes of as many
     /// triangles.
     Scene,
@@ -132,8 +137,9 @@ pub(crate) fn cases(plans: &[Plan], knows_branches: bool) -> Vec<Case> {
         }
         Plan::Speed => [speed(), by_branches.clone()].concat(),
         Plan::Stability => stability(&by_branches),
+        Plan::Metrics if knows_branches => by_metrics(),
         // None is of cases on leaves.
-        Plan::Failures | Plan::Whole | Plan::Scene => Vec::new(),
+        Plan::Failures | Plan::Whole | Plan::Scene | Plan::Walk | Plan::Metrics => Vec::new(),
         Plan::Paper => [paper::cases(), paper::fewer_views().to_vec()].concat(),
     });
     each_once(planned)

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use super::{COLUMNS, Row, Study, held_out, summarise, triangle_levels};
 use crate::better_rivals::{beaten_as_drawn, lost_cases, note_of_counts, note_of_lost};
+use crate::branch_metrics;
 use crate::complete_cases::note_of;
 use crate::distances;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
@@ -14,6 +15,7 @@ use crate::published::beside;
 use crate::recommend::{WHAT_IS_LISTED, recommend};
 use crate::stability::{WHAT_IS_SPREAD, by_change, by_method, by_tree};
 use crate::table::{Table, markdown_escaped};
+use crate::walk;
 use crate::whole::{WHAT_IS_COMPARED, tables};
 
 /// The study of [`report`](super::report()) without pictures: what ran on
@@ -59,6 +61,11 @@ pub fn readme(study: &Study<'_>) -> String {
     stability(&mut text, &plain);
     whole(&mut text, study.rows);
     at_distances(&mut text, study.rows);
+    walk(&mut text, study.rows);
+    if let Some(table) = branch_metrics::table(study.rows) {
+        let (what, table) = (branch_metrics::WHAT_IS_COMPARED, table.markdown());
+        let _ = writeln!(text, "## Metrics of branches\n\n{what}\n\n{table}");
+    }
     if let Some(table) = overview(study.failure_cases, study.rows) {
         let _ = write!(
             text,
@@ -148,6 +155,17 @@ fn at_distances(text: &mut String, rows: &[Row]) {
     if !tables.is_empty() {
         let what = distances::WHAT_IS_COMPARED;
         let _ = writeln!(text, "## At the distances of a walk\n\n{what}\n");
+    }
+    for (title, table) in tables {
+        let _ = writeln!(text, "### {title}\n\n{}", table.markdown());
+    }
+}
+
+fn walk(text: &mut String, rows: &[Row]) {
+    let tables = walk::tables(rows);
+    if !tables.is_empty() {
+        let what = walk::WHAT_IS_COMPARED;
+        let _ = writeln!(text, "## A walk through woods\n\n{what}\n");
     }
     for (title, table) in tables {
         let _ = writeln!(text, "### {title}\n\n{}", table.markdown());

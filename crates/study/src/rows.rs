@@ -6,7 +6,7 @@ use secateur_eval::JudgingViews;
 use serde::{Deserialize, Serialize};
 
 use crate::older_rows;
-use crate::{JudgedLeaves, LevelOf, Provenance, SeenFrom, WholeCounts};
+use crate::{JudgedLeaves, LevelOf, Provenance, SeenFrom, WalkFrame, WholeCounts};
 
 /// Values by the keys of [`COLUMNS`](crate::COLUMNS); nothing where one is infinite.
 pub type Values = BTreeMap<String, Option<f64>>;
@@ -58,7 +58,11 @@ pub struct Row {
     /// the whole plant, and FLIP is their only metric, from six of the views that judge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seen_from: Option<SeenFrom>,
-    /// Wall time of the method alone to this level.
+    /// Which frame of a walk it is, of rows of frames; their triangles are those of all plants in view, and FLIP is
+    /// that of the frame against full geometry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub walk: Option<WalkFrame>,
+    /// Wall time of the method alone to this level; 0 of frames of a walk, which are not timed.
     pub seconds: f64,
     /// The largest resident set of the process while the method ran to this
     /// level, where the system tells; the tree and what judges it included.
@@ -198,9 +202,53 @@ impl Row {
     /// Version of the shape of rows. It changes where a column goes or gets another meaning.
     pub const SCHEMA_VERSION: u32 = 1;
 
+    /// A row of nothing yet, of this tree and program.
+    pub(crate) fn blank(identity: &Identity, provenance: Provenance) -> Self {
+        Self {
+            schema_version: Self::SCHEMA_VERSION,
+            tree: identity.tree.clone(),
+            tree_sha256: identity.tree_sha256.clone(),
+            method: String::new(),
+            setting: String::new(),
+            change: String::new(),
+            seed: 0,
+            level: 1.0,
+            level_of: LevelOf::Triangles,
+            judged_by: identity.judged_by,
+            judged_leaves: identity.judged_leaves,
+            is_driven_by_judging_views: false,
+            leaves_original: 0,
+            leaves_final: 0,
+            triangles_final: 0,
+            whole: None,
+            seen_from: None,
+            walk: None,
+            seconds: 0.0,
+            peak_rss_bytes: None,
+            resolution: 0,
+            kept_overlap: None,
+            overlap_with: String::new(),
+            max_area_scale: None,
+            values: Values::new(),
+            worst: Values::new(),
+            rigs: Vec::new(),
+            per_view: Vec::new(),
+            original: Values::new(),
+            original_without_mips: Values::new(),
+            engine: "cpu".to_owned(),
+            adapter: None,
+            version: identity.version.clone(),
+            commit: provenance.commit,
+            machine: provenance.machine,
+            command: String::new(),
+            picture: String::new(),
+            difference: String::new(),
+        }
+    }
+
     /// Whether it is of leaves, and so has a place in tables of methods and levels.
     pub(crate) fn is_of_leaves(&self) -> bool {
-        self.whole.is_none() && self.seen_from.is_none()
+        self.whole.is_none() && self.seen_from.is_none() && self.walk.is_none()
     }
 
     /// Which tree the row is of, and which program made it.
@@ -320,6 +368,7 @@ pub(crate) mod tests {
             triangles_final: 7,
             whole: None,
             seen_from: None,
+            walk: None,
             seconds,
             peak_rss_bytes: Some(50 << 20),
             resolution: 256,

@@ -17,6 +17,7 @@ use crate::row_file::{self, RowFile};
 use crate::subject::{Subject, subjects};
 use crate::timed::runs;
 use crate::tree_hash::tree_sha256;
+use crate::walk::WalkJob;
 use crate::whole::{self, Gltfpack, WholeJob};
 use crate::{Case, Error, Host, Identity, Plan, Row, current_rows};
 
@@ -153,9 +154,13 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
     for of_tree in todo.iter().filter(|of_tree| !of_tree.is_nothing()) {
         of_tree.subject.check(&options.selectors, options.memory)?;
     }
-    let studied: BTreeSet<Identity> = todo.iter().map(|t| t.identity.clone()).collect();
+    let woods = WalkJob::missing(options, &provenance, &finished)?;
+    let of_woods = woods.iter().map(|job| job.identity.clone());
+    let of_trees = todo.iter().map(|t| t.identity.clone());
+    let studied: BTreeSet<Identity> = of_trees.chain(of_woods).collect();
     let mut file = RowFile::after(&rows, &studied, &options.folder, host)?;
-    host.begin(todo.iter().map(|t| t.row_count(options)).sum());
+    let of_trees: usize = todo.iter().map(|t| t.row_count(options)).sum();
+    host.begin(of_trees + woods.iter().len() * WalkJob::ROWS);
     let bench = whole::Bench {
         options,
         gltfpack: gltfpack.as_ref(),
@@ -181,6 +186,9 @@ fn run_all(options: &StudyOptions, subjects: &[Subject], host: &dyn Host) -> Res
             let walked = walk.run(of_tree.subject, &of_tree.identity, &mut file);
             walked.map_err(|e| e.about(path))?;
         }
+    }
+    if let Some(job) = &woods {
+        job.run(options, &finished, &mut file, host)?;
     }
     host.end();
     Ok(())

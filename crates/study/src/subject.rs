@@ -5,17 +5,29 @@ use std::path::{Path, PathBuf};
 use secateur_eval::JudgingViews;
 use secateur_gltf::{Document, Selector, Tree, plant_to_glb};
 use secateur_model::{BoundingSphere, Memory, Plant};
-use secateur_plant::{GrowOptions, grow};
+use secateur_plant::{GrowOptions, Species, grow};
 
 use crate::distances;
 use crate::files::make_folder;
+use crate::named_cases::by_metrics;
 use crate::paper::{self, Model};
 use crate::scenes::{FailureScene, SCENES, near_cameras};
-use crate::{Case, Error, Host, JudgedLeaves, Plan, StudyOptions, plan};
+use crate::{Case, Error, Host, JudgedLeaves, Plan, StudyOptions, plan, walk};
 
 const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.01];
 /// Scenes have too few leaves for a hundredth of them.
 const SCENE_LEVELS: [f64; 2] = [0.5, 0.1];
+
+/// The levels at which metrics of branches are compared, and on what.
+const METRIC_LEVELS: [f64; 3] = [0.5, 0.25, 0.1];
+const METRIC_LEAVES: u32 = 2000;
+const METRIC_SPECIES: [Species; 5] = [
+    Species::Oak,
+    Species::Birch,
+    Species::Maple,
+    Species::Alder,
+    Species::Willow,
+];
 
 /// A tree and the cases that are run on it.
 pub(crate) struct Subject {
@@ -41,6 +53,7 @@ enum Origin {
     ByOthers,
     Scene(&'static FailureScene),
     Grown(&'static Model),
+    Species(Species),
 }
 
 /// The trees that a study is asked for.
@@ -68,13 +81,26 @@ pub(crate) fn subjects(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
         let models = paper::MODELS.iter();
         subjects.extend(models.map(|model| of_model(model, &folder, judged_by)));
     }
-    if subjects.is_empty() {
+    if has(Plan::Metrics) {
+        let judged_by = views_or(JudgingViews::HeldOut);
+        let species = METRIC_SPECIES.into_iter();
+        subjects.extend(species.map(|species| of_species(species, &folder, judged_by)));
+    }
+    let has_walk = has(Plan::Walk);
+    if subjects.is_empty() && !has_walk {
         return Err(Error::Refused(
-            "no tree was given: name one, or ask for --plan failures or paper, which make their own".to_owned(),
+            "no tree was given: name one, or ask for --plan failures, paper, walk or metrics, which make their own".to_owned(),
         ));
     }
     check_names(&subjects)?;
-    let is_there = |name: &&String| subjects.iter().any(|s| s.name == **name);
+    if let Some(same) = (subjects.iter()).find(|s| has_walk && s.name == walk::NAME) {
+        let path = same.path.display();
+        let why = format!("{path} would be called as the woods of --plan walk are: rename it");
+        return Err(Error::Refused(why));
+    }
+    let is_there = |name: &&String| {
+        subjects.iter().any(|s| s.name == **name) || has_walk && **name == walk::NAME
+    };
     if let Some(unknown) = options.only.iter().find(|name| !is_there(name)) {
         return Err(Error::Refused(format!(
             "no tree of this study is called {unknown}"
@@ -101,7 +127,7 @@ fn of_user(options: &StudyOptions) -> Result<Vec<Subject>, Error> {
     let has_other = has(Plan::Whole) || has(Plan::Scene);
     if cases.is_empty() && !has_other && !options.trees.is_empty() {
         return Err(Error::Refused(
-            "no plan for trees of one's own was asked for: add methods, speed, stability, paper, whole or scene to --plan".to_owned(),
+            "no plan for trees of one's own was asked for: add methods, speed, stability, paper, whole, scene or metrics to --plan".to_owned(),
         ));
     }
     let subject = |path: &PathBuf| Subject {
@@ -160,6 +186,22 @@ fn of_model(model: &'static Model, folder: &Path, judged_by: JudgingViews) -> Su
     }
 }
 
+/// A plant on whose branches metrics are compared.
+fn of_species(species: Species, folder: &Path, judged_by: JudgingViews) -> Subject {
+    let name = format!("{}-{METRIC_LEAVES}", species.name());
+    Subject {
+        path: folder.join(format!("{name}.glb")),
+        name,
+        cases: by_metrics(),
+        judged_by,
+        judged_leaves: JudgedLeaves::AsInFile,
+        judged_from_radii: None,
+        is_seen_whole: false,
+        is_seen_from_distances: false,
+        origin: Origin::Species(species),
+    }
+}
+
 /// Whether a tree has a sound skeleton. What else may be wrong with it is said by
 /// [`Subject::check`].
 fn knows_branches(path: &Path, selectors: &[Selector], memory: Memory) -> bool {
@@ -192,6 +234,7 @@ impl Subject {
     pub(crate) fn levels(&self) -> &'static [f64] {
         match self.origin {
             Origin::Scene(_) => &SCENE_LEVELS,
+            Origin::Species(_) => &METRIC_LEVELS,
             Origin::ByOthers | Origin::Grown(_) => &LEVELS,
         }
     }
@@ -201,7 +244,7 @@ impl Subject {
     pub(crate) fn selectors<'s>(&self, of_user: &'s [Selector]) -> &'s [Selector] {
         match self.origin {
             Origin::ByOthers => of_user,
-            Origin::Scene(_) | Origin::Grown(_) => &[],
+            Origin::Scene(_) | Origin::Grown(_) | Origin::Species(_) => &[],
         }
     }
 
@@ -219,7 +262,8 @@ impl Subject {
         let plant = match self.origin {
             Origin::ByOthers => return Ok(()),
             Origin::Scene(scene) => scene.plant(),
-            Origin::Grown(model) => grown(model)?,
+            Origin::Grown(model) => grown(&model.tree(), model.species(), model.leaves)?,
+            Origin::Species(species) => grown(&self.name, species, METRIC_LEAVES)?,
         };
         let write = |path: &Path, bytes: &[u8]| host.write_file(path, bytes);
         make_folder(self.path.parent().unwrap_or(Path::new(".")))?;
@@ -238,12 +282,12 @@ fn cameras_beside(tree: &Path) -> PathBuf {
     tree.with_file_name(format!("{name}-cameras.json"))
 }
 
-fn grown(model: &Model) -> Result<Plant, Error> {
+fn grown(name: &str, species: Species, leaves: u32) -> Result<Plant, Error> {
     let options = GrowOptions {
-        leaves: model.leaves,
+        leaves,
         seed: paper::SEED,
     };
-    grow(model.species(), &options).map_err(|e| Error::Refused(format!("{}: {e}", model.tree())))
+    grow(species, &options).map_err(|e| Error::Refused(format!("{name}: {e}")))
 }
 
 /// A sphere about the leaves, with its centre in the middle of their box; not the least one, but
@@ -265,7 +309,6 @@ fn sphere_of_leaves(plant: &Plant) -> BoundingSphere {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use secateur_plant::Species;
 
     fn options_of(trees: &[PathBuf], folder: &Path, plan: Plan) -> StudyOptions {
         StudyOptions {
@@ -323,6 +366,27 @@ mod tests {
         };
         assert!(is_cut_out(&JudgedLeaves::AsInFile.of(tree.foliage())));
         assert!(!is_cut_out(&JudgedLeaves::Solid.of(tree.foliage())));
+    }
+
+    /// Five grown species with the chain by each metric, at three levels; a walk has no tree of its own.
+    #[test]
+    fn plans_that_grow_their_own_need_no_tree() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = |plan| subjects(&options_of(&[], folder.path(), plan)).unwrap();
+        let grown = of(Plan::Metrics);
+        assert_eq!(grown.len(), 5);
+        for subject in &grown {
+            let methods: Vec<&str> = subject.cases.iter().map(Case::method).collect();
+            assert_eq!(methods, ["chain"; 4]);
+            assert_eq!(subject.levels(), [0.5, 0.25, 0.1]);
+        }
+        assert!(of(Plan::Walk).is_empty());
+        let named = |name: &str| {
+            let only = vec![name.to_owned()];
+            let options = options_of(&[], folder.path(), Plan::Walk);
+            subjects(&StudyOptions { only, ..options }).is_ok()
+        };
+        assert!(named("walk") && !named("elm"));
     }
 
     /// A tree that has lost its skeleton does without rule-based levels, in the same

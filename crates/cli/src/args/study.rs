@@ -11,7 +11,7 @@ use super::{Foliage, MemoryArg};
 
 #[derive(Args, Debug)]
 pub(crate) struct Study {
-    /// The trees, .glb or .gltf; the plans failures and paper make their own too.
+    /// The trees, .glb or .gltf; the plans failures, paper, walk and metrics make their own too.
     #[arg(
         value_name = "TREE.glb",
         required_unless_present_any = ["redraw", "plan"],
@@ -38,7 +38,7 @@ pub(crate) struct Study {
     /// icosahedron].
     #[arg(long, value_enum, conflicts_with = "redraw")]
     pub(crate) views: Option<JudgingViews>,
-    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1]; for whole
+    /// Shares of the leaves, 0 to 1 [default: 0.5,0.25,0.1,0.01; for failures 0.5,0.1, for metrics 0.5,0.25,0.1]; for whole
     /// plants, and as fixed shares of scene, of all triangles [default: 0.5,0.25,0.1].
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = level)]
     pub(crate) levels: Vec<f64>,

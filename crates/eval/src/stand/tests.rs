@@ -103,3 +103,24 @@ fn a_dithered_picture_has_a_share_of_the_next() {
     assert_eq!(full.dithered(&empty, 1.0).image, empty.image);
     assert_eq!(full.dithered(&empty, 0.0).image, full.image);
 }
+
+/// What the square hides stays hidden; where its edge halves a pixel, half of what is behind shows.
+#[test]
+fn another_picture_stands_behind_the_plants() {
+    let kind = square();
+    let camera = camera();
+    // 50 pixels a metre: the right edge lies half a pixel beyond the 450th.
+    let moved = DMat4::from_translation(DVec3::X * 0.01);
+    let picture = StandPicture::of(&[at(&kind, moved)], &camera, 400);
+    let plain = StandPicture::of(&[], &camera, 400).image;
+    let red = RgbaImage::from_pixel(800, 400, image::Rgba([255, 0, 0, 255]));
+    let mixed = picture.before(&red, &plain).image;
+    assert_eq!(mixed.get_pixel(400, 200), picture.image.get_pixel(400, 200));
+    assert_eq!(mixed.get_pixel(10, 10).0, [255, 0, 0, 255]);
+    let [edge, own] = [&mixed, &picture.image].map(|image| image.get_pixel(450, 200).0);
+    assert!(
+        edge[0] > own[0] && edge[2] < own[2] && edge[2] > 0,
+        "{edge:?} {own:?}"
+    );
+    assert_eq!(picture.before(&plain, &plain).image, picture.image);
+}

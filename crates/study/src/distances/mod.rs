@@ -15,7 +15,7 @@ use crate::judge::in_folder;
 use crate::row_file::RowFile;
 use crate::rows::millionths;
 use crate::subject::Subject;
-use crate::{Error, Host, Identity, LevelOf, Row, RowKey, StudyOptions, Values};
+use crate::{Error, Host, Identity, Row, RowKey, StudyOptions, Values};
 
 pub(crate) use charts::charts;
 use drawn_levels::{LevelSet, Maker};
@@ -248,26 +248,13 @@ impl Walk<'_> {
         let values = |flip: f64| -> Values {
             [("flip_mean".to_owned(), Some(flip).filter(|f| f.is_finite()))].into()
         };
-        let provenance = self.host.provenance();
         let (leaves, wood) = (tree.leaves(), tree.wood());
         Row {
-            schema_version: Row::SCHEMA_VERSION,
-            tree: identity.tree.clone(),
-            tree_sha256: identity.tree_sha256.clone(),
             method,
             setting,
-            change: String::new(),
-            seed: 0,
-            level: NO_LEVEL,
-            level_of: LevelOf::Triangles,
-            judged_by: identity.judged_by,
-            judged_leaves: crate::JudgedLeaves::AsInFile,
-            // Only default views drive.
-            is_driven_by_judging_views: false,
             leaves_original: leaves.leaves().len() as u64,
             leaves_final: drawn.leaves,
             triangles_final: drawn.triangles,
-            whole: None,
             seen_from: Some(SeenFrom {
                 case: drawn.case,
                 distance_m: place.distance_m,
@@ -275,25 +262,12 @@ impl Walk<'_> {
                 triangles_original: (leaves.triangles().len() + wood.triangles().len()) as u64,
             }),
             seconds: drawn.seconds,
-            peak_rss_bytes: None,
-            resolution: 0,
-            kept_overlap: None,
-            overlap_with: String::new(),
-            max_area_scale: None,
             values: values(drawn.mean_flip()),
             worst: values(drawn.worst_flip()),
-            rigs: Vec::new(),
-            per_view: Vec::new(),
-            original: Values::new(),
-            original_without_mips: Values::new(),
             engine: engine.name().to_owned(),
             adapter: engine.adapter(),
-            version: identity.version.clone(),
-            commit: provenance.commit,
-            machine: provenance.machine,
             command: in_folder(&drawn.command, &self.options.folder),
-            picture: String::new(),
-            difference: String::new(),
+            ..Row::blank(identity, self.host.provenance())
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The report of a study: one HTML page that needs no other file.
 
+mod branch_metrics;
 mod distances;
 mod failures;
 mod means;
@@ -7,6 +8,7 @@ mod overview;
 mod paper;
 mod pictures;
 mod stability;
+mod walk;
 mod whole;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,7 +26,7 @@ use crate::format::{number, percent, trees};
 use crate::recommend::{WHAT_IS_LISTED, recommend};
 use crate::short_names::ShortNames;
 
-/// A picture that rows name: its path from the study's folder, and its bytes as JPEG.
+/// A picture that rows name: its path from the study's folder, and its bytes as JPEG, or PNG as its name says.
 pub type Picture = (String, Vec<u8>);
 
 /// What the report and the README of a study are made of.
@@ -111,6 +113,8 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     page.stability(&mut html);
     page.whole(&mut html);
     page.distances(&mut html);
+    page.walk(&mut html);
+    page.branch_metrics(&mut html);
     page.failures(&mut html);
     page.paper(&mut html);
     if !plain.is_empty() {
@@ -303,8 +307,11 @@ impl Page<'_> {
             of(|row| row.machine.clone()),
             of(|row| row.adapter.clone().unwrap_or_else(|| row.engine.clone()))
         );
-        for row in self.study.rows {
-            *html += &escaped(&row.command);
+        let mut commands: Vec<&str> = self.study.rows.iter().map(|r| r.command.as_str()).collect();
+        // Frames of a walk are all of one command.
+        commands.dedup();
+        for command in commands {
+            *html += &escaped(command);
             html.push('\n');
         }
         *html += "</pre></details>\n";

@@ -10,9 +10,13 @@ use crate::format::{duration, percent};
 
 impl Page<'_> {
     pub(crate) fn image(&self, path: &str, text: &str) -> String {
+        let kind = match path.ends_with(".png") {
+            true => "png",
+            false => "jpeg",
+        };
         match self.images.get(path) {
             Some(data) => format!(
-                "<img alt=\"{}\" src=\"data:image/jpeg;base64,{data}\">",
+                "<img alt=\"{}\" src=\"data:image/{kind};base64,{data}\">",
                 escaped(text)
             ),
             None => String::new(),

@@ -12,7 +12,7 @@ use secateur_model::Surface;
 use super::{PlantOutcome, WholeCounts, WholeJob, count};
 use crate::judge::{self, PictureFile, file_name, opaque, portrait};
 use crate::subject::Subject;
-use crate::{Error, Host, Identity, LevelOf, Row, Values};
+use crate::{Error, Host, Identity, Row, Values};
 
 /// The original, drawn once, that all levels are compared with.
 pub(super) struct PlantJudge<'a> {
@@ -82,21 +82,10 @@ impl<'a> PlantJudge<'a> {
         files[0].write(opaque(&picture), self.folder, self.host)?;
         files[1].write(difference, self.folder, self.host)?;
         let [picture, difference] = files.map(|file| file.path);
-        let provenance = self.host.provenance();
         Ok(Row {
-            schema_version: Row::SCHEMA_VERSION,
-            tree: self.identity.tree.clone(),
-            tree_sha256: self.identity.tree_sha256.clone(),
             method,
             setting,
-            change: String::new(),
-            seed: 0,
             level: job.level,
-            level_of: LevelOf::Triangles,
-            judged_by: self.identity.judged_by,
-            judged_leaves: crate::JudgedLeaves::AsInFile,
-            // Only default views drive.
-            is_driven_by_judging_views: false,
             leaves_original: self.leaves_original,
             leaves_final: made.leaves_final,
             triangles_final: made.triangles(),
@@ -104,27 +93,18 @@ impl<'a> PlantJudge<'a> {
                 triangles_original: self.triangles_original,
                 wood_triangles_final: made.wood_triangles_final,
             }),
-            seen_from: None,
             seconds: made.seconds,
             peak_rss_bytes: made.peak_rss_bytes,
             resolution: made.resolution,
-            kept_overlap: None,
-            overlap_with: String::new(),
-            max_area_scale: None,
             values: joined(&measured.pictures.overall, mean),
             worst: joined(&measured.pictures.worst, least),
             rigs: rigs.map(|(rig, iou)| joined(&rig.overall, *iou)).collect(),
-            per_view: Vec::new(),
-            original: Values::new(),
-            original_without_mips: Values::new(),
             engine: made.engine.clone(),
             adapter: made.adapter.clone(),
-            version: self.identity.version.clone(),
-            commit: provenance.commit,
-            machine: provenance.machine,
             command: judge::in_folder(&made.command, self.folder),
             picture,
             difference,
+            ..Row::blank(self.identity, self.host.provenance())
         })
     }
 }
