@@ -6,8 +6,9 @@ mod switches;
 
 use std::path::Path;
 
-use secateur::{Document, Tree};
+use secateur::{Document, Tree, surfaces_to_glb};
 use secateur_levels::chain::HEIGHTS_PX;
+use secateur_plant::{GrowOptions, Species, grow};
 use serde_json::Value;
 
 use crate::program::{Bench, shared_tree};
@@ -401,4 +402,50 @@ fn coverage_cannot_be_kept_where_nothing_is_cut_out() {
     let run = bench.run(&[&lods[..], &["--textures", "fit"]].concat());
     run.failed_saying(&["no texture with alpha cuts out its leaves"]);
     assert_eq!(bench.names(), ["oak.glb"]);
+}
+
+/// Two plants of a file are told apart and said, unless they are taken for one.
+#[test]
+fn plants_that_stand_apart_are_said_and_may_be_one() {
+    let bench = Bench::for_small_screen();
+    let two = surfaces_to_glb(
+        "hedge",
+        &[0.0, 40.0].map(|x| {
+            let options = GrowOptions {
+                leaves: 30,
+                seed: 5,
+            };
+            let mut wood = grow(Species::Bush, &options).unwrap().wood;
+            for position in &mut wood.positions {
+                position.x += x;
+            }
+            (wood, false)
+        }),
+    );
+    bench.put("hedge.glb", &two);
+    let said = |more: &[&str]| {
+        let lods = [
+            "lods",
+            "hedge.glb",
+            "-o",
+            "levels",
+            "--levels",
+            "0.5",
+            "--overwrite",
+        ];
+        let effort = ["--effort", "fast", "--report", "r.json"];
+        bench.run(&[&lods[..], &effort, more].concat()).succeeded();
+        let record = bench.json("r.json");
+        let notes = record["notes"].as_array().unwrap().iter();
+        notes
+            .filter_map(Value::as_str)
+            .find(|note| note.contains("stand apart"))
+            .map(str::to_owned)
+    };
+    let apart = said(&[]).expect("a note");
+    assert!(
+        apart.starts_with("2 plants stand apart") && apart.contains("`--as-one`"),
+        "{apart}"
+    );
+    assert_eq!(said(&["--as-one"]), None);
 }

@@ -6,7 +6,7 @@ use crate::glb::{chunks, joined};
 use crate::program::Bench;
 
 /// Leaves of the instanced plant.
-const INSTANCES: usize = 240;
+pub(crate) const INSTANCES: usize = 240;
 
 /// Bytes of numbers, one list behind the other, and where each list begins.
 fn packed(lists: &[&[f32]]) -> (Vec<u8>, Vec<usize>) {
@@ -20,7 +20,7 @@ fn packed(lists: &[&[f32]]) -> (Vec<u8>, Vec<usize>) {
 }
 
 /// A crown of one folded card that is drawn in many places by `EXT_mesh_gpu_instancing`.
-fn instanced_crown() -> Vec<u8> {
+pub(crate) fn instanced_crown() -> Vec<u8> {
     let card: Vec<f32> = [
         [-0.1, 0.0, 0.0],
         [0.1, 0.0, 0.0],

@@ -10,8 +10,12 @@ use secateur_runtime::wind::Wind;
 use serde_json::{Value, json};
 
 use crate::glb::{chunks, joined};
+use crate::no_larger::{INSTANCES, instanced_crown};
 use crate::program::Bench;
 use crate::tab::{DESKTOP, Tab};
+
+/// The materials of a grown plant.
+const BOTH: [&str; 2] = ["leaf", "bark"];
 
 /// A vertex, by its bits: what it hangs on.
 type Key = (Option<usize>, [u32; 3], u32);
@@ -104,9 +108,9 @@ fn maple() -> Bench {
 }
 
 /// Whatever is left hangs where it hung in the original, and so moves as it did, at any time.
-fn moves_as_before(original: &Opened, level: &Opened, name: &str) {
+fn moves_as_before(original: &Opened, level: &Opened, name: &str, materials: &[&str]) {
     let wind = Wind::new(DVec2::new(1.0, 0.5), 8.0, 0.6, 30.0);
-    for material in ["leaf", "bark"] {
+    for material in materials {
         let mut motion: HashMap<Key, Hold> = HashMap::new();
         for (_, hold) in vertices(original, material) {
             motion.insert(key(&hold), hold);
@@ -146,7 +150,7 @@ fn every_level_hangs_where_the_original_hung() {
     for (name, arguments) in simplify {
         let all = [&["maple.glb", "-o", name], arguments].concat();
         bench.simplify(&all).succeeded();
-        moves_as_before(&original, &opened(&bench, name), name);
+        moves_as_before(&original, &opened(&bench, name), name, &BOTH);
     }
     let lod = [
         "lod",
@@ -159,7 +163,7 @@ fn every_level_hangs_where_the_original_hung() {
         "70",
     ];
     bench.run(&lod).succeeded();
-    moves_as_before(&original, &opened(&bench, "lod.glb"), "lod.glb");
+    moves_as_before(&original, &opened(&bench, "lod.glb"), "lod.glb", &BOTH);
     // A stream's prefix is a plant that says it, too.
     let stream = ["stream", "maple.glb", "-o", "maple.stream"];
     let more = ["--order", "maple.order", "--report", "s.json"];
@@ -169,7 +173,12 @@ fn every_level_hangs_where_the_original_hung() {
     bench
         .run(&[&read[..], &["--bytes", &bytes]].concat())
         .succeeded();
-    moves_as_before(&original, &opened(&bench, "prefix.glb"), "prefix.glb");
+    moves_as_before(
+        &original,
+        &opened(&bench, "prefix.glb"),
+        "prefix.glb",
+        &BOTH,
+    );
     let lods = [
         "lods",
         "maple.glb",
@@ -179,12 +188,97 @@ fn every_level_hangs_where_the_original_hung() {
         "0.4,0.15",
     ];
     bench.run(&lods).succeeded();
-    moves_as_before(&original, &opened(&bench, "lods.glb"), "lods.glb");
+    moves_as_before(&original, &opened(&bench, "lods.glb"), "lods.glb", &BOTH);
     bench
         .run(&["lods", "maple.glb", "-o", "chain", "--levels", "0.4"])
         .succeeded();
     let level = "chain/maple_LOD0.glb";
-    moves_as_before(&original, &opened(&bench, level), level);
+    moves_as_before(&original, &opened(&bench, level), level, &BOTH);
+}
+
+/// Of a plant whose file does not say it, what leaves and wood hang on is found by where they are: about where the rules
+/// of the plant have it, and every level moves as the plant does.
+#[test]
+fn what_a_silent_plant_hangs_on_is_found() {
+    let bench = maple();
+    let silent = edited(&bench.read("maple.glb"), |root| {
+        root.as_object_mut().unwrap().shift_remove("extras");
+        for mesh in root["meshes"].as_array_mut().unwrap() {
+            for primitive in mesh["primitives"].as_array_mut().unwrap() {
+                let attributes = primitive["attributes"].as_object_mut().unwrap();
+                attributes.retain(|name, _| !name.starts_with("_WIND"));
+            }
+        }
+    });
+    bench.put("silent.glb", &silent);
+    let lods = [
+        "lods",
+        "silent.glb",
+        "-o",
+        "chain",
+        "--levels",
+        "0.4",
+        "--wind",
+    ];
+    bench.run(&lods).succeeded();
+    let [said, found] = ["maple.glb", "chain/silent_LOD0.glb"].map(|name| opened(&bench, name));
+    moves_as_before(
+        &found,
+        &opened(&bench, "chain/silent_LOD1.glb"),
+        "LOD1",
+        &BOTH,
+    );
+    for (material, most) in [("leaf", 0.06), ("bark", 0.2)] {
+        let said: HashMap<[u32; 3], Hold> = vertices(&said, material)
+            .into_iter()
+            .map(|(at, hold)| (at.to_array().map(f32::to_bits), hold))
+            .collect();
+        let found = vertices(&found, material);
+        let (mut apart_m, mut more_m, mut high_m) = (0.0, 0.0, 0.0f32);
+        for (at, hold) in &found {
+            let said = said[&at.to_array().map(f32::to_bits)];
+            apart_m += said.pivot.distance(hold.pivot);
+            more_m += (said.along_m - hold.along_m).abs();
+            high_m = high_m.max(said.along_m);
+        }
+        let [apart, more] = [apart_m, more_m].map(|sum| sum / found.len() as f32 / high_m);
+        assert!(apart < most && more < 0.1, "{material}: {apart} {more}");
+    }
+    // A level made by itself moves alike.
+    let level = ["silent.glb", "-o", "one.glb", "--ratio", "0.3", "--wind"];
+    bench.simplify(&level).succeeded();
+    moves_as_before(&found, &opened(&bench, "one.glb"), "one.glb", &BOTH);
+}
+
+/// Leaves that are instances, or nodes of one mesh, hang each where it is.
+#[test]
+fn leaves_of_one_mesh_hang_apart() {
+    let bench = Bench::for_small_screen();
+    let instances = instanced_crown();
+    let nodes = edited(&instances, |root| {
+        let node =
+            |k: usize| json!({"mesh": 0, "translation": [0.3 * k as f64, 0.1 * k as f64, 0.0]});
+        root["nodes"] = (0..40).map(node).collect();
+        root["scenes"][0]["nodes"] = (0..40).collect();
+        root.as_object_mut().unwrap().remove("extensionsRequired");
+        root.as_object_mut().unwrap().remove("extensionsUsed");
+    });
+    for (name, glb, leaves) in [("nodes", nodes, 40), ("instances", instances, INSTANCES)] {
+        let file = format!("{name}.glb");
+        bench.put(&file, &glb);
+        let lods = [
+            "lods", &file, "-o", name, "--levels", "0.6", "--as-one", "--wind",
+        ];
+        bench.run(&lods).succeeded();
+        let [plant, level] =
+            ["LOD0", "LOD1"].map(|level| opened(&bench, &format!("{name}/{name}_{level}.glb")));
+        let pivots: HashSet<Key> = vertices(&plant, "leaf")
+            .iter()
+            .map(|(_, hold)| key(hold))
+            .collect();
+        assert_eq!(pivots.len(), leaves, "{name}");
+        moves_as_before(&plant, &level, name, &["leaf"]);
+    }
 }
 
 /// A node that moves a plant moves what it hangs on, where the plant is drawn and where a level is put

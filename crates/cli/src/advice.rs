@@ -11,6 +11,7 @@ fn flag(option: NamedOption) -> String {
         NamedOption::Impostor => "--impostor".to_owned(),
         NamedOption::ImpostorTextures => "--impostor-textures".to_owned(),
         NamedOption::PlantHeight => "--plant-height M".to_owned(),
+        NamedOption::AsOne => "--as-one".to_owned(),
     }
 }
 

@@ -20,7 +20,7 @@ use super::Document;
 use super::accessor::{Accessor, Component, Shape, is_index};
 use super::buffer::Buffer;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
-use super::property;
+use super::property::{self, push, remove};
 
 use decoded::{stride, wrong_kind};
 
@@ -372,22 +372,5 @@ impl Compressed {
         let decoded = MeshDecoder::new().decode(&mut buffer, &mut mesh);
         decoded.map_err(|error| Problem::Draco(error.to_string()))?;
         Ok(mesh)
-    }
-}
-
-/// Puts an entry at the end of a list, which may be new; its number.
-fn push(root: &mut Value, list: &str, entry: Value) -> usize {
-    if !root[list].is_array() {
-        root[list] = json!([]);
-    }
-    let entries = root[list].as_array_mut();
-    let entries = entries.unwrap_or_else(|| unreachable!("it is a list"));
-    entries.push(entry);
-    entries.len() - 1
-}
-
-fn remove(object: &mut Value, name: &str) {
-    if let Some(fields) = object.as_object_mut() {
-        fields.shift_remove(name);
     }
 }

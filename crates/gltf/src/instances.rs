@@ -8,7 +8,8 @@ use super::error::{At, Fault, Problem};
 use super::node::compose;
 use super::property;
 
-const EXTENSION: &str = "EXT_mesh_gpu_instancing";
+/// The extension's name.
+pub(crate) const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 /// The accessors of a node's instances.
 #[derive(Clone, Copy, Debug)]

@@ -105,7 +105,7 @@
 //! | alpha cutoffs of a level | `write/cutoffs.rs`, `write/beyond_cards.rs` |
 //! | files on disk | `write/files.rs`, `write/images.rs` |
 //! | grown plants | `write/plant.rs` |
-//! | what vertices hang on, for wind | `wind.rs` |
+//! | what vertices hang on, for wind | `wind.rs`; where the file does not say it: `hang.rs` |
 //! | textured triangles as a file | `write/surfaces.rs` |
 
 #![forbid(unsafe_code)]
@@ -127,6 +127,7 @@ mod file_kind;
 mod find;
 mod find_warnings;
 mod folder;
+mod hang;
 mod helper_names;
 mod input;
 mod inspection;

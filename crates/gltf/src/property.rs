@@ -1,6 +1,6 @@
 //! Reading properties of glTF's JSON: every type and range checked.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::error::{Problem, shortened};
 
@@ -26,6 +26,24 @@ pub(crate) fn whole(object: &Value, name: &'static str) -> Result<Option<u64>, P
     {
         Some(n) if (n as f64) < LARGEST => Ok(Some(n)),
         _ => Err(bad(name, "a whole number from 0 to 2^53", value)),
+    }
+}
+
+/// Puts an entry at the end of a list, which may be new; its number.
+pub(crate) fn push(root: &mut Value, list: &str, entry: Value) -> usize {
+    if !root[list].is_array() {
+        root[list] = json!([]);
+    }
+    let entries = root[list].as_array_mut();
+    let entries = entries.unwrap_or_else(|| unreachable!("it is a list"));
+    entries.push(entry);
+    entries.len() - 1
+}
+
+/// Takes a property out, if it is there.
+pub(crate) fn remove(object: &mut Value, name: &str) {
+    if let Some(fields) = object.as_object_mut() {
+        fields.shift_remove(name);
     }
 }
 

@@ -19,6 +19,8 @@ pub enum NamedOption {
     ImpostorTextures,
     /// How high the plant really is, in metres.
     PlantHeight,
+    /// That what stands apart is one plant.
+    AsOne,
 }
 
 impl fmt::Display for NamedOption {
@@ -31,6 +33,7 @@ impl fmt::Display for NamedOption {
             Self::Impostor => "impostor",
             Self::ImpostorTextures => "impostor_texture_bytes",
             Self::PlantHeight => "plant_height_m",
+            Self::AsOne => "as_one",
         })
     }
 }

@@ -175,13 +175,15 @@ impl PyPlant {
 }
 
 #[pyfunction]
-#[pyo3(signature = (source, *, foliage=None, not_plant=None, vertex_alpha="auto", memory="auto", name="plant.glb"))]
+#[pyo3(signature = (source, *, foliage=None, not_plant=None, vertex_alpha="auto", wind=false, memory="auto", name="plant.glb"))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords of Python")]
 pub(crate) fn open(
     py: Python<'_>,
     source: &Bound<'_, PyAny>,
     foliage: Option<Vec<String>>,
     not_plant: Option<Vec<String>>,
     vertex_alpha: &str,
+    wind: bool,
     memory: &str,
     name: &str,
 ) -> PyResult<PyPlant> {
@@ -193,6 +195,7 @@ pub(crate) fn open(
         foliage: selectors(foliage)?,
         not_plant: selectors(not_plant)?,
         vertex_alpha: option(vertex_alpha)?,
+        wind,
         memory: option::<Memory>(memory)?,
         ..Opening::default()
     };
@@ -228,7 +231,16 @@ pub(crate) fn of_any(source: &Bound<'_, PyAny>) -> PyResult<Py<PyPlant>> {
     if let Ok(plant) = source.cast::<PyPlant>() {
         return Ok(plant.clone().unbind());
     }
-    let plant = open(source.py(), source, None, None, "auto", "auto", "plant.glb")?;
+    let plant = open(
+        source.py(),
+        source,
+        None,
+        None,
+        "auto",
+        false,
+        "auto",
+        "plant.glb",
+    )?;
     Py::new(source.py(), plant)
 }
 

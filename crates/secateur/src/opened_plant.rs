@@ -12,6 +12,7 @@ use secateur_model::{Foliage, Memory, PlantSkeleton};
 #[cfg(feature = "plant")]
 use secateur_plant::{GrowOptions, Species};
 use secateur_simplify::whole::WoodMode;
+use secateur_simplify::wood::{FoundHolds, found_holds};
 
 #[cfg(feature = "plant")]
 use crate::Error;
@@ -29,6 +30,9 @@ pub struct Opening {
     /// What becomes of the wood in levels: [`LevelOptions::usual_wood`](crate::LevelOptions::usual_wood) is what the
     /// program takes for a target.
     pub wood: WoodMode,
+    /// Whether it is found by where leaves and wood are what they hang on, where the file does not say it: vertex
+    /// attributes that every level keeps, for shaders that sway the plant.
+    pub wind: bool,
     /// How much memory the plant and its levels may take.
     pub memory: Memory,
 }
@@ -41,6 +45,7 @@ impl Default for Opening {
             not_plant: Vec::new(),
             vertex_alpha: VertexAlpha::Auto,
             wood: WoodMode::Auto,
+            wind: false,
             memory: Memory::Auto,
         }
     }
@@ -51,6 +56,15 @@ impl Default for Opening {
 pub struct Plant {
     parts: Arc<Parts>,
     surroundings: Arc<Surroundings>,
+}
+
+/// A plant with what leaves and wood hang on beside their vertices.
+fn hung(whole: WholeTree) -> Result<WholeTree, GltfError> {
+    if whole.says_what_it_hangs_on() {
+        return Ok(whole);
+    }
+    let FoundHolds { leaves, wood } = found_holds(whole.leaves(), whole.wood());
+    whole.hung(&leaves, &wood)
 }
 
 /// What of a plant is simplified.
@@ -103,7 +117,19 @@ impl Plant {
     fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
         let document = document.with_vertex_alpha(opening.vertex_alpha);
         let document = document.with_not_plant(&opening.not_plant);
-        Self::of_decided(document, &opening.foliage, opening.wood)
+        let selectors = &opening.foliage[..];
+        if !opening.wind {
+            return Self::of_decided(document, selectors, opening.wood);
+        }
+        let whole = hung(document.into_whole_tree(selectors)?)?;
+        let parts = match opening.wood {
+            WoodMode::Ignore => Parts::Leaves(whole.into_document().into_tree(selectors)?),
+            mode => Parts::Whole(whole, mode.decided()),
+        };
+        Ok(Self {
+            parts: Arc::new(parts),
+            surroundings: Arc::default(),
+        })
     }
 
     /// A plant of a document that knows what the alpha of its vertex colours is.

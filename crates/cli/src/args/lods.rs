@@ -7,7 +7,7 @@ use secateur::engines::EngineName;
 use secateur::{Alpha, Effort, Engine, Memory, Sides};
 
 use super::super::names::{ChainPresetName, ChainWoodName};
-use super::{OF_RECORDS, PlantArgs, SceneArgs, leaves, number, share};
+use super::{OF_RECORDS, PlantArgs, SceneArgs, WindArg, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_gltf::chain::Layout;
 use secateur_levels::chain::{CostWeights, DISTANCES, MOST_DIFFERENCE, Textures};
@@ -58,6 +58,9 @@ pub(crate) struct Lods {
     /// How high the plant really is in metres, where the unit of its file is not a metre.
     #[arg(long, value_name = "M", value_parser = metres)]
     pub(crate) plant_height: Option<f64>,
+    /// Take what stands apart for one plant, such as a hedge [default: each plant is judged by itself].
+    #[arg(long)]
+    pub(crate) as_one: bool,
     /// Leave out the plant itself, which is else the level from 0 m on.
     #[arg(long)]
     pub(crate) no_original: bool,
@@ -94,6 +97,8 @@ pub(crate) struct Lods {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) wind: WindArg,
     /// Whether holes of leaf textures count.
     #[arg(long, value_enum, default_value_t = Alpha::Mask)]
     pub(crate) alpha: Alpha,

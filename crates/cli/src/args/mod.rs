@@ -242,9 +242,18 @@ impl PlantArgs {
             not_plant: self.not_plant().to_vec(),
             vertex_alpha: self.vertex_alpha(),
             wood,
+            wind: false,
             memory: self.memory(),
         }
     }
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct WindArg {
+    /// Write beside each vertex what it hangs on, found by where leaves and wood are, so that a shader sways all levels
+    /// alike (docs/wind.md).
+    #[arg(long)]
+    pub(crate) wind: bool,
 }
 
 #[derive(Args, Clone, Debug)]

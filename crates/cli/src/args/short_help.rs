@@ -8,11 +8,13 @@ use super::{Cli, OF_OTHERS, OF_RECORDS, OF_VDS};
 const OF_LABORATORY: [&str; 3] = [OF_VDS, OF_OTHERS, OF_RECORDS];
 
 /// Options that few people need, by their identifiers.
-const SELDOM: [&str; 20] = [
+const SELDOM: [&str; 22] = [
     "keep_going",
     "alpha",
     "sides",
     "vertex_alpha",
+    "wind",
+    "as_one",
     "field_of_view",
     "occluder",
     "cutoffs",

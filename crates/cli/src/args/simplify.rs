@@ -12,7 +12,7 @@ use secateur::{
 use super::super::names::MethodName;
 use super::{
     Foliage, MemoryArg, NotPlantArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg,
-    from_zero, leaves, share,
+    WindArg, from_zero, leaves, share,
 };
 
 #[derive(Args, Debug)]
@@ -46,6 +46,8 @@ pub(crate) struct Simplify {
     pub(crate) level_of: Vec<PartLevel>,
     #[command(flatten)]
     pub(crate) vertex_alpha: VertexAlphaArg,
+    #[command(flatten)]
+    pub(crate) wind: WindArg,
     #[command(flatten)]
     pub(crate) memory: MemoryArg,
     /// Whether holes of leaf textures count [default: mask; ignore for the paper's presets].

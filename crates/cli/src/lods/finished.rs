@@ -65,7 +65,13 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
         (&job.name, job.layout, args.textures.is_some()),
         (selectors.collect::<Vec<_>>(), args.plant.vertex_alpha()),
         not_plant,
-        (memory, &args.preview, args.for_engine, args.compress),
+        (
+            memory,
+            args.wind.wind,
+            &args.preview,
+            args.for_engine,
+            args.compress,
+        ),
         options(args),
     );
     Ok(hex(&Sha256::digest(format!("{about:?}"))))

@@ -33,6 +33,7 @@ pub(crate) fn options(args: &args::Lods) -> ChainOptions {
         screen: args.screen,
         max_difference: args.max_difference,
         original: !args.no_original,
+        as_one: args.as_one,
         plant_height_m: args.plant_height,
         leaves,
         wood: args.wood.into(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use secateur::engines::EngineName;
-use secateur::{Levels, Plant, Surroundings, WoodMode};
+use secateur::{Levels, Opening, Plant, Surroundings, WoodMode};
 use secateur_gltf::chain::WrittenChain;
 use secateur_gltf::{Document, StagedFiles, WriteOptions};
 use secateur_levels::chain::{ChainOptions, Textures};
@@ -49,7 +49,10 @@ impl Done {
 /// The tree of a job, if a chain can be made of it.
 pub(super) fn opened(args: &args::Lods, job: &Job<'_>) -> Result<Plant, Failure> {
     tracing::info!("reading {}", job.tree.display());
-    let opening = args.plant.opening(WoodMode::Auto);
+    let opening = Opening {
+        wind: args.wind.wind,
+        ..args.plant.opening(WoodMode::Auto)
+    };
     let plant = streams::plant(job.tree, &opening)?;
     let document = plant.tree().document();
     let outputs = outputs(args, job);

@@ -106,6 +106,7 @@ fn opened(
             None if !args.level_of.is_empty() => WoodMode::Auto,
             None => LevelOptions::usual_wood(options.target),
         },
+        wind: args.wind.wind,
         memory: args.memory.memory,
     };
     let plant = work.timed("load", |_| {

@@ -215,8 +215,17 @@ impl DifferenceJudge {
     /// The judge of a plant of these surfaces, of which `is_wood` says which are wood (none, where that is not
     /// known).
     pub fn new(original: Vec<Surface>, is_wood: &[bool]) -> Self {
+        Self::of_plants(Plants::of(original, is_wood))
+    }
+
+    /// As [`new`](Self::new), but all of it is one plant, such as a hedge, though parts of it stand apart.
+    pub fn of_one_plant(original: Vec<Surface>, is_wood: &[bool]) -> Self {
+        Self::of_plants(Plants::as_one(original, is_wood))
+    }
+
+    fn of_plants(plants: Plants) -> Self {
         Self {
-            plants: Plants::of(original, is_wood),
+            plants,
             occluders: Vec::new(),
             cameras: None,
             turns_normals: false,

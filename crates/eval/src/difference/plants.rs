@@ -55,21 +55,27 @@ impl Plant {
 impl Plants {
     /// The plants of these surfaces, of which `is_wood` says which are wood.
     pub(super) fn of(surfaces: Vec<Surface>, is_wood: &[bool]) -> Self {
-        let is_wood = |k: usize| is_wood.get(k).copied().unwrap_or(false);
-        let wood = (0..surfaces.len()).filter(|k| is_wood(*k)).count();
-        let mut numbered: Vec<(usize, Surface)> = surfaces.into_iter().enumerate().collect();
-        numbered.sort_by_key(|(k, _)| !is_wood(*k));
-        let surfaces: Vec<Surface> = numbered.into_iter().map(|(_, surface)| surface).collect();
+        let (surfaces, wood) = wood_first(surfaces, is_wood);
         let Some(ground) = Ground::of(&surfaces) else {
-            return Self {
-                plants: vec![Plant::of(surfaces, wood)],
-                ground: None,
-            };
+            return Self::one(surfaces, wood);
         };
         let parts = ground.parts(&surfaces).into_iter();
         Self {
             plants: parts.map(|part| Plant::of(part, wood)).collect(),
             ground: Some(ground),
+        }
+    }
+
+    /// These surfaces as one plant.
+    pub(super) fn as_one(surfaces: Vec<Surface>, is_wood: &[bool]) -> Self {
+        let (surfaces, wood) = wood_first(surfaces, is_wood);
+        Self::one(surfaces, wood)
+    }
+
+    fn one(surfaces: Vec<Surface>, wood: usize) -> Self {
+        Self {
+            plants: vec![Plant::of(surfaces, wood)],
+            ground: None,
         }
     }
 
@@ -107,6 +113,16 @@ impl Plants {
             None => vec![level.to_vec()],
         }
     }
+}
+
+/// The surfaces with wood first, and how many are wood.
+fn wood_first(surfaces: Vec<Surface>, is_wood: &[bool]) -> (Vec<Surface>, usize) {
+    let is_wood = |k: usize| is_wood.get(k).copied().unwrap_or(false);
+    let wood = (0..surfaces.len()).filter(|k| is_wood(*k)).count();
+    let mut numbered: Vec<(usize, Surface)> = surfaces.into_iter().enumerate().collect();
+    numbered.sort_by_key(|(k, _)| !is_wood(*k));
+    let surfaces = numbered.into_iter().map(|(_, surface)| surface).collect();
+    (surfaces, wood)
 }
 
 /// Which plant each cell of the ground belongs to.

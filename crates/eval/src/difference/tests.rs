@@ -134,6 +134,9 @@ fn plants_that_stand_apart_are_judged_each_alone() {
     let judge = DifferenceJudge::new(originals.clone(), &[true, false, true, false]);
     assert_eq!(judge.plant_count(), 2);
     assert!((judge.size() / DifferenceJudge::new(plant.to_vec(), &[]).size() - 1.0).abs() < 0.05);
+    let one = DifferenceJudge::of_one_plant(originals.clone(), &[true, false, true, false]);
+    assert_eq!(one.plant_count(), 1);
+    assert!(one.size() > 1.5 * judge.size());
     for levels in [row([&plant, &level]), row([&level, &plant])] {
         let worst = judge.difference(&levels, 150.0, ViewCount::All).difference;
         assert!(

@@ -77,6 +77,8 @@ pub(super) struct Look {
     judge_of_impostors: OnceCell<DifferenceJudge>,
     /// Of the surfaces of the original, which are wood.
     is_wood: Vec<bool>,
+    /// Whether all of the file is one plant.
+    as_one: bool,
     /// How high the plant is at most in the pictures of a search, in pixels.
     search_px: f64,
     /// How much levels may differ.
@@ -138,7 +140,7 @@ impl Look {
         let drawn = tree.items().drawn(Detail::Color)?;
         let is_wood: Vec<bool> = drawn.iter().map(|drawn| !drawn.is_foliage).collect();
         let original = LevelSurfaces::of(drawn);
-        let judge = DifferenceJudge::new(original.surfaces.clone(), &is_wood)
+        let judge = judge_of(original.surfaces.clone(), &is_wood, options.as_one)
             .in_scene(cameras.clone(), obstacles.clone());
         let size = judge.size();
         let look = Self {
@@ -147,6 +149,7 @@ impl Look {
             judge,
             judge_of_impostors: OnceCell::new(),
             is_wood,
+            as_one: options.as_one,
             search_px: options.leaves.effort.work().search_px,
             limits: options.limits(),
             limits_of_impostors: limits_of_impostors(options.limits(), leaves.leaves().len()),
@@ -209,8 +212,8 @@ impl Look {
             }
             (LevelPicture::Impostor(impostor), other) => (vec![impostor.surface.clone()], other),
         };
-        let judge =
-            DifferenceJudge::new(fixed, &[]).in_scene(self.cameras.clone(), self.obstacles.clone());
+        let judge = judge_of(fixed, &[], self.as_one)
+            .in_scene(self.cameras.clone(), self.obstacles.clone());
         let px = pixels_high * judge.size() / self.size;
         let no_limit = Limits::of_difference(f64::INFINITY);
         let count = ViewCount::Search;
@@ -240,7 +243,7 @@ impl Look {
     /// What judges impostors.
     pub(super) fn judge_of_impostors(&self) -> &DifferenceJudge {
         self.judge_of_impostors.get_or_init(|| {
-            DifferenceJudge::new(self.original.surfaces.clone(), &self.is_wood)
+            judge_of(self.original.surfaces.clone(), &self.is_wood, self.as_one)
                 .in_scene(self.cameras.clone(), self.obstacles.clone())
                 .with_turned_normals()
         })
@@ -271,6 +274,14 @@ impl Look {
     /// How many pixels high the plant's height is where its largest extent is so many.
     pub(super) fn of_height(&self, pixels_high: f64) -> f64 {
         pixels_high * self.height / self.size
+    }
+}
+
+/// The judge of a file whose parts that stand apart are plants, or one.
+fn judge_of(surfaces: Vec<Surface>, is_wood: &[bool], as_one: bool) -> DifferenceJudge {
+    match as_one {
+        true => DifferenceJudge::of_one_plant(surfaces, is_wood),
+        false => DifferenceJudge::new(surfaces, is_wood),
     }
 }
 

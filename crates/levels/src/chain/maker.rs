@@ -243,16 +243,26 @@ impl<'a> Maker<'a> {
         }
         let height_m = self.look.height * unit_m;
         let is_usual = USUAL_HEIGHTS_M.contains(&self.size_m().max(height_m));
-        Ok(match self.options.plant_height_m {
-            None if !is_usual => vec![
+        let mut remarks = match self.look.judge().plant_count() {
+            1 => Vec::new(),
+            count => vec![
+                Note::from(format!(
+                    "{count} plants stand apart: each is judged by itself, and the worst one speaks; "
+                ))
+                .naming(NamedOption::AsOne)
+                .then(" takes them for one"),
+            ],
+        };
+        if self.options.plant_height_m.is_none() && !is_usual {
+            remarks.push(
                 Note::from(format!(
                     "the plant is {height_m:.3} units high, taken for metres: "
                 ))
                 .naming(NamedOption::PlantHeight)
                 .then(" says how high it really is"),
-            ],
-            _ => Vec::new(),
-        })
+            );
+        }
+        Ok(remarks)
     }
 
     /// The largest extent of the plant in metres: units of the file, unless its height was given.

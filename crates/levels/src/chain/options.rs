@@ -61,6 +61,9 @@ pub struct ChainOptions {
     pub max_difference: f64,
     /// Whether the chain begins with the plant itself, from distance 0 to where the first lighter level may stand.
     pub original: bool,
+    /// Whether all of the file is one plant, such as a hedge: else what stands apart is judged, and made lighter, by
+    /// itself.
+    pub as_one: bool,
     /// How high the plant really is in metres, where the file's unit is not a metre.
     pub plant_height_m: Option<f64>,
     /// How leaves are simplified; its target is not looked at.
@@ -109,6 +112,7 @@ impl Default for ChainOptions {
             screen: Screen::default(),
             max_difference: Limits::GOOD.difference,
             original: true,
+            as_one: false,
             plant_height_m: None,
             leaves,
             wood: WoodMode::Auto,

@@ -52,6 +52,7 @@ pub(super) fn options(distances: &[f64]) -> ChainOptions {
         wanted: Wanted::Distances(distances.to_vec()),
         screen: Screen::default(),
         max_difference: 1.5,
+        as_one: false,
         original: false,
         plant_height_m: None,
         leaves,

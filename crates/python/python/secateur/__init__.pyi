@@ -264,13 +264,15 @@ def open(
     foliage: Sequence[str] | None = None,
     not_plant: Sequence[str] | None = None,
     vertex_alpha: Literal["auto", "keep", "ignore"] = "auto",
+    wind: bool = False,
     memory: str = "auto",
     name: str = "plant.glb",
 ) -> Plant:
     """Opens a .glb or .gltf, or the bytes of a .glb, which errors and levels call ``name``.
 
     ``foliage`` names what is foliage, such as ``["material:leaf_*"]``; without it the evidence shows it. ``not_plant`` names
-    likewise what stays as it is, beside ground and helpers. ``memory`` is
+    likewise what stays as it is, beside ground and helpers. With ``wind`` vertices say what they hang on, in the
+    attributes of docs/wind.md. ``memory`` is
     the most that the plant and its levels may take, such as ``"2G"``."""
 
 def grow(species: str, leaves: int | None = None, seed: int = 1) -> Plant:

@@ -65,6 +65,49 @@ pub(super) fn growing_of_parts(parts: &Parts) -> Vec<Option<Growing>> {
     growing
 }
 
+/// Where a piece begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Foot {
+    /// On another piece.
+    Grows {
+        on: usize,
+        /// The corner that is nearest to it.
+        at: DVec3,
+    },
+    /// On none.
+    Stands {
+        /// The y of the lowest wood.
+        on_ground: f64,
+        /// What of the piece is no higher than this y is its foot.
+        height: f64,
+    },
+}
+
+/// The pieces with where they begin, what another grows on before that. What stands on the ground grows on none.
+pub(super) fn feet(wood: &Foliage) -> Vec<(usize, Foot)> {
+    let ground = Ground::of(wood);
+    let growing = growing(wood);
+    let foot = |piece: usize| match growing[piece] {
+        Some(Growing { on, at, .. }) if !ground.bears(wood, piece) => Foot::Grows { on, at },
+        _ => {
+            let corners = wood.triangles_of(LeafId::from_index(piece)).iter();
+            let low = corners.flat_map(|t| t.corners).map(|corner| corner.y);
+            Foot::Stands {
+                on_ground: ground.y,
+                height: low.fold(f64::INFINITY, f64::min) + ground.reach,
+            }
+        }
+    };
+    let area = |piece: usize| wood.leaf(LeafId::from_index(piece)).area();
+    let areas: Vec<f64> = (0..growing.len()).map(area).collect();
+    let ranks = ranks(&areas);
+    let mut pieces: Vec<(usize, Foot)> = (0..growing.len())
+        .map(|piece| (piece, foot(piece)))
+        .collect();
+    pieces.sort_by_key(|(piece, _)| ranks[*piece]);
+    pieces
+}
+
 /// Where the lowest wood is.
 struct Ground {
     y: f64,
