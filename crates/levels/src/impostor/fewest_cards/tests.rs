@@ -97,6 +97,15 @@ fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
         let found = found(difference, most);
         assert!(found.is_none(), "within {difference} of at most {most}");
     }
+    // A bound that leaves room for them takes none away.
+    for (difference, count) in LIMITS.into_iter().zip([all, many, few]) {
+        let count = count.unwrap();
+        let bounded = found(difference, count.div_ceil(2));
+        assert!(
+            bounded.is_some_and(|bounded| bounded <= count),
+            "{count}: {bounded:?}"
+        );
+    }
     // Hardly fewer would do.
     let seen = seen(&judge, LIMITS[2]);
     let fewer = (few.unwrap() as f64 / 2.0 / STEP / STEP).round() as usize;
