@@ -449,3 +449,25 @@ fn plants_that_stand_apart_are_said_and_may_be_one() {
     );
     assert_eq!(said(&["--as-one"]), None);
 }
+
+/// Where no level looks near enough and the plant itself is left out, the error says that.
+#[test]
+fn a_level_that_looks_like_another_plant_is_refused_with_the_reason() {
+    let bench = Bench::for_small_screen();
+    let grow = [
+        "grow", "bush", "--leaves", "20", "--seed", "204", "-o", "bush.glb",
+    ];
+    bench.run(&grow).succeeded();
+    let lods = [
+        "lods",
+        "bush.glb",
+        "-o",
+        "levels",
+        "--levels",
+        "0.2",
+        "--no-original",
+    ];
+    bench
+        .run(&[&lods[..], &["--impostor", "none"]].concat())
+        .failed_saying(&["differs by more than 0.28 even 8 pixels high: ask for more triangles"]);
+}

@@ -51,7 +51,7 @@ impl WholeTree {
         Ok(self)
     }
 
-    /// The file.
+    /// The glTF document, with the attributes that [`hung`](Self::hung) added.
     pub fn into_document(self) -> Document {
         self.tree.document
     }

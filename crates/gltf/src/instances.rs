@@ -8,7 +8,7 @@ use super::error::{At, Fault, Problem};
 use super::node::compose;
 use super::property;
 
-/// The extension's name.
+/// The glTF extension that draws a node's mesh in many places.
 pub(crate) const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 /// The accessors of a node's instances.

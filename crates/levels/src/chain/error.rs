@@ -3,6 +3,8 @@
 use secateur_gltf::chain::MAX_LEVELS;
 use secateur_simplify::Error as SimplifyError;
 
+use super::options::LEAST_PX;
+
 /// Why there is no chain.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -40,6 +42,16 @@ pub enum ChainError {
         triangles: usize,
         /// Triangles of the plant.
         there: usize,
+    },
+    /// No level of the triangles that were asked for looks near enough at any height.
+    #[error(
+        "a level of {triangles} triangles differs by more than {max_difference} even {LEAST_PX} pixels high: ask for more triangles, or let levels differ more"
+    )]
+    NoneWithin {
+        /// Triangles of the finest level that was tried.
+        triangles: usize,
+        /// The largest difference that a level may have.
+        max_difference: f64,
     },
     /// The plant is as light as any level would be.
     #[error("no level would have fewer triangles than the tree has")]

@@ -66,6 +66,7 @@ pub(super) fn asked(
     observer: &mut Observer<'_>,
 ) -> Result<Vec<Placed>, ChainError> {
     let mut placed: Vec<Placed> = Vec::new();
+    let mut finest_beyond = None;
     for (done, amount) in amounts.iter().enumerate() {
         let of = amounts.len();
         Progress::Level { done, of }.tell(observer)?;
@@ -90,6 +91,7 @@ pub(super) fn asked(
         match placed_below(maker, (level, below), is_first, client, observer)? {
             Some(found) => placed.push(found),
             None => {
+                finest_beyond = finest_beyond.or(Some(triangles));
                 let note = format!(
                     "a level of {triangles} triangles is left out: even {LEAST_PX} pixels high it differs by more than {}; ask for more triangles, or raise ",
                     maker.options.max_difference
@@ -98,7 +100,15 @@ pub(super) fn asked(
             }
         }
     }
-    Ok(placed)
+    let options = maker.options;
+    let has_others = options.original || options.chosen_impostor() != Choice::None;
+    match finest_beyond.filter(|_| placed.is_empty() && !has_others) {
+        Some(triangles) => Err(ChainError::NoneWithin {
+            triangles,
+            max_difference: options.max_difference,
+        }),
+        None => Ok(placed),
+    }
 }
 
 fn is_no_less(level: &Made, before: Option<&Placed>, maker: &Maker<'_>) -> bool {

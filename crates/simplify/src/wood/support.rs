@@ -68,17 +68,17 @@ pub(super) fn growing_of_parts(parts: &Parts) -> Vec<Option<Growing>> {
 /// Where a piece begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Foot {
-    /// On another piece.
+    /// The piece begins on another piece.
     Grows {
         on: usize,
         /// The corner that is nearest to it.
         at: DVec3,
     },
-    /// On none.
+    /// The piece grows on no other.
     Stands {
         /// The y of the lowest wood.
         on_ground: f64,
-        /// What of the piece is no higher than this y is its foot.
+        /// The y up to which corners of the piece are its foot.
         height: f64,
     },
 }

@@ -25,6 +25,7 @@ use crate::dominance::{WHAT_IS_COUNTED, dominance};
 use crate::format::{number, percent, trees};
 use crate::recommend::{WHAT_IS_LISTED, recommend};
 use crate::short_names::ShortNames;
+use crate::table::Table;
 
 /// A picture that rows name: its path from the study's folder, and its bytes as JPEG, or PNG as its name says.
 pub type Picture = (String, Vec<u8>);
@@ -130,6 +131,19 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
         include_str!("page.js")
     );
     html
+}
+
+/// Begins a section with its title and a paragraph that says what is compared.
+fn begin_section(html: &mut String, title: &str, what_is_compared: &str) {
+    let what = escaped(what_is_compared);
+    let _ = writeln!(html, "<h2>{title}</h2>\n<p>{what}</p>");
+}
+
+/// Adds tables, each under its title.
+fn write_tables(html: &mut String, tables: Vec<(String, Table)>) {
+    for (title, table) in tables {
+        let _ = write!(html, "<h3>{}</h3>\n{}", escaped(&title), table.html());
+    }
 }
 
 /// What is for who asks for it: closed until then.

@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::Page;
-use crate::chart::escaped;
+use super::{Page, begin_section, write_tables};
 use crate::walk::{WHAT_IS_COMPARED, tables};
 
 impl Page<'_> {
@@ -13,14 +12,8 @@ impl Page<'_> {
         if tables.is_empty() {
             return;
         }
-        let _ = writeln!(
-            html,
-            "<h2>A walk through woods</h2>\n<p>{}</p>",
-            escaped(WHAT_IS_COMPARED)
-        );
-        for (title, table) in tables {
-            let _ = write!(html, "<h3>{}</h3>\n{}", escaped(&title), table.html());
-        }
+        begin_section(html, "A walk through woods", WHAT_IS_COMPARED);
+        write_tables(html, tables);
         let frames = rows.iter().filter(|row| row.walk.is_some());
         let mut pictures: Vec<&str> = frames.map(|row| row.picture.as_str()).collect();
         pictures.retain(|path| !path.is_empty());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Page, Row, trees_of};
+use super::{Page, Row, begin_section, trees_of, write_tables};
 use crate::chart::escaped;
 use crate::format::percent;
 use crate::whole::{WHAT_IS_COMPARED, tables};
@@ -14,14 +14,8 @@ impl Page<'_> {
         if tables.is_empty() {
             return;
         }
-        let _ = writeln!(
-            html,
-            "<h2>Whole plants</h2>\n<p>{}</p>",
-            escaped(WHAT_IS_COMPARED)
-        );
-        for (title, table) in tables {
-            let _ = write!(html, "<h3>{}</h3>\n{}", escaped(&title), table.html());
-        }
+        begin_section(html, "Whole plants", WHAT_IS_COMPARED);
+        write_tables(html, tables);
         for tree in trees_of(rows) {
             let of_tree = rows.iter().filter(|row| row.tree == tree);
             let of_tree: Vec<&Row> = of_tree.filter(|row| row.whole.is_some()).collect();

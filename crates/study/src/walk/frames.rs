@@ -49,12 +49,12 @@ pub(super) struct Outcome {
     pub(super) pop: Option<f64>,
 }
 
-/// A frame, judged.
+/// A frame of the walk: full geometry, and what each way of making levels shows there.
 pub(super) struct Frame {
     pub(super) original: Drawn,
     /// FLIP of full geometry between the frame before and this; none of the first.
     pub(super) step_original: Option<f64>,
-    /// In the order of [`Case::all`].
+    /// One outcome for each of [`Case::all`], in that order.
     pub(super) outcomes: Vec<Outcome>,
 }
 

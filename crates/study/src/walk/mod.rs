@@ -26,7 +26,7 @@ pub(crate) use table::{WHAT_IS_COMPARED, tables};
 /// What rows call the woods.
 pub(crate) const NAME: &str = "walk";
 
-/// Of so many frames one is kept as a picture.
+/// One frame in ten is kept as a picture: a folder of all 60 would be 10 times as large.
 const PICTURE_EVERY: usize = 10;
 
 /// Which frame of a walk a row is of, and what was seen there.
@@ -45,7 +45,7 @@ pub struct WalkFrame {
     pub switches: u64,
     /// FLIP between the frame before and this.
     pub step: Option<f64>,
-    /// The same of full geometry.
+    /// FLIP between the frame before and this, of full geometry.
     pub step_original: Option<f64>,
     /// FLIP of the frame against itself with the levels of the frame before, where some have switched.
     pub pop: Option<f64>,

@@ -22,7 +22,7 @@ pub(super) struct Panorama {
 }
 
 impl Panorama {
-    /// Of these places, in pictures of so many rows.
+    /// The panorama of the plants at these places; each picture is `height_px` rows high.
     pub(super) fn of(places: &[StandPlace<'_>], height_px: u32) -> Self {
         let face = |k| StandPicture::of(places, &camera(k), height_px).image;
         Self {

@@ -13,7 +13,7 @@ pub(super) struct Kind {
 /// The seed of plants and of where they stand.
 pub(super) const SEED: u64 = 7;
 
-/// Those of L-plants: an oak, and a palmetto below it.
+/// The kinds of plants of L-plants' woods: an oak, and a palmetto below it.
 pub(super) const KINDS: [Kind; 2] = [
     Kind {
         species: Species::Oak,
@@ -47,7 +47,7 @@ pub(super) const MIDDLE: DVec3 = DVec3::new(0.0, EYE_M, -0.5 * STEP_M * (PATH_FR
 
 /// Where one of the plants stands.
 pub(super) struct Spot {
-    /// Of [`KINDS`].
+    /// The kind of plant, as an index in [`KINDS`].
     pub(super) kind: usize,
     pub(super) world_from_own: DMat4,
     /// Whether it stands beyond the last range from everywhere on the path.
