@@ -1,7 +1,7 @@
 //! Levels that a file has already. The finest is the plant; the others are left out.
 //!
-//! They are known by the extension MSFT_lod, or by names of nodes under one parent (else of their meshes) such
-//! as `Oak_LOD0`, `Oak_LOD1` and `Oak_LOD2_Billboard`.
+//! They are known by the extension MSFT_lod, by names of nodes under one parent (else of their meshes) such
+//! as `Oak_LOD0`, `Oak_LOD1` and `Oak_LOD2_Billboard`, or as they stand [in one place](super::levels_in_one_place).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +16,7 @@ use super::property;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LevelsInside {
     /// The nodes of the finest levels of which there are coarser ones.
-    finest: BTreeSet<usize>,
+    pub(super) finest: BTreeSet<usize>,
     /// The node of each coarser level.
     pub(crate) coarser: BTreeSet<usize>,
     /// These and all nodes below them.
@@ -67,6 +67,7 @@ impl Document {
         let mut found = LevelsInside::default();
         self.find_linked_levels(&placed, &mut found)?;
         self.find_named_levels(&placed, &mut found);
+        self.find_levels_in_one_place(&placed, &mut found);
         Ok(found)
     }
 
@@ -172,7 +173,7 @@ impl Document {
     }
 
     /// A node and all below it; none where there is no such node.
-    fn nodes_below(&self, node: usize) -> BTreeSet<usize> {
+    pub(super) fn nodes_below(&self, node: usize) -> BTreeSet<usize> {
         let mut below = BTreeSet::new();
         let mut left = vec![node];
         while let Some(node) = left.pop() {

@@ -95,7 +95,7 @@
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs`; what is doubtful: `find_warnings.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs`; what a click meets: `pieces.rs` |
-//! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs` |
+//! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs`, `levels_in_one_place.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | kinds of plants in a scene, and a scene put together | `scene_kinds.rs`, `write/stand.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
@@ -138,6 +138,7 @@ mod ktx2;
 mod leaf_surfaces;
 mod leaves;
 mod level_names;
+mod levels_in_one_place;
 mod levels_inside;
 mod material;
 mod meshopt;

@@ -39,6 +39,33 @@ pub fn observe(
     draw(&left, &Lod::original(left.leaves().len()))
 }
 
+/// How many pixels views of so many pixels a side show of each leaf, in all of them together.
+///
+/// # Errors
+/// As [`observe`].
+pub(crate) fn seen_px(
+    foliage: &Foliage,
+    views: &ViewSet,
+    resolution: u32,
+    rasteriser: &dyn Rasteriser,
+) -> Result<Vec<f64>, Error> {
+    let count = foliage.leaves().len();
+    let areas = observe(
+        foliage,
+        &Lod::original(count),
+        views,
+        resolution,
+        rasteriser,
+    )?;
+    let mut seen_px = vec![0.0; count];
+    for row in areas.rows() {
+        for (sum, area_px) in seen_px.iter_mut().zip(&row[1..]) {
+            *sum += f64::from(*area_px);
+        }
+    }
+    Ok(seen_px)
+}
+
 /// What views show of a LOD, and of the foliage that it is of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {

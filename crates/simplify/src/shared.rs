@@ -12,7 +12,7 @@ use crate::auto_views::ChosenViews;
 use crate::coarsen::{Coarse, LossCurves};
 use crate::fit::DrawnOriginals;
 use crate::select::{Begun, Selection, Task};
-use crate::{Amount, Target, Views};
+use crate::{Amount, Error, Target, Views};
 
 /// In a search leaves become coarser for a rounded target: the next of eight from one number of triangles to twice as
 /// many, at most 9 % more. Levels between two such targets share an order. A default chain of `sap_birch_hex_9k` takes
@@ -103,21 +103,21 @@ impl Shared {
     pub(crate) fn selection_target(
         &self,
         target: Target,
-        is_as_coarse: impl FnOnce(Target) -> bool,
-    ) -> Target {
+        is_as_coarse: impl FnOnce(Target) -> Result<bool, Error>,
+    ) -> Result<Target, Error> {
         let Target::Triangles(Amount::Count(count)) = target else {
-            return target;
+            return Ok(target);
         };
         if !self.is_search {
-            return target;
+            return Ok(target);
         }
         let of = |share: f64| Target::triangles((count as f64 * share) as u64);
         let far = of(SEARCHED_SHARE);
-        match is_as_coarse(far) {
+        Ok(match is_as_coarse(far)? {
             true => far,
             // Fewer are asked of other leaves.
             false => of((-TARGETS_A_DOUBLING.recip()).exp2()),
-        }
+        })
     }
 
     /// How often the gap that leaves may hang in the air is doubled at least: in a search once less than for the level
@@ -170,11 +170,12 @@ mod tests {
     #[test]
     fn in_a_search_an_order_goes_on_beyond_its_target() {
         let target = Target::triangles(1_000);
-        let never = |_| -> bool { unreachable!("it is no search") };
-        assert_eq!(Shared::default().selection_target(target, never), target);
+        let never = |_| -> Result<bool, Error> { unreachable!("it is no search") };
+        let alone = Shared::default().selection_target(target, never);
+        assert_eq!(alone.unwrap(), target);
         let search = Shared::for_search();
-        let to = |is_as_coarse| search.selection_target(target, |_| is_as_coarse);
-        assert_eq!(to(true), Target::triangles(500));
-        assert_eq!(to(false), Target::triangles(917));
+        let to = |is_as_coarse| search.selection_target(target, |_| Ok(is_as_coarse));
+        assert_eq!(to(true).unwrap(), Target::triangles(500));
+        assert_eq!(to(false).unwrap(), Target::triangles(917));
     }
 }

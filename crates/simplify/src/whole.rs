@@ -20,7 +20,7 @@ pub use wood_mode::WoodMode;
 
 use crate::fill::is_met;
 use crate::hanging_leaves::HeldBy;
-use crate::observe::observe;
+use crate::observe::seen_px;
 use crate::stage::Observer;
 use crate::wood::{Chosen, Parts, Wood, WoodBudget};
 use crate::{
@@ -169,18 +169,8 @@ impl<'a> WholePlant<'a> {
             Some(occluded) => occluded,
             None => engine,
         };
-        let [seen_px, level_px] = options.effort.work().wood_px;
-        let px = |foliage: &Foliage| -> Result<Vec<f64>, Error> {
-            let all = Lod::original(foliage.leaves().len());
-            let areas = observe(foliage, &all, &views, seen_px, rasteriser)?;
-            let mut px = vec![0.0; foliage.leaves().len()];
-            for row in areas.rows() {
-                for (sum, area_px) in px.iter_mut().zip(&row[1..]) {
-                    *sum += f64::from(*area_px);
-                }
-            }
-            Ok(px)
-        };
+        let [resolution_px, level_px] = options.effort.work().wood_px;
+        let px = |foliage: &Foliage| seen_px(foliage, &views, resolution_px, rasteriser);
         let parts = Parts::of(&wood);
         let seen = match parts.are_pieces() {
             true => px(items)?,

@@ -48,6 +48,8 @@ pub struct LossCurves {
     sheets: Sheets,
     kind_of: Vec<u32>,
     kinds: Vec<KindCurve>,
+    /// How many pixels views show of each leaf; nothing where it is not known.
+    seen_px: Option<Vec<f64>>,
     /// The first leaf of each kind whose leaves are instances of one mesh.
     first_of_shape: Vec<Option<LeafId>>,
 }
@@ -135,11 +137,40 @@ impl LossCurves {
             .map(|leaves| Some(leaves[0]).filter(|&first| foliage.leaf(first).shape().is_some()));
         Self {
             first_of_shape: first_of_shape.collect(),
+            seen_px: None,
             cards,
             sheets,
             kind_of,
             kinds,
         }
+    }
+
+    /// Leaves that hide each other: views show this many pixels of each.
+    ///
+    /// # Panics
+    /// If there is not one number for each leaf.
+    pub fn seen(self, seen_px: Vec<f64>) -> Self {
+        assert_eq!(seen_px.len(), self.kind_of.len(), "a number for each leaf");
+        Self {
+            seen_px: Some(seen_px),
+            ..self
+        }
+    }
+
+    /// What a leaf has to lose: pixels that views show of it, or its area where that is not known.
+    ///
+    /// # Panics
+    /// If there is no such leaf.
+    pub fn weight(&self, foliage: &Foliage, leaf: LeafId) -> f64 {
+        match &self.seen_px {
+            Some(seen_px) => seen_px[leaf.index()],
+            None => foliage.leaf(leaf).area(),
+        }
+    }
+
+    /// Whether a budget may count a leaf for none: what is seen of it is known, and it is no instance.
+    pub(super) fn may_go(&self, leaf: LeafId) -> bool {
+        self.seen_px.is_some() && self.first_of_shape(leaf).is_none()
     }
 
     /// The lower convex hull of a leaf's losses, the fewest triangles first and all of its own

@@ -65,6 +65,24 @@ fn triangles_go_where_they_show_the_most() {
     assert!(shares[0] < shares[3], "{shares:?}");
 }
 
+#[test]
+fn leaves_that_are_hidden_leave_their_triangles_to_others() {
+    let foliage = large(&[200, 200, 200]);
+    let shares = |seen_px: [f64; 3]| {
+        let curves = LossCurves::of(&foliage).seen(seen_px.to_vec());
+        share_triangles(&foliage, 100, &curves)
+    };
+    assert_eq!(shares([9.0, 9.0, 0.0]), [50, 50, 1]);
+    let [a, b, c] = shares([9.0, 9.0, 1.0])[..] else {
+        panic!()
+    };
+    assert!(
+        c < 20 && a + b + c == 100 && a.abs_diff(b) <= 1,
+        "{a} {b} {c}"
+    );
+    assert_eq!(shares([9.0; 3]).iter().sum::<usize>(), 100);
+}
+
 /// An arch of three strips: with three triangles it is lopsided.
 fn arch(at: DVec3) -> Vec<LeafTriangle> {
     let place = |k: usize, side: f64| {

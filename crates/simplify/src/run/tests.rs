@@ -412,3 +412,38 @@ fn small_leaves_get_more_pixels_for_information_and_not_for_the_look() {
     assert_eq!(resolution(Preset::Look), 256);
     assert!(resolution(Preset::Information) > 256);
 }
+
+/// An opaque quad about its middle, of these two sides.
+fn quad(middle: DVec3, [across, up]: [DVec3; 2]) -> [LeafTriangle; 2] {
+    let corner = |x: f64, y: f64| middle + x * across + y * up;
+    let [a, b, c, d] = [
+        corner(-0.5, -0.5),
+        corner(0.5, -0.5),
+        corner(0.5, 0.5),
+        corner(-0.5, 0.5),
+    ];
+    [
+        LeafTriangle::plain([a, b, c]),
+        LeafTriangle::plain([a, c, d]),
+    ]
+}
+
+/// A closed box of six quads around six others: what is hidden goes before what is seen gets coarser.
+#[test]
+fn seen_quads_stay_whole_while_hidden_ones_can_go() {
+    let mut foliage = Foliage::default();
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    for size in [2.0, 0.5] {
+        for axis in 0..3 {
+            let sides = [size * axes[(axis + 1) % 3], size * axes[(axis + 2) % 3]];
+            for side in [-0.5, 0.5] {
+                let middle = side * size * axes[axis];
+                foliage.push_leaf(&quad(middle, sides), None).unwrap();
+            }
+        }
+    }
+    let result = to(&foliage, 14, LeafTriangles::Auto);
+    let seen = result.lod.leaves().filter(|(leaf, _)| leaf.index() < 6);
+    assert_eq!(seen.count(), 6, "the box is made of the leaves that it had");
+    assert!(result.lod.foliage(&foliage).triangles().len() <= 14);
+}

@@ -203,6 +203,35 @@ fn what_moves_a_coarser_level_stays_without_its_mesh() {
     assert_eq!(level.root["animations"], fixture.root["animations"]);
 }
 
+/// Two trees of a trunk and leaves, the second without its middle leaf and so far along x.
+fn in_one_place(away: f64) -> Fixture {
+    let mut fixture = Fixture::new();
+    let positions = fixture.vectors(&squares(3));
+    let indices = fixture.indices(UNSIGNED_SHORT, &square_indices(3));
+    let of_two = [&square_indices(1)[..], &square_indices(3)[12..]].concat();
+    let of_two = fixture.indices(UNSIGNED_SHORT, &of_two);
+    let mut fixture = fixture.with_leaves(json!({"POSITION": positions}), Some(indices));
+    let trunk = fixture.root["meshes"][0]["primitives"][0].clone();
+    let leaves = json!({"attributes": {"POSITION": positions}, "indices": of_two, "material": 1});
+    let meshes = fixture.root["meshes"].as_array_mut().unwrap();
+    meshes.push(json!({"name": "b", "primitives": [trunk, leaves]}));
+    let nodes = fixture.root["nodes"].as_array_mut().unwrap();
+    nodes.push(json!({"name": "b", "mesh": 2, "translation": [away, 0, 0]}));
+    fixture.root["nodes"][0]["name"] = "a".into();
+    fixture.root["scenes"][0]["nodes"] = json!([0, 3]);
+    fixture
+}
+
+#[test]
+fn plants_that_fill_one_box_are_levels() {
+    let notes = |away| in_one_place(away).tree().inspection().notes.clone();
+    assert_eq!(
+        notes(0.0),
+        ["1 node is a coarser level of a and is left out: b"]
+    );
+    assert!(notes(100.0).iter().all(|note| !note.contains("coarser")));
+}
+
 #[test]
 fn cases_of_strangers_are_their_finest_level() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/cases");
