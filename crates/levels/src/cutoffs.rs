@@ -8,6 +8,7 @@
 //! all together as much as there is. Where mip maps stay, as that would show too many specks or is not asked
 //! for, what still fades gets [raised] texels.
 
+mod choice;
 mod raised;
 mod range;
 mod specks;
@@ -20,6 +21,7 @@ use secateur_gltf::{Cutoffs, Detail, DrawnSurface, GltfError, Tree};
 use secateur_model::{AlphaMode, Lod, Material, Mips, Surface};
 use secateur_raster::ViewSet;
 
+pub use self::choice::CutoffChoice;
 pub use self::raised::Raised;
 use self::raised::{Raisable, with_raised};
 use self::range::range;

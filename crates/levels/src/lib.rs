@@ -21,5 +21,5 @@ mod material_changes;
 pub mod stand;
 
 pub use clear_texels::{Dilated, dilated_textures};
-pub use cutoffs::{ChosenCutoffs, MaterialChange, Raised, choose_cutoffs};
+pub use cutoffs::{ChosenCutoffs, CutoffChoice, MaterialChange, Raised, choose_cutoffs};
 pub use material_changes::material_changes;

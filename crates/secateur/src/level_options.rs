@@ -1,6 +1,6 @@
 //! How one level of a plant is made.
 
-use secateur_levels::MaterialChange;
+use secateur_levels::{CutoffChoice, MaterialChange};
 use secateur_simplify::whole::WoodMode;
 use secateur_simplify::{Options, Target};
 use serde::{Deserialize, Serialize};
@@ -31,24 +31,6 @@ pub struct LevelOptions {
 
 fn yes() -> bool {
     true
-}
-
-/// Which alpha cutoffs a level has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[serde(rename_all = "kebab-case")]
-pub enum CutoffChoice {
-    /// [`Self::Fit`] where [`Options::chooses_cutoffs`], else [`Self::Keep`].
-    #[default]
-    #[cfg_attr(feature = "cli", value(skip))]
-    Auto,
-    /// Such that clients show as much of the crown from afar as there is, and near by what they did; where no
-    /// cutoff does, textures are read without mip maps, or clear texels get an alpha below the cutoff.
-    Fit,
-    /// As fit, but all textures are read with mip maps.
-    FitWithMips,
-    /// Those of the tree, raised only where single triangles would show specks.
-    Keep,
 }
 
 /// Which colours clear texels of leaf textures have in a level.
@@ -99,12 +81,7 @@ impl LevelOptions {
 
     /// What may be done to cutoffs; none where they stay.
     pub(crate) fn change(&self) -> Option<MaterialChange> {
-        match self.cutoffs {
-            CutoffChoice::Keep => None,
-            CutoffChoice::Auto if !self.simplify.chooses_cutoffs() => None,
-            CutoffChoice::FitWithMips => Some(MaterialChange::Cutoffs),
-            CutoffChoice::Auto | CutoffChoice::Fit => Some(MaterialChange::CutoffsOrMips),
-        }
+        self.cutoffs.change(&self.simplify)
     }
 
     pub(crate) fn dilates(&self) -> bool {

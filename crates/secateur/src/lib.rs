@@ -143,7 +143,7 @@ pub use judged::{
 #[cfg(feature = "scene")]
 pub use level::{Level, LevelParts};
 #[cfg(feature = "scene")]
-pub use level_options::{ColorChoice, CutoffChoice, LevelOptions};
+pub use level_options::{ColorChoice, LevelOptions};
 #[cfg(feature = "scene")]
 pub use level_record::{ColorRecord, Counts, LevelRecord};
 #[cfg(feature = "scene")]
@@ -158,6 +158,8 @@ pub use progress_share::ProgressShare;
 pub use scene::scene_views;
 #[cfg(feature = "scene")]
 pub use secateur_gltf::chain::Layout;
+#[cfg(feature = "scene")]
+pub use secateur_levels::CutoffChoice;
 #[cfg(feature = "scene")]
 pub use secateur_levels::chain::ChainOptions as LevelsOptions;
 #[cfg(feature = "scene")]

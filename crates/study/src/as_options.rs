@@ -1,12 +1,13 @@
 //! Labels of rows as one types them: `vds triangles preset look` is `vds --triangles --preset look`.
 
 /// The first words of options in settings; all others are values.
-const OPTIONS: [&str; 23] = [
+const OPTIONS: [&str; 24] = [
     "alpha",
     "area-weight",
     "branch-metric",
     "cluster-size",
     "corners",
+    "cutoffs",
     "dilate-borders",
     "field-of-view",
     "fit",
@@ -58,7 +59,7 @@ mod tests {
     /// An option that the list lacks would stand there as a value.
     #[test]
     fn the_options_of_all_plans_are_known() {
-        let plans = [Plan::Methods, Plan::Speed, Plan::Paper];
+        let plans = [Plan::Methods, Plan::Speed, Plan::Paper, Plan::Fairness];
         for case in cases(&plans, true) {
             let setting = case.setting();
             let command = case.command(std::path::Path::new("a.glb"), 0.5, None);

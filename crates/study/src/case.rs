@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use secateur_levels::{CutoffChoice, MaterialChange};
 use secateur_raster::read_cameras;
 use secateur_simplify::vds::VdsOptions;
 use secateur_simplify::{
@@ -40,6 +41,8 @@ pub struct Case {
     /// All but the target, which is the level's.
     options: Options,
     level_of: LevelOf,
+    /// Which cutoffs its levels have; with chosen ones clear texels get the colours of leaves.
+    cutoffs: CutoffChoice,
     perturbation: Perturbation,
     /// Where views come from, if they are cameras of a file.
     cameras: Option<CameraFile>,
@@ -63,6 +66,7 @@ impl Case {
                 ..options
             },
             level_of,
+            cutoffs: CutoffChoice::Auto,
             perturbation: Perturbation::None,
             cameras: None,
         }
@@ -76,6 +80,17 @@ impl Case {
             path: path.to_owned(),
         });
         self
+    }
+
+    /// This case with levels that have these alpha cutoffs, and the colours that `simplify` gives with them.
+    pub fn with_cutoffs(mut self, cutoffs: CutoffChoice) -> Self {
+        self.cutoffs = cutoffs;
+        self
+    }
+
+    /// What may be done to the cutoffs of its levels; none where they stay.
+    pub(crate) fn material_change(&self) -> Option<MaterialChange> {
+        self.cutoffs.change(&self.options)
     }
 
     /// The method as `--method` spells it.
@@ -96,7 +111,7 @@ impl Case {
     /// What differs from the method's defaults, as on the command line without dashes.
     pub fn setting(&self) -> String {
         let cameras = self.cameras.as_ref().map(|file| file.name.as_str());
-        flags(&self.options, self.level_of, cameras).join(" ")
+        flags(&self.options, self.level_of, self.cutoffs, cameras).join(" ")
     }
 
     /// Method, setting and change, as [`Row::label`](crate::Row::label).
@@ -120,7 +135,12 @@ impl Case {
         command += &format!(" --no-audit --method {}", self.method());
         let cameras = self.cameras.as_ref();
         let cameras = cameras.map(|file| shell::path(&file.path));
-        let flags = flags(&self.options, self.level_of, cameras.as_deref());
+        let flags = flags(
+            &self.options,
+            self.level_of,
+            self.cutoffs,
+            cameras.as_deref(),
+        );
         for flag in flags.iter().filter(|flag| *flag != TRIANGLES) {
             command += &format!(" --{flag}");
         }

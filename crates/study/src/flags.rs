@@ -1,6 +1,7 @@
 //! How options are written on the command line of `simplify`: what differs from the defaults, in
 //! one order. Rows name their settings by these words, and commands are made of them.
 
+use secateur_levels::CutoffChoice;
 use secateur_plant::{ClusterSize, Metric};
 use secateur_raster::Engine;
 use secateur_simplify::fit::DEFAULT_OUTLINE_WEIGHT;
@@ -15,7 +16,12 @@ use crate::LevelOf;
 
 /// The options that differ from those of their method and preset, without dashes: `views 6`,
 /// `fit=none`. `cameras` stands for cameras from a file.
-pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>) -> Vec<String> {
+pub(crate) fn flags(
+    options: &Options,
+    level_of: LevelOf,
+    cutoffs: CutoffChoice,
+    cameras: Option<&str>,
+) -> Vec<String> {
     let mut flags = Flags(Vec::new());
     if level_of == LevelOf::Triangles {
         flags.push(TRIANGLES.to_owned());
@@ -50,6 +56,7 @@ pub(crate) fn flags(options: &Options, level_of: LevelOf, cameras: Option<&str>)
         Fitting::Weight(DEFAULT_OUTLINE_WEIGHT) => flags.push("fit".to_owned()),
         fit => flags.push(format!("fit={fit}")),
     }
+    flags.differing("cutoffs", cutoffs, CutoffChoice::Auto);
     if options.audit {
         flags.push("audit".to_owned());
     }

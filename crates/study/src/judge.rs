@@ -12,9 +12,7 @@ use secateur_eval::{
     ViewCount, framing, render,
 };
 use secateur_gltf::{Cutoffs, Document, Tree};
-use secateur_levels::{
-    ChosenCutoffs, MaterialChange, choose_cutoffs, dilated_textures, material_changes,
-};
+use secateur_levels::{ChosenCutoffs, choose_cutoffs, dilated_textures, material_changes};
 use secateur_model::{Foliage, Lod, Surface};
 use secateur_simplify::sphere_of;
 
@@ -29,7 +27,7 @@ use crate::shell;
 use crate::subject::Subject;
 use crate::survivor_bits::SurvivorBits;
 use crate::timed::Ran;
-use crate::{Error, Host, Identity, JudgedLeaves, Row, StudyOptions, Values};
+use crate::{Case, Error, Host, Identity, JudgedLeaves, Row, StudyOptions, Values};
 
 /// Large enough that a reader sees single leaves.
 const PICTURE_WIDTH: u32 = 420;
@@ -123,7 +121,7 @@ impl<'a> LevelJudge<'a> {
                 self.original.measure(&solid.of(&left))
             }
         };
-        let surfaces = self.surfaces(ran)?;
+        let surfaces = self.surfaces(case, ran)?;
         let judging = self.original.judging();
         let pictured = self
             .pictures
@@ -195,13 +193,13 @@ impl<'a> LevelJudge<'a> {
     }
 
     /// What is drawn of a level.
-    fn surfaces(&self, ran: &Ran) -> Result<Vec<Surface>, Error> {
-        let cutoffs = match ran.chooses_cutoffs {
-            true => {
-                let chosen = choose_cutoffs(self.tree, &ran.lod, MaterialChange::CutoffsOrMips)?;
+    fn surfaces(&self, case: &Case, ran: &Ran) -> Result<Vec<Surface>, Error> {
+        let cutoffs = match case.material_change() {
+            Some(change) => {
+                let chosen = choose_cutoffs(self.tree, &ran.lod, change)?;
                 with_material_changes(self.tree, &ran.lod, chosen)?
             }
-            false => Cutoffs::default(),
+            None => Cutoffs::default(),
         };
         surfaces_of(self.tree, self.path, &ran.lod, &cutoffs)
     }

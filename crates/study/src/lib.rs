@@ -26,6 +26,7 @@ mod dominance;
 mod draw;
 mod error;
 mod failure_case;
+mod fairness;
 mod files;
 mod flags;
 mod format;

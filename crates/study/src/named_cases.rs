@@ -3,7 +3,7 @@
 use secateur_plant::{ClusterSize, Metric};
 use secateur_simplify::by_branches::{ChainOptions, MergeOptions};
 use secateur_simplify::fsa::{FsaOptions, Hausdorff};
-use secateur_simplify::meshopt::{Borders, MeshoptOptions};
+use secateur_simplify::meshopt::{Borders, MeshoptOptions, Mode};
 use secateur_simplify::stochastic::StochasticOptions;
 use secateur_simplify::vds::{Reference, Resize};
 use secateur_simplify::{Method, Preset};
@@ -65,6 +65,14 @@ pub(crate) fn meshopt(borders: Borders) -> Case {
     Case::of(Method::Meshopt(MeshoptOptions {
         borders,
         ..MeshoptOptions::default()
+    }))
+}
+
+/// meshoptimizer's example of cluster LODs with the dilation of its own.
+pub(crate) fn clusterlod() -> Case {
+    Case::of(Method::Meshopt(MeshoptOptions {
+        mode: Mode::Clusters,
+        borders: Borders::Dilate,
     }))
 }
 

@@ -15,7 +15,7 @@ use crate::published::{beside, nearest};
 use crate::report::Study;
 use crate::stability;
 use crate::table::Table;
-use crate::{Error, Point, Row, current_rows, lead, row_file, summarise, tree_itself};
+use crate::{Error, Point, Row, current_rows, fairness, lead, row_file, summarise, tree_itself};
 
 const BEGIN: &str = "<!-- rows ";
 const END: &str = "<!-- end of rows -->";
@@ -132,6 +132,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         },
         "flicker-of-methods" => tree_itself::flicker_of_methods(rows).map(typed),
         "lead" => lead::lead(rows).map(typed),
+        "fairness" => fairness::table(rows).map(typed),
         "paper" => beside(&paper(), rows)
             .into_iter()
             .next()
@@ -142,7 +143,7 @@ fn table(kind: &str, rows: &[Row]) -> Result<Option<String>, Error> {
         "subject" => return Ok(subject(rows)),
         _ => {
             return refused(format!(
-                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, flicker-of-methods, lead, subject, paper, nearest, stability and walks"
+                "{kind} is no kind of table: there are means, tenth, driving, fsa-time, beaten, lost, flicker-of-methods, lead, fairness, subject, paper, nearest, stability and walks"
             ));
         }
     };

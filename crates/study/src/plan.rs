@@ -9,7 +9,7 @@ use crate::named_cases::{
     look, meshopt, other_chains, resized, shared_deficit, stochastic, stochastic_of_half_area,
     stochastic_of_seed,
 };
-use crate::{Case, Perturbation, paper};
+use crate::{Case, Perturbation, fairness, paper};
 
 /// A set of cases that answers one question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +33,9 @@ pub enum Plan {
     Walk,
     /// The branch chain by each of its four metrics, on five grown species.
     Metrics,
+    /// The default and other methods as they are, with fitted sizes, with chosen alpha cutoffs and colours of
+    /// clear texels, and with both.
+    Fairness,
     /// Whole plants at distances: levels for these beside fixed shares, impostors beside meshes of as many
     /// triangles.
     Scene,
@@ -137,6 +140,7 @@ pub(crate) fn cases(plans: &[Plan], knows_branches: bool) -> Vec<Case> {
         }
         Plan::Speed => [speed(), by_branches.clone()].concat(),
         Plan::Stability => stability(&by_branches),
+        Plan::Fairness => fairness::cases(),
         Plan::Metrics if knows_branches => by_metrics(),
         // None is of cases on leaves.
         Plan::Failures | Plan::Whole | Plan::Scene | Plan::Walk | Plan::Metrics => Vec::new(),
@@ -164,7 +168,13 @@ mod tests {
 
     use crate::LevelOf;
 
-    const ALL: [Plan; 4] = [Plan::Methods, Plan::Speed, Plan::Stability, Plan::Paper];
+    const ALL: [Plan; 5] = [
+        Plan::Methods,
+        Plan::Speed,
+        Plan::Stability,
+        Plan::Fairness,
+        Plan::Paper,
+    ];
 
     /// Rows of studies that were made before are found by these words.
     #[test]

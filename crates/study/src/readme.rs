@@ -10,6 +10,7 @@ use crate::complete_cases::note_of;
 use crate::distances;
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
 use crate::failure_case::{WHAT_IS_BETTER, overview};
+use crate::fairness;
 use crate::format::{duration, memory, number, percent, trees};
 use crate::published::beside;
 use crate::recommend::{WHAT_IS_LISTED, recommend};
@@ -65,6 +66,10 @@ pub fn readme(study: &Study<'_>) -> String {
     if let Some(table) = branch_metrics::table(study.rows) {
         let (what, table) = (branch_metrics::WHAT_IS_COMPARED, table.markdown());
         let _ = writeln!(text, "## Metrics of branches\n\n{what}\n\n{table}");
+    }
+    if let Some(table) = fairness::table(study.rows) {
+        let (what, table) = (fairness::WHAT_IS_COMPARED, table.markdown());
+        let _ = writeln!(text, "## {}\n\n{what}\n\n{table}", fairness::TITLE);
     }
     if let Some(table) = overview(study.failure_cases, study.rows) {
         let _ = write!(

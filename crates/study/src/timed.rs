@@ -29,8 +29,6 @@ pub(crate) struct Ran {
     pub(crate) resolution: u32,
     /// All sets of views that chose or sized leaves; none for methods that see none.
     pub(crate) driving: Vec<ViewSet>,
-    /// Whether levels have alpha cutoffs of their own.
-    pub(crate) chooses_cutoffs: bool,
     pub(crate) engine: String,
     pub(crate) adapter: Option<String>,
 }
@@ -130,7 +128,6 @@ fn timed(tree: &Tree, job: &Job<'_>, levels: &[f64], host: &dyn Host) -> Result<
             peak_rss_bytes: reached.peak_rss_bytes.max(fitting_peak),
             resolution: if sees_pixels { result.resolution } else { 0 },
             driving: driving.clone(),
-            chooses_cutoffs: changed.options.chooses_cutoffs(),
             engine: result.engine.to_owned(),
             adapter: result.adapter.clone(),
         }

@@ -52,7 +52,8 @@ pub(super) fn parse(text: &str) -> Result<Case, Failure> {
         return Err(is_no_case(&sentence));
     }
     let options = simplify::options(&args).map_err(|e| is_no_case(&e))?;
-    let case = Case::new(options.clone(), level_of);
+    let cutoffs = args.cutoffs.unwrap_or_default();
+    let case = Case::new(options.clone(), level_of).with_cutoffs(cutoffs);
     Ok(match (options.views, &args.views) {
         (Views::Cameras(_), Some(name)) => case.seen_from(name, Path::new(name)),
         _ => case,
@@ -65,6 +66,7 @@ fn option_of_the_study(args: &args::Simplify, common: &args::Common) -> Option<&
         ("--wood", args.wood.is_some()),
         ("--scene", args.scene.scene.is_some()),
         ("--occluder", !args.scene.occluder.is_empty()),
+        ("--colors", args.colors.is_some()),
         ("--foliage", !args.foliage.foliage.is_empty()),
         ("--level-of", !args.level_of.is_empty()),
         ("--report", args.report.is_some()),
@@ -114,6 +116,8 @@ mod tests {
             "meshopt --dilate-borders",
             "merge --cluster-size area",
             "chain --audit",
+            "fsa --corners furthest --fit=coverage --cutoffs fit",
+            "vds --triangles --cutoffs keep",
         ] {
             let case = parse(text).unwrap();
             let words = words_of(&case);
@@ -143,6 +147,7 @@ mod tests {
                 "resolution 256 engine gpu",
             ),
             ("meshopt --fit --preserve-area", "preserve-area fit"),
+            ("stochastic --fit --cutoffs fit", "fit cutoffs fit"),
             ("merge --cluster-size area", "cluster-size area"),
             ("fsa --hausdorff surface", "hausdorff surface"),
             ("chain --branch-metric children", "branch-metric children"),

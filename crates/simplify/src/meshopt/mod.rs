@@ -5,10 +5,11 @@
 //! is asked for as a share of the triangles, and how many leaves are left is
 //! what comes of it. The border of what is left may be moved outwards to give back lost area:
 //! once, afterwards (`dilate`), or after each halving of the triangles, as meshoptimizer's
-//! own example does (`halving`).
+//! own example does (`halving`). That example itself, with clusters, is `clusters`.
 //!
 //! The order has one step: the foliage, and the level in its place.
 
+mod clusters;
 mod dilate;
 mod halving;
 
@@ -38,6 +39,9 @@ pub enum Mode {
     Plain,
     /// `simplify_sloppy`, which joins vertices that share a cell of a grid.
     Sloppy,
+    /// `clusterlod`, the example of cluster LODs, at one error for the whole crown. Its own dilation is
+    /// [`Borders::Dilate`].
+    Clusters,
 }
 
 /// What becomes of the border of what is left.
@@ -50,7 +54,8 @@ pub enum Borders {
     /// The border grows once, by the area that was lost.
     PreserveArea,
     /// The border grows after each halving of the triangles, by what that lost, as meshoptimizer's example
-    /// of cluster LODs has it (`simplify_dilate_borders`, pull request 1093, merged in 2026).
+    /// of cluster LODs has it (`simplify_dilate_borders`, pull request 1093, merged in 2026). With
+    /// [`Mode::Clusters`] that example does it itself, group by group.
     Dilate,
 }
 
@@ -100,9 +105,10 @@ pub fn simplify(foliage: &Foliage, share: f64, options: MeshoptOptions) -> Remov
     }
     let mut mesh = Mesh::of(foliage);
     let goal = 3 * (share * (mesh.indices.len() / 3) as f64).round() as usize;
-    let kept = match options.borders {
-        Borders::Dilate => halving::simplified(&mut mesh, goal, options.mode),
-        Borders::Stay | Borders::PreserveArea => mesh.simplified(&mesh.indices, goal, options.mode),
+    let kept = match (options.mode, options.borders) {
+        (Mode::Clusters, Borders::Dilate) => clusters::dilated(&mut mesh, goal),
+        (mode, Borders::Dilate) => halving::simplified(&mut mesh, goal, mode),
+        (mode, Borders::Stay | Borders::PreserveArea) => mesh.simplified(&mesh.indices, goal, mode),
     };
     let (mut removed, mut made) = mesh.leaves_of(foliage, &kept);
     if options.borders == Borders::PreserveArea {
@@ -176,6 +182,7 @@ impl Mesh {
             Mode::Plain => triangles.collapsed(target, SimplifyOptions::EMPTY),
             Mode::Prune => triangles.collapsed(target, SimplifyOptions::PRUNE),
             Mode::Sloppy => triangles.joined_in_cells(target),
+            Mode::Clusters => clusters::cut(triangles, target, false).indices,
         }
     }
 

@@ -22,6 +22,7 @@ use crate::better_rivals::{beaten_as_drawn, lost_cases, note_of_counts, note_of_
 use crate::chart::escaped;
 use crate::complete_cases::{note_of, take_out_partial};
 use crate::dominance::{WHAT_IS_COUNTED, dominance};
+use crate::fairness;
 use crate::format::{number, percent, trees};
 use crate::recommend::{WHAT_IS_LISTED, recommend};
 use crate::short_names::ShortNames;
@@ -116,6 +117,7 @@ pub fn report(study: &Study<'_>, pictures: &[Picture]) -> String {
     page.distances(&mut html);
     page.walk(&mut html);
     page.branch_metrics(&mut html);
+    page.fairness(&mut html);
     page.failures(&mut html);
     page.paper(&mut html);
     if !plain.is_empty() {
@@ -263,6 +265,13 @@ impl Page<'_> {
                 let _ = write!(html, "<p>{note}</p>\n{}", table.prose_html());
             }
         });
+    }
+
+    fn fairness(&self, html: &mut String) {
+        if let Some(table) = fairness::table(self.study.rows) {
+            begin_section(html, fairness::TITLE, fairness::WHAT_IS_COMPARED);
+            *html += &table.html();
+        }
     }
 
     fn per_set(&self, html: &mut String) {
