@@ -44,6 +44,7 @@ fn help_names_every_flag() {
                 "--preview",
                 "--overwrite",
                 "--compress",
+                "--strips",
                 "--report",
             ],
         ),

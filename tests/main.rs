@@ -47,6 +47,7 @@ mod small_files;
 mod stand;
 mod stream;
 mod streams;
+mod strips;
 mod study;
 #[path = "browser/tab.rs"]
 mod tab;

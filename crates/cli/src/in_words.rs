@@ -29,12 +29,13 @@ pub struct RequestError {
 }
 
 /// Options of the program that name files to be written, or say how: other faces write by calls of their own.
-const OF_OUTPUT: [&str; 18] = [
+const OF_OUTPUT: [&str; 19] = [
     "for",
     "dry-run",
     "output",
     "overwrite",
     "compress",
+    "strips",
     "report",
     "picture",
     "order",

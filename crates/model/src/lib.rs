@@ -34,6 +34,7 @@ mod principal_axes;
 mod random;
 mod removal_order;
 mod skeleton;
+mod strips;
 mod surface;
 
 pub use cutout::{Cutout, Wrap};
@@ -53,4 +54,5 @@ pub use principal_axes::{moment, principal_axes};
 pub use random::Random;
 pub use removal_order::{Growth, RemovalOrder, Step};
 pub use skeleton::{PlantSkeleton, Segment, SegmentIndex, SkeletonError};
+pub use strips::{joined_strips, strips};
 pub use surface::{AlphaMode, Filters, Finish, Material, Mips, NormalMap, Surface, Texture};

@@ -126,6 +126,9 @@ pub(crate) struct Lods {
     /// Quantise and compress geometry (meshopt).
     #[arg(long)]
     pub(crate) compress: bool,
+    /// Write triangles as strips in place of lists, made from the coarse to the fine.
+    #[arg(long)]
+    pub(crate) strips: bool,
     /// Write the machine-readable record of the run to this file.
     #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,

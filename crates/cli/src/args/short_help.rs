@@ -8,7 +8,7 @@ use super::{Cli, OF_OTHERS, OF_RECORDS, OF_VDS};
 const OF_LABORATORY: [&str; 3] = [OF_VDS, OF_OTHERS, OF_RECORDS];
 
 /// Options that few people need, by their identifiers.
-const SELDOM: [&str; 22] = [
+const SELDOM: [&str; 23] = [
     "keep_going",
     "alpha",
     "sides",
@@ -25,6 +25,7 @@ const SELDOM: [&str; 22] = [
     "cost",
     "impostor_textures",
     "textures",
+    "strips",
     "height_px",
     "field_of_view_degrees",
     "frames_up_to",

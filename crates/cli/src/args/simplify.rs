@@ -29,6 +29,9 @@ pub(crate) struct Simplify {
     /// Quantise and compress geometry (meshopt).
     #[arg(long)]
     pub(crate) compress: bool,
+    /// Write triangles as strips in place of lists, made from the coarse to the fine.
+    #[arg(long)]
+    pub(crate) strips: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole

@@ -71,6 +71,7 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
             &args.preview,
             args.for_engine,
             args.compress,
+            args.strips,
         ),
         options(args),
     );

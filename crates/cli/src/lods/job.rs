@@ -113,6 +113,9 @@ fn layout(args: &args::Lods, is_usda: Option<bool>) -> Result<Layout, Failure> {
         (Layout::Usd, _) if args.compress => Err(Failure::usage(
             "`--compress` is for glTF: leave it out with the layout usd",
         )),
+        (Layout::Usd, _) if args.strips => Err(Failure::usage(
+            "`--strips` is for glTF: leave it out with the layout usd",
+        )),
         (layout, _) => Ok(layout),
     }
 }

@@ -92,7 +92,8 @@ pub(super) fn make(
     let written = work.timed("write", |files| {
         let how = WriteOptions::default()
             .overwrite(may_overwrite)
-            .compress(args.compress);
+            .compress(args.compress)
+            .strips(args.strips);
         stage_all(files, args, job, &levels, how, picture)
     })?;
     let original = plant.report();

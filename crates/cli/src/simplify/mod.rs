@@ -154,6 +154,7 @@ fn write_options(args: &args::Simplify) -> WriteOptions {
     WriteOptions::default()
         .overwrite(args.overwrite)
         .compress(args.compress)
+        .strips(args.strips)
 }
 
 fn level(

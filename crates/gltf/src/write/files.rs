@@ -53,6 +53,9 @@ pub struct WriteOptions {
     /// `KHR_mesh_quantization` for normals. Positions keep 14 bits of the longest side of what they span. PNG images
     /// become lossless WebP (`EXT_texture_webp`) where that saves a twentieth.
     pub compress: bool,
+    /// Whether triangles with indices are written as strips (mode 5) in place of lists, one strip for each primitive. A note
+    /// says how many indices either takes.
+    pub strips: bool,
 }
 
 impl WriteOptions {
@@ -64,6 +67,16 @@ impl WriteOptions {
     /// These options, with `compress` as given.
     pub fn compress(self, compress: bool) -> Self {
         Self { compress, ..self }
+    }
+
+    /// These options, with `strips` as given.
+    pub fn strips(self, strips: bool) -> Self {
+        Self { strips, ..self }
+    }
+
+    /// Whether a finished file is written otherwise than it is.
+    pub(super) fn rewrite(self) -> bool {
+        self.compress || self.strips
     }
 
     /// Refuses a path that [`Tree::prepare_lod`] could not write to, to know before
@@ -240,8 +253,15 @@ impl Tree {
         self.check_not_input(&target).map_err(failed)?;
         let content = lod_content(self, lod, cutoffs);
         let mut content = content.map_err(|fault| self.document.error(fault))?;
+        if options.strips {
+            let notes = std::mem::take(&mut content.notes);
+            content = self.rewritten(content, super::strips::stripped)?;
+            content.notes.splice(0..0, notes);
+        }
         if options.compress {
-            content = self.compressed(content)?;
+            let notes = std::mem::take(&mut content.notes);
+            content = self.rewritten(content, super::compress::quantised)?;
+            content.notes = notes;
         }
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
         let images = self.images_to_copy(&content.root, &target, &mut notes);
@@ -260,18 +280,21 @@ impl Tree {
         Ok(prepared)
     }
 
-    /// The same content with fewer bits.
-    fn compressed(&self, content: Content) -> Result<Content, GltfError> {
+    /// The same triangles, written otherwise.
+    fn rewritten(
+        &self,
+        content: Content,
+        how: fn(&Document) -> Result<Content, Fault>,
+    ) -> Result<Content, GltfError> {
         let document = &self.document;
         let glb = glb_bytes(&content.root, content.buffer)
             .ok_or_else(|| document.error(Problem::from(WriteProblem::TooLarge)))?;
         let folder = document.base_dir.as_deref();
         let read = Document::from_bytes_within(&document.name, glb, folder, document.memory)?;
-        let small = super::compress::quantised(&read).map_err(|fault| read.error(fault))?;
+        let written = how(&read).map_err(|fault| read.error(fault))?;
         Ok(Content {
-            root: small.root,
-            buffer: small.buffer,
-            ..content
+            triangles: content.triangles,
+            ..written
         })
     }
 

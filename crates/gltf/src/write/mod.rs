@@ -34,6 +34,7 @@ mod single_leaf_mesh;
 mod skeleton;
 mod staged_files;
 mod stand;
+mod strips;
 mod surfaces;
 mod temporary_name;
 #[cfg(test)]

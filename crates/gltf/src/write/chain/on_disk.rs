@@ -138,7 +138,7 @@ impl Tree {
             notes: chain.notes,
         };
         for (number, (file, place)) in chain.files.into_iter().zip(places).enumerate() {
-            if file.is_as_it_came && !options.compress {
+            if file.is_as_it_came && !options.rewrite() {
                 let added = staged.add_derived(&place, &file.bytes);
                 added.map_err(|error| refused(&place, WriteProblem::Io(error)))?;
                 written.bytes += file.bytes.len() as u64;
