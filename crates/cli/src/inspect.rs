@@ -18,7 +18,7 @@ pub(crate) fn run(args: &args::Inspect) -> Result<Printed, Failure> {
     }
     let document = streams::document(&args.tree, args.plant.memory())?;
     let document = document.with_vertex_alpha(args.plant.vertex_alpha());
-    let document = document.with_not_plant(args.plant.not_plant());
+    let document = document.with_not_plant(args.plant.not_plant())?;
     let outputs: Vec<&Path> = args.report.as_deref().into_iter().collect();
     output::check_spares(&document, &outputs)?;
     let mut inspection = document.inspect(args.plant.selectors());

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &args::Lod) -> Result<Printed, Failure> {
     let tree = work.timed("load", |_| {
         let document = interrupt::reading(|| Document::open(&args.tree))?;
         let document = document.with_vertex_alpha(args.vertex_alpha.vertex_alpha);
-        let document = document.with_not_plant(&args.not_plant.not_plant);
+        let document = document.with_not_plant(&args.not_plant.not_plant)?;
         Ok(document.into_tree(&args.foliage.foliage)?)
     })?;
     output::check_spares(tree.document(), &outputs)?;

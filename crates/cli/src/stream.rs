@@ -111,7 +111,7 @@ fn write(args: &args::Stream, common: &Common) -> Result<Printed, Failure> {
         let memory = args.plant.memory();
         let document = interrupt::reading(|| Document::open_within(&args.input, memory))?;
         let document = document.with_vertex_alpha(args.plant.vertex_alpha());
-        let document = document.with_not_plant(args.plant.not_plant());
+        let document = document.with_not_plant(args.plant.not_plant())?;
         Ok(document.into_tree(args.plant.selectors())?)
     })?;
     output::check_spares(tree.document(), &outputs)?;

@@ -83,7 +83,7 @@ pub(crate) fn choose(
         return Ok(());
     }
     let mut has_match = vec![false; selectors.len()];
-    let wood_pieces = unnamed_pieces(survey, selectors, &mut has_match);
+    let wood_pieces = unnamed_pieces(document, survey, selectors, &mut has_match);
     for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
         let labels = document.labels(&survey.groups[group], part.node);
         for (selector, has_match) in selectors.iter().zip(&mut has_match) {
@@ -92,7 +92,10 @@ pub(crate) fn choose(
                 *has_match = true;
             }
         }
-        if let (Role::Wood, Some(is_wood)) = (part.role, &wood_pieces[group]) {
+        // All that is named may be not the plant.
+        let of_group = wood_pieces[group].as_ref();
+        let with_leaves = of_group.filter(|is_wood| is_wood.contains(&false));
+        if let (Role::Wood, Some(is_wood)) = (part.role, with_leaves) {
             part.role = Role::Leaf;
             part.wood_pieces = is_wood.contains(&true).then(|| Arc::clone(is_wood));
         }
@@ -105,6 +108,7 @@ pub(crate) fn choose(
 
 /// By group, where a selector names pieces of it: whether each piece is none of them.
 fn unnamed_pieces(
+    document: &Document,
     survey: &Survey,
     selectors: &[Selector],
     has_match: &mut [bool],
@@ -121,12 +125,23 @@ fn unnamed_pieces(
             else {
                 continue;
             };
-            let is_there = (mesh as usize, primitive as usize) == (group.mesh, group.primitive)
-                && (last as usize) < group.geometry.pieces().len();
-            if is_there {
+            if mesh as usize != group.mesh {
+                continue;
+            }
+            let count = || group.geometry.pieces().len();
+            let (source, of) = match document.halves.get(&[group.mesh, group.primitive]) {
+                Some(half) => (half.source, half.of),
+                None if primitive as usize == group.primitive => (group.primitive, count()),
+                None => continue,
+            };
+            if primitive as usize == source && (last as usize) < of {
                 *has_match = true;
-                let all = || vec![true; group.geometry.pieces().len()];
-                is_wood.get_or_insert_with(all)[first as usize..=last as usize].fill(false);
+                let number = |k| document.piece_number(group.mesh, group.primitive, k);
+                let is_wood = is_wood.get_or_insert_with(|| vec![true; count()]);
+                let named = is_wood.iter_mut().enumerate();
+                named
+                    .filter(|(k, _)| (first..=last).contains(&number(*k)))
+                    .for_each(|(_, is_wood)| *is_wood = false);
             }
         }
         is_wood.map(Arc::from)

@@ -10,6 +10,7 @@ use super::buffer::{self, Buffer};
 use super::container::{self, Unpacked};
 use super::error::{Fault, GltfError, Problem};
 use super::folder;
+use super::halves::Halves;
 use super::input::read_within;
 use super::kept_images::KeptImages;
 use super::known_roles::KnownRoles;
@@ -46,6 +47,8 @@ pub struct Document {
     pub(crate) selectors: Vec<Selector>,
     /// What is not the plant, where somebody named it.
     pub(crate) not_plant: Vec<Selector>,
+    /// Primitives of which pieces were named so.
+    pub(crate) halves: Halves,
     /// What parts of the plant that it was made of are.
     pub(crate) known_roles: Option<KnownRoles>,
     /// Whether the alpha of vertex colours is a part of the look, where that is known already.
@@ -196,6 +199,7 @@ impl Document {
             kept_images: Arc::default(),
             selectors: Vec::new(),
             not_plant: Vec::new(),
+            halves: Halves::new(),
             known_roles: None,
             vertex_alpha_counts: None,
             memory,
@@ -238,6 +242,7 @@ impl Clone for Document {
             kept_images: Arc::clone(&self.kept_images),
             selectors: self.selectors.clone(),
             not_plant: self.not_plant.clone(),
+            halves: self.halves.clone(),
             known_roles: self.known_roles.clone(),
             vertex_alpha_counts: self.vertex_alpha_counts,
             memory: self.memory,

@@ -368,6 +368,20 @@ impl Document {
     }
 }
 
+impl Document {
+    /// The pieces of the parts with a role, as leaves, with the part of each.
+    pub(crate) fn pieces_of(
+        &self,
+        surveyed: (&Survey, &[Part]),
+        role: Role,
+        pictures: &mut Pictures<'_>,
+    ) -> Result<(Foliage, Vec<u32>), Fault> {
+        let found = self.collect(surveyed, role, pictures, &mut Vec::new())?;
+        let parts = found.leaf_sources.iter().map(|source| source.part);
+        Ok((found.foliage, parts.collect()))
+    }
+}
+
 /// Everything that is drawn, ground too, piece by piece as if it were foliage.
 pub(crate) fn triangles_of_all(document: &Document) -> Result<Foliage, Fault> {
     let (parts, survey, budget) = document.scene_parts()?;
@@ -380,8 +394,8 @@ pub(crate) fn triangles_of_all(document: &Document) -> Result<Foliage, Fault> {
     }
     let mut pictures = Pictures::new(document, budget);
     let surveyed = (&survey, &parts[..]);
-    let found = document.collect(surveyed, Role::Wood, &mut pictures, &mut Vec::new())?;
-    Ok(found.foliage)
+    let (foliage, _) = document.pieces_of(surveyed, Role::Wood, &mut pictures)?;
+    Ok(foliage)
 }
 
 /// What a group's leaves look like.

@@ -94,8 +94,8 @@
 //! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
 //! | which triangles are a leaf | `leaves.rs`, `find.rs`; what is doubtful: `find_warnings.rs` |
-//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs`; what a click meets: `pieces.rs` |
-//! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs`, `levels_in_one_place.rs` |
+//! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs`; what a click or a lasso meets: `pieces.rs`, `scene_pieces.rs` |
+//! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs`, `levels_in_one_place.rs`; pieces of a primitive: `halves.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
 //! | kinds of plants in a scene, and a scene put together | `scene_kinds.rs`, `write/stand.rs` |
 //! | cameras of a scene, and what hides leaves | `scene.rs`; cameras that move: `camera_path.rs` |
@@ -127,6 +127,7 @@ mod file_kind;
 mod find;
 mod find_warnings;
 mod folder;
+mod halves;
 mod hang;
 mod helper_names;
 mod input;
@@ -155,6 +156,7 @@ mod role_groups;
 mod roles;
 mod scene;
 mod scene_kinds;
+mod scene_pieces;
 mod selected;
 mod selector;
 mod shape_evidence;
@@ -192,12 +194,14 @@ pub use document::Document;
 pub use error::{GltfError, Problem};
 pub use evidence::Reason;
 pub use file_kind::{has_extension, is_gltf_name};
+pub use halves::OtherPieces;
 pub use input::read_within;
 pub use inspection::{FoliageReport, Inspection, PrimitiveReport, Spread, TakenFor};
 pub use leaf_surfaces::{LeafSurface, SurfaceLeaf};
 pub use pieces::Piece;
 pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use scene_kinds::{MAX_THINGS, Placement, SceneKind};
+pub use scene_pieces::ScenePieces;
 pub use selector::{Selector, SelectorError};
 pub use surfaces::{Detail, DrawnSurface, MaterialImage};
 pub use tree::Tree;

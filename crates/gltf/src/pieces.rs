@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::cutouts::Cutouts;
 use super::error::Fault;
+use super::halves::runs_of;
 use super::parts::Part;
 use super::picture::Pictures;
 use super::roles::Role;
@@ -40,7 +41,8 @@ impl Tree {
     fn piece_met(&self, place: &str, from: DVec3, along: DVec3) -> Result<Option<Piece>, Fault> {
         let document = &self.document;
         let is_there = |part: &&Part| document.primitive_place(part.mesh, part.primitive) == place;
-        let parts: Vec<Part> = self.parts.iter().filter(is_there).cloned().collect();
+        let all = self.parts.iter().chain(&self.others);
+        let parts: Vec<Part> = all.filter(is_there).cloned().collect();
         let mut budget = document.budget;
         let survey = document.survey(&parts, &mut budget)?;
         let Some(group) = survey.groups.first() else {
@@ -96,7 +98,7 @@ impl Tree {
                 .iter()
                 .map(|&t| geometry.triangles[t as usize].map(world));
             Some(Piece {
-                number: number as u32,
+                number: document.piece_number(part.mesh, part.primitive, number),
                 triangles: corners.collect(),
             })
         }))
@@ -110,15 +112,11 @@ impl Tree {
             let Some(is_wood) = &part.wood_pieces else {
                 continue;
             };
-            let mut runs: Vec<[u32; 2]> = Vec::new();
-            for number in (0..is_wood.len()).filter(|&k| !is_wood[k]) {
-                let number = number as u32;
-                match runs.last_mut() {
-                    Some([_, last]) if *last + 1 == number => *last = number,
-                    _ => runs.push([number; 2]),
-                }
-            }
-            let place = self.document.primitive_place(part.mesh, part.primitive);
+            let document = &self.document;
+            let number = |k| document.piece_number(part.mesh, part.primitive, k);
+            let leaves = (0..is_wood.len()).filter(|&k| !is_wood[k]);
+            let runs = runs_of(leaves.map(number));
+            let place = document.primitive_place(part.mesh, part.primitive);
             of_places.insert(place, runs);
         }
         of_places

@@ -148,7 +148,7 @@ pub(crate) fn others(
             ..described(document, group)
         });
     }
-    inspection.notes.extend(document.note_of_others(others));
+    inspection.notes.extend(document.notes_of_others(others));
     Ok(())
 }
 

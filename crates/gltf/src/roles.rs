@@ -16,7 +16,7 @@ use super::helper_names::{self, Helper};
 use super::parts::Part;
 use super::picture::{Decoded, Pictures};
 use super::survey::{Group, Survey};
-use super::{Document, Selector};
+use super::{Document, GltfError, Selector};
 use secateur_model::Budget;
 
 /// What a part is.
@@ -88,10 +88,15 @@ pub(crate) struct SortedParts {
 
 impl Document {
     /// What these selectors name is not the plant: it stays as it is, and is neither drawn, counted nor changed,
-    /// whatever else names it.
-    pub fn with_not_plant(mut self, selectors: &[Selector]) -> Self {
+    /// whatever else names it. Pieces that are named become a primitive of their own.
+    ///
+    /// # Errors
+    /// [`GltfError`] if pieces are named that are not there, or their primitive can't be read.
+    pub fn with_not_plant(mut self, selectors: &[Selector]) -> Result<Self, GltfError> {
+        let parted = self.part_pieces(selectors);
+        parted.map_err(|fault| self.error(fault))?;
         self.not_plant = selectors.to_vec();
-        self
+        Ok(self)
     }
 
     /// The parts with their roles, but for leaves. A selector that matches nothing else makes a part the plant's.
@@ -105,6 +110,11 @@ impl Document {
             [] => &self.selectors,
             given => given,
         };
+        for part in &mut parts {
+            if self.is_marked(part.mesh, part.primitive) {
+                part.role = Role::NotPlant(NotPlant::Named);
+            }
+        }
         self.keep_named(&mut parts, &survey, selectors);
         self.leave_out_named(&mut parts, &survey)?;
         let is_plant = |part: &Part| part.role == Role::Wood;
@@ -245,7 +255,14 @@ impl Document {
 
     /// Gives what was named as not the plant its role. Levels of a plant may lack it.
     fn leave_out_named(&self, parts: &mut [Part], survey: &Survey) -> Result<(), Fault> {
-        for selector in &self.not_plant {
+        for part in &mut *parts {
+            let half = self.halves.get(&[part.mesh, part.primitive]);
+            if half.is_some_and(|half| !half.is_plant) {
+                part.role = Role::NotPlant(NotPlant::Named);
+            }
+        }
+        let of_parts = self.not_plant.iter().filter(|named| !named.is_of_pieces());
+        for selector in of_parts {
             let mut is_there = self.known_roles.is_some();
             for (part, &group) in parts.iter_mut().zip(&survey.group_of_part) {
                 if selector.matches(self.labels(&survey.groups[group], part.node)) {
@@ -260,11 +277,25 @@ impl Document {
         Ok(())
     }
 
-    /// Which nodes are not the plant, and why, in a sentence; none where all is.
-    pub(crate) fn note_of_others(&self, others: &[Part]) -> Option<String> {
+    /// What is not the plant, in sentences: nodes with the reason, and pieces that were named.
+    pub(crate) fn notes_of_others(&self, others: &[Part]) -> Vec<String> {
+        let halves = self.halves.values().filter(|half| !half.is_plant);
+        let of_pieces = match halves.map(|half| half.pieces.len()).sum() {
+            0 => None,
+            1 => Some("1 piece is no plant and stays as it is".to_owned()),
+            many => Some(format!("{many} pieces are no plant and stay as they are")),
+        };
+        let of_nodes = self.note_of_other_nodes(others);
+        of_nodes.into_iter().chain(of_pieces).collect()
+    }
+
+    fn note_of_other_nodes(&self, others: &[Part]) -> Option<String> {
         const SHOWN: usize = 12;
         let mut of_nodes: BTreeMap<usize, NotPlant> = BTreeMap::new();
         for part in others {
+            if self.halves.contains_key(&[part.mesh, part.primitive]) {
+                continue;
+            }
             if let Role::NotPlant(why) = part.role {
                 of_nodes.entry(part.node).or_insert(why);
             }

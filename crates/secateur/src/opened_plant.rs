@@ -116,7 +116,7 @@ impl Plant {
 
     fn of(document: Document, opening: &Opening) -> Result<Self, GltfError> {
         let document = document.with_vertex_alpha(opening.vertex_alpha);
-        let document = document.with_not_plant(&opening.not_plant);
+        let document = document.with_not_plant(&opening.not_plant)?;
         let selectors = &opening.foliage[..];
         if !opening.wind {
             return Self::of_decided(document, selectors, opening.wood);

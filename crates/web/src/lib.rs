@@ -10,6 +10,8 @@
 //! Settings and figures travel as JSON: [`settings`] says which keys there are. All calls work until they are done;
 //! a page makes them in a Worker, which it ends to break one off.
 
+mod chosen;
+mod lasso;
 mod levels;
 mod picture;
 pub mod settings;
@@ -21,6 +23,7 @@ use std::cell::RefCell;
 use secateur::plant::{GrowOptions, Species};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+pub use chosen::JsChosen;
 pub use levels::{JsLevel, JsLevels};
 pub use picture::JsPicture;
 pub use tree::JsTree;

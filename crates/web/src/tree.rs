@@ -1,20 +1,23 @@
 //! An opened file: what it holds, what of it are leaves, and what is made of it.
 
+use std::cell::OnceCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use js_sys::Function;
-use secateur::chain::LevelReport;
 use secateur::chain::Screen;
+use secateur::glam::DVec2;
 use secateur::{
-    AlphaMode, Detail, Document, Finish, Inspection, Material, Memory, Opening, Piece, Plant,
-    Progress, Selector, Surface, TakenFor,
+    Detail, Document, Inspection, LeafId, Memory, Opening, Piece, Plant, Progress, ScenePieces,
+    Selector, TakenFor,
 };
 use secateur_pages::preview::{Facts, Level, Packed, Pictures, Preview, packed};
 use serde_json::json;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use crate::chosen::{JsChosen, over_the_plant};
+use crate::lasso::{Camera, Key, held};
 use crate::levels::{JsLevel, JsLevels};
 use crate::picture::JsPicture;
 use crate::settings::{ChainSettings, LevelSettings};
@@ -32,6 +35,8 @@ pub struct JsTree {
     selectors: Vec<Selector>,
     inspection: Inspection,
     plant: Result<Plant, String>,
+    /// What the scene draws, piece by piece, once it was asked for.
+    pieces: OnceCell<ScenePieces>,
 }
 
 #[wasm_bindgen(js_class = Tree)]
@@ -53,6 +58,7 @@ impl JsTree {
         let opened = Document::from_bytes_within(name, bytes.clone(), None, MEMORY);
         let document = opened.map_err(|error| for_a_tab(&error.to_string()))?;
         let document = document.with_not_plant(&not_plant);
+        let document = document.map_err(|error| for_a_tab(&error.to_string()))?;
         let inspection = document.inspect(&selectors);
         let opening = Opening {
             foliage: selectors.clone(),
@@ -66,6 +72,7 @@ impl JsTree {
             selectors,
             inspection,
             plant: plant.map_err(|error| for_a_tab(&error.to_string())),
+            pieces: OnceCell::new(),
         })
     }
 
@@ -144,6 +151,69 @@ impl JsTree {
         .to_string()
     }
 
+    /// Of primitives whose pieces were named as not the plant, by their places: of which primitive of the file they
+    /// are, and their numbers in it as runs, as JSON.
+    #[wasm_bindgen(js_name = otherPieces)]
+    pub fn other_pieces(&self) -> String {
+        let others = self.document.other_pieces().into_iter();
+        let others = others.map(|(place, others)| {
+            let of = json!({ "source": others.source, "runs": others.runs });
+            (place, of)
+        });
+        json!(others.collect::<BTreeMap<_, _>>()).to_string()
+    }
+
+    /// The connected pieces of the primitive at a place of the inspection, most triangles first: each its number in the
+    /// file and its triangles, as JSON.
+    ///
+    /// # Errors
+    /// A sentence where the scene can't be read.
+    pub fn pieces(&self, place: &str) -> Result<String, String> {
+        let all = self.scene_pieces()?;
+        let mut pieces: BTreeMap<u32, usize> = BTreeMap::new();
+        for leaf in (0..all.foliage().leaves().len()).map(LeafId::from_index) {
+            let (of, number) = all.source(leaf);
+            if of == place {
+                pieces.insert(number, all.foliage().triangles_of(leaf).len());
+            }
+        }
+        let mut pieces: Vec<(u32, usize)> = pieces.into_iter().collect();
+        pieces.sort_by_key(|&(number, triangles)| (usize::MAX - triangles, number));
+        Ok(json!(pieces).to_string())
+    }
+
+    /// What a loop drawn over the picture holds: pieces, or whole parts, of which most visible pixels lie in it; nothing
+    /// where there are none. `camera` is ten numbers: eye and target in world space, the tangent of half the field of
+    /// view up, width over height, the nearest distance in metres, and the height in pixels. `corners` are x and y by
+    /// turns, from -1, -1 at the lower left of the picture to 1, 1 at its upper right.
+    ///
+    /// # Errors
+    /// A sentence where the scene can't be read, or the numbers are no camera.
+    pub fn lasso(
+        &self,
+        camera: &[f64],
+        corners: &[f64],
+        of_parts: bool,
+    ) -> Result<Option<JsChosen>, String> {
+        let pieces = self.scene_pieces()?;
+        let corners = corners.as_chunks().0.iter();
+        let corners: Vec<DVec2> = corners.map(|corner| DVec2::from_array(*corner)).collect();
+        let keys = held(pieces, &Camera::of(camera)?, &corners, of_parts)?;
+        JsChosen::of(self.document.name(), pieces, &keys)
+    }
+
+    /// Some pieces of the primitive at a place, by their numbers.
+    ///
+    /// # Errors
+    /// A sentence where the scene can't be read.
+    #[wasm_bindgen(js_name = piecesAt)]
+    pub fn pieces_at(&self, place: &str, numbers: &[u32]) -> Result<Option<JsChosen>, String> {
+        let pieces = self.scene_pieces()?;
+        let keys = numbers.iter().map(|number| (place, Some(*number)));
+        let keys: BTreeSet<Key<'_>> = keys.collect();
+        JsChosen::of(self.document.name(), pieces, &keys)
+    }
+
     /// The connected piece of the primitive at a place of the inspection that a ray meets first, both as x, y and z in
     /// world space; nothing where it meets none.
     ///
@@ -198,6 +268,17 @@ impl JsTree {
     }
 }
 
+impl JsTree {
+    fn scene_pieces(&self) -> Result<&ScenePieces, String> {
+        if let Some(pieces) = self.pieces.get() {
+            return Ok(pieces);
+        }
+        let pieces = self.document.scene_pieces();
+        let pieces = pieces.map_err(|error| for_a_tab(&error.to_string()))?;
+        Ok(self.pieces.get_or_init(|| pieces))
+    }
+}
+
 /// A connected piece of a primitive.
 #[wasm_bindgen(js_name = Piece)]
 #[derive(Debug)]
@@ -227,28 +308,10 @@ impl JsPiece {
 
 impl JsPiece {
     fn of(title: &str, piece: Piece) -> Result<Self, String> {
-        let count = piece.triangles.len() as u32;
-        let mut surface = Surface::empty(Arc::new(Material {
-            name: String::new(),
-            base_color: [1.0; 4],
-            texture: None,
-            alpha_mode: AlphaMode::Opaque,
-            double_sided: true,
-            finish: Finish::default(),
-        }));
-        surface.positions = piece.triangles.concat();
-        surface.triangles = (0..count).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect();
-        let level = Level {
-            surfaces: &[(surface, false)],
-            facts: Facts {
-                name: "piece".to_owned(),
-                report: LevelReport::default(),
-            },
-        };
         Ok(Self {
             number: piece.number,
-            triangles: count,
-            packed: pack(title, &[level])?,
+            triangles: piece.triangles.len() as u32,
+            packed: over_the_plant(title, &piece.triangles)?,
         })
     }
 }
@@ -262,7 +325,7 @@ fn selectors_of(json: &str) -> Result<Vec<Selector>, String> {
 }
 
 /// What is drawn of levels.
-fn pack(title: &str, levels: &[Level<'_>]) -> Result<Packed, String> {
+pub(crate) fn pack(title: &str, levels: &[Level<'_>]) -> Result<Packed, String> {
     let preview = Preview {
         title,
         screen: Screen::default(),

@@ -52,7 +52,7 @@ pub(super) fn lod_content(tree: &Tree, lod: &Lod, cutoffs: &Cutoffs) -> Result<C
     let mut draft = Draft::new(&tree.document);
     draft
         .notes
-        .extend(tree.document.note_of_others(&tree.others));
+        .extend(tree.document.notes_of_others(&tree.others));
     let before = References::of(&mut draft.root);
     let left_out = leave_out_levels(&mut draft, tree);
     let mut empty = rewrite_meshes(&mut draft, tree, &edits)?;

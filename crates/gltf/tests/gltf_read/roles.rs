@@ -299,7 +299,7 @@ fn what_is_named_as_not_the_plant_is_neither_counted_nor_changed() {
     let selectors = |text: &str| [text.parse::<Selector>().unwrap()];
     let named = |text: &str| {
         let document = garden.file.document();
-        document.with_not_plant(&selectors(text))
+        document.with_not_plant(&selectors(text)).unwrap()
     };
     assert!(garden.is_plant("Bench"));
     let inspection = named("node:Bench").inspect(&[]);
@@ -423,5 +423,67 @@ fn cases_of_strangers_are_the_plant_alone() {
         if let Some(document) = case(name) {
             assert_eq!(document.inspect(&[]).notes, [""; 0], "{name}");
         }
+    }
+}
+
+/// Of the 20 leaves two are no plant: they become a primitive of their own, which levels keep and nobody judges.
+#[test]
+fn pieces_that_are_not_the_plant_stay_as_they_are_and_are_not_judged() {
+    let garden = Garden::new().with_tree();
+    let selectors = |text: &str| [text.parse::<Selector>().unwrap()];
+    let named = |text: &str| garden.file.document().with_not_plant(&selectors(text));
+    let document = named("piece:1.0.3-4").unwrap();
+    let (place, others) = document.other_pieces().into_iter().next().unwrap();
+    assert_eq!(others.runs, [[3, 4]]);
+    assert!(place.ends_with("primitives[1]") && others.source.ends_with("primitives[0]"));
+    let inspection = document.inspect(&[]);
+    let half = inspection.primitives.iter().find(|p| p.place == place);
+    assert_eq!(half.unwrap().taken_for, TakenFor::NotPlant);
+    assert!(
+        inspection
+            .notes
+            .iter()
+            .any(|note| note.starts_with("2 pieces are no plant"))
+    );
+
+    // Numbers stay those of the file: the leaf behind them is the sixth.
+    let whole = document
+        .into_whole_tree(&selectors("piece:1.0.2-5"))
+        .unwrap();
+    assert_eq!(whole.leaves().leaves().len(), 2);
+    assert_eq!(whole.items().foliage().triangles().len(), 19);
+    let runs: Vec<_> = whole.items().leaf_pieces().into_values().collect();
+    assert_eq!(runs, [[[2, 2], [5, 5]]]);
+
+    // What is left of the plant is one leaf; who reads the level knows the others as no plant, by itself or its plant.
+    let whole = named("piece:1.0.3-4")
+        .unwrap()
+        .into_whole_tree(&[])
+        .unwrap();
+    let mut lod = secateur_model::Lod::original(19);
+    for leaf in 1..19 {
+        lod.remove(secateur_model::LeafId::from_index(leaf));
+    }
+    let glb = whole.items().lod_to_bytes(&lod).unwrap();
+    let count = |drawn: Vec<secateur_gltf::DrawnSurface>| -> [usize; 2] {
+        let surfaces = drawn.iter().map(|d| &d.surface);
+        let counts = surfaces.map(|s| [s.triangles.len(), s.positions.len()]);
+        counts.fold([0; 2], |[t, v], [more, vertices]| [t + more, v + vertices])
+    };
+    let level = || Document::from_bytes("level.glb", glb.clone(), None).unwrap();
+    assert_eq!(count(level().drawn_scene(Detail::Color).unwrap()), [3, 9]);
+    assert_eq!(count(level().drawn_as_one(Detail::Color).unwrap()), [1, 3]);
+    let level = level().with_roles_of(whole.items());
+    assert_eq!(count(level.drawn_as_one(Detail::Color).unwrap()), [1, 3]);
+
+    // All pieces of a primitive are all of it; what is not there is refused.
+    let whole = named("piece:1.0.0-19")
+        .unwrap()
+        .into_whole_tree(&[])
+        .unwrap();
+    assert_eq!(whole.items().foliage().triangles().len(), 1);
+    for none in ["piece:1.0.20", "piece:1.1.0", "piece:7.0.0"] {
+        let error = named(none).unwrap_err().to_string();
+        assert!(error.contains("matches nothing"), "{error}");
     }
 }

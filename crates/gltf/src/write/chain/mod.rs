@@ -311,7 +311,7 @@ fn content(
     let before = References::of(&mut draft.root);
     draft
         .notes
-        .extend(tree.document.note_of_others(&tree.others));
+        .extend(tree.document.notes_of_others(&tree.others));
     let mut left_out = leave_out_levels(&mut draft, tree);
     if !with_others {
         left_out.extend(others::leave_out(&mut draft, tree));

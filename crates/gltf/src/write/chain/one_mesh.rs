@@ -69,7 +69,7 @@ pub(super) fn build(
     for &node in &plan.drawn {
         take_away(draft, node);
         if with_others {
-            others::put_back(draft, tree, node);
+            others::put_back(draft, tree, node)?;
         }
     }
     let roots = scene_roots(&draft.root);
