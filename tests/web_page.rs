@@ -2,6 +2,8 @@
 //! fingers and keys as people use it.
 
 mod bytes;
+mod first_answer;
+mod lasso;
 mod roles;
 
 use std::path::PathBuf;

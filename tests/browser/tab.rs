@@ -263,38 +263,37 @@ impl Tab {
 
     fn drag(&mut self, [x, y]: [f64; 2], by: [f64; 2]) {
         const STEPS: u32 = 4;
-        let at = |step: u32| {
-            let share = f64::from(step) / f64::from(STEPS);
-            (x + share * by[0], y + share * by[1])
-        };
         let is_drag = by != [0.0, 0.0];
         let steps = if is_drag { STEPS } else { 0 };
+        let at = |step: u32| {
+            let share = f64::from(step) / f64::from(STEPS);
+            [x + share * by[0], y + share * by[1]]
+        };
+        self.drag_along(&(0..=steps).map(at).collect::<Vec<_>>());
+    }
+
+    /// Drags through these places of the window.
+    pub(crate) fn drag_along(&mut self, places: &[[f64; 2]]) {
+        let [first, rest @ ..] = places else {
+            return;
+        };
         if self.device.has_touch {
-            let point = |(x, y): (f64, f64)| vec![[x, y]];
-            self.touch("touchStart", &point(at(0)));
-            for step in 1..=steps {
-                self.touch("touchMove", &point(at(step)));
+            self.touch("touchStart", &[*first]);
+            for place in rest {
+                self.touch("touchMove", &[*place]);
             }
             self.touch("touchEnd", &[]);
-        } else {
-            self.mouse(
-                "mousePressed",
-                at(0),
-                json!({"button": "left", "buttons": 1, "clickCount": 1}),
-            );
-            for step in 1..=steps {
-                self.mouse(
-                    "mouseMoved",
-                    at(step),
-                    json!({"button": "left", "buttons": 1}),
-                );
-            }
-            self.mouse(
-                "mouseReleased",
-                at(steps),
-                json!({"button": "left", "clickCount": 1}),
-            );
+            return;
         }
+        let pressed = json!({"button": "left", "buttons": 1, "clickCount": 1});
+        self.mouse("mousePressed", (*first).into(), pressed);
+        for place in rest {
+            let moved = json!({"button": "left", "buttons": 1});
+            self.mouse("mouseMoved", (*place).into(), moved);
+        }
+        let last = places.last().unwrap_or(first);
+        let released = json!({"button": "left", "clickCount": 1});
+        self.mouse("mouseReleased", (*last).into(), released);
     }
 
     fn mouse(&mut self, kind: &str, (x, y): (f64, f64), mut more: Value) {

@@ -8,7 +8,7 @@ use crate::program::Bench;
 use crate::tab::{DESKTOP, Tab};
 
 /// The page with an oak in it, and a folder with that oak as `plant.glb`; none where there is no browser.
-fn with_oak() -> Option<(Tab, Bench)> {
+pub(super) fn with_oak() -> Option<(Tab, Bench)> {
     let mut tab = opened(DESKTOP)?;
     let bench = Bench::new();
     bench.put("plant.glb", crate::program::oak());
@@ -35,7 +35,13 @@ fn click_on(tab: &mut Tab, role: &str) {
     tab.click_at(at);
 }
 
-fn settle(tab: &mut Tab) {
+/// Roles are given to the piece that was clicked, not to its part.
+fn mean_the_piece(tab: &mut Tab) {
+    wait_for(tab, "page.stage.view.met !== null");
+    tab.ask("void (document.querySelector('#scope').value = 'piece', document.querySelector('#scope').dispatchEvent(new Event('change')))");
+}
+
+pub(super) fn settle(tab: &mut Tab) {
     wait_for(
         tab,
         "!page.state.isBusy && page.engine.open === page.decisions.opening && page.state.opening === page.decisions.opening",
@@ -59,11 +65,15 @@ fn words(tab: &mut Tab) -> Vec<String> {
 }
 
 /// What the page makes and what the program makes by the page's command line.
-fn assert_same_bytes(tab: &mut Tab, bench: &Bench) -> Vec<String> {
-    let page = of_page(
-        tab,
-        &json!({"kind": "level", "level": {"amount": "share", "value": 0.3}, "effort": "fast"}),
-    );
+pub(super) fn assert_same_bytes(tab: &mut Tab, bench: &Bench) -> Vec<String> {
+    let level = json!({"kind": "level", "level": {"amount": "share", "value": 0.3}});
+    assert_same_bytes_of(tab, bench, level)
+}
+
+/// As [`assert_same_bytes`], of what is decided, made fast.
+fn assert_same_bytes_of(tab: &mut Tab, bench: &Bench, mut decided: Value) -> Vec<String> {
+    decided["effort"] = "fast".into();
+    let page = of_page(tab, &decided);
     let words = words(tab);
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     assert_eq!(page, of_program(bench, &words), "{words:?}");
@@ -82,11 +92,7 @@ fn a_connected_piece_is_clicked_and_becomes_wood_or_leaves() {
         click_on(&mut tab, role);
         wait_for(&mut tab, "page.stage.view.met !== null");
         assert!(text_of(&mut tab, "#why").contains("You clicked piece"));
-        tab.ask("void (document.querySelector('#scope').value = 'piece', document.querySelector('#scope').dispatchEvent(new Event('change')))");
-        assert_eq!(
-            tab.ask("document.querySelector('#is-other').disabled"),
-            json!(true)
-        );
+        mean_the_piece(&mut tab);
         tab.click(button);
         settle(&mut tab);
         assert!(text_of(&mut tab, "#counts").contains(left), "{role}");
@@ -139,5 +145,46 @@ fn a_part_that_is_not_the_plant_is_neither_counted_nor_changed() {
     settle(&mut tab);
     assert_eq!(tab.ask("page.state.inspection.wood_triangles"), whole);
     assert_ne!(assert_same_bytes(&mut tab, &bench), level);
+    check_manners(&mut tab);
+}
+
+#[test]
+fn a_piece_that_is_not_the_plant_is_kept_by_page_and_program_alike() {
+    let Some((mut tab, bench)) = with_oak() else {
+        return;
+    };
+    click_on(&mut tab, "leaf");
+    mean_the_piece(&mut tab);
+    tab.click("#is-other");
+    settle(&mut tab);
+    assert!(text_of(&mut tab, "#counts").contains("239 leaves"));
+    assert!(text_of(&mut tab, "#parts").contains("Not the plant"));
+    assert_eq!(
+        tab.ask("page.decisions.now.leaves"),
+        json!([]),
+        "evidence decides still"
+    );
+    assert_same_bytes(&mut tab, &bench);
+    let command = text_of(&mut tab, "#command");
+    assert!(command.contains("--not-plant piece:"), "{command}");
+
+    // Who reads the level knows it for what it is.
+    let report = ["inspect", "out.glb", "--report", "r.json"];
+    bench.run(&report).succeeded();
+    let report: Value = bench.json("r.json");
+    let parts = report["primitives"].as_array().unwrap().iter();
+    let roles: Vec<&Value> = parts.map(|part| &part["taken_for"]).collect();
+    assert!(roles.contains(&&json!("not_plant")), "{roles:?}");
+    let levels = json!({"kind": "chain", "levels": "shares", "shares": [0.5, 0.1]});
+    assert_eq!(assert_same_bytes_of(&mut tab, &bench, levels).len(), 3);
+
+    // It stands among the parts, and can become a leaf again.
+    tab.click("[data-mode=plant]");
+    tab.ask("void ([...document.querySelectorAll('#parts button')].find((b) => b.innerText.includes('Not the plant')).id = 'other')");
+    tab.click("#other");
+    tab.click("#is-leaf");
+    settle(&mut tab);
+    assert!(text_of(&mut tab, "#counts").contains("240 leaves"));
+    assert_eq!(tab.ask("page.decisions.now.notPlant"), json!([]));
     check_manners(&mut tab);
 }

@@ -6,7 +6,9 @@ const setView = (change) => {
 };
 
 const setMode = (mode) => {
-  if (mode === "plant" || stage.levels) setView({ mode, isLevel: true, picked: null });
+  if (mode !== "plant" && !stage.levels) return;
+  choose(null);
+  setView({ mode, isLevel: true, picked: null });
 };
 
 // B: original and level in turn.
@@ -42,7 +44,8 @@ const keys = {
   a: () => stage.levels && showLevel(null),
   "[": () => stage.levels && goTo(stage.view.distance / 1.06),
   "]": () => stage.levels && goTo(stage.view.distance * 1.06),
-  escape: () => state.isBusy && engine.cancel(),
+  l: () => turnLasso(),
+  escape: () => (state.isBusy ? engine.cancel() : turnLasso(false)),
 };
 
 const onKey = (event) => {
@@ -132,6 +135,7 @@ const listenToStage = () => {
   }
   $("wipe").addEventListener("input", (e) => setView({ wipe: e.target.value / 1000 }));
   $("roles").addEventListener("click", keys.r);
+  $("lasso").addEventListener("click", keys.l);
   $("true-size").addEventListener("click", keys.t);
   $("reset").addEventListener("click", () => stage.orbit.reset());
   $("background").addEventListener("change", (e) => stage.set({ background: e.target.value }));
@@ -160,6 +164,8 @@ const start = async () => {
   $("make-so").addEventListener("click", makeSo);
   $("layout").addEventListener("change", say);
   $("scope").addEventListener("change", sayPiece);
+  $("of-pieces").addEventListener("toggle", listPieces);
+  $("pieces").addEventListener("change", chooseListed);
   addEventListener("keydown", onKey);
   if (matchMedia("(prefers-color-scheme: dark)").matches) {
     stage.set({ background: "dark" });

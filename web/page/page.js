@@ -8,6 +8,7 @@ const state = {
   name: "",
   inspection: null,
   leafPieces: {},
+  otherPieces: {},
   problem: null,
   // How the plant was opened that the inspection is of, as decisions have it.
   opening: null,
@@ -25,6 +26,7 @@ const LEAST_COARSE = 2000;
 
 const stage = new Stage($("canvas"));
 const decisions = new Decisions(() => decided());
+const lasso = new Lasso($("loop"), $("canvas"), chooseInLoop);
 let engine = null;
 
 const resultOf = () => state.results.get(decisions.key) ?? (state.coarse?.key === decisions.key ? state.coarse : null);
@@ -71,11 +73,12 @@ const reopen = async () => {
 
 const shown = (opened, isNew) => {
   state.opening = decisions.opening;
-  const { inspection, problem, picture, leafPieces } = opened;
+  const { inspection, problem, picture, leafPieces, otherPieces } = opened;
   const parts = picture.scene.parts.map((part) => ({ ...part, role: roleOf(part, inspection) }));
   picture.scene.parts = parts;
-  Object.assign(state, { inspection, problem, leafPieces });
+  Object.assign(state, { inspection, problem, leafPieces, otherPieces });
   choosePiece(null);
+  choose(null);
   stage.showPlant(picture);
   if (isNew) stage.orbit.reset();
 };
@@ -266,9 +269,9 @@ const sayPlant = (inspection) => {
   const said = [state.problem, ...inspection.notes, ...inspection.warnings].filter((text) => text);
   $("problem").hidden = said.length === 0;
   $("problem").textContent = said.join(" ").replaceAll("use `--foliage`", "choose them here");
-  const { picked } = stage.view;
+  const { picked, met, chosen } = stage.view;
   fillParts(inspection, picked, pick);
-  fillPart(inspection.primitives.find((primitive) => primitive.place === picked), stage.view.met);
+  fillPart(inspection.primitives.find((primitive) => primitive.place === picked), met, chosen);
 };
 
 const sayView = (result) => {
@@ -279,6 +282,7 @@ const sayView = (result) => {
     button.disabled = !result && button.dataset.mode !== "plant";
   }
   press($("roles"), view.hasRoles);
+  sayLasso();
   $("roles").disabled = mode !== "plant";
   press($("true-size"), view.isTrueSize);
   $("wipe").hidden = mode !== "wipe";
@@ -319,56 +323,6 @@ const sayLevels = (result) => {
   const { grown } = state.source;
   const grows = grown ? `secateur grow ${grown.species} --leaves ${grown.leaves} --seed ${grown.seed} -o ${state.name}\n` : "";
   $("command").textContent = grows + commandOf(decisions, state.name, $("layout").value);
-};
-
-// Picks a part, to say what it is; or, where rays are given and the part has several, the piece of it that the first of
-// them meets.
-const pick = (place, rays = null) => {
-  const isSame = place === stage.view.picked;
-  choosePiece(null);
-  stage.set({ picked: isSame && !rays ? null : place, mode: "plant" });
-  say();
-  if (rays && !state.isBusy && pickedPrimitive().pieces > 1) pickPiece(place, rays);
-};
-
-const pickedPrimitive = () => state.inspection.primitives.find((primitive) => primitive.place === stage.view.picked);
-
-const pickPiece = async (place, rays) => {
-  try {
-    await reopen();
-    const piece = await engine.call("pieceAt", { place, rays });
-    if (!piece || stage.view.picked !== place) return;
-    choosePiece({ ...piece, taken: stage.taken(piece.picture) });
-  } catch (error) {
-    if (!(error instanceof Cancelled)) tell(error.message);
-  }
-  say();
-};
-
-// What was drawn of another piece goes.
-const choosePiece = (piece) => {
-  if (stage.view.met) stage.renderer.free(stage.view.met.taken.model);
-  stage.set({ met: piece });
-  sayPiece();
-};
-
-// The piece that was met is what is meant where its scope is chosen.
-const sayPiece = () => {
-  const { met } = stage.view;
-  const { options } = $("scope");
-  options.namedItem("scope-piece").hidden = options.namedItem("scope-piece").disabled = !met;
-  if (!met && $("scope").value === "piece") $("scope").value = "part";
-  const piece = $("scope").value === "piece" ? met : null;
-  stage.set({ piece });
-  $("is-other").disabled = piece !== null;
-};
-
-const giveRole = (role) => {
-  const primitive = pickedPrimitive();
-  const meant = { primitive, scope: $("scope").value, piece: stage.view.piece?.number };
-  const decided = primitive && withRole(state.inspection, state.leafPieces, decisions.now, meant, role);
-  if (decided) return decisions.decide({ ...decided, shown: null });
-  tell(role === "other" ? "The file has no name that says just this: try its material or its mesh." : "At least one part must stay leaves.");
 };
 
 const showOpen = () => {

@@ -37,9 +37,29 @@ const fillParts = (inspection, picked, choose) => {
   $("parts").replaceChildren(...rows);
 };
 
-const fillPart = (primitive, met) => {
-  $("part").hidden = !primitive;
-  if (!primitive) return;
+// What is said of several that were chosen: { items, triangles }.
+const chosenText = ({ items, triangles }) => {
+  const all = Object.values(items);
+  const pieces = all.reduce((sum, numbers) => sum + (numbers?.length ?? 0), 0);
+  const counted = (n, name) => `${number(n)} ${name}${n === 1 ? "" : "s"}`;
+  const parts = counted(all.length, "part");
+  return `You chose ${pieces > 0 ? `${counted(pieces, "piece")} of ${parts}` : parts}, ${counted(triangles, "triangle")} in all. What are they?`;
+};
+
+const fillPart = (primitive, met, chosen) => {
+  $("part").hidden = !primitive && !chosen;
+  $("of-scope").hidden = chosen !== null;
+  $("of-pieces").hidden = !(primitive?.pieces > 1);
+  if ($("pieces").dataset.of !== primitive?.place) {
+    $("of-pieces").open = false;
+    $("pieces").dataset.of = "";
+    $("pieces").replaceChildren();
+  }
+  if (chosen) {
+    $("why").textContent = chosenText(chosen);
+    for (const role of Object.keys(ROLES)) press($(`is-${role}`), false);
+  }
+  if (!primitive || chosen) return;
   const by = primitive.chosen_by_user ? "You chose it." : "";
   const reasons = primitive.reasons.map((reason) => `${reason.points > 0 ? "+" : ""}${reason.points || "·"} ${reason.text}`);
   const piece = met ? ` You clicked piece ${number(met.number + 1)}, of ${number(met.triangles)} triangles.` : "";

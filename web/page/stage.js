@@ -21,8 +21,9 @@ class Stage {
     // mode: "plant", "beside", "wipe", "blink" or "difference". wipe: the share that shows the original.
     // steps: of the removal order, where its slider chooses the leaves of the level; else null.
     // picked: the place of a part; met: { number, triangles, taken } of the
-    // piece of it that was clicked; piece: the same, where that piece alone is meant.
-    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null, met: null, piece: null };
+    // piece of it that was clicked; piece: the same, where that piece alone is meant. chosen: { items, triangles, taken }
+    // of several that are meant, by place the numbers of pieces, or null for all.
+    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null, met: null, piece: null, chosen: null };
     this.plant = null;
     this.levels = null;
     this.heat = null;
@@ -126,25 +127,32 @@ class Stage {
     const { renderer, plant, view } = this;
     renderer.use(plant.model);
     const camera = this.cameraOf(box);
+    const over = view.chosen ?? (view.picked === null ? null : view.piece);
     const plants = plant.model.scene.levels[0].surfaces.length;
     plant.model.scene.levels.forEach((_, level) => {
       const meshes = renderer.level(level);
       const partOf = (mesh) => plant.parts[meshes.indexOf(mesh) + level * plants];
       const tint = (mesh) => {
         const part = partOf(mesh);
-        if (part.place === view.picked && !view.piece) return PICKED;
+        if (part.place === view.picked && !over) return PICKED;
         return view.hasRoles ? ROLES[part.role].color : null;
       };
       const isOver = level > 0;
       renderer.draw({ level, steps: null }, camera, { ...box, isOver }, { leaves: true, wood: true, wire: false, tint });
     });
-    if (!view.piece || view.picked === null) return;
+    if (!over) return;
     const { gl } = renderer;
-    renderer.use(view.piece.taken.model);
+    renderer.use(over.taken.model);
     // Its corners are rounded to other steps than those of the plant.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(-2, -64);
     renderer.draw({ level: 0, steps: null }, camera, { ...box, isOver: true }, { leaves: true, wood: true, wire: false, tint: () => PICKED });
+  }
+
+  // The camera of the plant alone, and the box that it fills.
+  aloneCamera() {
+    const [box] = this.boxes();
+    return { camera: this.cameraOf(box), box };
   }
 
   // Rays from the eye through the pixel at a place of the window, then through those beside it, as { from, along }: what

@@ -29,7 +29,15 @@ const opened = async (name, bytes, leaves, notPlant) => {
   forget();
   const sha256 = await sha256Of(bytes);
   tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves), JSON.stringify(notPlant));
-  return { name, sha256, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, leafPieces: JSON.parse(tree.leafPieces()), picture: pictureOf(tree.picture()) };
+  return { name, sha256, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, leafPieces: JSON.parse(tree.leafPieces()), otherPieces: JSON.parse(tree.otherPieces()), picture: pictureOf(tree.picture()) };
+};
+
+// Several pieces or parts: { items, triangles, picture }, or null for none.
+const chosenOf = (chosen) => {
+  if (!chosen) return null;
+  const value = { items: JSON.parse(chosen.items()), triangles: chosen.triangles(), picture: pictureOf(chosen.picture()) };
+  chosen.free();
+  return value;
 };
 
 const base64Of = (bytes) => {
@@ -103,6 +111,11 @@ const calls = {
     piece.free();
     return value;
   },
+  // The pieces of a part, most triangles first: [number, triangles].
+  pieces: ({ place }) => JSON.parse(tree.pieces(place)),
+  piecesAt: ({ place, numbers }) => chosenOf(tree.piecesAt(place, new Uint32Array(numbers))),
+  // What of the plant lies for the most part in a loop.
+  lasso: ({ camera, corners, ofParts }) => chosenOf(tree.lasso(new Float64Array(camera), new Float64Array(corners), ofParts)),
   // A level that nobody takes home.
   coarse({ settings }, id) {
     const level = tree.level(JSON.stringify(settings), tellOf(id));

@@ -30,7 +30,7 @@ const OF_PREVIEW: [&str; 7] = [
 ];
 
 /// Scripts of this page, in the order in which they build on each other.
-const OF_PAGE: [&str; 13] = [
+const OF_PAGE: [&str; 15] = [
     "words.js",
     "fit.js",
     "leaves.js",
@@ -42,6 +42,8 @@ const OF_PAGE: [&str; 13] = [
     "plants.js",
     "memory.js",
     "any_number.js",
+    "lasso.js",
+    "choosing.js",
     "controls.js",
     "page.js",
 ];
